@@ -1,0 +1,2 @@
+//! The hammer on the microcontroller (being written).
+#![no_std]

@@ -1,0 +1,1 @@
+//! The hammer on the desktop (being written).

@@ -1,0 +1,3 @@
+//! The hammer model (being written).
+#![no_std]
+#![forbid(unsafe_code)]

@@ -1,0 +1,1 @@
+//! End-to-end tests stand in `tests/`; this library is empty.

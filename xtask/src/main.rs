@@ -1,0 +1,2 @@
+//! The caretaker (being written).
+fn main() {}
