@@ -1,0 +1,237 @@
+//! Bookkeeping of contacts: what each one did, how many there were in a drive period.
+
+use crate::drive::Stamp;
+use crate::scalar::Real;
+
+/// A stay longer than this, after three onsets within one period, is chatter: s.
+pub const CHATTER_STAY_S: f64 = 5e-3;
+
+/// One finished stay in Γ+.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact<R> {
+    /// When it began.
+    pub onset: Stamp,
+    /// When it ended.
+    pub release: Stamp,
+    /// How long it lasted, s.
+    pub duration_s: R,
+    /// δ̇ at onset, m/s.
+    pub approach_speed: R,
+    /// −δ̇ at release, m/s.
+    pub rebound_speed: R,
+    /// Largest force, N, interpolated between the integrator's points.
+    pub peak_force: R,
+    /// ∫F dt, N·s.
+    pub impulse: R,
+    /// Energy the contact took from the hammer, J: the work of the force (or torque) really applied.
+    pub energy_lost: R,
+}
+
+/// What happened in one drive period, strobe to strobe.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Period<R> {
+    /// Contacts that began.
+    pub onsets: u16,
+    /// Whether the hammer touched the surface at all.
+    pub touched: bool,
+    /// Whether three or more onsets ended in a stay longer than [`CHATTER_STAY_S`].
+    pub chatter: bool,
+    /// Largest contact force, N.
+    pub peak_force: R,
+}
+
+/// A piece of a step spent in contact: what the ledger needs of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece<R> {
+    /// Length, s.
+    pub span_s: R,
+    /// Force at its two ends, N.
+    pub force: (R, R),
+    /// Rate of the force at its two ends, N/s.
+    pub force_rate: (R, R),
+    /// ∫F dt over it, N·s.
+    pub impulse: R,
+    /// Work done on the surface over it, J.
+    pub work: R,
+}
+
+/// The book: the open contact, and the period so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger<R> {
+    open: Option<Open<R>>,
+    period: Period<R>,
+    /// Onsets of this contact and the two before it, latest first.
+    recent: [Option<Stamp>; 3],
+    finished: Option<Contact<R>>,
+    missed: u16,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Open<R> {
+    onset: Stamp,
+    duration: R,
+    approach: R,
+    peak: R,
+    impulse: R,
+    work: R,
+}
+
+impl<R: Real> Ledger<R> {
+    /// A contact begins at `at` with penetration rate `approach`, m/s.
+    #[inline]
+    pub fn onset(&mut self, at: Stamp, approach: R) {
+        let [last, before, _] = self.recent;
+        self.recent = [Some(at), last, before];
+        self.period.onsets = self.period.onsets.saturating_add(1);
+        self.period.touched = true;
+        self.open = Some(Open {
+            onset: at,
+            duration: R::ZERO,
+            approach,
+            peak: R::ZERO,
+            impulse: R::ZERO,
+            work: R::ZERO,
+        });
+    }
+
+    /// Time passes in contact.
+    #[inline]
+    pub fn add(&mut self, piece: &Piece<R>) {
+        let Some(open) = &mut self.open else {
+            return;
+        };
+        let peak = piece.peak();
+        open.duration += piece.span_s;
+        open.impulse += piece.impulse;
+        open.work += piece.work;
+        open.peak = open.peak.max(peak);
+        self.period.touched = true;
+        self.period.peak_force = self.period.peak_force.max(peak);
+        if open.duration > R::from_f64(CHATTER_STAY_S)
+            && let [Some(last), _, Some(third)] = self.recent
+            && last.within_a_turn_of(third)
+        {
+            self.period.chatter = true;
+        }
+    }
+
+    /// The contact ends at `at` with penetration rate `rate` (negative: moving away), m/s.
+    #[inline]
+    pub fn release(&mut self, at: Stamp, rate: R) {
+        let Some(open) = self.open.take() else {
+            return;
+        };
+        if self.finished.is_some() {
+            self.missed = self.missed.saturating_add(1);
+        }
+        self.finished = Some(Contact {
+            onset: open.onset,
+            release: at,
+            duration_s: open.duration,
+            approach_speed: open.approach,
+            rebound_speed: -rate,
+            peak_force: open.peak,
+            impulse: open.impulse,
+            energy_lost: open.work,
+        });
+    }
+
+    /// The contact finished since the last call, if any.
+    #[inline]
+    pub fn take_finished(&mut self) -> Option<Contact<R>> {
+        self.finished.take()
+    }
+
+    /// Contacts overwritten before they were taken: a tick so long that two contacts ended in it.
+    #[inline]
+    pub fn missed(&self) -> u16 {
+        self.missed
+    }
+
+    /// Closes the period at a strobe.
+    #[inline]
+    pub fn close_period(&mut self) -> Period<R> {
+        let fresh = Period {
+            touched: self.open.is_some(),
+            ..Period::default()
+        };
+        core::mem::replace(&mut self.period, fresh)
+    }
+}
+
+impl<R: Real> Piece<R> {
+    /// Largest force in the piece, N: at an end, or at the interior maximum of the cubic through both
+    /// ends' values and slopes.
+    #[inline]
+    fn peak(&self) -> R {
+        let (f0, f1) = self.force;
+        let ends = f0.max(f1);
+        let (d0, d1) = (
+            self.force_rate.0 * self.span_s,
+            self.force_rate.1 * self.span_s,
+        );
+        if !(d0 > R::ZERO && d1 < R::ZERO) {
+            return ends;
+        }
+        // Slope of the cubic: c + b s + a s², falling from d0 > 0 to d1 < 0; its one root in (0, 1).
+        let three = R::ONE + R::TWO;
+        let rise = f1 - f0;
+        let a = three * (d0 + d1 - R::TWO * rise);
+        let b = R::TWO * (three * rise - R::TWO * d0 - d1);
+        let discriminant = (b * b - R::TWO * R::TWO * a * d0).max(R::ZERO);
+        let s = R::TWO * d0 / (discriminant.sqrt() - b);
+        // Horner of f0 + d0 s + b/2 s² + a/3 s³.
+        let top = f0 + s * (d0 + s * (R::HALF * b + s * (a / three)));
+        ends.max(top)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_peak_between_two_points_is_found() {
+        // F = 100 sin(t) from t = 1.4 to 1.7: the top is 100.
+        let (t0, t1) = (1.4_f64, 1.7_f64);
+        let piece = Piece {
+            span_s: t1 - t0,
+            force: (100.0 * t0.sin(), 100.0 * t1.sin()),
+            force_rate: (100.0 * t0.cos(), 100.0 * t1.cos()),
+            impulse: 0.0,
+            work: 0.0,
+        };
+        assert!((piece.peak() - 100.0).abs() < 1e-3, "{}", piece.peak());
+    }
+
+    #[test]
+    fn three_onsets_and_a_long_stay_are_chatter_and_two_are_not() {
+        for onsets in [2, 3] {
+            let mut ledger = Ledger::<f32>::default();
+            for i in 0..onsets {
+                let at = Stamp {
+                    cycle: 7,
+                    phase: i << 26,
+                };
+                ledger.onset(at, 0.01);
+                if i + 1 < onsets {
+                    ledger.release(at, -0.005);
+                }
+            }
+            let stay = Piece {
+                span_s: 1e-3,
+                force: (1.0, 1.0),
+                force_rate: (0.0, 0.0),
+                impulse: 1e-3,
+                work: 0.0,
+            };
+            for _ in 0..6 {
+                ledger.add(&stay);
+            }
+            let period = ledger.close_period();
+            assert_eq!(period.onsets, onsets as u16);
+            assert_eq!(period.chatter, onsets == 3);
+            assert!(ledger.close_period().touched, "still in contact");
+        }
+    }
+}

@@ -1,0 +1,409 @@
+//! The parameters of a rig, in SI units, and the presets of Tables 3.1 to 3.3.
+
+use core::f64::consts::TAU;
+
+use crate::contact::Law;
+
+/// Standard gravity as the chapter uses it, m/s².
+pub const GRAVITY_M_PER_S2: f64 = 9.81;
+
+/// How the contact force turns the pendulum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Torque {
+    /// F l, as equation 3-16 prints it: the chapter's results are computed with this.
+    #[default]
+    Literal,
+    /// F l cos θ, the moment of a horizontal force.
+    Cosine,
+}
+
+/// What the hammer hangs on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SupportParams {
+    /// Wires: a pendulum (3-15). Its dynamics use g/l.
+    Wires {
+        /// l, m.
+        length_m: f64,
+        /// g, m/s².
+        gravity_m_per_s2: f64,
+        /// ω/2π, Hz: what frequency ratios are relative to. Table 3.2 rounds √(g/l)/2π = 1.8202 to 1.82.
+        natural_frequency_hz: f64,
+        /// How the contact force turns the pendulum.
+        torque: Torque,
+    },
+    /// Beam springs (3-30): k = mω², c = 2ζmω.
+    Beams {
+        /// ω/2π, Hz.
+        natural_frequency_hz: f64,
+        /// ζ.
+        damping_ratio: f64,
+        /// κ, N/m³; `None`: numerically k, as the chapter writes it.
+        cubic_stiffness_n_per_m3: Option<f64>,
+    },
+}
+
+/// Every parameter of a rig.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigParams {
+    /// What the hammer hangs on.
+    pub support: SupportParams,
+    /// Hammer mass m, kg.
+    pub mass_kg: f64,
+    /// Cart mass M, kg. Prescribed motion does not use it; what the shaker must give does.
+    pub cart_mass_kg: f64,
+    /// Cart amplitude A0, m.
+    pub amplitude_m: f64,
+    /// Clearance at rest, m. Negative: the hammer rests pressed against the surface.
+    pub gap_m: f64,
+    /// The contact law.
+    pub contact: Law<f64>,
+}
+
+/// A parameter out of range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParamError {
+    /// Which parameter, with its unit, as the command line and rig files name it.
+    pub key: &'static str,
+    /// What it was, in the unit of `key`.
+    pub value: f64,
+    /// What it must be.
+    pub must_be: &'static str,
+}
+
+impl core::fmt::Display for ParamError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} is {}, must be {}",
+            self.key, self.value, self.must_be
+        )
+    }
+}
+
+impl core::error::Error for ParamError {}
+
+/// The spring-dashpot of Table 3.1.
+pub const TABLE_3_1: Law<f64> = Law::SpringDashpot {
+    stiffness: 5.5e6,
+    damping: 1.2e3,
+};
+
+const fn rig(support: SupportParams) -> RigParams {
+    RigParams {
+        support,
+        mass_kg: 0.298,
+        cart_mass_kg: 5.38,
+        amplitude_m: 0.89e-3,
+        gap_m: 0.0,
+        contact: TABLE_3_1,
+    }
+}
+
+const fn beams(natural_frequency_hz: f64) -> RigParams {
+    rig(SupportParams::Beams {
+        natural_frequency_hz,
+        damping_ratio: 0.004,
+        cubic_stiffness_n_per_m3: None,
+    })
+}
+
+/// The hammer on wires (Tables 3.1 and 3.2).
+pub const WIRES: RigParams = rig(SupportParams::Wires {
+    length_m: 0.075,
+    gravity_m_per_s2: GRAVITY_M_PER_S2,
+    natural_frequency_hz: 1.82,
+    torque: Torque::Literal,
+});
+/// Beam springs, couplings 170 mm apart (Tables 3.1 and 3.3).
+pub const BEAM_170: RigParams = beams(4.50);
+/// Beam springs, couplings 150 mm apart (Tables 3.1 and 3.3).
+pub const BEAM_150: RigParams = beams(5.25);
+/// Beam springs, couplings 135 mm apart (Tables 3.1 and 3.3).
+pub const BEAM_135: RigParams = beams(6.50);
+
+/// The presets by name.
+pub const PRESETS: [(&str, RigParams); 4] = [
+    ("wires", WIRES),
+    ("beam-170", BEAM_170),
+    ("beam-150", BEAM_150),
+    ("beam-135", BEAM_135),
+];
+
+/// The contact laws by name, each with parameters that make the contact of Table 3.1 (0.571 ms and
+/// restitution 0.317 at 0.08 m/s, hammer against a fixed wall) as far as the law can: Table 3.1's ki is
+/// in N/m and fits the spring-dashpot alone. Hertz loses nothing (restitution 1); Lankarani–Nikravesh at
+/// e = 0 still rebounds at 0.66. Both match the contact time. A test in host-sim solves all three anew.
+pub const LAWS: [(&str, Law<f64>); 4] = [
+    ("spring-dashpot", TABLE_3_1),
+    (
+        "hertz",
+        Law::Hertz {
+            stiffness: 1.0e9,
+            exponent: 1.5,
+        },
+    ),
+    (
+        "hunt-crossley",
+        Law::HuntCrossley {
+            stiffness: 1.0e9,
+            exponent: 1.5,
+            damping_ratio: 10.0,
+        },
+    ),
+    (
+        "lankarani-nikravesh",
+        Law::LankaraniNikravesh {
+            stiffness: 1.0e9,
+            exponent: 1.5,
+            restitution: 0.0,
+        },
+    ),
+];
+
+/// The preset called `name`.
+pub fn preset(name: &str) -> Option<RigParams> {
+    let found = PRESETS.iter().find(|(n, _)| *n == name);
+    found.map(|(_, params)| *params)
+}
+
+impl RigParams {
+    /// ω/2π, Hz: what frequency ratios are relative to.
+    pub fn natural_frequency_hz(&self) -> f64 {
+        match self.support {
+            SupportParams::Wires {
+                natural_frequency_hz,
+                ..
+            }
+            | SupportParams::Beams {
+                natural_frequency_hz,
+                ..
+            } => natural_frequency_hz,
+        }
+    }
+
+    /// m g, N: what force ratios are relative to.
+    pub fn weight_n(&self) -> f64 {
+        let gravity = match self.support {
+            SupportParams::Wires {
+                gravity_m_per_s2, ..
+            } => gravity_m_per_s2,
+            SupportParams::Beams { .. } => GRAVITY_M_PER_S2,
+        };
+        self.mass_kg * gravity
+    }
+
+    /// The same rig with its natural frequency scaled: wires through their length, beams directly.
+    #[must_use]
+    pub fn with_natural_frequency_scaled(mut self, factor: f64) -> Self {
+        match &mut self.support {
+            SupportParams::Wires {
+                length_m,
+                natural_frequency_hz,
+                ..
+            } => {
+                *length_m /= factor * factor;
+                *natural_frequency_hz *= factor;
+            }
+            SupportParams::Beams {
+                natural_frequency_hz,
+                ..
+            } => *natural_frequency_hz *= factor,
+        }
+        self
+    }
+
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// The first parameter that no rig can have.
+    pub fn check(&self) -> Result<(), ParamError> {
+        let positive = "a positive number";
+        positive_finite("mass_kg", self.mass_kg, positive)?;
+        positive_finite("cart_mass_kg", self.cart_mass_kg, positive)?;
+        let millimetres = "a positive number of at most 100 mm";
+        positive_finite("amplitude_mm", self.amplitude_m * 1e3, millimetres)?;
+        ensure(
+            self.amplitude_m <= 0.1,
+            "amplitude_mm",
+            self.amplitude_m * 1e3,
+            millimetres,
+        )?;
+        match self.support {
+            SupportParams::Wires {
+                length_m,
+                gravity_m_per_s2,
+                natural_frequency_hz,
+                ..
+            } => {
+                positive_finite("wire_length_mm", length_m * 1e3, positive)?;
+                positive_finite("gravity_m_per_s2", gravity_m_per_s2, positive)?;
+                let derived = libm::sqrt(gravity_m_per_s2 / length_m) / TAU;
+                ensure(
+                    libm::fabs(natural_frequency_hz / derived - 1.0) <= 1e-3,
+                    "natural_frequency_hz",
+                    natural_frequency_hz,
+                    "within 0.1 % of what wire_length_mm and gravity_m_per_s2 give (leave one of them out)",
+                )?;
+                ensure(
+                    libm::fabs(self.gap_m) <= 0.5 * length_m,
+                    "gap_mm",
+                    self.gap_m * 1e3,
+                    "a number of at most half the wire length, either sign",
+                )?;
+            }
+            SupportParams::Beams {
+                natural_frequency_hz,
+                damping_ratio,
+                cubic_stiffness_n_per_m3,
+            } => {
+                positive_finite("natural_frequency_hz", natural_frequency_hz, positive)?;
+                let below_one = "a number from 0 to below 1";
+                ensure(
+                    (0.0..1.0).contains(&damping_ratio),
+                    "damping_ratio",
+                    damping_ratio,
+                    below_one,
+                )?;
+                let cubic = cubic_stiffness_n_per_m3.unwrap_or(0.0);
+                let not_negative = "zero or a positive number";
+                not_negative_finite("cubic_stiffness_n_per_m3", cubic, not_negative)?;
+            }
+        }
+        ensure(
+            libm::fabs(self.gap_m) <= 0.1,
+            "gap_mm",
+            self.gap_m * 1e3,
+            "a number from -100 to 100",
+        )?;
+        check_law(&self.contact)
+    }
+}
+
+fn check_law(law: &Law<f64>) -> Result<(), ParamError> {
+    let positive = "a positive number";
+    let not_negative = "zero or a positive number";
+    let exponent = law.exponent();
+    match law {
+        Law::SpringDashpot { stiffness, damping } => {
+            positive_finite("contact_stiffness_n_per_m", *stiffness, positive)?;
+            not_negative_finite("contact_damping_n_s_per_m", *damping, not_negative)
+        }
+        _ => {
+            positive_finite("contact_stiffness_n_per_m", law.stiffness(), positive)?;
+            let range = "a number from 1 to 4";
+            let in_range = (1.0..=4.0).contains(&exponent);
+            ensure(in_range, "contact_exponent", exponent, range)?;
+            match *law {
+                Law::HuntCrossley { damping_ratio, .. } => not_negative_finite(
+                    "contact_damping_ratio_s_per_m",
+                    damping_ratio,
+                    not_negative,
+                ),
+                Law::LankaraniNikravesh { restitution, .. } => ensure(
+                    (0.0..=1.0).contains(&restitution),
+                    "contact_restitution",
+                    restitution,
+                    "a number from 0 to 1",
+                ),
+                Law::Hertz { .. } | Law::SpringDashpot { .. } => Ok(()),
+            }
+        }
+    }
+}
+
+fn ensure(
+    holds: bool,
+    key: &'static str,
+    value: f64,
+    must_be: &'static str,
+) -> Result<(), ParamError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(ParamError {
+            key,
+            value,
+            must_be,
+        })
+    }
+}
+
+fn positive_finite(key: &'static str, value: f64, must_be: &'static str) -> Result<(), ParamError> {
+    ensure(value > 0.0 && value.is_finite(), key, value, must_be)
+}
+
+fn not_negative_finite(
+    key: &'static str,
+    value: f64,
+    must_be: &'static str,
+) -> Result<(), ParamError> {
+    ensure(value >= 0.0 && value.is_finite(), key, value, must_be)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_valid_and_found_by_name() {
+        for (name, params) in PRESETS {
+            assert_eq!(params.check(), Ok(()), "{name}");
+            assert_eq!(preset(name), Some(params));
+            for (_, contact) in LAWS {
+                assert_eq!(RigParams { contact, ..params }.check(), Ok(()));
+            }
+        }
+        assert_eq!(preset("rope"), None);
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let key = |params: RigParams| params.check().unwrap_err().key;
+        assert_eq!(
+            key(RigParams {
+                mass_kg: -1.0,
+                ..WIRES
+            }),
+            "mass_kg"
+        );
+        assert_eq!(
+            key(RigParams {
+                mass_kg: f64::NAN,
+                ..WIRES
+            }),
+            "mass_kg"
+        );
+        assert_eq!(
+            key(RigParams {
+                gap_m: f64::INFINITY,
+                ..BEAM_170
+            }),
+            "gap_mm"
+        );
+        assert_eq!(
+            key(RigParams {
+                amplitude_m: 0.0,
+                ..WIRES
+            }),
+            "amplitude_mm"
+        );
+        let contact = Law::SpringDashpot {
+            stiffness: 5.5e6,
+            damping: -1.0,
+        };
+        assert_eq!(
+            key(RigParams { contact, ..WIRES }),
+            "contact_damping_n_s_per_m"
+        );
+    }
+
+    #[test]
+    fn scaling_the_natural_frequency_of_wires_goes_through_their_length() {
+        let scaled = WIRES.with_natural_frequency_scaled(1.02);
+        assert_eq!(scaled.check(), Ok(()));
+        let SupportParams::Wires { length_m, .. } = scaled.support else {
+            panic!("wires stay wires");
+        };
+        assert!((length_m - 0.075 / 1.0404).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,113 @@
+//! Sine and versine (1 − cos) for small angles, without range reduction.
+//!
+//! The pendulum swings through a few degrees and the drive is rotated by a fraction of a degree per
+//! tick, so the Taylor polynomials are used as they stand, cut where the next term no longer matters.
+//! For |x| ≤ 1 rad, measured against `f64` over a dense grid (see the tests, which enforce it):
+//!
+//! | function | terms to | error in units in the last place |
+//! |---|---|---|
+//! | `sin`, f32 | x¹¹ | ≤ 1.0 |
+//! | `versin`, f32 | x¹² | ≤ 2.0 |
+//! | `sin`, `versin`, f64 | x²¹, x²² | relative error ≤ 7e-16 |
+//!
+//! Beyond 1 rad (no hammer that works gets there: the supervisor trips on travel long before) libm
+//! answers, slower and as accurate.
+
+/// Largest |angle| the polynomials are used for, rad.
+pub const SMALL_ANGLE_RAD: f64 = 1.0;
+
+/// `(sin x, 1 − cos x)` in `f32`.
+#[inline]
+pub fn sin_versin_f32(x: f32) -> (f32, f32) {
+    if x.abs() > SMALL_ANGLE_RAD as f32 {
+        return (libm::sinf(x), 1.0 - libm::cosf(x));
+    }
+    let x2 = x * x;
+    let sin = 1.0 / 362_880.0 - x2 * (1.0 / 39_916_800.0);
+    let sin = -1.0 / 5_040.0 + x2 * sin;
+    let sin = 1.0 / 120.0 + x2 * sin;
+    let sin = -1.0 / 6.0 + x2 * sin;
+    let versin = 1.0 / 3_628_800.0 - x2 * (1.0 / 479_001_600.0);
+    let versin = -1.0 / 40_320.0 + x2 * versin;
+    let versin = 1.0 / 720.0 + x2 * versin;
+    let versin = -1.0 / 24.0 + x2 * versin;
+    (x + x * (x2 * sin), x2 * (0.5 + x2 * versin))
+}
+
+/// `(sin x, 1 − cos x)` in `f64`.
+#[inline]
+pub fn sin_versin_f64(x: f64) -> (f64, f64) {
+    if x.abs() > SMALL_ANGLE_RAD {
+        let half = libm::sin(0.5 * x);
+        return (libm::sin(x), 2.0 * half * half);
+    }
+    let x2 = x * x;
+    // Horner from the highest term: each step divides by the two factors the factorial gains.
+    let (mut sin, mut versin) = (1.0, 1.0);
+    for half in (2..=10).rev() {
+        sin = 1.0 - x2 * sin * RECIPROCAL[2 * half];
+    }
+    for half in (1..=10).rev() {
+        versin = 1.0 - x2 * versin * RECIPROCAL[2 * half + 1];
+    }
+    (x - x * (x2 * sin * RECIPROCAL[2]), 0.5 * x2 * versin)
+}
+
+/// `RECIPROCAL[k] = 1 / (k (k + 1))`.
+const RECIPROCAL: [f64; 22] = {
+    let mut table = [1.0; 22];
+    let mut k = 1;
+    while k < 22 {
+        table[k] = 1.0 / ((k * (k + 1)) as f64);
+        k += 1;
+    }
+    table
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance of `got` from `want` in units in the last place of `want` as `f32`.
+    fn ulps(got: f32, want: f64) -> f64 {
+        let scale = (want as f32).abs().max(f32::MIN_POSITIVE);
+        let ulp = f32::from_bits(scale.to_bits() + 1) - scale;
+        (f64::from(got) - want).abs() / f64::from(ulp)
+    }
+
+    #[test]
+    fn f32_is_within_its_stated_bounds_up_to_one_radian() {
+        let (mut worst_sin, mut worst_versin) = (0.0_f64, 0.0_f64);
+        for i in 1..=400_000 {
+            let x = i as f32 * 2.5e-6;
+            for x in [x, -x] {
+                let (sin, versin) = sin_versin_f32(x);
+                let exact = f64::from(x);
+                worst_sin = worst_sin.max(ulps(sin, exact.sin()));
+                worst_versin = worst_versin.max(ulps(versin, 2.0 * (0.5 * exact).sin().powi(2)));
+            }
+        }
+        assert!(worst_sin <= 1.0, "sin: {worst_sin} ulp");
+        assert!(worst_versin <= 2.0, "versin: {worst_versin} ulp");
+    }
+
+    #[test]
+    fn f64_agrees_with_the_standard_library() {
+        for i in -3_000..=3_000 {
+            let x = f64::from(i) * 1e-3;
+            let (sin, versin) = sin_versin_f64(x);
+            let want = 2.0 * (0.5 * x).sin().powi(2);
+            assert!((sin - x.sin()).abs() <= 7e-16 * x.sin().abs(), "sin {x}");
+            assert!((versin - want).abs() <= 7e-16 * want, "versin {x}");
+        }
+    }
+
+    #[test]
+    fn beyond_the_polynomials_f32_still_answers() {
+        for x in [-3.0_f32, -1.1, 1.1, 2.0, 3.1] {
+            let (sin, versin) = sin_versin_f32(x);
+            assert!((sin - x.sin()).abs() < 2e-7);
+            assert!((versin - (1.0 - x.cos())).abs() < 2e-7);
+        }
+    }
+}
