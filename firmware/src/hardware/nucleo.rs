@@ -1,0 +1,121 @@
+//! NUCLEO-F446RE: clocks, pins and the control timer; the way into the safe
+//! state that panics and faults share.
+//!
+//! | pin | what | safe level |
+//! |---|---|---|
+//! | PA5 | user LED (LD2), shows life | any |
+//! | PA8 (Arduino D7) | drive enable, active high | low |
+//!
+//! Between reset and [`Board::new`] all pins float: the drive stage needs a
+//! pull-down of its own on its enable input.
+#![allow(unsafe_code)]
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use defmt_rtt as _;
+use stm32f4xx_hal::{
+    gpio::{Output, PA5, PA8, PinState},
+    pac,
+    prelude::*,
+    rcc::Config,
+    timer::{CounterHz, Event, Flag},
+};
+
+use crate::control::TICK_RATE_HZ;
+
+/// The processor's clock. 180 MHz is the most the part allows; the control
+/// timer's 90 MHz divide by the tick rate without remainder (4500).
+const SYSCLK_MHZ: u32 = 180;
+/// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
+const HSE_MHZ: u32 = 8;
+
+/// The board, set up and safe: the drive is off, the control timer not started.
+pub struct Board {
+    /// Shows life.
+    pub led: PA5<Output>,
+    /// Drive enable; driven low here, and nothing in this skeleton raises it.
+    pub drive_enable: PA8<Output>,
+    /// Ticks the control task.
+    pub timer: ControlTimer,
+}
+
+impl Board {
+    /// Takes the hardware into use. The drive enable is the first thing to be
+    /// driven, before the clocks change.
+    pub fn new(device: pac::Peripherals) -> Self {
+        let mut rcc = device.RCC.constrain();
+        let gpioa = device.GPIOA.split(&mut rcc);
+        let drive_enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
+        let led = gpioa.pa5.into_push_pull_output();
+
+        let clocks = Config::hse(HSE_MHZ.MHz())
+            .bypass_hse_oscillator()
+            .sysclk(SYSCLK_MHZ.MHz());
+        let mut rcc = rcc.freeze(clocks);
+        let timer = ControlTimer(device.TIM2.counter_hz(&mut rcc));
+        Self {
+            led,
+            drive_enable,
+            timer,
+        }
+    }
+}
+
+/// TIM2, interrupting once per control tick.
+pub struct ControlTimer(CounterHz<pac::TIM2>);
+
+impl ControlTimer {
+    /// Starts ticking. Returns whether the timer could be set to the tick rate.
+    pub fn start(&mut self) -> bool {
+        let started = self.0.start(TICK_RATE_HZ.Hz()).is_ok();
+        self.0.listen(Event::Update);
+        started
+    }
+
+    /// Takes note that a tick is being served; to be called first in it.
+    pub fn acknowledge(&mut self) {
+        self.0.clear_flags(Flag::Update);
+    }
+
+    /// Whether the next tick was due before this one ended; to be called last.
+    pub fn overrun(&self) -> bool {
+        self.0.flags().contains(Flag::Update)
+    }
+}
+
+/// Switches the drive off, from anywhere, whatever state the program is in.
+///
+/// Writes to the port's set/reset register, which needs no read before it.
+/// Before [`Board::new`] the port has no clock and the write does nothing: then
+/// the pin still floats, and the drive stage's own pull-down holds it off.
+pub fn make_outputs_safe() {
+    // SAFETY: a single store to a write-only register that touches one pin.
+    let gpioa = unsafe { &*pac::GPIOA::ptr() };
+    gpioa.bsrr().write(|w| w.br8().set_bit());
+}
+
+/// Outputs first, then the report, then nothing more: only a reset leaves here.
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    cortex_m::interrupt::disable();
+    make_outputs_safe();
+    defmt::error!("panic: {}", defmt::Display2Format(info));
+    halt()
+}
+
+/// Same order as in a panic. A stack that outgrew its region ends here too.
+#[exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    make_outputs_safe();
+    defmt::error!("hard fault at {=u32:#010x}", frame.pc());
+    halt()
+}
+
+/// A breakpoint for the debugger, if one is attached; then stands still.
+fn halt() -> ! {
+    if cortex_m::peripheral::DCB::is_debugger_attached() {
+        cortex_m::asm::bkpt();
+    }
+    loop {
+        cortex_m::asm::nop();
+    }
+}

@@ -1,0 +1,42 @@
+//! MPS2 AN386 as QEMU plays it: a Cortex-M4F that talks through semihosting.
+//!
+//! There are no outputs to make safe here. Text goes to QEMU's standard output,
+//! and the exit code is the run's verdict.
+
+use cortex_m_semihosting::{
+    debug::{self, EXIT_FAILURE, EXIT_SUCCESS},
+    hprintln,
+};
+
+/// The processor's clock, which also feeds SysTick.
+pub const CLOCK_HZ: u32 = 25_000_000;
+
+/// What RTIC expects to find in a device crate.
+///
+/// The app binds the processor's own SysTick alone, so no interrupt line of
+/// this board needs a name.
+pub mod device {
+    pub use Interrupt as interrupt;
+
+    /// Interrupt lines of the board in use: none.
+    pub enum Interrupt {}
+
+    /// Priority bits the board's interrupt controller implements.
+    pub const NVIC_PRIO_BITS: u8 = 3;
+}
+
+/// Ends the run with success or failure as QEMU's exit code.
+pub fn exit(success: bool) -> ! {
+    debug::exit(if success { EXIT_SUCCESS } else { EXIT_FAILURE });
+    // Without semihosting there is nobody to hear it.
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+/// Reports and fails the run.
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo) -> ! {
+    hprintln!("{}", info);
+    exit(false)
+}
