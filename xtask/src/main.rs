@@ -1,2 +1,140 @@
-//! The caretaker (being written).
-fn main() {}
+//! The caretaker: checks a change, builds the firmware, runs it in QEMU.
+//!
+//! ```text
+//! cargo xtask test          everything that must hold before a change is done
+//! cargo xtask firmware      builds the firmware
+//! cargo xtask qemu          runs it in QEMU
+//! cargo xtask bench-ticks   counts instructions per control tick
+//! cargo xtask size          flash and RAM of the images
+//! ```
+
+mod checks;
+mod command;
+mod debian;
+mod firmware;
+mod qemu;
+mod size;
+mod ticks;
+mod toolchain;
+
+use std::process::ExitCode;
+
+use firmware::Board;
+
+/// What a caretaker's job ends with; the error is meant to be read by a person.
+pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  test                        everything that must hold before a change is done;
+                              installs what it lacks on Debian as root, else says what to install
+  firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
+  qemu                        run the firmware in QEMU; its verdict is the exit code
+  bench-ticks                 count the instructions of each control tick, under QEMU
+  size                        flash and RAM of the images
+";
+
+/// A parsed command line.
+#[derive(Debug, PartialEq)]
+enum Job {
+    Help,
+    Test,
+    Firmware(Vec<Board>),
+    Qemu,
+    BenchTicks,
+    Size,
+}
+
+fn parse(args: &[&str]) -> Result<Job, String> {
+    match args {
+        [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
+        ["test"] => Ok(Job::Test),
+        ["firmware"] => Ok(Job::Firmware(Board::ALL.to_vec())),
+        ["firmware", "--board", name] => Board::named(name)
+            .map(|board| Job::Firmware(vec![board]))
+            .ok_or_else(|| format!("no board `{name}`: choose nucleo or qemu")),
+        ["qemu"] => Ok(Job::Qemu),
+        ["bench-ticks"] => Ok(Job::BenchTicks),
+        ["size"] => Ok(Job::Size),
+        other => Err(format!(
+            "cannot make sense of `{}`; see `cargo xtask help`",
+            other.join(" ")
+        )),
+    }
+}
+
+fn run(job: Job) -> Outcome {
+    match job {
+        Job::Help => print!("{HELP}"),
+        Job::Test => checks::run()?,
+        Job::Firmware(boards) => {
+            for board in boards {
+                for image in firmware::build(board)? {
+                    println!("{}", image.display());
+                }
+            }
+        }
+        Job::Qemu => qemu::run()?,
+        Job::BenchTicks => ticks::run()?,
+        Job::Size => size::run()?,
+    }
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let job = match parse(&args) {
+        Ok(job) => job,
+        Err(message) => {
+            eprintln!("error: {message}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(job) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_of_the_help_is_understood() {
+        for word in ["test", "firmware", "qemu", "bench-ticks", "size"] {
+            assert!(
+                HELP.contains(&format!("\n  {word}")),
+                "{word} is not in the help"
+            );
+            assert!(parse(&[word]).is_ok(), "{word} is not understood");
+        }
+    }
+
+    #[test]
+    fn one_board_can_be_chosen() {
+        assert_eq!(
+            parse(&["firmware", "--board", "nucleo"]),
+            Ok(Job::Firmware(vec![Board::Nucleo]))
+        );
+        assert_eq!(
+            parse(&["firmware"]),
+            Ok(Job::Firmware(vec![Board::Nucleo, Board::Qemu]))
+        );
+    }
+
+    #[test]
+    fn what_is_not_understood_is_named() {
+        assert!(
+            parse(&["firmware", "--board", "uno"])
+                .unwrap_err()
+                .contains("uno")
+        );
+        assert!(parse(&["tset"]).unwrap_err().contains("tset"));
+    }
+}

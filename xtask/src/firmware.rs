@@ -1,0 +1,133 @@
+//! Building the firmware.
+
+use std::path::PathBuf;
+
+use crate::{
+    Outcome, command, debian,
+    toolchain::{self, TARGET, Toolchain},
+};
+
+/// A board the firmware is built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Board {
+    /// ST NUCLEO-F446RE.
+    Nucleo,
+    /// Arm MPS2 AN386, played by QEMU.
+    Qemu,
+}
+
+impl Board {
+    /// Every board.
+    pub const ALL: [Self; 2] = [Self::Nucleo, Self::Qemu];
+
+    /// The board's name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nucleo => "nucleo",
+            Self::Qemu => "qemu",
+        }
+    }
+
+    /// The board of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|board| board.name() == name)
+    }
+
+    fn feature(self) -> &'static str {
+        match self {
+            Self::Nucleo => "board-nucleo",
+            Self::Qemu => "board-qemu",
+        }
+    }
+
+    fn programs(self) -> &'static [&'static str] {
+        match self {
+            Self::Nucleo => &["nucleo"],
+            Self::Qemu => &["qemu", "ticks"],
+        }
+    }
+}
+
+/// The way to build here, or what to install.
+pub fn toolchain() -> Outcome<Toolchain> {
+    toolchain::choose(&toolchain::look()).map_err(|missing| debian::advice(&missing).into())
+}
+
+/// What is built of the package, and how.
+const FIRMWARE: [&str; 5] = ["--profile", "firmware", "--package", "firmware", "--bins"];
+
+/// Builds all programs of a board and returns where they lie, relative to the root.
+pub fn build(board: Board) -> Outcome<Vec<PathBuf>> {
+    let mut cargo = toolchain()?.cargo("build");
+    cargo.args(FIRMWARE).args(["--features", board.feature()]);
+    command::run(&mut cargo)?;
+    Ok(board
+        .programs()
+        .iter()
+        .map(|program| image(program))
+        .collect())
+}
+
+/// Where a program lies once it is built, relative to the root.
+pub fn image(program: &str) -> PathBuf {
+    ["target/thumb", TARGET, "firmware", program]
+        .iter()
+        .collect()
+}
+
+/// Runs clippy over a board's programs, warnings being errors; says so where
+/// there is no clippy for the target.
+pub fn lint(board: Board) -> Outcome {
+    let toolchain = toolchain()?;
+    if !toolchain.has_clippy() {
+        println!("skipped: no clippy for {TARGET} here");
+        return Ok(());
+    }
+    let mut cargo = toolchain.cargo("clippy");
+    cargo.args(FIRMWARE).args(["--features", board.feature()]);
+    command::run(cargo.args(["--", "-D", "warnings"]))
+}
+
+/// Builds the model alone for the microcontroller: it must need nothing else.
+pub fn build_shared() -> Outcome {
+    command::run(
+        toolchain()?
+            .cargo("build")
+            .args(["--profile", "firmware", "--package", "shared"]),
+    )
+}
+
+/// Links the control task's work alone, which fails if a panic can be reached in it.
+pub fn check_panic_free() -> Outcome {
+    let mut cargo = toolchain()?.cargo("build");
+    cargo.args(FIRMWARE);
+    command::run(cargo.args(["--features", "check-panic-free"]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boards_are_found_by_their_own_name() {
+        for board in Board::ALL {
+            assert_eq!(Board::named(board.name()), Some(board));
+        }
+        assert_eq!(Board::named("uno"), None);
+    }
+
+    #[test]
+    fn features_and_programs_are_those_of_the_package() {
+        let manifest =
+            std::fs::read_to_string(command::root().join("firmware/Cargo.toml")).unwrap();
+        for board in Board::ALL {
+            assert!(manifest.contains(&format!("\n{} = [", board.feature())));
+            for program in board.programs() {
+                assert!(manifest.contains(&format!(
+                    "name = \"{program}\"\nrequired-features = [\"{}\"]",
+                    board.feature()
+                )));
+            }
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! Which Rust builds the firmware, and which linker links it.
+//!
+//! The ordinary way is a Rust that has `core` for the microcontroller
+//! (`rustup target add`). Where the target cannot be had, Debian's Rust packages
+//! bring the sources of `core` along and can build it themselves.
+
+use std::{
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use crate::command;
+
+/// The microcontroller, as Rust calls it: Cortex-M4 with a single-precision FPU.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Where Debian installs its Rust.
+const DEBIAN_BIN: &str = "/usr/bin";
+
+/// What this machine has.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// The Rust in use has `core` for the target.
+    pub target_core: bool,
+    /// The Rust in use finds its own `rust-lld` when it links.
+    pub own_linker: bool,
+    /// Debian's rustc and cargo, recent enough, with the sources of `core`.
+    pub debian_rust: bool,
+    /// A linker that can be named to either.
+    pub lld: Option<PathBuf>,
+}
+
+/// How the firmware gets built.
+#[derive(Debug, PartialEq)]
+pub enum Toolchain {
+    /// The Rust in use, as it is; with a linker where it has none.
+    InUse(Option<PathBuf>),
+    /// Debian's Rust, which builds `core` too; with this linker.
+    Debian(PathBuf),
+}
+
+/// What must be installed before the firmware can be built.
+#[derive(Debug, PartialEq)]
+pub enum Missing {
+    /// A Rust for the target.
+    Rust,
+    /// A linker for it.
+    Linker,
+}
+
+/// Chooses the way that needs least: the Rust in use, then Debian's.
+pub fn choose(found: &Found) -> Result<Toolchain, Missing> {
+    match (found.target_core, found.debian_rust) {
+        (true, _) if found.own_linker => Ok(Toolchain::InUse(None)),
+        (true, _) => found
+            .lld
+            .clone()
+            .map(|lld| Toolchain::InUse(Some(lld)))
+            .ok_or(Missing::Linker),
+        (false, true) => found
+            .lld
+            .clone()
+            .map(Toolchain::Debian)
+            .ok_or(Missing::Linker),
+        (false, false) => Err(Missing::Rust),
+    }
+}
+
+/// Looks around on this machine.
+pub fn look() -> Found {
+    let rustc = || Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    let own_tools = command::ask(rustc().args(["--print", "target-libdir"]))
+        .map(|libdir| Path::new(&libdir).with_file_name("bin"));
+    let own_lld = own_tools
+        .map(|bin| bin.join("rust-lld"))
+        .filter(|file| file.is_file());
+    let libdir = command::ask(rustc().args(["--print", "target-libdir", "--target", TARGET]));
+    Found {
+        target_core: libdir.is_some_and(|libdir| holds_core(Path::new(&libdir))),
+        own_linker: own_lld.is_some() || command::find("rust-lld").is_some(),
+        debian_rust: debian_rust(),
+        lld: command::find("ld.lld").or(own_lld),
+    }
+}
+
+fn holds_core(libdir: &Path) -> bool {
+    let files = std::fs::read_dir(libdir).into_iter().flatten().flatten();
+    files
+        .map(|file| file.file_name())
+        .any(|name| name.to_string_lossy().starts_with("libcore-"))
+}
+
+fn debian_rust() -> bool {
+    let rustc = Path::new(DEBIAN_BIN).join("rustc");
+    let version = command::ask(on_its_own(&mut Command::new(&rustc)).arg("--version"));
+    let sysroot = command::ask(on_its_own(&mut Command::new(&rustc)).args(["--print", "sysroot"]));
+    let (Some(version), Some(sysroot)) = (version, sysroot) else {
+        return false;
+    };
+    version_of(&version)
+        .is_some_and(|found| Some(found) >= version_of(env!("CARGO_PKG_RUST_VERSION")))
+        && Path::new(&sysroot)
+            .join("lib/rustlib/src/rust/library/core")
+            .is_dir()
+        && Path::new(DEBIAN_BIN).join("cargo").is_file()
+}
+
+/// Major and minor version in `rustc 1.96.0 (…)` or `1.88`.
+fn version_of(text: &str) -> Option<(u32, u32)> {
+    let number = text
+        .split_whitespace()
+        .find(|word| word.starts_with(|c: char| c.is_ascii_digit()))?;
+    let mut parts = number.split('.');
+    Some((parts.next()?.parse().ok()?, parts.next()?.parse().ok()?))
+}
+
+/// Takes from a command what the cargo that started us left in the environment
+/// for its own toolchain, and flags meant for the host.
+fn on_its_own(command: &mut Command) -> &mut Command {
+    for name in [
+        "RUSTUP_TOOLCHAIN",
+        "LD_LIBRARY_PATH",
+        "CARGO",
+        "RUSTC",
+        "RUSTDOC",
+        "RUSTC_WRAPPER",
+        "RUSTC_WORKSPACE_WRAPPER",
+    ] {
+        command.env_remove(name);
+    }
+    command
+}
+
+impl Toolchain {
+    /// `cargo SUBCOMMAND` for the target, to be run in the root of the project,
+    /// with a target folder of its own.
+    pub fn cargo(&self, subcommand: &str) -> Command {
+        let (mut command, linker) = match self {
+            Self::InUse(linker) => {
+                let mut command = command::cargo();
+                command.arg(subcommand);
+                (command, linker.as_ref())
+            }
+            Self::Debian(linker) => (debian_cargo(subcommand), Some(linker)),
+        };
+        if let Some(linker) = linker {
+            command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+        }
+        // Flags in the environment are the host's (a `target-cpu`, say).
+        command
+            .env_remove("RUSTFLAGS")
+            .env_remove("CARGO_ENCODED_RUSTFLAGS");
+        command.args(["--target", TARGET, "--target-dir", "target/thumb"]);
+        command
+    }
+
+    /// Whether `cargo clippy` can be asked for the target.
+    pub fn has_clippy(&self) -> bool {
+        match self {
+            Self::InUse(_) => {
+                command::ask(command::cargo().args(["clippy", "--version"])).is_some()
+            }
+            Self::Debian(_) => debian_clippy(),
+        }
+    }
+
+    /// One line for the log.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::InUse(_) => format!("the Rust in use (it has {TARGET})"),
+            Self::Debian(_) => "Debian's Rust (it builds `core` itself)".into(),
+        }
+    }
+}
+
+/// Whether Debian's clippy is there.
+pub fn debian_clippy() -> bool {
+    ["cargo-clippy", "clippy-driver"]
+        .iter()
+        .all(|tool| Path::new(DEBIAN_BIN).join(tool).is_file())
+}
+
+/// Building `core` is not a stable feature of cargo: `RUSTC_BOOTSTRAP` allows it,
+/// on this one command and nowhere else.
+fn debian_cargo(subcommand: &str) -> Command {
+    let bin = Path::new(DEBIAN_BIN);
+    // cargo would find another toolchain's clippy first: start Debian's directly.
+    let clippy = subcommand == "clippy";
+    let mut command = Command::new(bin.join(if clippy { "cargo-clippy" } else { "cargo" }));
+    on_its_own(&mut command)
+        .current_dir(command::root())
+        .env("RUSTC", bin.join("rustc"))
+        .env("RUSTC_BOOTSTRAP", "1");
+    if clippy {
+        command.env("CARGO", bin.join("cargo"));
+    }
+    command.args([subcommand, "-Zbuild-std=core"]);
+    command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lld() -> Option<PathBuf> {
+        Some("/usr/bin/ld.lld".into())
+    }
+
+    #[test]
+    fn a_rust_with_the_target_is_used_as_it_is() {
+        let found = Found {
+            target_core: true,
+            own_linker: true,
+            debian_rust: true,
+            lld: lld(),
+        };
+        assert_eq!(choose(&found), Ok(Toolchain::InUse(None)));
+    }
+
+    #[test]
+    fn a_rust_without_linker_is_given_one() {
+        let found = Found {
+            target_core: true,
+            lld: lld(),
+            ..Found::default()
+        };
+        assert_eq!(choose(&found), Ok(Toolchain::InUse(lld())));
+    }
+
+    #[test]
+    fn debian_steps_in_where_the_target_is_missing() {
+        let found = Found {
+            own_linker: true,
+            debian_rust: true,
+            lld: lld(),
+            ..Found::default()
+        };
+        assert_eq!(
+            choose(&found),
+            Ok(Toolchain::Debian("/usr/bin/ld.lld".into()))
+        );
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        assert_eq!(
+            choose(&Found {
+                lld: lld(),
+                ..Found::default()
+            }),
+            Err(Missing::Rust)
+        );
+        assert_eq!(
+            choose(&Found {
+                debian_rust: true,
+                ..Found::default()
+            }),
+            Err(Missing::Linker)
+        );
+        assert_eq!(
+            choose(&Found {
+                target_core: true,
+                ..Found::default()
+            }),
+            Err(Missing::Linker)
+        );
+    }
+
+    #[test]
+    fn versions_are_read_and_compared() {
+        assert_eq!(
+            version_of("rustc 1.96.0 (ac68faa20 2026-05-25)"),
+            Some((1, 96))
+        );
+        assert_eq!(version_of("1.88"), Some((1, 88)));
+        assert_eq!(version_of("rustc"), None);
+        assert!(version_of("rustc 1.63.0") < version_of("1.88"));
+    }
+
+    #[test]
+    fn bootstrap_and_the_callers_toolchain_stay_off_each_others_commands() {
+        let envs = |toolchain: Toolchain| -> Vec<(String, bool)> {
+            let command = toolchain.cargo("build");
+            command
+                .get_envs()
+                .map(|(name, value)| (name.to_string_lossy().into_owned(), value.is_some()))
+                .collect()
+        };
+        let debian = envs(Toolchain::Debian("/usr/bin/ld.lld".into()));
+        assert!(debian.contains(&("RUSTC_BOOTSTRAP".into(), true)));
+        for dropped in ["RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH", "CARGO"] {
+            assert!(
+                debian.contains(&(dropped.into(), false)),
+                "{dropped} is inherited"
+            );
+        }
+        assert!(
+            !envs(Toolchain::InUse(None))
+                .iter()
+                .any(|(name, _)| name == "RUSTC_BOOTSTRAP")
+        );
+    }
+}
