@@ -2,7 +2,7 @@
 //!
 //! This library is what both boards share; it has no hardware in it, and also
 //! compiles and tests on the host. The apps stand in `src/bin/`, what only one
-//! board can run stands behind one module each in [`hardware`].
+//! board can run stands behind one module each in `hardware`.
 #![no_std]
 
 pub mod control;
