@@ -1,0 +1,204 @@
+//! What explains a panel: its legend, named vertical markers, named points.
+
+use super::canvas::{Canvas, Letters, Rect, Spot, px, spot};
+use super::layout::{Slot, beside, fit, stagger};
+use super::series::Window;
+use super::{Color, Item, Panel, PictureError, Stroke};
+
+const NAME_TEXT: f64 = 12.0;
+const LEGEND_ROW: f64 = 18.0;
+/// Height of a row of marker names, px.
+pub(super) const MARKER_ROW: f64 = 16.0;
+
+/// Draws the names of labelled items in rows; returns where the plot may begin.
+pub(super) fn legend(canvas: &Canvas, frame: Rect, items: &[Item]) -> Result<f64, PictureError> {
+    let letters = Letters::new(NAME_TEXT);
+    // Items of the same name share an entry.
+    let mut entries: Vec<(&str, Vec<&Item>)> = Vec::new();
+    for item in items {
+        let (Item::Line { label, .. } | Item::Points { label, .. } | Item::BandX { label, .. }) =
+            item
+        else {
+            continue;
+        };
+        match entries.iter_mut().find(|(name, _)| name == label) {
+            Some((_, same)) => same.push(item),
+            None if !label.is_empty() => entries.push((label, vec![item])),
+            None => {}
+        }
+    }
+    let (mut x, mut y) = (frame.left, frame.top + LEGEND_ROW / 2.0);
+    for (name, items) in &entries {
+        let only_points = items.iter().all(|i| matches!(i, Item::Points { .. }));
+        let sample = if only_points { 8.0 } else { 24.0 };
+        let name = fit(name, letters, frame.width() - sample - 6.0);
+        let width = sample + 6.0 + letters.width(&name);
+        if x > frame.left && x + width > frame.right {
+            (x, y) = (frame.left, y + LEGEND_ROW);
+        }
+        for item in items {
+            let middle = (x + sample / 2.0, y);
+            match item {
+                Item::Line {
+                    color,
+                    width,
+                    stroke,
+                    ..
+                } => {
+                    let ends = [(x, y), (x + sample, y)];
+                    canvas.line(ends, *color, width.max(1.2), *stroke)?;
+                }
+                Item::Points {
+                    color,
+                    radius,
+                    mark,
+                    ..
+                } => {
+                    canvas.mark(spot(middle), *mark, radius.max(2.5), *color)?;
+                }
+                Item::BandX { color, .. } => {
+                    let swatch = Rect {
+                        left: x,
+                        top: y - 6.0,
+                        right: x + sample,
+                        bottom: y + 6.0,
+                    };
+                    canvas.fill(swatch, *color, 0.25)?;
+                }
+                Item::MarkX { .. } | Item::MarkPoint { .. } => {}
+            }
+        }
+        canvas.text(&name, (x + sample + 6.0, y), letters)?;
+        x += width + 18.0;
+    }
+    let rows_end = y + LEGEND_ROW / 2.0;
+    Ok(if entries.is_empty() {
+        frame.top
+    } else {
+        rows_end
+    })
+}
+
+/// A vertical marker line and its name above the plot.
+pub(super) struct Marker {
+    x: f64,
+    pub slot: Slot,
+    name: String,
+    width: f64,
+    color: Color,
+    stroke: Stroke,
+}
+
+/// The markers inside the window, their names arranged above `frame`.
+pub(super) fn markers(panel: &Panel, window: Window, frame: Rect) -> Vec<Marker> {
+    let letters = Letters::new(NAME_TEXT);
+    let mut markers: Vec<Marker> = Vec::new();
+    for item in &panel.items {
+        let Item::MarkX {
+            x,
+            label,
+            color,
+            stroke,
+        } = item
+        else {
+            continue;
+        };
+        if !(window.x.0..=window.x.1).contains(x) {
+            continue;
+        }
+        let share = (x - window.x.0) / (window.x.1 - window.x.0);
+        let name = fit(label, letters, frame.width() * 0.95);
+        markers.push(Marker {
+            x: frame.left + share * frame.width(),
+            slot: Slot { row: 0, left: 0.0 },
+            width: letters.width(&name),
+            name,
+            color: *color,
+            stroke: *stroke,
+        });
+    }
+    let sizes: Vec<_> = markers.iter().map(|m| (m.x, m.width)).collect();
+    for (marker, slot) in markers
+        .iter_mut()
+        .zip(stagger(&sizes, frame.left, frame.right))
+    {
+        marker.slot = slot;
+    }
+    markers
+}
+
+impl Marker {
+    pub fn draw(&self, canvas: &Canvas, frame: Rect) -> Result<(), PictureError> {
+        let floor = frame.top - 4.0 - self.slot.row as f64 * MARKER_ROW;
+        let beneath = (self.slot.left..=self.slot.left + self.width).contains(&self.x);
+        let top = if beneath {
+            floor
+        } else {
+            floor - MARKER_ROW + 4.0
+        };
+        let ends = [(self.x, frame.bottom), (self.x, top)];
+        canvas.line(ends, self.color, 1.2, self.stroke)?;
+        let at = (self.slot.left, floor - MARKER_ROW / 2.0);
+        canvas.text(&self.name, at, Letters::new(NAME_TEXT).color(self.color))
+    }
+}
+
+/// Draws ringed points and finds room for their names.
+pub(super) fn marked_points(
+    canvas: &Canvas,
+    panel: &Panel,
+    window: Window,
+    frame: Rect,
+    dots: &[(f64, f64)],
+    to_spot: impl Fn((f64, f64)) -> Spot,
+) -> Result<(), PictureError> {
+    let letters = Letters::new(NAME_TEXT);
+    let marked: Vec<_> = panel
+        .items
+        .iter()
+        .filter_map(|item| match item {
+            Item::MarkPoint { x, y, label, color } if window.contains((*x, *y)) => {
+                Some((to_spot((*x, *y)), label, *color))
+            }
+            _ => None,
+        })
+        .collect();
+    // The rings themselves must stay readable.
+    let mut taken: Vec<Rect> = marked
+        .iter()
+        .map(|(at, ..)| {
+            let (x, y) = px(*at);
+            Rect {
+                left: x - 7.0,
+                top: y - 7.0,
+                right: x + 7.0,
+                bottom: y + 7.0,
+            }
+        })
+        .collect();
+    for (at, label, color) in marked {
+        canvas.ring(at, 5.5, Color::PAPER, 4.5)?;
+        canvas.ring(at, 5.5, color, 2.0)?;
+        let name = fit(label, letters, frame.width() * 0.9);
+        if name.is_empty() {
+            continue;
+        }
+        let size = (letters.width(&name) + 6.0, NAME_TEXT + 5.0);
+        let (x, y) = px(at);
+        let place = beside((x, y), size, frame, &taken, dots);
+        let (nx, ny) = (
+            x.clamp(place.left, place.right),
+            y.clamp(place.top, place.bottom),
+        );
+        let away = (nx - x).hypot(ny - y);
+        if away > 15.0 {
+            let rim = (x + (nx - x) * 6.5 / away, y + (ny - y) * 6.5 / away);
+            canvas.line([rim, (nx, ny)], color, 0.8, Stroke::Solid)?;
+        }
+        canvas.fill(place, Color::PAPER, 0.85)?;
+        let middle = (place.top + place.bottom) / 2.0;
+        canvas.text(&name, (place.left + 3.0, middle), letters.color(color))?;
+        taken.push(place);
+    }
+    Ok(())
+}

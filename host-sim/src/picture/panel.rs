@@ -1,0 +1,300 @@
+//! One panel: title, legend, marker names, axes, and the data in its frame.
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use plotters::style::Color as _;
+use plotters::style::text_anchor::HPos;
+
+use super::canvas::{Canvas, Letters, Rect, Spot, library, printable, px, rgb, spot, units};
+use super::layout::fit;
+use super::names::{MARKER_ROW, legend, marked_points, markers};
+use super::series::{Window, stretches, thin};
+use super::ticks::{Ticks, axis_range, is_drawable};
+use super::{Axis, Color, Item, Panel, PictureError, Stroke};
+
+const TICK: f64 = 4.0;
+const TICK_TEXT: f64 = 12.0;
+const AXIS_TEXT: f64 = 13.0;
+const TITLE_ROW: f64 = 22.0;
+const BOTTOM: f64 = 42.0;
+const FRAME: Color = Color(0x55, 0x55, 0x55);
+const GRID: Color = Color(0xE4, 0xE4, 0xE4);
+
+/// What the axis label and the tick labels need left of the frame, px.
+pub(super) fn left_margin(panel: &Panel, cell: Rect) -> f64 {
+    let (window, _) = window(panel);
+    widest(&y_ticks(window, cell)) + 2.0 * TICK + 26.0
+}
+
+/// Draws `panel`, the `number`-th counted from 1, inside `cell` with its frame
+/// `left_margin` px from the cell's edge.
+pub(super) fn draw(
+    canvas: &Canvas,
+    cell: Rect,
+    panel: &Panel,
+    number: usize,
+    left_margin: f64,
+) -> Result<(), PictureError> {
+    let crowded = PictureError::Crowded { panel: number };
+    let (window, has_data) = window(panel);
+
+    // Sideways: the tick labels decide the margins.
+    let y_ticks = y_ticks(window, cell);
+    let room = cell.width() - left_margin;
+    if room < 60.0 {
+        return Err(crowded);
+    }
+    let x_ticks = (2..=tick_count(room, 36.0))
+        .rev()
+        .map(|most| Ticks::new(window.x.0, window.x.1, most))
+        .find(|t| t.values.len() as f64 * (widest(t) + 16.0) <= room)
+        .unwrap_or_else(|| Ticks::new(window.x.0, window.x.1, 2));
+    let mut frame = Rect {
+        left: cell.left + left_margin,
+        top: cell.top,
+        right: cell.right - (widest(&x_ticks) / 2.0).max(8.0),
+        bottom: cell.bottom - BOTTOM,
+    };
+
+    // Downwards: title, legend, marker names, plot.
+    if !panel.title.is_empty() {
+        let letters = Letters::new(14.0).bold();
+        let title = fit(&panel.title, letters, frame.width());
+        canvas.text(&title, (frame.left, frame.top + 9.0), letters)?;
+        frame.top += TITLE_ROW;
+    }
+    if panel.legend {
+        frame.top = legend(canvas, frame, &panel.items)?;
+    }
+    let markers = markers(panel, window, frame);
+    let rows = markers.iter().map(|m| m.slot.row + 1).max().unwrap_or(0);
+    frame.top += rows as f64 * MARKER_ROW + 4.0;
+    if frame.height() < 40.0 || frame.width() < 40.0 {
+        return Err(crowded);
+    }
+
+    let axis_label = |axis: &Axis, ticks: &Ticks, room: f64| {
+        let text = printable(&format!("{}{}", axis.label, ticks.factor()));
+        fit(&text, Letters::new(AXIS_TEXT), room)
+    };
+    let x_label = axis_label(&panel.x, &x_ticks, frame.width());
+    let y_label = axis_label(&panel.y, &y_ticks, frame.height());
+
+    // The axes are the drawing library's; it also maps data to the canvas.
+    let (cell_left, cell_top) = spot((cell.left, frame.top));
+    let (frame_left, frame_bottom) = spot((frame.left, frame.bottom));
+    let (frame_right, cell_bottom) = spot((frame.right, cell.bottom));
+    let area = canvas.area.clone().shrink(
+        (cell_left, cell_top),
+        (frame_right - cell_left, cell_bottom - cell_top),
+    );
+    let mut chart = ChartBuilder::on(&area)
+        .set_label_area_size(LabelAreaPosition::Left, frame_left - cell_left)
+        .set_label_area_size(LabelAreaPosition::Bottom, cell_bottom - frame_bottom)
+        .build_cartesian_2d(
+            Scale {
+                ends: window.x,
+                ticks: x_ticks,
+            },
+            Scale {
+                ends: window.y,
+                ticks: y_ticks,
+            },
+        )
+        .map_err(library)?;
+    for item in &panel.items {
+        if let Item::BandX {
+            from, to, color, ..
+        } = item
+            && let Some((from, to)) = band(*from, *to, window)
+        {
+            let (left, _) = px(chart.backend_coord(&(from, window.y.0)));
+            let (right, _) = px(chart.backend_coord(&(to, window.y.0)));
+            canvas.fill(
+                Rect {
+                    left,
+                    right,
+                    ..frame
+                },
+                *color,
+                0.14,
+            )?;
+        }
+    }
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(rgb(GRID).stroke_width(units(0.75) as u32))
+        .axis_style(rgb(FRAME).stroke_width(units(1.0) as u32))
+        .set_all_tick_mark_size(units(TICK))
+        .label_style(Letters::new(TICK_TEXT).style())
+        .axis_desc_style(Letters::new(AXIS_TEXT).style())
+        .x_desc(x_label)
+        .y_desc(y_label)
+        .draw()
+        .map_err(library)?;
+    let closing = [
+        (frame.left, frame.top),
+        (frame.right, frame.top),
+        (frame.right, frame.bottom),
+    ];
+    canvas.path(closing.map(spot).to_vec(), FRAME, 1.0, Stroke::Solid)?;
+    let to_spot = |point: (f64, f64)| chart.backend_coord(&point);
+
+    let mut dots = Vec::new();
+    for item in &panel.items {
+        dots.extend(data(canvas, item, window, to_spot)?);
+    }
+    if !has_data {
+        let middle = (
+            (frame.left + frame.right) / 2.0,
+            (frame.top + frame.bottom) / 2.0,
+        );
+        let letters = Letters::new(15.0).color(Color::GREY).side(HPos::Center);
+        let paper = Rect {
+            left: middle.0 - 35.0,
+            top: middle.1 - 9.0,
+            right: middle.0 + 35.0,
+            bottom: middle.1 + 9.0,
+        };
+        canvas.fill(paper, Color::PAPER, 1.0)?;
+        canvas.text("no data", middle, letters)?;
+    }
+    for marker in &markers {
+        marker.draw(canvas, frame)?;
+    }
+    marked_points(canvas, panel, window, frame, &dots, to_spot)
+}
+
+/// A linear axis with its own round numbers, as the drawing library wants it.
+struct Scale {
+    ends: (f64, f64),
+    ticks: Ticks,
+}
+
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
+        let share = (value - self.ends.0) / (self.ends.1 - self.ends.0);
+        first + (share * f64::from(last - first)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() {
+            Vec::new()
+        } else {
+            self.ticks.values.clone()
+        }
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.ends.0..self.ends.1
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format_ext(&self, value: &f64) -> String {
+        self.ticks.label(*value)
+    }
+}
+
+fn y_ticks(window: Window, cell: Rect) -> Ticks {
+    Ticks::new(
+        window.y.0,
+        window.y.1,
+        tick_count(cell.height() - 90.0, 32.0),
+    )
+}
+
+/// Width of the widest label, px.
+fn widest(ticks: &Ticks) -> f64 {
+    let letters = Letters::new(TICK_TEXT);
+    let widths = ticks.values.iter().map(|v| letters.width(&ticks.label(*v)));
+    widths.fold(0.0, f64::max)
+}
+
+/// About how many labels of `each` px fit on `length` px.
+fn tick_count(length: f64, each: f64) -> usize {
+    ((length / each) as usize).clamp(2, 10)
+}
+
+/// The visible part of the plane, and whether anything finite is in the items.
+fn window(panel: &Panel) -> (Window, bool) {
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    let (mut marked_x, mut band_x) = (Vec::new(), Vec::new());
+    for item in &panel.items {
+        match item {
+            Item::Line { points: p, .. } | Item::Points { points: p, .. } => points.extend(p),
+            Item::MarkPoint { x, y, .. } => points.push((*x, *y)),
+            Item::MarkX { x, .. } => marked_x.push(*x),
+            Item::BandX { from, to, .. } => band_x.extend([*from, *to]),
+        }
+    }
+    points.retain(|(x, y)| is_drawable(*x) && is_drawable(*y));
+    // A band may reach far beyond the data, so it sets the range only alone.
+    let beside_data = if points.is_empty() { &band_x[..] } else { &[] };
+    let xs = points.iter().map(|p| p.0).chain(marked_x);
+    let xs = xs.chain(beside_data.iter().copied());
+    let window = Window {
+        x: axis_range(panel.x.range, xs, 0.02),
+        y: axis_range(panel.y.range, points.iter().map(|p| p.1), 0.06),
+    };
+    (window, !points.is_empty())
+}
+
+/// The visible part of a band.
+fn band(a: f64, b: f64, window: Window) -> Option<(f64, f64)> {
+    let from = a.min(b).max(window.x.0);
+    let to = a.max(b).min(window.x.1);
+    (from < to).then_some((from, to))
+}
+
+/// Draws lines and points; returns where they are, in px.
+fn data(
+    canvas: &Canvas,
+    item: &Item,
+    window: Window,
+    to_spot: impl Fn((f64, f64)) -> Spot,
+) -> Result<Vec<(f64, f64)>, PictureError> {
+    let mut dots = Vec::new();
+    match item {
+        Item::Line {
+            points,
+            color,
+            width,
+            stroke,
+            ..
+        } => {
+            for stretch in stretches(points, window) {
+                let spots = thin(stretch.into_iter().map(&to_spot).collect());
+                dots.extend(spots.iter().map(|s| px(*s)));
+                if let [only] = spots[..] {
+                    canvas.mark(only, super::Mark::Circle, width.max(2.5), *color)?;
+                } else {
+                    canvas.path(spots, *color, *width, *stroke)?;
+                }
+            }
+        }
+        Item::Points {
+            points,
+            color,
+            radius,
+            mark,
+            ..
+        } => {
+            let inside = points.iter().copied().filter(|p| window.contains(*p));
+            let mut spots: Vec<Spot> = inside.map(&to_spot).collect();
+            // Marks in the same place look like one.
+            spots.sort_unstable();
+            spots.dedup();
+            for at in spots {
+                canvas.mark(at, *mark, *radius, *color)?;
+                dots.push(px(at));
+            }
+        }
+        Item::BandX { .. } | Item::MarkX { .. } | Item::MarkPoint { .. } => {}
+    }
+    Ok(dots)
+}

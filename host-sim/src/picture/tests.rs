@@ -1,0 +1,328 @@
+//! Whole figures: what the SVG says and what the PNG shows.
+
+use std::f64::consts::TAU;
+
+use super::*;
+
+/// A resonance curve with all that a force plot has.
+fn force_figure() -> Figure {
+    let force = |f: f64| 180.0 + 900.0 / (1.0 + ((f - 44.0) / 6.0).powi(2)) + 2.0 * f;
+    let sweep = |from: u32, to: u32| -> Vec<Point> {
+        let hz = (from..=to).map(|k| f64::from(k) / 4.0);
+        hz.map(|f| (f, force(f))).collect()
+    };
+    let mut panel = Panel::new(
+        Axis::new("drive frequency, Hz"),
+        Axis::new("peak impact force, N").with_zero(),
+    )
+    .item(Item::band_x("safe operating band", 33.0, 39.5));
+    for (regime, from, to) in [
+        ("1/1", 80, 168),
+        ("1/2", 168, 190),
+        ("2/2", 190, 205),
+        ("3/4", 205, 215),
+        ("aperiodic", 215, 240),
+        ("chatter", 240, 262),
+        ("none", 262, 280),
+    ] {
+        let style = regime_style(regime);
+        panel = panel
+            .item(Item::Line {
+                points: sweep(from, to),
+                color: style.color,
+                label: regime.to_owned(),
+                width: 1.6,
+                stroke: style.stroke,
+            })
+            .item(Item::regime_points(
+                regime,
+                sweep(from, to).into_iter().step_by(3).collect(),
+            ));
+    }
+    let panel = panel
+        .item(Item::mark_x("period doubling, 42.0 Hz", 42.0))
+        .item(Item::mark_x("grazing, 43.1 Hz", 43.1))
+        .item(Item::mark_x("period doubling, 47.5 Hz", 47.5))
+        .item(Item::mark_point(
+            "chosen: 36.0 Hz, 573 N",
+            36.0,
+            force(36.0),
+        ));
+    Figure::new("Peak impact force over drive frequency")
+        .subtitle("spring 61.7 kN/m, mass 1.31 kg, gap 0.8 mm, restitution 0.62; 800 periods, the first 600 left out")
+        .panel(panel)
+}
+
+/// Time history, phase plane, Poincaré map and a spectrum.
+fn four_panels() -> Figure {
+    let wave = |k: u32| {
+        let t = f64::from(k) / 2000.0;
+        (
+            t,
+            1.2 * (TAU * 20.0 * t).sin() + 0.4 * (TAU * 47.0 * t).cos(),
+        )
+    };
+    let speed = |k: u32| (wave(k + 1).1 - wave(k).1) * 2.0;
+    let history: Vec<Point> = (0..1200).map(wave).collect();
+    let phase = (0..1200).map(|k| (wave(k).1, speed(k))).collect();
+    let map: Vec<Point> = (0..400).map(|k| (wave(k * 53).1, speed(k * 53))).collect();
+    let lines = (1..60).map(|k| (f64::from(k), 1e-6 / f64::from(k)));
+    Figure::new("One operating point: 47.5 Hz, aperiodic")
+        .columns(2)
+        .size(1000, 760)
+        .panel(
+            Panel::new(Axis::new("time, s"), Axis::new("position, mm"))
+                .titled("Time history")
+                .item(Item::line("hammer", Color::BLUE, history))
+                .item(Item::dashed(
+                    "anvil",
+                    Color::RED,
+                    vec![(0.0, -1.0), (0.6, -1.0)],
+                )),
+        )
+        .panel(
+            Panel::new(Axis::new("position, mm"), Axis::new("velocity, m/s"))
+                .titled("Phase plane")
+                .item(Item::line("", Color::BLUE, phase)),
+        )
+        .panel(
+            Panel::new(Axis::new("position, mm"), Axis::new("velocity, m/s"))
+                .titled("Poincaré map")
+                .item(Item::points("once a period", Color::RED, map)),
+        )
+        .panel(
+            Panel::new(Axis::new("frequency, Hz"), Axis::new("power, mm²/Hz"))
+                .titled("Spectrum")
+                .item(Item::line("", Color::PURPLE, lines.collect())),
+        )
+}
+
+fn one(item: Item) -> Figure {
+    Figure::new("").size(400, 300).panel(
+        Panel::new(Axis::new("x, s"), Axis::new("y, m"))
+            .without_legend()
+            .item(item),
+    )
+}
+
+fn lines_of(svg: &str, color: &str) -> usize {
+    svg.lines()
+        .filter(|l| l.starts_with("<polyline") && l.contains(&format!("stroke=\"{color}\"")))
+        .count()
+}
+
+fn decode(png: &[u8]) -> resvg::tiny_skia::Pixmap {
+    resvg::tiny_skia::Pixmap::decode_png(png).unwrap()
+}
+
+fn pixels_of(png: &[u8], Color(r, g, b): Color) -> usize {
+    let near = |a: u8, b: u8| a.abs_diff(b) < 8;
+    decode(png)
+        .pixels()
+        .iter()
+        .filter(|p| near(p.red(), r) && near(p.green(), g) && near(p.blue(), b))
+        .count()
+}
+
+#[test]
+fn svg_names_axes_items_and_markers() {
+    let svg = render_svg(&force_figure()).unwrap();
+    for text in [
+        "Peak impact force over drive frequency",
+        "drive frequency, Hz",
+        "peak impact force, N",
+        "safe operating band",
+        "aperiodic",
+        "grazing, 43.1 Hz",
+        "chosen: 36.0 Hz, 573 N",
+        "800 periods",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert!(svg.starts_with("<svg width=\"960\" height=\"600\" viewBox=\"0 0 3840 2400\""));
+}
+
+#[test]
+fn a_gap_makes_two_polylines_and_one_point_a_dot() {
+    let gap = (f64::NAN, f64::NAN);
+    let points = vec![
+        (0.0, 0.0),
+        (1.0, 1.0),
+        gap,
+        (2.0, 0.5),
+        (3.0, 2.0),
+        gap,
+        (4.0, 1.0),
+    ];
+    let svg = render_svg(&one(Item::line("", Color::BLUE, points))).unwrap();
+    assert_eq!(lines_of(&svg, "#0072B2"), 2);
+    assert_eq!(svg.matches("<circle").count(), 1);
+}
+
+#[test]
+fn text_cannot_break_the_file() {
+    let mut figure = one(Item::mark_x("a < b & \"c\"\u{0}\n", 0.5));
+    figure.title = "<script>&\u{1}".to_owned();
+    figure.panels[0].x.label = "ω, rad/s \u{2}".to_owned();
+    assert!(render_svg(&figure).unwrap().contains("&lt;script&gt;&amp;"));
+    assert!(render_png(&figure).is_ok());
+}
+
+#[test]
+fn png_has_the_size_and_shows_the_line_and_letters() {
+    let line = Item::line("", Color::RED, vec![(0.0, 0.0), (1.0, 1.0)]);
+    let png = render_png(&one(line)).unwrap();
+    let image = decode(&png);
+    assert_eq!((image.width(), image.height()), (800, 600));
+    // A diagonal of about 650 px, 3 px thick.
+    assert!(pixels_of(&png, Color::RED) > 900);
+    let blank = render_png(&one(Item::line("", Color::RED, Vec::new()))).unwrap();
+    assert_eq!(pixels_of(&blank, Color::RED), 0);
+    // Without a font there would be no dark letters.
+    assert!(pixels_of(&blank, Color::INK) > 100);
+}
+
+#[test]
+fn the_bundled_font_has_the_letters_of_physics() {
+    use ab_glyph::Font;
+    let font = ab_glyph::FontRef::try_from_slice(notosans::REGULAR_TTF).unwrap();
+    for letter in "ωφΔΩµ°²³·×±−–½≤≥…é".chars() {
+        assert_ne!(font.glyph_id(letter).0, 0, "{letter}");
+    }
+}
+
+#[test]
+fn same_figure_same_bytes() {
+    let figure = four_panels();
+    assert_eq!(render_svg(&figure), render_svg(&figure));
+    assert_eq!(render_png(&figure).unwrap(), render_png(&figure).unwrap());
+}
+
+#[test]
+fn degenerate_data_still_gives_a_picture() {
+    let cases = [
+        vec![],
+        vec![(f64::NAN, 1.0)],
+        vec![(3.0, 7.0)],
+        vec![(0.0, 0.0); 3],
+        vec![(0.0, 5.0), (1.0, 5.0), (2.0, 5.0)],
+        vec![(1.0, f64::INFINITY), (2.0, 1.0), (f64::MAX, f64::MIN)],
+        vec![(-1e299, 1e-280), (1e299, 2e-280)],
+        vec![(0.0, f64::MIN_POSITIVE), (1.0, 5e-324)],
+        vec![(1e9, 0.0), (1e9 + 1e-6, 1.0)],
+    ];
+    for points in cases {
+        for item in [
+            Item::line("line", Color::BLUE, points.clone()),
+            Item::dashed("dashes", Color::BLUE, points.clone()),
+            Item::points("points", Color::BLUE, points.clone()),
+        ] {
+            let svg = render_svg(&one(item)).unwrap_or_else(|e| panic!("{points:?}: {e}"));
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{points:?}");
+        }
+    }
+    let empty = render_svg(&one(Item::points("", Color::BLUE, Vec::new()))).unwrap();
+    assert!(empty.contains("no data"));
+    assert!(render_svg(&Figure::new("nothing")).is_ok());
+    for item in [
+        Item::mark_x("nowhere", f64::NAN),
+        Item::mark_point("nowhere", f64::INFINITY, 0.0),
+        Item::band_x("nowhere", f64::NAN, 1.0),
+    ] {
+        assert!(render_svg(&one(item)).is_ok());
+    }
+}
+
+#[test]
+fn a_long_record_stays_a_small_file() {
+    let noisy = (0..300_000).map(|k: u32| (f64::from(k), f64::from(k % 1009 * 7919 % 1000)));
+    let svg = render_svg(&one(Item::line("", Color::BLUE, noisy.collect()))).unwrap();
+    assert!(svg.len() < 200_000, "{}", svg.len());
+}
+
+#[test]
+fn impossible_sizes_are_refused() {
+    let size = |w, h| render_svg(&force_figure().size(w, h));
+    assert_eq!(
+        size(10, 600),
+        Err(PictureError::Size {
+            width: 10,
+            height: 600
+        })
+    );
+    assert_eq!(size(220, 200), Err(PictureError::Crowded { panel: 1 }));
+}
+
+/// Writes the demonstration figures to look at:
+/// `cargo test -p host-sim demonstration -- --ignored`, then see `target/figures`.
+#[test]
+#[ignore = "writes pictures for a person to look at"]
+fn demonstration() {
+    let rigs = ["A", "B", "C", "D"].iter().enumerate().fold(
+        Figure::new("Four rigs, one recipe")
+            .columns(4)
+            .size(1280, 380),
+        |figure, (i, rig)| {
+            let gain = 1.0 + i as f64;
+            let curve = (0..80).map(|k| f64::from(k) / 2.0 + 20.0);
+            let points = curve
+                .map(|f| (f, gain * 1e3 * (f / 9.0).sin().abs()))
+                .collect();
+            figure.panel(
+                Panel::new(Axis::new("frequency, Hz"), Axis::new("peak force, N"))
+                    .titled(format!("Rig {rig}"))
+                    .item(Item::band_x("safe band", 30.0, 38.0))
+                    .item(Item::line("force", Color::series(i), points))
+                    .item(Item::mark_x("doubling", 22.0 + 11.5 * i as f64)),
+            )
+        },
+    );
+    let spiral = |k: u32| {
+        let (a, r) = (f64::from(k) * 2.399, f64::from(k).sqrt() / 45.0);
+        (r * a.cos() + 0.2 * (3.0 * a).sin(), r * a.sin())
+    };
+    let poincare = Figure::new("Poincaré map, 47.5 Hz").size(640, 560).panel(
+        Panel::new(Axis::new("position, mm"), Axis::new("velocity, m/s"))
+            .item(Item::Points {
+                points: (0..2000).map(spiral).collect(),
+                color: regime_color("aperiodic"),
+                label: "aperiodic, 2000 periods".to_owned(),
+                radius: 1.2,
+                mark: Mark::Circle,
+            })
+            .item(Item::mark_point("unstable 1/1 orbit", 0.1, -0.05))
+            .item(Item::mark_point("mirror orbit", -0.1, 0.05)),
+    );
+    let odd = Figure::new("Little or no data").columns(3).size(1100, 320);
+    let odd = [vec![], vec![(3.0, 7.0)], vec![(0.0, 5.0), (1.0, 5.0)]]
+        .into_iter()
+        .fold(odd, |figure, points| {
+            figure.panel(
+                Panel::new(Axis::new("time, s"), Axis::new("force, N")).item(Item::line(
+                    "measured",
+                    Color::BLUE,
+                    points,
+                )),
+            )
+        });
+    let dir = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/figures");
+    std::fs::create_dir_all(&dir).unwrap();
+    for (name, figure) in [
+        ("force", force_figure()),
+        ("panels", four_panels()),
+        ("rigs", rigs),
+        ("poincare", poincare),
+        ("odd", odd),
+    ] {
+        std::fs::write(
+            dir.join(format!("{name}.svg")),
+            render_svg(&figure).unwrap(),
+        )
+        .unwrap();
+        std::fs::write(
+            dir.join(format!("{name}.png")),
+            render_png(&figure).unwrap(),
+        )
+        .unwrap();
+    }
+}
