@@ -1,0 +1,353 @@
+//! The reference: an event-located integrator in f64, written for truth, not for speed.
+//!
+//! It shares the rigs' equations of motion and the contact laws with `shared`, and nothing else: its own
+//! time (seconds since drive phase 0), its own integrator ([`flow`], adaptive, order 8), its own location
+//! of switches ([`switching`], to 1e-13 s by Newton's iteration on the integrator itself, grazing-safe).
+//!
+//! Integrated in [`crate::dual::Dual`] numbers it yields the derivative of the section's return map along
+//! with the map, event times included, which is the monodromy matrix with its saltation.
+
+pub mod flow;
+pub mod switching;
+pub mod tableau;
+
+use std::f64::consts::TAU;
+
+use shared::contacts::{CHATTER_STAY_S, Period};
+use shared::params::{ParamError, RigParams};
+use shared::rig::{Mode, Rig};
+
+pub use flow::{Point, Scalar, Totals};
+
+use flow::{Field, Step};
+
+/// Errors of coordinate and rate are kept below this share of A0 and A0 Ω per step.
+pub const TOLERANCE: f64 = 1e-12;
+
+/// First step after a switch, s: a contact lasts some fifty of these.
+const FIRST_STEP_S: f64 = 1e-5;
+
+/// Steps per period of the faster of drive and hammer, at least.
+const STEPS_PER_PERIOD: f64 = 24.0;
+
+/// One finished contact, times in seconds since the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// When it began, s.
+    pub onset_s: f64,
+    /// How long it lasted, s.
+    pub duration_s: f64,
+    /// δ̇ at onset, m/s.
+    pub approach_speed_m_per_s: f64,
+    /// −δ̇ at release, m/s.
+    pub rebound_speed_m_per_s: f64,
+    /// Largest force, N.
+    pub peak_force_n: f64,
+    /// When the force was largest, s.
+    pub peak_at_s: f64,
+    /// ∫F dt, N·s.
+    pub impulse_n_s: f64,
+    /// Energy the contact took from the hammer, J.
+    pub energy_lost_j: f64,
+}
+
+/// A smooth piece of the trajectory, as an observer sees it: quintic in between.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<'a> {
+    /// The rig.
+    pub rig: &'a Rig<f64>,
+    /// Whole drive periods before this one.
+    pub cycle: u64,
+    /// Side of the switch.
+    pub mode: Mode,
+    /// δ̇⁻ of the contact, m/s.
+    pub approach: f64,
+    /// Start.
+    pub start: Point<f64>,
+    /// Acceleration at the start.
+    pub start_acceleration: f64,
+    /// End.
+    pub end: Point<f64>,
+    /// Acceleration at the end.
+    pub end_acceleration: f64,
+}
+
+impl Segment<'_> {
+    /// Coordinate and rate at `t` (s since drive phase 0, within the segment).
+    pub fn at(&self, t: f64) -> (f64, f64) {
+        let arc = switching::Arc::new(
+            self.end.t - self.start.t,
+            (self.start.q, self.start.v, self.start_acceleration),
+            (self.end.q, self.end.v, self.end_acceleration),
+        );
+        arc.at((t - self.start.t) / arc.length)
+    }
+
+    /// Contact force, N, at a coordinate and rate of this segment.
+    pub fn force(&self, q: f64, v: f64) -> f64 {
+        match self.mode {
+            Mode::Flight => 0.0,
+            Mode::Contact => {
+                let at = self.rig.kinematics(q, v);
+                self.rig.force(&at, self.approach).max(0.0)
+            }
+        }
+    }
+}
+
+/// Watches a trajectory.
+pub trait Observer {
+    /// A smooth piece was integrated.
+    fn segment(&mut self, _segment: &Segment) {}
+    /// A contact ended.
+    fn contact(&mut self, _contact: &Contact) {}
+}
+
+/// Watches nothing.
+impl Observer for () {}
+
+/// Keeps the contacts.
+impl Observer for Vec<Contact> {
+    fn contact(&mut self, contact: &Contact) {
+        self.push(*contact);
+    }
+}
+
+/// A hammer under prescribed cart motion, integrated from drive phase 0 to drive phase 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference<R> {
+    rig: Rig<R>,
+    /// The same rig in f64, for observers.
+    plain: Rig<f64>,
+    omega: f64,
+    period_s: f64,
+    units: (f64, f64),
+    max_step: f64,
+    point: Point<R>,
+    mode: Mode,
+    approach: R,
+    cycle: u64,
+    next_step: f64,
+    open: Option<Contact>,
+    recent: [Option<f64>; 3],
+    totals: Totals,
+}
+
+impl<R: Scalar> Reference<R> {
+    /// A hammer of `params` at drive phase 0 at rest, driven at `frequency_hz`.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    ///
+    /// # Panics
+    /// If `frequency_hz` is not a positive number.
+    pub fn at_rest(params: &RigParams, frequency_hz: f64) -> Result<Self, ParamError> {
+        let rig = Rig::<R>::new(params)?;
+        Ok(Self::new(params, frequency_hz, rig.rest(), R::ZERO)?)
+    }
+
+    /// A hammer at drive phase 0 at coordinate `q` and rate `v` (see [`shared::rig`] for the coordinate).
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    ///
+    /// # Panics
+    /// If `frequency_hz` is not a positive number.
+    pub fn new(params: &RigParams, frequency_hz: f64, q: R, v: R) -> Result<Self, ParamError> {
+        assert!(frequency_hz > 0.0 && frequency_hz.is_finite());
+        let rig = Rig::<R>::new(params)?;
+        let plain = Rig::<f64>::new(params)?;
+        let omega = TAU * frequency_hz;
+        let unit = TOLERANCE * plain.coordinate_scale();
+        let fastest = frequency_hz.max(params.natural_frequency_hz());
+        let at = rig.kinematics(q, v);
+        let approach = at.rate.max(R::ZERO);
+        let mut hammer = Self {
+            rig,
+            plain,
+            omega,
+            period_s: 1.0 / frequency_hz,
+            units: (unit, unit * omega),
+            max_step: 1.0 / (STEPS_PER_PERIOD * fastest),
+            point: Point { t: R::ZERO, q, v },
+            mode: Mode::Flight,
+            approach,
+            cycle: 0,
+            next_step: FIRST_STEP_S,
+            open: None,
+            recent: [None; 3],
+            totals: Totals::default(),
+        };
+        if rig.indicator(&at, approach) > R::ZERO {
+            hammer.begin_contact(&mut Period::default());
+        }
+        Ok(hammer)
+    }
+
+    /// The rig in f64.
+    pub fn rig(&self) -> &Rig<f64> {
+        &self.plain
+    }
+
+    /// Coordinate and rate now.
+    pub fn state(&self) -> (R, R) {
+        (self.point.q, self.point.v)
+    }
+
+    /// Drive period, s.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    /// Drive periods done.
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
+
+    /// Where energy and momentum went since the start.
+    pub fn totals(&self) -> Totals {
+        self.totals
+    }
+
+    /// Mechanical energy now, J, relative to the cart, without the surface's.
+    pub fn energy_j(&self) -> f64 {
+        let (q, v) = (self.point.q.to_f64(), self.point.v.to_f64());
+        self.plain.energy(&self.plain.kinematics(q, v), v)
+    }
+
+    fn field(&self) -> Field<'_, R> {
+        let amplitude = self.plain.amplitude();
+        Field {
+            rig: &self.rig,
+            omega: self.omega,
+            drive_acceleration: amplitude * self.omega * self.omega,
+            mode: self.mode,
+            approach: self.approach,
+        }
+    }
+
+    /// Goes on to the next drive phase 0 and tells what happened on the way.
+    pub fn run_period(&mut self, observer: &mut impl Observer) -> Period<f64> {
+        let mut period = Period {
+            touched: self.mode == Mode::Contact,
+            ..Period::default()
+        };
+        loop {
+            let to_go = self.period_s - self.point.t.to_f64();
+            let last = to_go <= self.next_step.min(self.max_step);
+            let h = self.next_step.min(self.max_step).min(to_go);
+            // The step that ends the period must end it exactly, whatever time carries derivatives.
+            let length = if last {
+                R::from_f64(self.period_s) - self.point.t
+            } else {
+                R::from_f64(h)
+            };
+            let step = self.field().step(&self.point, length, self.units);
+            if step.error > 1.0 {
+                self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
+                continue;
+            }
+            if let Some(at) = switching::locate(&self.field(), &self.point, h, &step.end, self.units)
+            {
+                let part = self.field().step(&self.point, at, self.units);
+                self.accept(&part, &mut period, observer);
+                self.switch(&mut period, observer);
+                self.next_step = FIRST_STEP_S;
+                continue;
+            }
+            self.accept(&step, &mut period, observer);
+            if last {
+                break;
+            }
+            let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
+            self.next_step = h * growth;
+        }
+        self.cycle += 1;
+        self.point.t = R::ZERO;
+        period
+    }
+
+    /// Seconds since the start.
+    fn now_s(&self) -> f64 {
+        self.cycle as f64 * self.period_s + self.point.t.to_f64()
+    }
+
+    fn accept(&mut self, step: &Step<R>, period: &mut Period<f64>, observer: &mut impl Observer) {
+        let field = self.field();
+        let (start, end) = (real(&self.point), real(&step.end));
+        let (start_acceleration, _) = field.acceleration(&self.point);
+        let (end_acceleration, _) = field.acceleration(&step.end);
+        if self.mode == Mode::Contact {
+            let (peak_at, peak) = switching::force_peak(&field, &self.point, &step.end, self.units);
+            let began = self.cycle as f64 * self.period_s;
+            if let Some(open) = &mut self.open {
+                if peak > open.peak_force_n {
+                    open.peak_force_n = peak;
+                    open.peak_at_s = began + peak_at;
+                }
+                open.duration_s += end.t - start.t;
+                open.impulse_n_s += step.totals.impulse;
+                open.energy_lost_j += step.totals.contact_work;
+                let third = self.recent[2];
+                period.chatter |= open.duration_s > CHATTER_STAY_S
+                    && third.is_some_and(|third| open.onset_s - third < self.period_s);
+            }
+            period.touched = true;
+            period.peak_force = period.peak_force.max(peak);
+        }
+        observer.segment(&Segment {
+            rig: &self.plain,
+            cycle: self.cycle,
+            mode: self.mode,
+            approach: self.approach.to_f64(),
+            start,
+            start_acceleration: start_acceleration.to_f64(),
+            end,
+            end_acceleration: end_acceleration.to_f64(),
+        });
+        self.totals = self.totals.plus(step.totals);
+        self.point = step.end;
+    }
+
+    fn switch(&mut self, period: &mut Period<f64>, observer: &mut impl Observer) {
+        match self.mode {
+            Mode::Flight => self.begin_contact(period),
+            Mode::Contact => {
+                self.mode = Mode::Flight;
+                if let Some(mut contact) = self.open.take() {
+                    let at = self.rig.kinematics(self.point.q, self.point.v);
+                    contact.rebound_speed_m_per_s = -at.rate.to_f64();
+                    observer.contact(&contact);
+                }
+            }
+        }
+    }
+
+    fn begin_contact(&mut self, period: &mut Period<f64>) {
+        let at = self.rig.kinematics(self.point.q, self.point.v);
+        let now = self.now_s();
+        self.mode = Mode::Contact;
+        self.approach = at.rate;
+        self.recent = [Some(now), self.recent[0], self.recent[1]];
+        self.open = Some(Contact {
+            onset_s: now,
+            duration_s: 0.0,
+            approach_speed_m_per_s: at.rate.to_f64(),
+            rebound_speed_m_per_s: 0.0,
+            peak_force_n: 0.0,
+            peak_at_s: now,
+            impulse_n_s: 0.0,
+            energy_lost_j: 0.0,
+        });
+        period.onsets = period.onsets.saturating_add(1);
+        period.touched = true;
+    }
+}
+
+fn real<R: Scalar>(p: &Point<R>) -> Point<f64> {
+    Point {
+        t: p.t.to_f64(),
+        q: p.q.to_f64(),
+        v: p.v.to_f64(),
+    }
+}

@@ -1,0 +1,272 @@
+//! Where in a step the switch falls.
+//!
+//! A step is first searched on the quintic through its ends (value, rate and acceleration there), at
+//! interior points and at every extremum of the indicator, so that a crossing and return inside one step
+//! is found; what the quintic suspects is then decided, and located, by steps of the integrator itself.
+
+use shared::rig::Mode;
+
+use super::flow::{Field, Point, Scalar};
+
+/// Interior points per step at which the indicator is looked at.
+const SAMPLES: usize = 8;
+
+/// An extremum this close below the surface is decided by the integrator, m.
+const GRAZING_MARGIN_M: f64 = 2e-10;
+
+/// Newton's iteration stops when it moves by less than this, s.
+const TIME_TOLERANCE_S: f64 = 1e-13;
+
+/// The quintic through both ends of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Arc {
+    /// Length of the step, s.
+    pub length: f64,
+    coefficients: [f64; 6],
+}
+
+impl Arc {
+    /// From (coordinate, rate, acceleration) at both ends, `length` s apart.
+    pub fn new(length: f64, start: (f64, f64, f64), end: (f64, f64, f64)) -> Self {
+        let (q0, v0, a0) = (start.0, start.1 * length, start.2 * length * length);
+        let (v1, a1) = (end.1 * length, end.2 * length * length);
+        let rise = end.0 - q0 - v0 - 0.5 * a0;
+        let slope = v1 - v0 - a0;
+        let bend = a1 - a0;
+        Self {
+            length,
+            coefficients: [
+                q0,
+                v0,
+                0.5 * a0,
+                10.0 * rise - 4.0 * slope + 0.5 * bend,
+                -15.0 * rise + 7.0 * slope - bend,
+                6.0 * rise - 3.0 * slope + 0.5 * bend,
+            ],
+        }
+    }
+
+    /// Coordinate and rate at the fraction `s` of the step.
+    pub fn at(&self, s: f64) -> (f64, f64) {
+        let c = &self.coefficients;
+        let q = c.iter().rev().fold(0.0, |sum, c| sum * s + c);
+        let powers = (1..6).rev().fold(0.0, |sum, k| sum * s + k as f64 * c[k]);
+        (q, powers / self.length)
+    }
+}
+
+/// The time after `from` at which the mode's side of the switch is left, if it is within the step of
+/// length `h` that ended at `end`.
+pub fn locate<R: Scalar>(
+    field: &Field<R>,
+    from: &Point<R>,
+    h: f64,
+    end: &Point<R>,
+    units: (f64, f64),
+) -> Option<R> {
+    if out_of_reach(field, from, h, end) {
+        return None;
+    }
+    let (a0, _) = field.acceleration(from);
+    let (a1, _) = field.acceleration(end);
+    let triple = |p: &Point<R>, a: R| (p.q.to_f64(), p.v.to_f64(), a.to_f64());
+    let arc = Arc::new(h, triple(from, a0), triple(end, a1));
+    // Positive: the mode's side is left.
+    let sign = match field.mode {
+        Mode::Flight => 1.0,
+        Mode::Contact => -1.0,
+    };
+    let guess = |s: f64| {
+        let (q, v) = arc.at(s);
+        sign * indicator_of(field, from.t.to_f64() + s * h, q, v)
+    };
+    let exact = |s: f64| {
+        let step = field.step(from, R::from_f64(s * h), units);
+        sign * field.indicator(&step.end).to_f64()
+    };
+    let at = |j: usize| j as f64 / SAMPLES as f64;
+    let mut values = [0.0; SAMPLES + 1];
+    for (j, value) in values.iter_mut().enumerate() {
+        *value = if j == SAMPLES { exact_end(field, end, sign) } else { guess(at(j)) };
+    }
+    let mut bracket = (1..=SAMPLES)
+        .find(|j| values[*j] > 0.0)
+        .map(|j| (at(j - 1), at(j)));
+    let before = bracket.map_or(SAMPLES, |(a, _)| (a * SAMPLES as f64).round() as usize);
+    for j in 1..before {
+        if values[j] >= values[j - 1] && values[j] >= values[j + 1] {
+            let margin = GRAZING_MARGIN_M * indicator_per_metre(field);
+            let top = maximum(guess, at(j - 1), at(j + 1), 1e-6);
+            if guess(top) > -margin {
+                let top = maximum(exact, at(j - 1), at(j + 1), 1e-9);
+                if exact(top) > 0.0 {
+                    bracket = Some((at(j - 1), top));
+                    break;
+                }
+            }
+        }
+    }
+    let (low, high) = bracket?;
+    let s = root(&guess, &exact, field, from, h, (low, high), units, sign);
+    let time = R::from_f64(s * h);
+    let step = field.step(from, time, units);
+    let g = field.indicator(&step.end);
+    let slope = indicator_slope(field, &step.end);
+    // Same value; in dual numbers, with the derivatives of the instant.
+    let instant = time.as_root_of(g, slope);
+    Some(instant)
+}
+
+/// Whether the surface is too far away to be met in this step.
+fn out_of_reach<R: Scalar>(field: &Field<R>, from: &Point<R>, h: f64, end: &Point<R>) -> bool {
+    if field.mode == Mode::Contact {
+        return false;
+    }
+    let a = field.rig.kinematics(from.q, from.v);
+    let b = field.rig.kinematics(end.q, end.v);
+    let reach = h * (a.rate.to_f64().abs() + b.rate.to_f64().abs());
+    a.delta.to_f64().max(b.delta.to_f64()) + reach < 0.0
+}
+
+fn indicator_of<R: Scalar>(field: &Field<R>, t: f64, q: f64, v: f64) -> f64 {
+    let point = Point {
+        t: R::from_f64(t),
+        q: R::from_f64(q),
+        v: R::from_f64(v),
+    };
+    field.indicator(&point).to_f64()
+}
+
+fn exact_end<R: Scalar>(field: &Field<R>, end: &Point<R>, sign: f64) -> f64 {
+    sign * field.indicator(end).to_f64()
+}
+
+/// What a metre of penetration adds to the indicator.
+fn indicator_per_metre<R: Scalar>(field: &Field<R>) -> f64 {
+    match field.rig.law() {
+        shared::contact::Law::SpringDashpot { stiffness, .. } => stiffness.to_f64(),
+        _ => 1.0,
+    }
+}
+
+/// dI/dt along the flow, by a central difference about a point where I is nearly zero.
+fn indicator_slope<R: Scalar>(field: &Field<R>, p: &Point<R>) -> f64 {
+    const DT: f64 = 1e-9;
+    let (a, _) = field.acceleration(p);
+    let (q, v, a) = (p.q.to_f64(), p.v.to_f64(), a.to_f64());
+    let at = |dt: f64| {
+        let (q, v) = (q + dt * (v + 0.5 * dt * a), v + dt * a);
+        indicator_of(field, p.t.to_f64() + dt, q, v)
+    };
+    (at(DT) - at(-DT)) / (2.0 * DT)
+}
+
+/// Where `f` is largest in [a, b], to a fraction `tolerance` of the step (golden section).
+fn maximum(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    while b - a > tolerance {
+        if fx > fy {
+            (b, y, fy) = (y, x, fx);
+            x = b - GOLDEN * (b - a);
+            fx = f(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + GOLDEN * (b - a);
+            fy = f(y);
+        }
+    }
+    0.5 * (a + b)
+}
+
+/// The root of `exact` in the bracket (in fractions of the step): first on the quintic, then by Newton's
+/// iteration on the integrator, and by bisection where Newton's does not settle.
+#[allow(clippy::too_many_arguments)]
+fn root<R: Scalar>(
+    guess: &impl Fn(f64) -> f64,
+    exact: &impl Fn(f64) -> f64,
+    field: &Field<R>,
+    from: &Point<R>,
+    h: f64,
+    (low, high): (f64, f64),
+    units: (f64, f64),
+    sign: f64,
+) -> f64 {
+    let bisect = |f: &dyn Fn(f64) -> f64, rounds: usize| {
+        let (mut a, mut b) = (low, high);
+        for _ in 0..rounds {
+            let middle = 0.5 * (a + b);
+            if f(middle) > 0.0 {
+                b = middle;
+            } else {
+                a = middle;
+            }
+        }
+        b
+    };
+    let mut s = bisect(&|s| guess(s), 40);
+    for _ in 0..8 {
+        let step = field.step(from, R::from_f64(s * h), units);
+        let g = sign * field.indicator(&step.end).to_f64();
+        let slope = sign * indicator_slope(field, &step.end);
+        let correction = g / slope;
+        if !correction.is_finite() {
+            break;
+        }
+        let next = s - correction / h;
+        if next < low || next > high {
+            break;
+        }
+        s = next;
+        if correction.abs() < TIME_TOLERANCE_S {
+            return s;
+        }
+    }
+    bisect(&|s| exact(s), 60)
+}
+
+/// When (s after phase 0) and how large the force is at its largest between two points in contact, N.
+pub fn force_peak<R: Scalar>(
+    field: &Field<R>,
+    from: &Point<R>,
+    end: &Point<R>,
+    units: (f64, f64),
+) -> (f64, f64) {
+    let force_rate = |p: &Point<R>| {
+        let (a, force) = field.acceleration(p);
+        let at = field.rig.kinematics(p.q, p.v);
+        let (by_delta, by_rate) = field.rig.law().gradient(at.delta, at.rate, field.approach);
+        let change = field.rig.penetration_acceleration(&at, p.v, a);
+        let rate = by_delta * at.rate + by_rate * change;
+        (force.to_f64(), rate.to_f64())
+    };
+    let (f0, r0) = force_rate(from);
+    let (f1, r1) = force_rate(end);
+    let (t0, t1) = (from.t.to_f64(), end.t.to_f64());
+    if !(r0 > 0.0 && r1 < 0.0) {
+        return if f0 > f1 { (t0, f0) } else { (t1, f1) };
+    }
+    // Secant on the force's rate, kept inside the bracket where it would leave it.
+    let (mut a, mut b) = ((0.0, r0), (t1 - t0, r1));
+    let mut best = if f0 > f1 { (t0, f0) } else { (t1, f1) };
+    for _ in 0..12 {
+        let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
+        let inside = secant.clamp(a.0 + 0.01 * (b.0 - a.0), b.0 - 0.01 * (b.0 - a.0));
+        let there = field.step(from, R::from_f64(inside), units).end;
+        let (force, rate) = force_rate(&there);
+        if force > best.1 {
+            best = (t0 + inside, force);
+        }
+        let before = (a.0, b.0);
+        if rate > 0.0 {
+            a = (inside, rate);
+        } else {
+            b = (inside, rate);
+        }
+        if b.0 - a.0 < 1e-9 || before == (a.0, b.0) {
+            break;
+        }
+    }
+    best
+}
