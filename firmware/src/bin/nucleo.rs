@@ -33,8 +33,8 @@ mod app {
         let Ok(control) = Control::new() else {
             panic!("the preset rig is refused by its own check");
         };
+        defmt::info!("control starts, drive is off");
         assert!(board.timer.start(), "no timer setting gives the tick rate");
-        defmt::info!("control runs, drive is off");
         let local = Local {
             monitor: Monitor::new(&control),
             control,

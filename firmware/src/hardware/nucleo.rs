@@ -1,5 +1,4 @@
-//! NUCLEO-F446RE: clocks, pins and the control timer; the way into the safe
-//! state that panics and faults share.
+//! NUCLEO-F446RE: clocks, pins and the control timer; its safe state and its log.
 //!
 //! | pin | what | safe level |
 //! |---|---|---|
@@ -10,7 +9,11 @@
 //! pull-down of its own on its enable input.
 #![allow(unsafe_code)]
 
-use cortex_m_rt::{ExceptionFrame, exception};
+use core::{
+    panic::PanicInfo,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
 use defmt_rtt as _;
 use stm32f4xx_hal::{
     gpio::{Output, PA5, PA8, PinState},
@@ -20,6 +23,7 @@ use stm32f4xx_hal::{
     timer::{CounterHz, Event, Flag},
 };
 
+use super::fault::Fault;
 use crate::control::TICK_RATE_HZ;
 
 /// The processor's clock. 180 MHz is the most the part allows; the control
@@ -27,6 +31,9 @@ use crate::control::TICK_RATE_HZ;
 const SYSCLK_MHZ: u32 = 180;
 /// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
 const HSE_MHZ: u32 = 8;
+
+/// Whether a panic or fault is being reported.
+static REPORTING: AtomicBool = AtomicBool::new(false);
 
 /// The board, set up and safe: the drive is off, the control timer not started.
 pub struct Board {
@@ -93,25 +100,33 @@ pub fn make_outputs_safe() {
     gpioa.bsrr().write(|w| w.br8().set_bit());
 }
 
-/// Outputs first, then the report, then nothing more: only a reset leaves here.
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo) -> ! {
-    cortex_m::interrupt::disable();
-    make_outputs_safe();
-    defmt::error!("panic: {}", defmt::Display2Format(info));
+/// Logs a panic and halts.
+pub fn report_panic(info: &PanicInfo) -> ! {
+    // A panic within a log call would find the logger taken, and panic again.
+    if !REPORTING.swap(true, Ordering::Relaxed) {
+        defmt::error!("panic: {}", defmt::Display2Format(info));
+    }
     halt()
 }
 
-/// Same order as in a panic. A stack that outgrew its region ends here too.
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    make_outputs_safe();
-    defmt::error!("hard fault at {=u32:#010x}", frame.pc());
+/// Logs a fault and halts.
+pub fn report_fault(fault: &Fault) -> ! {
+    if !REPORTING.swap(true, Ordering::Relaxed) {
+        match fault.address {
+            Some(pc) => defmt::error!("fault at {=u32:#010x}, CFSR {=u32:#x}", pc, fault.status),
+            None => defmt::error!(
+                "fault with the stack overflowed, CFSR {=u32:#x}",
+                fault.status
+            ),
+        }
+    }
     halt()
 }
 
-/// A breakpoint for the debugger, if one is attached; then stands still.
+/// A breakpoint for the debugger, if one is attached; then stands still. Only a
+/// reset leaves here.
 fn halt() -> ! {
+    cortex_m::interrupt::disable();
     if cortex_m::peripheral::DCB::is_debugger_attached() {
         cortex_m::asm::bkpt();
     }

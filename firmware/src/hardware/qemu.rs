@@ -1,12 +1,15 @@
 //! MPS2 AN386 as QEMU plays it: a Cortex-M4F that talks through semihosting.
 //!
-//! There are no outputs to make safe here. Text goes to QEMU's standard output,
-//! and the exit code is the run's verdict.
+//! Text goes to QEMU's standard output, and the exit code is the run's verdict.
+
+use core::panic::PanicInfo;
 
 use cortex_m_semihosting::{
     debug::{self, EXIT_FAILURE, EXIT_SUCCESS},
     hprintln,
 };
+
+use super::fault::Fault;
 
 /// The processor's clock, which also feeds SysTick.
 pub const CLOCK_HZ: u32 = 25_000_000;
@@ -34,9 +37,20 @@ pub fn exit(success: bool) -> ! {
     }
 }
 
-/// Reports and fails the run.
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo) -> ! {
+/// Nothing to do: this board drives nothing.
+pub fn make_outputs_safe() {}
+
+/// Prints a panic and fails the run.
+pub fn report_panic(info: &PanicInfo) -> ! {
     hprintln!("{}", info);
+    exit(false)
+}
+
+/// Prints a fault and fails the run.
+pub fn report_fault(fault: &Fault) -> ! {
+    match fault.address {
+        Some(pc) => hprintln!("fault at {:#010x}, CFSR {:#x}", pc, fault.status),
+        None => hprintln!("fault with the stack overflowed, CFSR {:#x}", fault.status),
+    }
     exit(false)
 }
