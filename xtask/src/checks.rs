@@ -62,7 +62,11 @@ fn board(board: Board) -> Outcome<String> {
 }
 
 fn host_tests() -> Outcome<String> {
-    let lines = run_tee(cargo().args(["test", "--workspace"]), TEST_LIMIT, true)?;
+    let lines = run_tee(
+        cargo().args(["test", "--workspace", "--no-fail-fast"]),
+        TEST_LIMIT,
+        true,
+    )?;
     Ok(format!("{} tests passed", passed(&lines)))
 }
 
