@@ -81,7 +81,7 @@ pub(super) fn legend(canvas: &Canvas, frame: Rect, items: &[Item]) -> Result<f64
 
 /// A vertical marker line and its name above the plot.
 pub(super) struct Marker {
-    x: f64,
+    pub x: f64,
     pub slot: Slot,
     name: String,
     width: f64,
@@ -153,6 +153,13 @@ pub(super) fn marked_points(
     to_spot: impl Fn((f64, f64)) -> Spot,
 ) -> Result<(), PictureError> {
     let letters = Letters::new(NAME_TEXT);
+    // A name must not hide the frame.
+    let inside = Rect {
+        left: frame.left + 2.0,
+        top: frame.top + 2.0,
+        right: frame.right - 2.0,
+        bottom: frame.bottom - 2.0,
+    };
     let marked: Vec<_> = panel
         .items
         .iter()
@@ -185,7 +192,7 @@ pub(super) fn marked_points(
         }
         let size = (letters.width(&name) + 6.0, NAME_TEXT + 5.0);
         let (x, y) = px(at);
-        let place = beside((x, y), size, frame, &taken, dots);
+        let place = beside((x, y), size, inside, &taken, dots);
         let (nx, ny) = (
             x.clamp(place.left, place.right),
             y.clamp(place.top, place.bottom),

@@ -161,6 +161,8 @@ pub(super) fn draw(
         canvas.text("no data", middle, letters)?;
     }
     for marker in &markers {
+        let ends = [(marker.x, frame.top), (marker.x, frame.bottom)];
+        dots.extend(along(&ends.map(spot)));
         marker.draw(canvas, frame)?;
     }
     marked_points(canvas, panel, window, frame, &dots, to_spot)
@@ -251,6 +253,23 @@ fn band(a: f64, b: f64, window: Window) -> Option<(f64, f64)> {
     (from < to).then_some((from, to))
 }
 
+/// Places every few px along a line, px.
+fn along(line: &[Spot]) -> Vec<(f64, f64)> {
+    const EVERY: f64 = 5.0;
+    let mut places: Vec<_> = line.iter().take(1).map(|s| px(*s)).collect();
+    for pair in line.windows(2) {
+        let (from, to) = (px(pair[0]), px(pair[1]));
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let count = (dx.hypot(dy) / EVERY).ceil().max(1.0);
+        let place = |k: usize| {
+            let share = k as f64 / count;
+            (from.0 + share * dx, from.1 + share * dy)
+        };
+        places.extend((1..=count as usize).map(place));
+    }
+    places
+}
+
 /// Draws lines and points; returns where they are, in px.
 fn data(
     canvas: &Canvas,
@@ -269,7 +288,7 @@ fn data(
         } => {
             for stretch in stretches(points, window) {
                 let spots = thin(stretch.into_iter().map(&to_spot).collect());
-                dots.extend(spots.iter().map(|s| px(*s)));
+                dots.extend(along(&spots));
                 if let [only] = spots[..] {
                     canvas.mark(only, super::Mark::Circle, width.max(2.5), *color)?;
                 } else {

@@ -160,6 +160,18 @@ fn a_gap_makes_two_polylines_and_one_point_a_dot() {
 }
 
 #[test]
+fn a_point_name_keeps_off_a_line_with_few_points() {
+    let line = Item::line("", Color::BLUE, vec![(0.0, 0.0), (100.0, 100.0)]);
+    let mut figure = one(line);
+    let plain = pixels_of(&render_png(&figure).unwrap(), Color::BLUE);
+    let mark = Item::mark_point("a rather long name", 50.0, 50.0);
+    figure.panels[0].items.push(mark);
+    let named = pixels_of(&render_png(&figure).unwrap(), Color::BLUE);
+    // The ring hides some of the line; the name would hide much more.
+    assert!(named > plain - 120, "{named} of {plain}");
+}
+
+#[test]
 fn text_cannot_break_the_file() {
     let mut figure = one(Item::mark_x("a < b & \"c\"\u{0}\n", 0.5));
     figure.title = "<script>&\u{1}".to_owned();
