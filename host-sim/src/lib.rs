@@ -1,4 +1,10 @@
 //! The hammer on the desktop (being written).
+pub mod dual;
+pub mod engine;
+pub mod error;
 pub mod files;
+pub mod orbit;
 pub mod picture;
+pub mod reference;
+pub mod rigfile;
 pub mod terminal;

@@ -93,7 +93,7 @@ const fn rig(support: SupportParams) -> RigParams {
         support,
         mass_kg: 0.298,
         cart_mass_kg: 5.38,
-        amplitude_m: 0.89e-3,
+        amplitude_m: 0.89 / 1e3,
         gap_m: 0.0,
         contact: TABLE_3_1,
     }

@@ -14,7 +14,6 @@ pub trait Scalar: Real {
     /// A time found as the root of `g`, given dg/dt there: for a dual number, the root's derivatives.
     #[must_use]
     fn as_root_of(self, g: Self, slope: f64) -> Self;
-
 }
 
 impl Scalar for f64 {

@@ -247,7 +247,8 @@ impl<R: Scalar> Reference<R> {
                 self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
                 continue;
             }
-            if let Some(at) = switching::locate(&self.field(), &self.point, h, &step.end, self.units)
+            if let Some(at) =
+                switching::locate(&self.field(), &self.point, h, &step.end, self.units)
             {
                 let part = self.field().step(&self.point, at, self.units);
                 self.accept(&part, &mut period, observer);

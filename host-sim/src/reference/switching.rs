@@ -87,7 +87,11 @@ pub fn locate<R: Scalar>(
     let at = |j: usize| j as f64 / SAMPLES as f64;
     let mut values = [0.0; SAMPLES + 1];
     for (j, value) in values.iter_mut().enumerate() {
-        *value = if j == SAMPLES { exact_end(field, end, sign) } else { guess(at(j)) };
+        *value = if j == SAMPLES {
+            exact_end(field, end, sign)
+        } else {
+            guess(at(j))
+        };
     }
     let mut bracket = (1..=SAMPLES)
         .find(|j| values[*j] > 0.0)
