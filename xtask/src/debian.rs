@@ -87,7 +87,7 @@ pub fn provide() -> Outcome {
         return Ok(());
     }
     if may_install() {
-        install(&lack.packages)?;
+        install(&lack.packages).map_err(|error| format!("{error}\n{}", lack.advice.join("\n")))?;
         let still = lacking();
         return if still.advice.is_empty() {
             Ok(())

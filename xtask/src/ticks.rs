@@ -4,7 +4,8 @@
 //! states or the bus: at `-icount shift=0` it lets one nanosecond of the board's
 //! time go by per instruction. `firmware/src/bin/ticks.rs` repeats each tick from
 //! the same state and reads the time before and after; here the counts are worked
-//! out and summed up. They are instructions and say nothing about cycles.
+//! out and summed up. They are instructions of the tick's work, without entering
+//! and leaving the interrupt, and say nothing about cycles.
 
 use crate::{
     Outcome,
