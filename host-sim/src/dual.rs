@@ -85,6 +85,7 @@ impl<const N: usize> Sub for Dual<N> {
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline]
+    #[allow(clippy::suspicious_arithmetic_impl)] // the product rule adds
     fn mul(self, other: Self) -> Self {
         let (x, y) = (self.re, other.re);
         self.zip(other, x * y, |a, b| a * y + x * b)
@@ -94,6 +95,7 @@ impl<const N: usize> Mul for Dual<N> {
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
     #[inline]
+    #[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule subtracts
     fn div(self, other: Self) -> Self {
         let quotient = self.re / other.re;
         self.zip(other, quotient, |a, b| (a - quotient * b) / other.re)

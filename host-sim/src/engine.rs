@@ -58,13 +58,20 @@ impl Start {
         let moving = |x: f64, v: f64| {
             let q = rig.coordinate_at(x);
             let rate = rig.coordinate_rate_at(q, v);
-            if q.is_finite() && rate.is_finite() {
-                Ok([q, rate])
-            } else {
+            let inside = rig.kinematics(q, 0.0).delta;
+            if !(q.is_finite() && rate.is_finite()) {
                 Err(UserError::new(format!(
                     "the start displacement {} mm is out of the rig's reach; choose a smaller one",
                     x * 1e3
                 )))
+            } else if inside > DEEPEST_START_M {
+                Err(UserError::new(format!(
+                    "the start displacement {} mm is {} mm inside the impact surface; start at the gap or below",
+                    x * 1e3,
+                    inside * 1e3
+                )))
+            } else {
+                Ok([q, rate])
             }
         };
         match self {
@@ -75,6 +82,9 @@ impl Start {
         }
     }
 }
+
+/// A start may press this deep into the surface, m.
+const DEEPEST_START_M: f64 = 1e-4;
 
 /// One recorded instant.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -372,13 +382,21 @@ pub struct Observation {
 }
 
 /// Runs `machine` through `plan`.
-pub fn observe(machine: &mut dyn Machine, plan: Plan, recorder: &mut Recorder) -> Observation {
+///
+/// # Errors
+/// The hammer left what the model describes (swung over the top, or was thrown out of all reach).
+pub fn observe(
+    machine: &mut dyn Machine,
+    plan: Plan,
+    recorder: &mut Recorder,
+) -> Result<Observation, UserError> {
     let scale = machine.rig().coordinate_scale();
     let omega = std::f64::consts::TAU * machine.frequency_hz();
     let mut detector = Detector::new(scale, scale * omega);
     let opening = Period::default();
     for _ in 0..plan.transient {
         machine.period(None);
+        within_reach(machine)?;
     }
     let [q, v] = machine.section();
     detector.push(q, v, &opening);
@@ -386,17 +404,32 @@ pub fn observe(machine: &mut dyn Machine, plan: Plan, recorder: &mut Recorder) -
     let mut section = Vec::new();
     for _ in plan.transient..plan.cycles {
         let period = machine.period(Some(recorder));
+        within_reach(machine)?;
         let [q, v] = machine.section();
         detector.push(q, v, &period);
         section.push([q, v]);
         force_n = force_n.max(period.peak_force);
     }
     let strongest = recorder.contacts.iter().copied();
-    Observation {
+    Ok(Observation {
         frequency_hz: machine.frequency_hz(),
         regime: detector.regime(),
         force_n,
         strongest: strongest.max_by(|a, b| a.peak_force_n.total_cmp(&b.peak_force_n)),
         section,
+    })
+}
+
+/// Whether the hammer is still where the model holds: on wires below the horizontal, on beams within a
+/// metre.
+fn within_reach(machine: &dyn Machine) -> Result<(), UserError> {
+    const FARTHEST: f64 = 1.0;
+    let [q, v] = machine.section();
+    if q.abs() < FARTHEST && v.is_finite() {
+        return Ok(());
     }
+    Err(UserError::new(format!(
+        "at {} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start",
+        machine.frequency_hz()
+    )))
 }

@@ -1,4 +1,5 @@
 //! The hammer on the desktop (being written).
+pub mod branch;
 pub mod dual;
 pub mod engine;
 pub mod error;
@@ -7,4 +8,6 @@ pub mod orbit;
 pub mod picture;
 pub mod reference;
 pub mod rigfile;
+pub mod sweep;
+pub mod table;
 pub mod terminal;

@@ -2,6 +2,7 @@
 
 use shared::contacts::Period;
 use shared::params::RigParams;
+use shared::rig::Rig;
 
 use crate::dual::Dual;
 use crate::reference::{Contact, Reference};
@@ -147,13 +148,13 @@ fn map(
     x: [f64; 2],
     contacts: &mut Vec<Contact>,
 ) -> Option<Image> {
-    if !(x[0].is_finite() && x[1].is_finite()) {
-        return None;
-    }
     let (q, v) = (Dual::variable(x[0], 0), Dual::variable(x[1], 1));
     let mut hammer = Reference::<Dual<2>>::new(params, frequency_hz, q, v).ok()?;
     let scale = hammer.rig().coordinate_scale();
     let units = [scale, scale * std::f64::consts::TAU * frequency_hz];
+    if !plausible(hammer.rig(), x, units) {
+        return None;
+    }
     let period = hammer.run_period(contacts);
     let (q, v) = hammer.state();
     Some(Image {
@@ -162,4 +163,16 @@ fn map(
         units,
         energy_j: hammer.totals().inertial_work,
     })
+}
+
+/// Whether a section point can belong to an orbit: not deep inside the surface, nor far out. Newton's
+/// iteration may propose others, and following them would be long and senseless.
+fn plausible(rig: &Rig<f64>, x: [f64; 2], units: [f64; 2]) -> bool {
+    const FAR: f64 = 60.0;
+    const DEEP: f64 = 0.2;
+    let penetration = rig.kinematics(x[0], x[1]).delta;
+    // A comparison with a number that is none is false.
+    (x[0] / units[0]).abs() < FAR
+        && (x[1] / units[1]).abs() < FAR
+        && penetration < DEEP * rig.amplitude()
 }

@@ -30,6 +30,10 @@ const FIRST_STEP_S: f64 = 1e-5;
 /// Steps per period of the faster of drive and hammer, at least.
 const STEPS_PER_PERIOD: f64 = 24.0;
 
+/// Steps after which a period is given up. Chatter needs some thousands; a hammer that was started deep
+/// inside the surface, or swung over the top, never ends.
+const MAX_STEPS_PER_PERIOD: usize = 200_000;
+
 /// One finished contact, times in seconds since the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -143,7 +147,7 @@ impl<R: Scalar> Reference<R> {
     /// If `frequency_hz` is not a positive number.
     pub fn at_rest(params: &RigParams, frequency_hz: f64) -> Result<Self, ParamError> {
         let rig = Rig::<R>::new(params)?;
-        Ok(Self::new(params, frequency_hz, rig.rest(), R::ZERO)?)
+        Self::new(params, frequency_hz, rig.rest(), R::ZERO)
     }
 
     /// A hammer at drive phase 0 at coordinate `q` and rate `v` (see [`shared::rig`] for the coordinate).
@@ -226,13 +230,14 @@ impl<R: Scalar> Reference<R> {
         }
     }
 
-    /// Goes on to the next drive phase 0 and tells what happened on the way.
+    /// Goes on to the next drive phase 0 and tells what happened on the way. A motion that cannot be
+    /// followed ends in a state that is not a number.
     pub fn run_period(&mut self, observer: &mut impl Observer) -> Period<f64> {
         let mut period = Period {
             touched: self.mode == Mode::Contact,
             ..Period::default()
         };
-        loop {
+        for _ in 0..MAX_STEPS_PER_PERIOD {
             let to_go = self.period_s - self.point.t.to_f64();
             let last = to_go <= self.next_step.min(self.max_step);
             let h = self.next_step.min(self.max_step).min(to_go);
@@ -258,13 +263,21 @@ impl<R: Scalar> Reference<R> {
             }
             self.accept(&step, &mut period, observer);
             if last {
-                break;
+                self.cycle += 1;
+                self.point.t = R::ZERO;
+                return period;
             }
             let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
             self.next_step = h * growth;
         }
-        self.cycle += 1;
-        self.point.t = R::ZERO;
+        // A motion that needs so many steps is none the model describes: say so by a state that is no
+        // number, which every reader tests for.
+        let nowhere = R::from_f64(f64::NAN);
+        self.point = Point {
+            t: R::ZERO,
+            q: nowhere,
+            v: nowhere,
+        };
         period
     }
 

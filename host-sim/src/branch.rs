@@ -1,0 +1,256 @@
+//! The branch of 1/1 orbits over drive frequency: where it is stable, and how each end comes about.
+
+use shared::params::RigParams;
+
+use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use crate::orbit::{Multipliers, Orbit, shoot};
+
+/// How a stable 1/1 ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// A multiplier passes −1: the orbit doubles its period.
+    PeriodDoubling,
+    /// Another contact appears in the period (a graze).
+    ExtraContact,
+    /// A multiplier passes +1, or the orbit is no longer found: a fold, where the hammer jumps.
+    Fold,
+    /// A complex pair passes the unit circle.
+    Torus,
+    /// The search stopped here; the branch goes on.
+    SearchLimit,
+}
+
+/// An end of the branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// Where, Hz: the last frequency at which the orbit is a stable 1/1.
+    pub frequency_hz: f64,
+    /// How.
+    pub end: End,
+}
+
+/// A stretch of stable 1/1 orbits.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// Orbits along it, by rising frequency, the ends included.
+    pub orbits: Vec<Orbit>,
+    /// Its lower end.
+    pub low: Edge,
+    /// Its upper end.
+    pub high: Edge,
+}
+
+/// Largest step along a branch, as a share of the natural frequency.
+const STRIDE: f64 = 0.03;
+/// A step shorter than this share of the natural frequency ends the branch.
+const SHORTEST: f64 = 1e-5;
+/// Ends are located to this share of the natural frequency.
+const EDGE_TOLERANCE: f64 = 1e-7;
+
+impl Branch {
+    /// Follows the stable 1/1 from `seed` both ways, within `limits_hz`.
+    pub fn follow(params: &RigParams, seed: Orbit, limits_hz: (f64, f64)) -> Self {
+        let (mut down, low) = march(params, &seed, limits_hz.0);
+        let (up, high) = march(params, &seed, limits_hz.1);
+        down.reverse();
+        down.push(seed);
+        down.extend(up);
+        Self {
+            orbits: down,
+            low,
+            high,
+        }
+    }
+
+    /// The 1/1 orbit at `frequency_hz`, found from its nearest neighbours on the branch. `None` outside
+    /// the branch.
+    pub fn at(&self, params: &RigParams, frequency_hz: f64) -> Option<Orbit> {
+        let (first, last) = (self.orbits.first()?, self.orbits.last()?);
+        if !(first.frequency_hz..=last.frequency_hz).contains(&frequency_hz) {
+            return None;
+        }
+        let above = self
+            .orbits
+            .partition_point(|o| o.frequency_hz < frequency_hz);
+        let b = &self.orbits[above.min(self.orbits.len() - 1)];
+        let a = &self.orbits[above.saturating_sub(1)];
+        shoot(params, frequency_hz, between(a, b, frequency_hz))
+    }
+}
+
+/// The section point at `frequency_hz` on the line through two orbits.
+fn between(a: &Orbit, b: &Orbit, frequency_hz: f64) -> [f64; 2] {
+    let span = b.frequency_hz - a.frequency_hz;
+    let s = if span == 0.0 {
+        0.0
+    } else {
+        (frequency_hz - a.frequency_hz) / span
+    };
+    [0, 1].map(|i| a.section[i] + s * (b.section[i] - a.section[i]))
+}
+
+/// Stable 1/1 orbits from `seed` (not included) towards `limit_hz`, and how they end.
+fn march(params: &RigParams, seed: &Orbit, limit_hz: f64) -> (Vec<Orbit>, Edge) {
+    let unit = params.natural_frequency_hz();
+    let direction = (limit_hz - seed.frequency_hz).signum();
+    let mut orbits: Vec<Orbit> = Vec::new();
+    let mut stride = STRIDE * unit;
+    let edge = |orbit: &Orbit, end| Edge {
+        frequency_hz: orbit.frequency_hz,
+        end,
+    };
+    loop {
+        let last = orbits.last().unwrap_or(seed).clone();
+        let before = match orbits.len() {
+            0 => None,
+            1 => Some(seed),
+            n => Some(&orbits[n - 2]),
+        };
+        let to_go = (limit_hz - last.frequency_hz) * direction;
+        if to_go <= EDGE_TOLERANCE * unit {
+            return (orbits, edge(&last, End::SearchLimit));
+        }
+        let frequency_hz = last.frequency_hz + direction * stride.min(to_go);
+        let guess = before.map_or(last.section, |b| between(b, &last, frequency_hz));
+        let found = shoot(params, frequency_hz, guess).filter(|o| is_neighbour(o, &last));
+        match found {
+            Some(orbit) if orbit.is_stable_one_one() => {
+                orbits.push(orbit);
+                stride = (1.5 * stride).min(STRIDE * unit);
+            }
+            Some(beyond) => {
+                let (inside, beyond) = bisect(params, last, beyond);
+                let end = how(&inside, &beyond);
+                let at = edge(&inside, end);
+                if inside.frequency_hz != orbits.last().unwrap_or(seed).frequency_hz {
+                    orbits.push(inside);
+                }
+                return (orbits, at);
+            }
+            None if stride > SHORTEST * unit => stride *= 0.5,
+            None => return (orbits, edge(&last, End::Fold)),
+        }
+    }
+}
+
+/// Whether Newton's iteration stayed on the branch: the force of neighbours differs little.
+fn is_neighbour(orbit: &Orbit, last: &Orbit) -> bool {
+    orbit.impacts != 1 || (orbit.force_n / last.force_n).ln().abs() < 0.25
+}
+
+/// Narrows the step in which stability or admissibility is lost.
+fn bisect(params: &RigParams, mut inside: Orbit, mut beyond: Orbit) -> (Orbit, Orbit) {
+    let tolerance = EDGE_TOLERANCE * params.natural_frequency_hz();
+    while (beyond.frequency_hz - inside.frequency_hz).abs() > tolerance {
+        let middle = 0.5 * (inside.frequency_hz + beyond.frequency_hz);
+        let guess = between(&inside, &beyond, middle);
+        match shoot(params, middle, guess).or_else(|| shoot(params, middle, inside.section)) {
+            Some(orbit) if orbit.is_stable_one_one() => inside = orbit,
+            Some(orbit) => beyond = orbit,
+            None => break,
+        }
+    }
+    (inside, beyond)
+}
+
+/// How stability is lost between two neighbouring orbits.
+fn how(inside: &Orbit, beyond: &Orbit) -> End {
+    if beyond.impacts != 1 {
+        return End::ExtraContact;
+    }
+    match (beyond.multipliers(), inside.multipliers()) {
+        (Multipliers::Real(smallest, _), _) if smallest <= -1.0 => End::PeriodDoubling,
+        (Multipliers::Complex(_), _) => End::Torus,
+        _ => End::Fold,
+    }
+}
+
+/// Ratios to the natural frequency at which a stable 1/1 is looked for.
+const SEEDS: [f64; 10] = [1.5, 2.0, 1.3, 1.8, 2.3, 1.1, 2.7, 1.0, 0.9, 3.2];
+/// How long a seed may take to settle, drive periods.
+const SETTLE: Plan = Plan {
+    cycles: 320,
+    transient: 280,
+};
+
+/// Stable stretches of 1/1, found from seeds started at rest and with a push, by rising frequency.
+pub fn one_one_branches(params: &RigParams, limits_ratio: (f64, f64)) -> Vec<Branch> {
+    let unit = params.natural_frequency_hz();
+    let limits_hz = (limits_ratio.0 * unit, limits_ratio.1 * unit);
+    let mut found: Vec<Branch> = Vec::new();
+    for ratio in SEEDS {
+        let frequency_hz = ratio * unit;
+        let known = |b: &Branch| (b.low.frequency_hz..=b.high.frequency_hz).contains(&frequency_hz);
+        if !(limits_ratio.0..=limits_ratio.1).contains(&ratio) || found.iter().any(known) {
+            continue;
+        }
+        let push = Start::Moving(-3.0 * params.amplitude_m - params.gap_m.abs(), 0.0);
+        for start in [Start::Rest, push] {
+            if let Some(seed) = settle(params, frequency_hz, start) {
+                found.push(Branch::follow(params, seed, limits_hz));
+                break;
+            }
+        }
+    }
+    found.sort_by(|a, b| a.low.frequency_hz.total_cmp(&b.low.frequency_hz));
+    found
+}
+
+/// The stable 1/1 a run from `start` settles on, if it does.
+fn settle(params: &RigParams, frequency_hz: f64, start: Start) -> Option<Orbit> {
+    let mut hammer = machine(Engine::Event, params, frequency_hz, start).ok()?;
+    let seen = observe(hammer.as_mut(), SETTLE, &mut Recorder::default()).ok()?;
+    if !seen.regime.is(1, 1) {
+        return None;
+    }
+    shoot(params, frequency_hz, hammer.section()).filter(Orbit::is_stable_one_one)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::params::{BEAM_150, WIRES};
+
+    #[test]
+    fn the_chapter_s_first_band_on_wires_at_zero_gap() {
+        let branches = one_one_branches(&WIRES, (0.5, 4.0));
+        assert_eq!(branches.len(), 1);
+        let branch = &branches[0];
+        let ratio = |edge: Edge| edge.frequency_hz / WIRES.natural_frequency_hz();
+        // Several contacts per cycle below about 1.16, doubled at 2.7.
+        assert_eq!(branch.low.end, End::ExtraContact);
+        assert!(
+            (1.14..1.17).contains(&ratio(branch.low)),
+            "{}",
+            ratio(branch.low)
+        );
+        assert_eq!(branch.high.end, End::PeriodDoubling);
+        assert!(
+            (2.6..2.7).contains(&ratio(branch.high)),
+            "{}",
+            ratio(branch.high)
+        );
+        let last = branch.orbits.last().unwrap();
+        let smallest = last.multipliers().smallest_real().unwrap();
+        assert!((smallest + 1.0).abs() < 1e-5, "{smallest}");
+    }
+
+    #[test]
+    fn beyond_the_doubling_the_simulation_doubles_and_before_it_does_not() {
+        let branch = &one_one_branches(&BEAM_150, (0.5, 4.0))[0];
+        let edge = branch.high.frequency_hz;
+        let regime = |frequency_hz: f64| {
+            let mut hammer = machine(Engine::Event, &BEAM_150, frequency_hz, Start::Rest).unwrap();
+            let plan = Plan {
+                cycles: 900,
+                transient: 860,
+            };
+            observe(hammer.as_mut(), plan, &mut Recorder::default())
+                .unwrap()
+                .regime
+        };
+        assert!(regime(0.995 * edge).is(1, 1));
+        assert!(regime(1.005 * edge).is(2, 2));
+    }
+}

@@ -1,0 +1,303 @@
+//! The force curve over frequency (figures 3.12–3.14 and 3.40–3.42): from rest at each frequency, or
+//! carried up or down, which shows the jumps.
+
+use rayon::prelude::*;
+use shared::params::RigParams;
+
+use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use crate::error::UserError;
+use crate::rigfile::NamedRig;
+use crate::table::Row;
+use crate::terminal::Progress;
+
+/// In which order the frequencies are visited and what is carried from one to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Direction {
+    /// Each frequency from rest.
+    Rest,
+    /// Upwards, each from where the last one ended.
+    Up,
+    /// Downwards, each from where the last one ended.
+    Down,
+}
+
+/// The curve at `frequencies_hz` (rising); rows come back by rising frequency, whatever the direction.
+/// Runs carried over start from rest at the first frequency visited.
+///
+/// # Errors
+/// A parameter or frequency that cannot be.
+pub fn sweep(
+    rig: &NamedRig,
+    engine: Engine,
+    frequencies_hz: &[f64],
+    direction: Direction,
+    plan: Plan,
+    progress: &Progress,
+) -> Result<Vec<Row>, UserError> {
+    let run =
+        |frequency_hz: f64, start: Start| run_one(rig, engine, frequency_hz, start, plan, progress);
+    if direction == Direction::Rest {
+        let rows = frequencies_hz
+            .par_iter()
+            .map(|f| Ok(run(*f, Start::Rest)?.0));
+        return rows.collect();
+    }
+    let mut order: Vec<f64> = frequencies_hz.to_vec();
+    if direction == Direction::Down {
+        order.reverse();
+    }
+    let mut start = Start::Rest;
+    let mut rows = Vec::with_capacity(order.len());
+    for frequency_hz in order {
+        let (row, section) = run(frequency_hz, start)?;
+        rows.push(row);
+        start = Start::Section(section);
+    }
+    if direction == Direction::Down {
+        rows.reverse();
+    }
+    Ok(rows)
+}
+
+fn run_one(
+    rig: &NamedRig,
+    engine: Engine,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+    progress: &Progress,
+) -> Result<(Row, [f64; 2]), UserError> {
+    let mut hammer = machine(engine, &rig.params, frequency_hz, start)?;
+    let seen = observe(hammer.as_mut(), plan, &mut Recorder::default())?;
+    progress.inc(1);
+    Ok((Row::new(&rig.name, &rig.params, &seen), hammer.section()))
+}
+
+/// The largest relative difference of force between the up and the down sweep, and where (Hz). A jump
+/// is where they differ: two attractors over one frequency.
+pub fn largest_difference(up: &[Row], down: &[Row], weight_n: f64) -> (f64, f64) {
+    let differences = up.iter().zip(down).map(|(a, b)| {
+        // Against at least the hammer's weight: two nearly silent runs are alike.
+        let scale = a.force_n.max(b.force_n).max(weight_n);
+        ((a.force_n - b.force_n).abs() / scale, a.frequency_hz)
+    });
+    differences.fold(
+        (0.0, f64::NAN),
+        |worst, d| if d.0 > worst.0 { d } else { worst },
+    )
+}
+
+/// `count` frequencies from `from_hz` to `to_hz`, both included.
+pub fn spread(from_hz: f64, to_hz: f64, count: usize) -> Vec<f64> {
+    let step = (to_hz - from_hz) / (count.max(2) - 1) as f64;
+    (0..count).map(|i| from_hz + step * i as f64).collect()
+}
+
+/// A measured force curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// (frequency in Hz, force in N), as read.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// How far a simulated curve is from a measured one.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct MeasuredError {
+    /// Measured points inside the simulated range.
+    pub points_compared: usize,
+    /// Measured points outside it, not compared.
+    pub points_outside: usize,
+    /// Root mean square of simulated − measured, N.
+    pub rms_n: f64,
+    /// Mean of (simulated − measured)/measured, %.
+    pub mean_percent: f64,
+    /// Largest |simulated − measured|/measured, %.
+    pub largest_percent: f64,
+}
+
+impl Measured {
+    /// Reads a CSV with the columns frequency_hz and force_n (others are passed over).
+    ///
+    /// # Errors
+    /// One line naming file, line and mend.
+    pub fn read(path: &std::path::Path) -> Result<Self, UserError> {
+        let place = path.display();
+        let bad = |line: u64, what: String| UserError::new(format!("{place}, line {line}: {what}"));
+        let mut reader = csv::Reader::from_path(path)
+            .map_err(|e| UserError::new(format!("cannot read {place}: {e}; check the path")))?;
+        let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
+        let column = |name: &str| {
+            headers
+                .iter()
+                .position(|h| h.trim() == name)
+                .ok_or_else(|| {
+                    bad(
+                        1,
+                        format!(
+                            "there is no column {name}; the first line must be frequency_hz,force_n"
+                        ),
+                    )
+                })
+        };
+        let (frequency, force) = (column("frequency_hz")?, column("force_n")?);
+        let mut points = Vec::new();
+        for (i, record) in reader.records().enumerate() {
+            let line = i as u64 + 2;
+            let record = record.map_err(|e| {
+                bad(
+                    line,
+                    format!(
+                        "{} — every line needs as many fields as the first",
+                        short(&e)
+                    ),
+                )
+            })?;
+            let number = |column: usize, name: &str| {
+                let text = record.get(column).unwrap_or("").trim();
+                let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
+                value.ok_or_else(|| bad(line, format!("{name} is '{text}', must be a number")))
+            };
+            points.push((
+                number(frequency, "frequency_hz")?,
+                number(force, "force_n")?,
+            ));
+        }
+        if points.is_empty() {
+            return Err(UserError::new(format!(
+                "{place}: there is no measurement below the first line"
+            )));
+        }
+        Ok(Self { points })
+    }
+
+    /// The error of `rows` (by rising frequency) against this measurement, interpolated linearly.
+    pub fn error(&self, rows: &[Row]) -> MeasuredError {
+        let simulated = |frequency_hz: f64| {
+            let above = rows.partition_point(|r| r.frequency_hz < frequency_hz);
+            let b = rows.get(above)?;
+            if b.frequency_hz == frequency_hz {
+                return Some(b.force_n);
+            }
+            let a = rows.get(above.checked_sub(1)?)?;
+            let s = (frequency_hz - a.frequency_hz) / (b.frequency_hz - a.frequency_hz);
+            Some(a.force_n + s * (b.force_n - a.force_n))
+        };
+        let pairs: Vec<_> = self
+            .points
+            .iter()
+            .filter_map(|(f, measured)| Some((simulated(*f)?, *measured)))
+            .collect();
+        let n = pairs.len() as f64;
+        let relative = || {
+            pairs
+                .iter()
+                .filter(|p| p.1 != 0.0)
+                .map(|(s, m)| (s - m) / m)
+        };
+        MeasuredError {
+            points_compared: pairs.len(),
+            points_outside: self.points.len() - pairs.len(),
+            rms_n: (pairs.iter().map(|(s, m)| (s - m).powi(2)).sum::<f64>() / n).sqrt(),
+            mean_percent: 100.0 * relative().sum::<f64>() / relative().count() as f64,
+            largest_percent: 100.0 * relative().fold(0.0, |worst: f64, e| worst.max(e.abs())),
+        }
+    }
+}
+
+fn short(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => {
+            format!("{len} fields where the first line has {expected_len}")
+        }
+        csv::ErrorKind::Utf8 { .. } => "not text (UTF-8)".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// Force ratio from rest at one frequency: for a single figure beside a curve.
+///
+/// # Errors
+/// A parameter or frequency that cannot be.
+pub fn force_from_rest(
+    params: &RigParams,
+    frequency_hz: f64,
+    plan: Plan,
+) -> Result<Row, UserError> {
+    let rig = NamedRig {
+        name: String::new(),
+        params: *params,
+    };
+    let progress = Progress::new("", 1, true);
+    Ok(run_one(
+        &rig,
+        Engine::Event,
+        frequency_hz,
+        Start::Rest,
+        plan,
+        &progress,
+    )?
+    .0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::params::WIRES;
+
+    const PLAN: Plan = Plan {
+        cycles: 160,
+        transient: 140,
+    };
+
+    fn curve(gap_m: f64, frequencies: &[f64], direction: Direction) -> Vec<Row> {
+        let rig = NamedRig {
+            name: "wires".into(),
+            params: RigParams { gap_m, ..WIRES },
+        };
+        let quiet = Progress::new("", 1, true);
+        sweep(&rig, Engine::Event, frequencies, direction, PLAN, &quiet).unwrap()
+    }
+
+    #[test]
+    fn a_large_gap_jumps_and_no_gap_does_not() {
+        let frequencies = spread(2.4, 4.0, 33);
+        let worst = |gap: f64| {
+            let up = curve(gap, &frequencies, Direction::Up);
+            let down = curve(gap, &frequencies, Direction::Down);
+            largest_difference(&up, &down, WIRES.weight_n()).0
+        };
+        assert!(worst(0.0) < 0.02, "{}", worst(0.0));
+        assert!(worst(2.4e-3) > 0.2, "{}", worst(2.4e-3));
+    }
+
+    #[test]
+    fn rows_come_by_rising_frequency_and_do_not_depend_on_threads() {
+        let frequencies = spread(2.0, 3.0, 5);
+        for direction in [Direction::Rest, Direction::Up, Direction::Down] {
+            let rows = curve(0.0, &frequencies, direction);
+            let hz: Vec<_> = rows.iter().map(|r| r.frequency_hz).collect();
+            assert_eq!(hz, frequencies);
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .unwrap();
+        let alone = pool.install(|| curve(0.0, &frequencies, Direction::Rest));
+        assert_eq!(alone, curve(0.0, &frequencies, Direction::Rest));
+    }
+
+    #[test]
+    fn the_error_against_a_measurement_made_from_the_curve_is_what_was_put_in() {
+        let rows = curve(0.0, &spread(2.0, 3.0, 11), Direction::Rest);
+        let points = rows.iter().map(|r| (r.frequency_hz, r.force_n / 1.1));
+        let measured = Measured {
+            points: points.chain([(9.0, 1.0)]).collect(),
+        };
+        let error = measured.error(&rows);
+        assert_eq!((error.points_compared, error.points_outside), (11, 1));
+        assert!((error.mean_percent - 10.0).abs() < 1e-9);
+        assert!((error.largest_percent - 10.0).abs() < 1e-9);
+    }
+}
