@@ -1,10 +1,12 @@
 //! The hammer on the desktop (being written).
 pub mod branch;
+pub mod cli;
 pub mod dual;
 pub mod engine;
 pub mod error;
 pub mod files;
 pub mod orbit;
+pub mod pick;
 pub mod picture;
 pub mod reference;
 pub mod rigfile;

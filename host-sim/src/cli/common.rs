@@ -1,0 +1,240 @@
+//! Options every command has.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+
+use crate::engine::{Engine, Plan, Precision, Start};
+use crate::error::UserError;
+use crate::files;
+use crate::picture::{Figure, render_png, render_svg};
+use crate::rigfile::{self, NamedRig};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EngineName {
+    /// Event-located reference, f64
+    Event,
+    /// The microcontroller's switch model, corrected stepper, fixed tick
+    Switch,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionName {
+    F32,
+    F64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For a person, with a small chart
+    Text,
+    /// For a program
+    Json,
+    /// For a spreadsheet
+    Csv,
+}
+
+#[derive(Clone, Debug, clap::Args)]
+pub struct Common {
+    /// A preset (wires, beam-170, beam-150, beam-135) or a rig file
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "wires")]
+    pub rig: String,
+
+    /// Override a parameter, unit in the key: mass_kg=0.3 (`host-sim rigs wires` prints the keys)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+
+    /// Clearance at rest, mm
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub gap: Option<f64>,
+
+    /// What integrates
+    #[arg(long, value_enum, default_value = "event")]
+    pub engine: EngineName,
+
+    /// Arithmetic of the switch engine [default: f32]
+    #[arg(long, value_enum)]
+    pub precision: Option<PrecisionName>,
+
+    /// Tick of the switch engine, microseconds [default: 50]
+    #[arg(long, value_name = "US")]
+    pub tick_us: Option<f64>,
+
+    /// How to answer on standard output
+    #[arg(long, value_enum, default_value = "text")]
+    pub format: Format,
+
+    /// Folder for pictures (SVG, PNG) and tables
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+
+    /// No progress, no notes on standard error
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Common {
+    pub fn rig(&self) -> Result<NamedRig, UserError> {
+        self.rig_named(&self.rig)
+    }
+
+    /// The rig called `name`, with this command's settings and gap on top.
+    pub fn rig_named(&self, name: &str) -> Result<NamedRig, UserError> {
+        let mut rig = rigfile::load(name, &self.set)?;
+        if let Some(gap) = self.gap {
+            rig.params =
+                rigfile::with_number(&rig.params, "gap_mm", gap).map_err(|e| e.at("--gap"))?;
+        }
+        Ok(rig)
+    }
+
+    pub fn engine(&self) -> Result<Engine, UserError> {
+        if self.engine == EngineName::Event {
+            let given = if self.tick_us.is_some() {
+                Some("--tick-us")
+            } else {
+                None
+            };
+            let given = given.or(self.precision.map(|_| "--precision"));
+            return match given {
+                Some(option) => Err(UserError::new(format!(
+                    "{option} belongs to the switch engine; add --engine switch or leave it out"
+                ))),
+                None => Ok(Engine::Event),
+            };
+        }
+        let tick_us = self.tick_us.unwrap_or(50.0);
+        if !(0.01..=1000.0).contains(&tick_us) {
+            return Err(UserError::new(format!(
+                "--tick-us is {tick_us}, must be from 0.01 to 1000 microseconds"
+            )));
+        }
+        let precision = match self.precision {
+            Some(PrecisionName::F64) => Precision::F64,
+            Some(PrecisionName::F32) | None => Precision::F32,
+        };
+        Ok(Engine::Switch {
+            precision,
+            tick_s: tick_us * 1e-6,
+        })
+    }
+
+    /// Writes a note for a person on standard error.
+    pub fn note(&self, text: &str) {
+        if !self.quiet {
+            eprintln!("{text}");
+        }
+    }
+
+    /// Writes files into `dir` and says so.
+    pub fn write(&self, dir: &Path, contents: &[(String, Vec<u8>)]) -> Result<(), UserError> {
+        let paths = files::write_all(dir, contents)?;
+        let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
+        self.note(&format!("wrote {}", names.join(", ")));
+        Ok(())
+    }
+}
+
+/// A figure as `NAME.svg` and `NAME.png`.
+pub fn pictures(name: &str, figure: &Figure) -> Result<Vec<(String, Vec<u8>)>, UserError> {
+    Ok(vec![
+        (format!("{name}.svg"), render_svg(figure)?.into_bytes()),
+        (format!("{name}.png"), render_png(figure)?),
+    ])
+}
+
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Cycles {
+    /// Drive cycles in all
+    #[arg(long, default_value_t = 600)]
+    pub cycles: u32,
+
+    /// How many of the first are not recorded
+    #[arg(long, default_value_t = 480)]
+    pub transient: u32,
+}
+
+impl Cycles {
+    pub fn plan(self) -> Result<Plan, UserError> {
+        if self.transient >= self.cycles {
+            return Err(UserError::new(format!(
+                "--transient {} leaves nothing of --cycles {} to record; it must be smaller",
+                self.transient, self.cycles
+            )));
+        }
+        Ok(Plan {
+            cycles: self.cycles,
+            transient: self.transient,
+        })
+    }
+}
+
+/// `rest`, `fixed`, or `MM,M_PER_S`.
+pub fn parse_start(text: &str) -> Result<Start, String> {
+    let wrong = || {
+        "write rest, fixed (at rest in the fixed frame), or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart".to_owned()
+    };
+    match text {
+        "rest" => Ok(Start::Rest),
+        "fixed" => Ok(Start::FixedFrameRest),
+        _ => {
+            let (x, v) = text.split_once(',').ok_or_else(wrong)?;
+            let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+            let (x, v) = (number(x).ok_or_else(wrong)?, number(v).ok_or_else(wrong)?);
+            Ok(Start::Moving(x * 1e-3, v))
+        }
+    }
+}
+
+/// `FROM:TO:STEP`, both ends included.
+pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
+    const MOST: f64 = 1e6;
+    let parts: Vec<_> = text.split(':').map(|t| t.trim().parse::<f64>()).collect();
+    let [Ok(from), Ok(to), Ok(step)] = parts.as_slice() else {
+        return Err("write FROM:TO:STEP, for example 1.0:3.0:0.01".to_owned());
+    };
+    let (from, to, step) = (*from, *to, *step);
+    if !(from.is_finite() && to.is_finite() && step.is_finite()) {
+        return Err("every part must be a finite number".to_owned());
+    }
+    if from > to {
+        return Err(format!("FROM ({from}) is above TO ({to}); swap them"));
+    }
+    if step <= 0.0 {
+        return Err(format!("STEP is {step}, must be positive"));
+    }
+    let count = ((to - from) / step + 1e-9).floor() + 1.0;
+    if count > MOST {
+        return Err(format!(
+            "that is {count:.0} values, more than {MOST:.0}; use a larger STEP"
+        ));
+    }
+    Ok((0..count as u64).map(|i| from + i as f64 * step).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_include_both_ends_and_a_single_value_is_allowed() {
+        assert_eq!(
+            parse_range("1:2:0.25").unwrap(),
+            [1.0, 1.25, 1.5, 1.75, 2.0]
+        );
+        assert_eq!(parse_range("1.5:1.5:1").unwrap(), [1.5]);
+        assert_eq!(parse_range("0:0.3:0.1").unwrap().len(), 4);
+        for bad in [
+            "", "1:2", "2:1:0.1", "1:2:0", "1:2:-1", "a:b:c", "1:inf:1", "0:1e9:1",
+        ] {
+            assert!(parse_range(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn starts_are_read() {
+        assert_eq!(parse_start("rest"), Ok(Start::Rest));
+        assert_eq!(parse_start("-2.5,0.1"), Ok(Start::Moving(-2.5e-3, 0.1)));
+        assert!(parse_start("up").is_err() && parse_start("1,nan").is_err());
+    }
+}

@@ -1,0 +1,105 @@
+//! The command line.
+
+mod common;
+mod pick;
+mod rigs;
+mod simulate;
+mod sweep;
+
+use std::io::{ErrorKind, Write};
+
+use clap::{Parser, Subcommand};
+
+use crate::error::UserError;
+
+/// Which frequency to run a vibro-impact hammer at, how hard it will strike, and whether it stays there.
+#[derive(Debug, Parser)]
+#[command(
+    name = "host-sim",
+    version,
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
+    Pick(pick::Args),
+    /// Run at one frequency: time history, phase plane, section, regime and force
+    Simulate(simulate::Args),
+    /// The force curve over frequency, from rest or carried up or down
+    Sweep(sweep::Args),
+    /// List the rigs, or print one as a TOML file to start from
+    Rigs(rigs::Args),
+}
+
+/// Runs the command line `arguments` (the program's name first) and returns the exit code: 0, or 2 with
+/// one line on standard error when the input cannot be used.
+pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => {
+            // Without a command, the help is the answer; a mistake gets one line.
+            let line = match error.kind() {
+                clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                    error.to_string()
+                }
+                _ => one_line(&error.to_string()),
+            };
+            eprintln!("{}", line.trim_end());
+            return 2;
+        }
+        Err(help) => {
+            print(&help.to_string());
+            return 0;
+        }
+    };
+    let done = match cli.command {
+        Command::Pick(args) => pick::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
+        Command::Rigs(args) => rigs::run(&args),
+    };
+    match done {
+        Ok(()) => 0,
+        Err(error) => {
+            eprintln!("error: {error}");
+            2
+        }
+    }
+}
+
+/// The first paragraph of clap's message, on one line, and where to read more.
+fn one_line(message: &str) -> String {
+    let paragraph = message.lines().take_while(|line| !line.trim().is_empty());
+    let words: Vec<_> = paragraph.map(str::trim).collect();
+    let tip = message
+        .lines()
+        .map(str::trim)
+        .find(|line| line.starts_with("tip:"));
+    let tip = tip.map_or(String::new(), |tip| format!(" ({tip})"));
+    format!("{}{tip}; see --help", words.join(" "))
+}
+
+/// Writes to standard output; a reader that has gone away is no error.
+fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        eprintln!("error: cannot write to standard output: {error}");
+        std::process::exit(2);
+    }
+}
+
+/// Pretty JSON with a final newline.
+fn to_json<T: serde::Serialize>(answer: &T) -> Result<String, UserError> {
+    let text = serde_json::to_string_pretty(answer);
+    text.map(|text| text + "\n")
+        .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
+}

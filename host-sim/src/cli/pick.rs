@@ -1,0 +1,429 @@
+//! `host-sim pick`.
+
+use std::path::Path;
+
+use serde::Serialize;
+use shared::params::PRESETS;
+
+use super::common::{Common, EngineName, Format, pictures};
+use crate::branch::End;
+use crate::error::UserError;
+use crate::pick::picture::figure;
+use crate::pick::uncertainty::Uncertainty;
+use crate::pick::{Answer, Limits, Pick, pick, steps};
+use crate::rigfile::NamedRig;
+use crate::table::to_csv;
+use crate::terminal::{Chart, Progress};
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// All four rigs side by side
+    #[arg(long, conflicts_with = "rig")]
+    all: bool,
+
+    /// Take the parameters as exact
+    #[arg(long)]
+    nominal: bool,
+
+    /// Largest contact force allowed, N
+    #[arg(long, value_name = "N")]
+    max_force_n: Option<f64>,
+
+    /// Largest drive frequency allowed, Hz
+    #[arg(long, value_name = "HZ")]
+    max_frequency_hz: Option<f64>,
+
+    /// Largest force the shaker can give to move cart and hammer, N
+    #[arg(long, value_name = "N")]
+    max_drive_force_n: Option<f64>,
+
+    /// Uncertainty of the natural frequency, % either way
+    #[arg(long, value_name = "P", default_value_t = 2.0)]
+    natural_frequency_percent: f64,
+
+    /// Uncertainty of the cart amplitude, % either way
+    #[arg(long, value_name = "P", default_value_t = 5.0)]
+    amplitude_percent: f64,
+
+    /// Uncertainty of the contact stiffness, % either way
+    #[arg(long, value_name = "P", default_value_t = 20.0)]
+    contact_stiffness_percent: f64,
+
+    /// Uncertainty of the contact damping, % either way
+    #[arg(long, value_name = "P", default_value_t = 20.0)]
+    contact_damping_percent: f64,
+
+    /// Uncertainty of the gap, mm either way
+    #[arg(long, value_name = "MM", default_value_t = 0.05)]
+    gap_tolerance_mm: f64,
+
+    /// Samples inside the uncertainty's corners
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    samples: u32,
+
+    /// Seed of the samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.engine()?;
+    if common.engine == EngineName::Switch {
+        return Err(UserError::new(
+            "pick follows orbits with the event engine; leave --engine out, and check its answer with simulate --engine switch",
+        ));
+    }
+    let limits = limits(args)?;
+    let uncertainty = uncertainty(args)?;
+    let names: Vec<&str> = if args.all {
+        PRESETS.iter().map(|(name, _)| *name).collect()
+    } else {
+        vec![&common.rig]
+    };
+    let rigs = names.iter().map(|name| at_the_field_s_gap(common, name));
+    let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
+    let progress = Progress::new(
+        "rigs tried",
+        steps(uncertainty) * rigs.len() as u64,
+        common.quiet,
+    );
+    let picks = rigs
+        .iter()
+        .map(|rig| pick(rig, uncertainty, limits, &progress));
+    let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
+    progress.finish();
+    let default_out = Path::new("out");
+    let out = match (&common.out, common.format) {
+        (Some(dir), _) => Some(dir.as_path()),
+        (None, Format::Text) => Some(default_out),
+        (None, _) => None,
+    };
+    if common.format == Format::Text {
+        super::print(&text(&picks));
+    }
+    if let Some(dir) = out {
+        write(common, dir, &picks)?;
+    }
+    match common.format {
+        Format::Json if args.all => {
+            let answers: Vec<_> = picks.iter().map(|p| &p.answer).collect();
+            super::print(&super::to_json(&answers)?);
+        }
+        Format::Json => super::print(&super::to_json(&picks[0].answer)?),
+        Format::Csv => {
+            let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
+            super::print(&String::from_utf8_lossy(&to_csv(&rows)));
+        }
+        Format::Text => {}
+    }
+    Ok(())
+}
+
+/// The rig at gap 0.0 mm unless the command line says otherwise: field use is at 0.0 mm.
+fn at_the_field_s_gap(common: &Common, name: &str) -> Result<NamedRig, UserError> {
+    let sets_gap = common
+        .set
+        .iter()
+        .any(|s| s.trim_start().starts_with("gap_mm"));
+    let mut rig = common.rig_named(name)?;
+    if common.gap.is_none() && !sets_gap && rig.params.gap_m != 0.0 {
+        common.note(&format!(
+            "note: rig {} has a gap of {} mm; picking at 0.0 mm (say --gap to keep it)",
+            rig.name,
+            crate::table::tidy(rig.params.gap_m * 1e3)
+        ));
+        rig.params.gap_m = 0.0;
+    }
+    Ok(rig)
+}
+
+fn limits(args: &Args) -> Result<Limits, UserError> {
+    let check = |name: &str, value: Option<f64>| match value {
+        Some(x) if !(x > 0.0 && x.is_finite()) => Err(UserError::new(format!(
+            "{name} is {x}, must be a positive number"
+        ))),
+        _ => Ok(value),
+    };
+    Ok(Limits {
+        max_force_n: check("--max-force-n", args.max_force_n)?,
+        max_frequency_hz: check("--max-frequency-hz", args.max_frequency_hz)?,
+        max_drive_force_n: check("--max-drive-force-n", args.max_drive_force_n)?,
+    })
+}
+
+fn uncertainty(args: &Args) -> Result<Option<Uncertainty>, UserError> {
+    let half_width = |name: &str, value: f64, below: f64| {
+        if (0.0..below).contains(&value) {
+            return Ok(value);
+        }
+        Err(UserError::new(format!(
+            "{name} is {value}, must be from 0 to below {below}"
+        )))
+    };
+    let uncertainty = Uncertainty {
+        natural_frequency_percent: half_width(
+            "--natural-frequency-percent",
+            args.natural_frequency_percent,
+            50.0,
+        )?,
+        amplitude_percent: half_width("--amplitude-percent", args.amplitude_percent, 90.0)?,
+        contact_stiffness_percent: half_width(
+            "--contact-stiffness-percent",
+            args.contact_stiffness_percent,
+            90.0,
+        )?,
+        contact_damping_percent: half_width(
+            "--contact-damping-percent",
+            args.contact_damping_percent,
+            100.0,
+        )?,
+        gap_mm: half_width("--gap-tolerance-mm", args.gap_tolerance_mm, 10.0)?,
+        samples: args.samples,
+        seed: args.seed,
+    };
+    if args.samples > 100_000 {
+        return Err(UserError::new(format!(
+            "--samples is {}, must be at most 100000",
+            args.samples
+        )));
+    }
+    Ok((!args.nominal).then_some(uncertainty))
+}
+
+fn write(common: &Common, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
+    let name = match picks {
+        [one] => format!("pick-{}", one.answer.rig),
+        _ => "pick-all".to_owned(),
+    };
+    let mut contents = pictures(&name, &figure(picks))?;
+    let answers: Vec<_> = picks.iter().map(|p| &p.answer).collect();
+    contents.push((
+        format!("{name}.json"),
+        super::to_json(&answers)?.into_bytes(),
+    ));
+    let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
+    contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
+    common.write(dir, &contents)
+}
+
+/// A point of the nominal stable 1/1.
+#[derive(Serialize)]
+struct CurveRow<'a> {
+    rig: &'a str,
+    gap_mm: f64,
+    frequency_hz: f64,
+    force_ratio: f64,
+}
+
+fn curve_rows(pick: &Pick) -> Vec<CurveRow<'_>> {
+    let answer = &pick.answer;
+    let rows = pick
+        .curve
+        .iter()
+        .map(|(frequency_hz, force_ratio)| CurveRow {
+            rig: &answer.rig,
+            gap_mm: answer.gap_mm,
+            frequency_hz: *frequency_hz,
+            force_ratio: *force_ratio,
+        });
+    rows.collect()
+}
+
+/// The answer as one CSV line.
+#[derive(Serialize)]
+struct Line<'a> {
+    rig: &'a str,
+    gap_mm: f64,
+    operating_frequency_hz: f64,
+    frequency_ratio: f64,
+    regime: &'a str,
+    force_ratio: f64,
+    force_n: f64,
+    force_ratio_worst: f64,
+    band_low_hz: f64,
+    band_high_hz: f64,
+    safe_band_low_hz: f64,
+    safe_band_high_hz: f64,
+    period_doubling_hz: Option<f64>,
+    multipliers: f64,
+    jump_free: bool,
+    force_ratio_at_natural_frequency: f64,
+    energy_per_blow_j: f64,
+    blows_per_second: f64,
+}
+
+impl<'a> From<&'a Answer> for Line<'a> {
+    fn from(a: &'a Answer) -> Self {
+        Self {
+            rig: &a.rig,
+            gap_mm: a.gap_mm,
+            operating_frequency_hz: a.operating_frequency_hz,
+            frequency_ratio: a.frequency_ratio,
+            regime: &a.regime,
+            force_ratio: a.force_ratio,
+            force_n: a.force_n,
+            force_ratio_worst: a.force_ratio_worst,
+            band_low_hz: a.band_hz[0],
+            band_high_hz: a.band_hz[1],
+            safe_band_low_hz: a.safe_band_hz[0],
+            safe_band_high_hz: a.safe_band_hz[1],
+            period_doubling_hz: a.period_doubling_hz,
+            multipliers: a.multipliers,
+            jump_free: a.jump_free,
+            force_ratio_at_natural_frequency: a.force_ratio_at_natural_frequency,
+            energy_per_blow_j: a.shaker.energy_per_blow_j,
+            blows_per_second: a.shaker.blows_per_second,
+        }
+    }
+}
+
+fn text(picks: &[Pick]) -> String {
+    if let [one] = picks {
+        return one_text(one);
+    }
+    let mut text = String::from(
+        "rig        run at, Hz  ratio  force, N  force/weight (worst)  safe band, Hz        doubling, Hz  jumps\n",
+    );
+    for pick in picks {
+        let a = &pick.answer;
+        text += &format!(
+            "{:<9} {:>11.4} {:>6.3} {:>9.2} {:>13.2} ({:.2}) {:>9.3} to {:<9.3} {:>12} {:>6}\n",
+            a.rig,
+            a.operating_frequency_hz,
+            a.frequency_ratio,
+            a.force_n,
+            a.force_ratio,
+            a.force_ratio_worst,
+            a.safe_band_hz[0],
+            a.safe_band_hz[1],
+            a.period_doubling_hz
+                .map_or("-".to_owned(), |hz| format!("{hz:.3}")),
+            if a.jump_free { "no" } else { "yes" }
+        );
+    }
+    text
+}
+
+fn one_text(pick: &Pick) -> String {
+    let a = &pick.answer;
+    let mut text = format!(
+        "{}, gap {} mm: run it at {:.4} Hz ({:.3} times the natural frequency)\n{}\n\n",
+        a.rig, a.gap_mm, a.operating_frequency_hz, a.frequency_ratio, a.why
+    );
+    let mut line = |name: &str, what: String| text += &format!("  {name:<18} {what}\n");
+    line("regime", format!("{} (from rest, settled)", a.regime));
+    line(
+        "force",
+        match a.uncertainty {
+            Some(_) => format!(
+                "{:.2} N, {:.2} times the weight; {:.2} to {:.2} over the uncertainty",
+                a.force_n, a.force_ratio, a.force_ratio_worst, a.force_ratio_largest
+            ),
+            None => format!("{:.2} N, {:.2} times the weight", a.force_n, a.force_ratio),
+        },
+    );
+    line(
+        "safe band",
+        format!(
+            "{:.4} to {:.4} Hz: 1/1 stable{}, force above 90 %",
+            a.safe_band_hz[0],
+            a.safe_band_hz[1],
+            if a.uncertainty.is_some() {
+                " over the uncertainty"
+            } else {
+                ""
+            }
+        ),
+    );
+    line(
+        "stable 1/1",
+        format!(
+            "{:.4} Hz ({}) to {:.4} Hz ({})",
+            a.stable_one_one_hz[0],
+            ending(a.stable_one_one_ends[0]),
+            a.stable_one_one_hz[1],
+            ending(a.stable_one_one_ends[1])
+        ),
+    );
+    line(
+        "multipliers",
+        match a.uncertainty {
+            Some(_) => format!(
+                "{:.4}; {:.4} at worst over the uncertainty (1 is the limit of stability)",
+                a.multipliers, a.multipliers_worst
+            ),
+            None => format!("{:.4} (1 is the limit of stability)", a.multipliers),
+        },
+    );
+    line(
+        "jumps",
+        match a.jump_hz {
+            None => "none between up and down sweeps across the stable 1/1".to_owned(),
+            Some(hz) => format!("up and down sweeps differ, most at {hz:.3} Hz"),
+        },
+    );
+    line(
+        "at natural freq.",
+        format!("{:.2} times the weight", a.force_ratio_at_natural_frequency),
+    );
+    let s = &a.shaker;
+    line(
+        "shaker must give",
+        format!(
+            "{} mm stroke, {:.4} m/s, {:.2} N on cart and hammer, {:.4} W mean, {:.4} W swinging",
+            s.stroke_mm, s.velocity_m_per_s, s.force_n, s.mean_power_w, s.reactive_power_w
+        ),
+    );
+    line(
+        "blows",
+        format!(
+            "{:.3} a second, {:.3} mJ each, {:.4} ms at {:.4} m/s",
+            s.blows_per_second,
+            s.energy_per_blow_j * 1e3,
+            a.contact_time_ms,
+            a.approach_speed_m_per_s
+        ),
+    );
+    for limit in &a.limits {
+        let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
+        let binds = if limit.binds {
+            "decides"
+        } else {
+            "does not bind"
+        };
+        line("limit", format!("{}{value}: {binds}", limit.name));
+    }
+    text += "\nWhat to measure first (change of the nominal optimum)\n";
+    text += &format!(
+        "  {:<44} {:>8} {:>13} {:>9}\n",
+        "parameter", "per", "frequency, %", "force, %"
+    );
+    for row in &a.sensitivity {
+        text += &format!(
+            "  {:<44} {:>8} {:>+13.3} {:>+9.3}\n",
+            row.parameter, row.per, row.frequency_percent, row.force_percent
+        );
+    }
+    text.push('\n');
+    let mut chart = Chart::new("drive frequency, Hz", "force over weight, stable 1/1")
+        .series("force", pick.curve.clone())
+        .marker("run here", a.operating_frequency_hz);
+    if let Some(hz) = a.period_doubling_hz {
+        chart = chart.marker("period doubling", hz);
+    }
+    text + &chart.render()
+}
+
+fn ending(end: End) -> &'static str {
+    match end {
+        End::PeriodDoubling => "period doubling",
+        End::ExtraContact => "another contact appears",
+        End::Fold => "fold: it jumps",
+        End::Torus => "torus",
+        End::SearchLimit => "end of the search",
+    }
+}

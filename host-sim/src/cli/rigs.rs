@@ -1,0 +1,44 @@
+//! `host-sim rigs`.
+
+use shared::contact::Law;
+use shared::params::{PRESETS, RigParams, SupportParams};
+
+use crate::error::UserError;
+use crate::rigfile;
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The rig to print as TOML; without it, the presets are listed
+    #[arg(value_name = "NAME|FILE.toml")]
+    name: Option<String>,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let text = match &args.name {
+        Some(name) => rigfile::to_toml(&rigfile::load(name, &[])?),
+        None => {
+            let mut text = String::from("rig       natural frequency  hangs on\n");
+            for (name, params) in PRESETS {
+                let hz = params.natural_frequency_hz();
+                text.push_str(&format!("{name:<9} {hz:>14.2} Hz  {}\n", describe(&params)));
+            }
+            text + "\n`host-sim rigs NAME` prints one as a TOML file to start from.\n"
+        }
+    };
+    super::print(&text);
+    Ok(())
+}
+
+fn describe(params: &RigParams) -> String {
+    let on = match params.support {
+        SupportParams::Wires { length_m, .. } => format!("wires of {:.0} mm", length_m * 1e3),
+        SupportParams::Beams { damping_ratio, .. } => {
+            format!("beam springs, damping ratio {damping_ratio}")
+        }
+    };
+    let contact = match params.contact {
+        Law::SpringDashpot { .. } => "spring-dashpot contact",
+        _ => "nonlinear contact",
+    };
+    format!("{on}; hammer {} kg; {contact}", params.mass_kg)
+}

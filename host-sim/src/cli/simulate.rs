@@ -1,0 +1,260 @@
+//! `host-sim simulate`.
+
+use serde::Serialize;
+
+use super::common::{Common, Cycles, Format, parse_start, pictures};
+use crate::engine::{Engine, Observation, Precision, Recorder, Sample, Start, machine, observe};
+use crate::error::UserError;
+use crate::picture::{Axis, Color, Figure, Item, Panel, regime_color};
+use crate::rigfile::NamedRig;
+use crate::table::{Row, to_csv};
+use crate::terminal::Chart;
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Drive frequency over the natural frequency, Ω/ω
+    #[arg(long, value_name = "R")]
+    ratio: Option<f64>,
+
+    /// Drive frequency, Hz
+    #[arg(long, value_name = "HZ")]
+    frequency: Option<f64>,
+
+    #[command(flatten)]
+    cycles: Cycles,
+
+    /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
+    #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
+    initial: Start,
+}
+
+/// What a program reads.
+#[derive(Debug, Serialize)]
+struct Answer {
+    #[serde(flatten)]
+    row: Row,
+    contacts_recorded: usize,
+    rebound_speed_m_per_s: Option<f64>,
+    energy_per_blow_j: Option<f64>,
+    impulse_n_s: Option<f64>,
+    cycles: u32,
+    transient: u32,
+    engine: &'static str,
+    precision: &'static str,
+    tick_us: Option<f64>,
+}
+
+/// One contact as a table shows it.
+#[derive(Serialize)]
+struct ContactRow {
+    onset_s: f64,
+    duration_ms: f64,
+    approach_speed_m_per_s: f64,
+    rebound_speed_m_per_s: f64,
+    peak_force_n: f64,
+    impulse_n_s: f64,
+    energy_lost_j: f64,
+}
+
+/// One point of the section.
+#[derive(Serialize)]
+struct SectionRow {
+    relative_displacement_mm: f64,
+    relative_velocity_m_per_s: f64,
+}
+
+/// Drive periods shown in the time history.
+const SHOWN_PERIODS: f64 = 6.0;
+const SAMPLES_PER_PERIOD: usize = 400;
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    let rig = common.rig()?;
+    let engine = common.engine()?;
+    let plan = args.cycles.plan()?;
+    let natural = rig.params.natural_frequency_hz();
+    let frequency_hz = args
+        .frequency
+        .unwrap_or_else(|| args.ratio.unwrap_or(f64::NAN) * natural);
+    let mut hammer = machine(engine, &rig.params, frequency_hz, args.initial)?;
+    let mut recorder = Recorder::default();
+    // Only the last recorded periods are drawn, but a table that is asked for has them all.
+    if common.out.is_some() || common.format == Format::Text {
+        recorder.samples_per_period = SAMPLES_PER_PERIOD;
+    }
+    let seen = observe(hammer.as_mut(), plan, &mut recorder)?;
+    let section = section_rows(&seen, hammer.rig());
+    let answer = Answer {
+        row: Row::new(&rig.name, &rig.params, &seen),
+        contacts_recorded: recorder.contacts.len(),
+        rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
+        energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
+        impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
+        cycles: plan.cycles,
+        transient: plan.transient,
+        engine: if engine == Engine::Event {
+            "event"
+        } else {
+            "switch"
+        },
+        precision: match engine {
+            Engine::Switch {
+                precision: Precision::F32,
+                ..
+            } => "f32",
+            _ => "f64",
+        },
+        tick_us: match engine {
+            Engine::Switch { tick_s, .. } => Some(crate::table::tidy(tick_s * 1e6)),
+            Engine::Event => None,
+        },
+    };
+    if let Some(dir) = &common.out {
+        let mut contents = pictures("simulate", &figure(&rig, &answer.row, &recorder, &section))?;
+        contents.push((
+            "simulate.json".into(),
+            super::to_json(&answer)?.into_bytes(),
+        ));
+        contents.push(("simulate-history.csv".into(), to_csv(&recorder.samples)));
+        contents.push(("simulate-section.csv".into(), to_csv(&section)));
+        contents.push((
+            "simulate-contacts.csv".into(),
+            to_csv(&contact_rows(&recorder)),
+        ));
+        common.write(dir, &contents)?;
+    }
+    match common.format {
+        Format::Json => super::print(&super::to_json(&answer)?),
+        Format::Csv => {
+            let csv = to_csv(std::slice::from_ref(&answer.row));
+            super::print(&String::from_utf8_lossy(&csv));
+        }
+        Format::Text => super::print(&text(&answer, &recorder)),
+    }
+    Ok(())
+}
+
+fn section_rows(seen: &Observation, rig: &shared::rig::Rig<f64>) -> Vec<SectionRow> {
+    let row = |[q, v]: &[f64; 2]| SectionRow {
+        relative_displacement_mm: rig.relative_displacement(*q) * 1e3,
+        relative_velocity_m_per_s: rig.kinematics(*q, *v).rate,
+    };
+    seen.section.iter().map(row).collect()
+}
+
+fn contact_rows(recorder: &Recorder) -> Vec<ContactRow> {
+    let rows = recorder.contacts.iter().map(|c| ContactRow {
+        onset_s: c.onset_s,
+        duration_ms: c.duration_s * 1e3,
+        approach_speed_m_per_s: c.approach_speed_m_per_s,
+        rebound_speed_m_per_s: c.rebound_speed_m_per_s,
+        peak_force_n: c.peak_force_n,
+        impulse_n_s: c.impulse_n_s,
+        energy_lost_j: c.energy_lost_j,
+    });
+    rows.collect()
+}
+
+/// The samples of the last few periods, with time from their start.
+fn tail(recorder: &Recorder, frequency_hz: f64) -> impl Iterator<Item = (f64, &Sample)> {
+    let end = recorder.samples.last().map_or(0.0, |s| s.time_s);
+    let from = end - SHOWN_PERIODS / frequency_hz;
+    recorder
+        .samples
+        .iter()
+        .filter(move |s| s.time_s >= from)
+        .map(move |s| (s.time_s - from, s))
+}
+
+fn text(answer: &Answer, recorder: &Recorder) -> String {
+    let row = &answer.row;
+    let mut text = format!(
+        "{}, gap {} mm, {:.4} Hz ({:.4} times the natural frequency), {} engine\n",
+        row.rig, row.gap_mm, row.frequency_hz, row.frequency_ratio, answer.engine
+    );
+    let meaning = match row.regime.as_str() {
+        "none" => "no contact in the recorded cycles".to_owned(),
+        "aperiodic" => format!(
+            "no repetition within 16 drive periods ({} contacts in the last 16)",
+            row.impacts
+        ),
+        "chatter" => format!("{} contacts that die out into a stay", row.impacts),
+        _ => format!(
+            "{} contact(s) in {} drive period(s)",
+            row.impacts,
+            row.periods.unwrap_or(0)
+        ),
+    };
+    text += &format!("  regime         {}: {meaning}\n", row.regime);
+    text += &format!(
+        "  force          {:.2} N, {:.3} times the hammer's weight\n",
+        row.force_n, row.force_ratio
+    );
+    if let (Some(speed), Some(time)) = (row.approach_speed_m_per_s, row.contact_time_ms) {
+        text += &format!("  approach speed {speed:.5} m/s\n  contact time   {time:.4} ms\n");
+    }
+    let points = tail(recorder, row.frequency_hz).map(|(t, s)| (t, s.relative_displacement_mm));
+    text.push('\n');
+    text += &Chart::new("time, s", "hammer relative to the cart, mm")
+        .series("displacement", points.collect())
+        .render();
+    text
+}
+
+const BLUE: Color = Color(0x1f, 0x4e, 0x79);
+const RED: Color = Color(0xb0, 0x3a, 0x2e);
+
+fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]) -> Figure {
+    let shown: Vec<_> = tail(recorder, row.frequency_hz).collect();
+    let over_time = |f: fn(&Sample) -> f64| shown.iter().map(|(t, s)| (*t, f(s))).collect();
+    let plane = shown
+        .iter()
+        .map(|(_, s)| (s.relative_displacement_mm, s.relative_velocity_m_per_s));
+    let strobes: Vec<_> = section
+        .iter()
+        .map(|s| (s.relative_displacement_mm, s.relative_velocity_m_per_s))
+        .collect();
+    let gap = rig.params.gap_m * 1e3;
+    let displacement = "displacement relative to the cart, mm";
+    let velocity = "velocity relative to the cart, m/s";
+    Figure::new(format!("{}, gap {} mm, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.frequency_hz, row.regime))
+        .subtitle(format!(
+            "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; section at drive phase 0 over all {} recorded.",
+            row.frequency_ratio, row.force_n, row.force_ratio, section.len()
+        ))
+        .columns(2)
+        .size(1200, 860)
+        .panel(
+            Panel::new(Axis::new("time, s"), Axis::new("displacement, mm"))
+                .titled("Time history")
+                .item(Item::line("hammer, fixed frame", BLUE, over_time(|s| s.displacement_mm)))
+                .item(Item::dashed(
+                    "impact surface",
+                    RED,
+                    shown.iter().map(|(t, s)| (*t, s.displacement_mm - s.relative_displacement_mm + gap)).collect(),
+                )),
+        )
+        .panel(
+            Panel::new(Axis::new("time, s"), Axis::new("contact force, N").with_zero())
+                .titled("Contact force")
+                .without_legend()
+                .item(Item::line("contact force", RED, over_time(|s| s.force_n))),
+        )
+        .panel(
+            Panel::new(Axis::new(displacement), Axis::new(velocity))
+                .titled("Phase plane")
+                .item(Item::line("trajectory", BLUE, plane.collect()))
+                .item(Item::points("drive phase 0", RED, strobes.clone()))
+                .item(Item::mark_x("surface", gap)),
+        )
+        .panel(
+            Panel::new(Axis::new(displacement), Axis::new(velocity))
+                .titled("Poincaré section at drive phase 0")
+                .without_legend()
+                .item(Item::points("section", regime_color(&row.regime), strobes)),
+        )
+}

@@ -1,0 +1,245 @@
+//! `host-sim sweep`.
+
+use std::path::PathBuf;
+
+use super::common::{Common, Cycles, Format, parse_range, pictures};
+use crate::error::UserError;
+use crate::pick::picture::by_regime;
+use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::sweep::{Direction, Measured, MeasuredError, sweep};
+use crate::table::{Row, to_csv};
+use crate::terminal::{Chart, Progress};
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Frequencies over the natural frequency, Ω/ω
+    #[arg(long, value_name = "FROM:TO:STEP")]
+    ratio: Option<String>,
+
+    /// Frequencies, Hz
+    #[arg(long, value_name = "FROM:TO:STEP")]
+    frequency: Option<String>,
+
+    /// Each frequency from rest, or the state carried up or down (which shows the jumps)
+    #[arg(long, value_enum, default_value = "rest")]
+    direction: Direction,
+
+    #[command(flatten)]
+    cycles: Cycles,
+
+    /// A measured curve to compare with: CSV with the columns frequency_hz and force_n
+    #[arg(long, value_name = "FILE.csv")]
+    measured: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    let rig = common.rig()?;
+    let engine = common.engine()?;
+    let plan = args.cycles.plan()?;
+    let frequencies = frequencies(args, rig.params.natural_frequency_hz())?;
+    let measured = args.measured.as_deref().map(Measured::read).transpose()?;
+    // A picture of one direction is laid over the other, so that a jump shows.
+    let both = args.direction != Direction::Rest && common.out.is_some();
+    let runs = frequencies.len() as u64 * if both { 2 } else { 1 };
+    let progress = Progress::new("frequencies", runs, common.quiet);
+    let run = |direction| sweep(&rig, engine, &frequencies, direction, plan, &progress);
+    let other = match args.direction {
+        Direction::Up if both => Some(Direction::Down),
+        Direction::Down if both => Some(Direction::Up),
+        _ => None,
+    };
+    let (rows, others) = rayon::join(|| run(args.direction), || other.map(run).transpose());
+    let (rows, others) = (rows?, others?);
+    progress.finish();
+    let error = measured.as_ref().map(|m| m.error(&rows));
+    if let Some(dir) = &common.out {
+        let figure = figure(
+            args.direction,
+            &rows,
+            others.as_deref(),
+            measured.as_ref(),
+            error,
+        );
+        let mut contents = pictures("sweep", &figure)?;
+        contents.push(("sweep.csv".into(), to_csv(&rows)));
+        contents.push(("sweep.json".into(), super::to_json(&rows)?.into_bytes()));
+        if let (Some(others), Some(other)) = (&others, other) {
+            contents.push((format!("sweep-{}.csv", name(other)), to_csv(others)));
+        }
+        if let Some(error) = &error {
+            contents.push((
+                "sweep-error.json".into(),
+                super::to_json(error)?.into_bytes(),
+            ));
+        }
+        common.write(dir, &contents)?;
+    }
+    match common.format {
+        Format::Json => super::print(&super::to_json(&rows)?),
+        Format::Csv => super::print(&String::from_utf8_lossy(&to_csv(&rows))),
+        Format::Text => super::print(&text(&rows)),
+    }
+    if let Some(error) = &error {
+        let line = describe(error);
+        if common.format == Format::Text {
+            super::print(&format!("{line}\n"));
+        } else {
+            common.note(&line);
+        }
+    }
+    Ok(())
+}
+
+fn frequencies(args: &Args, natural_hz: f64) -> Result<Vec<f64>, UserError> {
+    let parse = |option: &str, text: &str, unit: f64| {
+        let values =
+            parse_range(text).map_err(|e| UserError::new(format!("{option} {text}: {e}")))?;
+        if let Some(bad) = values.iter().find(|v| **v <= 0.0) {
+            return Err(UserError::new(format!(
+                "{option} {text}: {bad} is not a positive value"
+            )));
+        }
+        Ok(values.into_iter().map(|v| v * unit).collect())
+    };
+    match (&args.ratio, &args.frequency) {
+        (Some(text), _) => parse("--ratio", text, natural_hz),
+        (None, Some(text)) => parse("--frequency", text, 1.0),
+        (None, None) => Err(UserError::new("give --ratio or --frequency")),
+    }
+}
+
+fn name(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Rest => "rest",
+        Direction::Up => "up",
+        Direction::Down => "down",
+    }
+}
+
+fn describe(error: &MeasuredError) -> String {
+    if error.points_compared == 0 {
+        return "measured: no point lies inside the simulated range".to_owned();
+    }
+    format!(
+        "measured: {} points compared ({} outside), mean {:+.1} %, largest {:.1} %, root mean square {:.2} N",
+        error.points_compared,
+        error.points_outside,
+        error.mean_percent,
+        error.largest_percent,
+        error.rms_n
+    )
+}
+
+fn text(rows: &[Row]) -> String {
+    let mut text =
+        String::from("   Hz        Ω/ω      regime      force/weight  force, N  approach, m/s\n");
+    let every = rows.len().div_ceil(40).max(1);
+    for row in rows.iter().step_by(every) {
+        text += &format!(
+            "{:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}  {}\n",
+            row.frequency_hz,
+            row.frequency_ratio,
+            row.regime,
+            row.force_ratio,
+            row.force_n,
+            row.approach_speed_m_per_s
+                .map_or("-".to_owned(), |v| format!("{v:.5}"))
+        );
+    }
+    if every > 1 {
+        text += &format!(
+            "(every {every} of {} rows; --format csv gives all)\n",
+            rows.len()
+        );
+    }
+    let curve = rows
+        .iter()
+        .map(|r| (r.frequency_hz, r.force_ratio))
+        .collect();
+    text.push('\n');
+    text += &Chart::new("drive frequency, Hz", "force over weight")
+        .series("force", curve)
+        .render();
+    text
+}
+
+const BLUE: Color = Color(0x1f, 0x4e, 0x79);
+const GREY: Color = Color(0x80, 0x80, 0x80);
+const BLACK: Color = Color(0, 0, 0);
+
+fn figure(
+    direction: Direction,
+    rows: &[Row],
+    others: Option<&[Row]>,
+    measured: Option<&Measured>,
+    error: Option<MeasuredError>,
+) -> Figure {
+    let curve = |rows: &[Row]| {
+        rows.iter()
+            .map(|r| (r.frequency_hz, r.force_n))
+            .collect::<Vec<_>>()
+    };
+    let first = rows.first();
+    let title = first.map_or(String::new(), |r| {
+        format!("{}, gap {} mm: force over frequency", r.rig, r.gap_mm)
+    });
+    let mut subtitle = match direction {
+        Direction::Rest => {
+            "Largest contact force of the recorded cycles, each frequency from rest.".to_owned()
+        }
+        _ => "Largest contact force of the recorded cycles, state carried up and carried down."
+            .to_owned(),
+    };
+    if let Some(error) = error {
+        subtitle = format!("{subtitle} {}.", describe(&error));
+    }
+    let mut panel = Panel::new(
+        Axis::new("drive frequency, Hz"),
+        Axis::new("contact force, N").with_zero(),
+    );
+    let label = match direction {
+        Direction::Rest => "from rest",
+        Direction::Up => "carried up",
+        Direction::Down => "carried down",
+    };
+    panel = panel.item(Item::line(label, BLUE, curve(rows)));
+    if let Some(others) = others {
+        let label = if direction == Direction::Up {
+            "carried down"
+        } else {
+            "carried up"
+        };
+        panel = panel.item(Item::dashed(label, GREY, curve(others)));
+    }
+    let weight = first.map_or(1.0, |r| {
+        if r.force_ratio > 0.0 {
+            r.force_n / r.force_ratio
+        } else {
+            1.0
+        }
+    });
+    let all = rows.iter().chain(others.unwrap_or_default());
+    let weight = all
+        .clone()
+        .find(|r| r.force_ratio > 0.0)
+        .map_or(weight, |r| r.force_n / r.force_ratio);
+    for (regime, points) in by_regime(all) {
+        let newtons = points
+            .into_iter()
+            .map(|(hz, ratio)| (hz, ratio * weight))
+            .collect();
+        panel = panel.item(Item::regime_points(&regime, newtons));
+    }
+    if let Some(measured) = measured {
+        panel = panel.item(Item::points("measured", BLACK, measured.points.clone()));
+    }
+    Figure::new(title)
+        .subtitle(subtitle)
+        .size(1100, 680)
+        .panel(panel)
+}

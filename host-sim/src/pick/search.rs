@@ -1,0 +1,195 @@
+//! The search itself: the best frequency on the nominal branch that every member of the uncertainty and
+//! every limit allows.
+
+use rayon::prelude::*;
+use shared::params::RigParams;
+
+use super::uncertainty::Member;
+use crate::branch::Branch;
+use crate::orbit::{Orbit, shoot};
+
+/// Frequencies are found to this share of themselves.
+pub const FREQUENCY_TOLERANCE: f64 = 1e-7;
+
+/// The 1/1 orbit of `member` at `frequency_hz`, followed from the nominal `orbit` there while the
+/// deviations grow from none to all.
+pub fn follow_member(
+    nominal: &RigParams,
+    member: &Member,
+    orbit: &Orbit,
+    frequency_hz: f64,
+) -> Option<Orbit> {
+    let full = member.apply(nominal, 1.0);
+    let direct = shoot(&full, frequency_hz, orbit.section);
+    if let Some(found) = direct.filter(Orbit::is_stable_one_one) {
+        return Some(found);
+    }
+    const STEPS: u32 = 8;
+    let mut section = orbit.section;
+    let mut found = None;
+    for step in 1..=STEPS {
+        let rig = member.apply(nominal, f64::from(step) / f64::from(STEPS));
+        let next = shoot(&rig, frequency_hz, section)?;
+        section = next.section;
+        found = Some(next);
+    }
+    found
+}
+
+/// Where `member` has a stable 1/1, within `limits_hz`. `None` if it has none near the nominal branch.
+pub fn stable_interval(
+    nominal: &RigParams,
+    member: &Member,
+    branch: &Branch,
+    start_hz: f64,
+    limits_hz: (f64, f64),
+) -> Option<(f64, f64)> {
+    let rig = member.apply(nominal, 1.0);
+    // The orbit scales with the natural frequency; look there first, then where the nominal one is.
+    let scaled = start_hz * member.natural_frequency_factor();
+    let seed = [scaled, start_hz, 0.9 * start_hz, 1.1 * start_hz]
+        .into_iter()
+        .find_map(|hz| {
+            let hz = hz.clamp(limits_hz.0, limits_hz.1);
+            let orbit = branch.at(nominal, hz)?;
+            follow_member(nominal, member, &orbit, hz).filter(Orbit::is_stable_one_one)
+        })?;
+    let own = Branch::follow(&rig, seed, limits_hz);
+    Some((own.low.frequency_hz, own.high.frequency_hz))
+}
+
+/// Forces of every member at `frequency_hz`: smallest, largest, and the largest multiplier. `None` if
+/// one of them has no stable 1/1 there.
+pub fn spread_of_members(nominal: &RigParams, members: &[Member], orbit: &Orbit) -> Option<Spread> {
+    let hz = orbit.frequency_hz;
+    let own = Spread::of(orbit);
+    members
+        .par_iter()
+        .map(|member| {
+            let found = follow_member(nominal, member, orbit, hz)?;
+            found.is_stable_one_one().then(|| Spread::of(&found))
+        })
+        .try_reduce(|| own, |a, b| Some(a.with(b)))
+}
+
+/// Smallest and largest force (N) and largest multiplier over members.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Smallest force, N.
+    pub weakest_n: f64,
+    /// Largest force, N.
+    pub strongest_n: f64,
+    /// Largest modulus of a multiplier.
+    pub multiplier: f64,
+}
+
+impl Spread {
+    fn of(orbit: &Orbit) -> Self {
+        Self {
+            weakest_n: orbit.force_n,
+            strongest_n: orbit.force_n,
+            multiplier: orbit.multipliers().modulus(),
+        }
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            weakest_n: self.weakest_n.min(other.weakest_n),
+            strongest_n: self.strongest_n.max(other.strongest_n),
+            multiplier: self.multiplier.max(other.multiplier),
+        }
+    }
+}
+
+/// The frequency in `within_hz` at which `value` is largest; `value` is `None` where a frequency is not
+/// allowed. The branch's own orbits bracket the maximum, golden section finds it; a maximum against the
+/// edge of what is allowed is found as that edge.
+pub fn maximise<T>(
+    branch: &Branch,
+    within_hz: (f64, f64),
+    value: impl Fn(f64) -> Option<(f64, T)>,
+) -> Option<(f64, T)> {
+    let (low, high) = within_hz;
+    let mut nodes: Vec<f64> = vec![low];
+    let inside = branch.orbits.iter().map(|o| o.frequency_hz);
+    nodes.extend(inside.filter(|hz| *hz > low && *hz < high));
+    nodes.push(high);
+    let mut best: Option<(usize, f64, T)> = None;
+    for (i, hz) in nodes.iter().enumerate() {
+        if let Some((force, what)) = value(*hz)
+            && best.as_ref().is_none_or(|b| force > b.1)
+        {
+            best = Some((i, force, what));
+        }
+    }
+    let (i, mut top, what) = best?;
+    let anchor = nodes[i];
+    let mut found = (anchor, what);
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (
+        nodes[i.saturating_sub(1)],
+        nodes[(i + 1).min(nodes.len() - 1)],
+    );
+    let mut look = |hz: f64| {
+        let Some((force, what)) = value(hz) else {
+            return f64::NEG_INFINITY;
+        };
+        if force > top {
+            top = force;
+            found = (hz, what);
+        }
+        force
+    };
+    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut fx, mut fy) = (look(x), look(y));
+    while b - a > FREQUENCY_TOLERANCE * b {
+        // Neither is allowed: the allowed part is on the side of the best node.
+        let left = if fx == fy { anchor < y } else { fx > fy };
+        if left {
+            (b, y, fy) = (y, x, fx);
+            x = b - GOLDEN * (b - a);
+            fx = look(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + GOLDEN * (b - a);
+            fy = look(y);
+        }
+    }
+    Some(found)
+}
+
+/// The interval about `from_hz`, inside `within_hz`, on which `holds` is true, assumed connected: its
+/// ends are bracketed by the branch's own orbits and bisected.
+pub fn interval_where(
+    branch: &Branch,
+    from_hz: f64,
+    within_hz: (f64, f64),
+    holds: impl Fn(f64) -> bool,
+) -> (f64, f64) {
+    let walk = |nodes: Vec<f64>| {
+        let mut last = from_hz;
+        for hz in nodes {
+            if !holds(hz) {
+                let (mut inside, mut outside) = (last, hz);
+                while (outside - inside).abs() > FREQUENCY_TOLERANCE * from_hz {
+                    let middle = 0.5 * (inside + outside);
+                    if holds(middle) {
+                        inside = middle;
+                    } else {
+                        outside = middle;
+                    }
+                }
+                return inside;
+            }
+            last = hz;
+        }
+        last
+    };
+    let hz = || branch.orbits.iter().map(|o| o.frequency_hz);
+    let mut down: Vec<f64> = hz().filter(|f| *f < from_hz && *f > within_hz.0).collect();
+    down.reverse();
+    down.push(within_hz.0);
+    let mut up: Vec<f64> = hz().filter(|f| *f > from_hz && *f < within_hz.1).collect();
+    up.push(within_hz.1);
+    (walk(down), walk(up))
+}

@@ -1,0 +1,206 @@
+//! What to measure first: how the best frequency and its force move with each parameter.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::contact::Law;
+use shared::params::{RigParams, SupportParams};
+
+use super::uncertainty::scale_contact;
+use crate::branch::Branch;
+use crate::orbit::{Orbit, shoot};
+
+/// Change of the nominal optimum with one parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// Which parameter.
+    pub parameter: &'static str,
+    /// The change it is per: "1 %" of the parameter, or "0.01 mm" of gap.
+    pub per: &'static str,
+    /// Change of the best frequency, %.
+    pub frequency_percent: f64,
+    /// Change of the force there, %.
+    pub force_percent: f64,
+}
+
+type Change = Box<dyn Fn(&RigParams, f64) -> Option<RigParams> + Sync>;
+
+/// The table for `params`, about the nominal optimum `best` on `branch`. A parameter whose change leads
+/// off the branch is left out.
+pub fn table(params: &RigParams, branch: &Branch, best: &Orbit) -> Vec<Sensitivity> {
+    let rows = changes(params);
+    let rows = rows.par_iter().filter_map(|(parameter, per, change)| {
+        let up = optimum(&change(params, 1.0)?, branch, best)?;
+        let down = optimum(&change(params, -1.0)?, branch, best)?;
+        Some(Sensitivity {
+            parameter,
+            per,
+            frequency_percent: 50.0 * (up.frequency_hz - down.frequency_hz) / best.frequency_hz,
+            force_percent: 50.0 * (up.force_n - down.force_n) / best.force_n,
+        })
+    });
+    let mut rows: Vec<_> = rows.collect();
+    rows.sort_by(|a, b| b.force_percent.abs().total_cmp(&a.force_percent.abs()));
+    rows
+}
+
+/// Each parameter as a function of (rig, steps of 1 % or 0.01 mm).
+fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
+    fn relative(f: impl Fn(&mut RigParams, f64) + Sync + 'static) -> Change {
+        Box::new(move |params, steps| {
+            let mut rig = *params;
+            f(&mut rig, 1.0 + 0.01 * steps);
+            rig.check().is_ok().then_some(rig)
+        })
+    }
+    let percent = "1 %";
+    let mut rows = vec![
+        (
+            "natural_frequency_hz",
+            percent,
+            relative(|rig, by| *rig = rig.with_natural_frequency_scaled(by)),
+        ),
+        (
+            "amplitude_mm",
+            percent,
+            relative(|rig, by| rig.amplitude_m *= by),
+        ),
+        (
+            "mass_kg (same natural frequency)",
+            percent,
+            relative(|rig, by| rig.mass_kg *= by),
+        ),
+        (
+            "contact_stiffness_n_per_m (same damper)",
+            percent,
+            relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, 1.0)),
+        ),
+        (
+            "gap_mm",
+            "0.01 mm",
+            Box::new(|params: &RigParams, steps: f64| {
+                let rig = RigParams {
+                    gap_m: params.gap_m + 1e-5 * steps,
+                    ..*params
+                };
+                rig.check().is_ok().then_some(rig)
+            }) as Change,
+        ),
+    ];
+    if let SupportParams::Beams { .. } = params.support {
+        rows.push((
+            "damping_ratio",
+            percent,
+            relative(|rig, by| {
+                if let SupportParams::Beams { damping_ratio, .. } = &mut rig.support {
+                    *damping_ratio *= by;
+                }
+            }),
+        ));
+    }
+    match params.contact {
+        Law::SpringDashpot { .. } => {
+            rows.push((
+                "contact_damping_n_s_per_m",
+                percent,
+                relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
+            ));
+            rows.push((
+                "field surface stiffness (same restitution)",
+                percent,
+                relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, by.sqrt())),
+            ));
+            rows.push((
+                "field surface restitution (same stiffness)",
+                percent,
+                Box::new(|params: &RigParams, steps: f64| {
+                    with_restitution(params, 1.0 + 0.01 * steps)
+                }),
+            ));
+        }
+        Law::HuntCrossley { .. } | Law::LankaraniNikravesh { .. } => rows.push((
+            "contact damping",
+            percent,
+            relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
+        )),
+        Law::Hertz { .. } => {}
+    }
+    rows
+}
+
+/// Restitution of a free mass on a spring-dashpot of damping ratio ζ < 1:
+/// exp(−2ζ/√(1−ζ²) · atan(√(1−ζ²)/ζ)), the contact ending where the force vanishes.
+pub fn restitution(zeta: f64) -> f64 {
+    let root = (1.0 - zeta * zeta).sqrt();
+    (-2.0 * zeta / root * (root / zeta).atan()).exp()
+}
+
+/// Damping ratio of the contact, ci/(2√(ki m)).
+pub fn contact_damping_ratio(params: &RigParams) -> Option<f64> {
+    match params.contact {
+        Law::SpringDashpot { stiffness, damping } => {
+            Some(damping / (2.0 * (stiffness * params.mass_kg).sqrt()))
+        }
+        _ => None,
+    }
+}
+
+/// `params` with the contact's restitution scaled by `by`, through ci (the closed form, inverted by
+/// bisection).
+fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
+    let zeta = contact_damping_ratio(params)?;
+    if !(0.0..1.0).contains(&zeta) || zeta == 0.0 {
+        return None;
+    }
+    let wanted = by * restitution(zeta);
+    let (mut a, mut b) = (1e-9, 1.0 - 1e-9);
+    if !(restitution(b)..restitution(a)).contains(&wanted) {
+        return None;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (a + b);
+        // Restitution falls with damping.
+        if restitution(middle) > wanted {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+    let contact = scale_contact(&params.contact, 1.0, a / zeta);
+    Some(RigParams { contact, ..*params })
+}
+
+/// The best 1/1 of a slightly different rig, near `best`.
+fn optimum(rig: &RigParams, branch: &Branch, best: &Orbit) -> Option<Orbit> {
+    let half = 0.05 * best.frequency_hz;
+    let low = (best.frequency_hz - half).max(branch.low.frequency_hz);
+    let high = (best.frequency_hz + half).min(branch.high.frequency_hz);
+    let start = shoot(rig, best.frequency_hz, best.section)?;
+    let near = Branch::follow(rig, start, (low, high));
+    let within = (near.low.frequency_hz, near.high.frequency_hz);
+    let (_, orbit) = super::search::maximise(&near, within, |hz| {
+        let orbit = near.at(rig, hz)?;
+        Some((orbit.force_n, orbit))
+    })?;
+    Some(orbit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::params::WIRES;
+
+    #[test]
+    fn the_closed_form_gives_the_known_contact() {
+        let zeta = contact_damping_ratio(&WIRES).unwrap();
+        assert!((zeta - 0.469).abs() < 5e-4, "{zeta}");
+        assert!((restitution(zeta) - 0.317).abs() < 5e-4);
+    }
+
+    #[test]
+    fn restitution_is_scaled_as_asked() {
+        let before = restitution(contact_damping_ratio(&WIRES).unwrap());
+        let rig = with_restitution(&WIRES, 1.01).unwrap();
+        let after = restitution(contact_damping_ratio(&rig).unwrap());
+        assert!((after / before - 1.01).abs() < 1e-12);
+    }
+}
