@@ -38,8 +38,8 @@ impl Row {
         Self {
             rig: rig.to_owned(),
             gap_mm: tidy(params.gap_m * 1e3),
-            frequency_hz: seen.frequency_hz,
-            frequency_ratio: seen.frequency_hz / params.natural_frequency_hz(),
+            frequency_hz: tidy(seen.frequency_hz),
+            frequency_ratio: tidy(seen.frequency_hz / params.natural_frequency_hz()),
             impacts: seen.regime.impacts(),
             periods: seen.regime.periods(),
             regime: seen.regime.to_string(),

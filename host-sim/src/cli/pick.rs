@@ -132,7 +132,7 @@ fn at_the_field_s_gap(common: &Common, name: &str) -> Result<NamedRig, UserError
     let mut rig = common.rig_named(name)?;
     if common.gap.is_none() && !sets_gap && rig.params.gap_m != 0.0 {
         common.note(&format!(
-            "note: rig {} has a gap of {} mm; picking at 0.0 mm (say --gap to keep it)",
+            "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (say --gap to keep it)",
             rig.name,
             crate::table::tidy(rig.params.gap_m * 1e3)
         ));
@@ -311,7 +311,7 @@ fn text(picks: &[Pick]) -> String {
 fn one_text(pick: &Pick) -> String {
     let a = &pick.answer;
     let mut text = format!(
-        "{}, gap {} mm: run it at {:.4} Hz ({:.3} times the natural frequency)\n{}\n\n",
+        "{}, gap {:?} mm: run it at {:.4} Hz ({:.3} times the natural frequency)\n{}\n\n",
         a.rig, a.gap_mm, a.operating_frequency_hz, a.frequency_ratio, a.why
     );
     let mut line = |name: &str, what: String| text += &format!("  {name:<18} {what}\n");

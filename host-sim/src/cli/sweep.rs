@@ -186,7 +186,7 @@ fn figure(
     };
     let first = rows.first();
     let title = first.map_or(String::new(), |r| {
-        format!("{}, gap {} mm: force over frequency", r.rig, r.gap_mm)
+        format!("{}, gap {:?} mm: force over frequency", r.rig, r.gap_mm)
     });
     let mut subtitle = match direction {
         Direction::Rest => {

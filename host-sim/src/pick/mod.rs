@@ -284,7 +284,7 @@ fn best_branch(rig: &NamedRig) -> Result<Branch, UserError> {
 
 fn no_one_one(rig: &NamedRig) -> UserError {
     UserError::new(format!(
-        "rig {} has no stable 1/1 at a gap of {} mm between {} and {} times its natural frequency; try a smaller gap or a larger amplitude",
+        "rig {} has no stable 1/1 at a gap of {:?} mm between {} and {} times its natural frequency; try a smaller gap or a larger amplitude",
         rig.name,
         tidy(rig.params.gap_m * 1e3),
         SEARCH_RATIOS.0,

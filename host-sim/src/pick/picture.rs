@@ -34,7 +34,7 @@ pub fn figure(picks: &[Pick]) -> Figure {
         figure = figure.panel(if picks.len() > 1 {
             let a = &pick.answer;
             one.titled(format!(
-                "{}, gap {} mm: {:.3} Hz",
+                "{}, gap {:?} mm: {:.3} Hz",
                 a.rig, a.gap_mm, a.operating_frequency_hz
             ))
         } else {
@@ -84,14 +84,19 @@ fn panel(pick: &Pick) -> Panel {
     ))
 }
 
+/// Regimes that get a style of their own; the rest share one, so that a legend stays short.
+const NAMED: [&str; 7] = ["1/1", "1/2", "2/2", "2/1", "aperiodic", "chatter", "none"];
+
 /// (frequency in Hz, force ratio) of rows, gathered by regime in order of first appearance.
 pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f64, f64)>)> {
     let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for row in rows {
         let point = (row.frequency_hz, row.force_ratio);
-        match groups.iter_mut().find(|(regime, _)| *regime == row.regime) {
+        let named = NAMED.iter().find(|name| **name == row.regime);
+        let label = named.copied().unwrap_or("other p/n");
+        match groups.iter_mut().find(|(regime, _)| regime == label) {
             Some((_, points)) => points.push(point),
-            None => groups.push((row.regime.clone(), vec![point])),
+            None => groups.push((label.to_owned(), vec![point])),
         }
     }
     groups

@@ -144,29 +144,3 @@ fn progress_counts_from_many_threads() {
     assert!(progress.bar.is_hidden());
     progress.finish();
 }
-
-/// `cargo test -p host-sim shows_charts -- --ignored --nocapture`
-#[test]
-#[ignore = "prints charts for a person to look at"]
-fn shows_charts() {
-    let force = |f: f64| 180.0 + 900.0 / (1.0 + ((f - 44.0) / 6.0).powi(2)) + 2.0 * f;
-    let sweep = |a: u32, b: u32| -> Vec<_> {
-        let hz = (a * 4..=b * 4).map(|k| f64::from(k) / 4.0);
-        hz.map(|f| (f, force(f))).collect()
-    };
-    let axes = || Chart::new("drive frequency, Hz", "peak force, N").size(80, 16);
-    let one = axes().series("force", sweep(20, 70));
-    println!(
-        "{}",
-        one.marker("doubling", 42.0)
-            .marker("grazing", 42.4)
-            .render()
-    );
-    let two = axes()
-        .series("1/1", sweep(20, 42))
-        .points("2/2", sweep(42, 55));
-    println!(
-        "{}",
-        two.points("aperiodic", sweep(55, 70)).color(true).render()
-    );
-}

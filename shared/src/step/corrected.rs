@@ -11,6 +11,10 @@ pub const MAX_SWITCHES: usize = 2;
 /// Secant iterations per switch.
 pub const MAX_ITERATIONS: usize = 4;
 
+/// An iterate that moves by less than this share of the tick is the last: the secant's error is then the
+/// product of this and an earlier one, far below what f32 resolves.
+const SETTLED: f64 = 1e-4;
+
 /// Locates each switch within the step and splits the step there.
 ///
 /// The switch is found by at most [`MAX_ITERATIONS`] secant iterations, each a Runge–Kutta step of the
@@ -107,7 +111,7 @@ impl Corrected {
             let next = next.max(from).min(far);
             moved = Self::step(rig, span, state, (from, next));
             let (g, _) = Self::look(rig, &moved.state);
-            let settled = next == x1 || g == R::ZERO;
+            let settled = (next - x1).abs() <= R::from_f64(SETTLED) || g == R::ZERO;
             (x0, g0) = (x1, g1);
             (x1, g1) = (next, g);
             if settled {
