@@ -97,14 +97,21 @@ pub fn locate<R: Scalar>(
         .find(|j| values[*j] > 0.0)
         .map(|j| (at(j - 1), at(j)));
     let before = bracket.map_or(SAMPLES, |(a, _)| (a * SAMPLES as f64).round() as usize);
-    for j in 1..before {
-        if values[j] >= values[j - 1] && values[j] >= values[j + 1] {
+    for j in 0..=before {
+        let (a, b) = (j.saturating_sub(1), (j + 1).min(SAMPLES));
+        // In the outermost pieces there is an extremum only if the indicator heads for it.
+        let turns = match j {
+            0 => sign * indicator_slope(field, from) > 0.0,
+            SAMPLES => sign * indicator_slope(field, end) < 0.0,
+            _ => true,
+        };
+        if turns && values[j] >= values[a] && values[j] >= values[b] {
             let margin = GRAZING_MARGIN_M * indicator_per_metre(field);
-            let top = maximum(guess, at(j - 1), at(j + 1), 1e-6);
+            let top = maximum(guess, at(a), at(b), 1e-6);
             if guess(top) > -margin {
-                let top = maximum(exact, at(j - 1), at(j + 1), 1e-9);
+                let top = maximum(exact, at(a), at(b), 1e-9);
                 if exact(top) > 0.0 {
-                    bracket = Some((at(j - 1), top));
+                    bracket = Some((at(a), top));
                     break;
                 }
             }
