@@ -1,4 +1,5 @@
 //! The hammer on the desktop (being written).
+pub mod accuracy;
 pub mod branch;
 pub mod cli;
 pub mod dual;

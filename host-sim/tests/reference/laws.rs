@@ -1,0 +1,110 @@
+//! The laws' presets in `shared::params::LAWS`, solved anew.
+
+use shared::contact::Law;
+use shared::params::LAWS;
+
+use crate::support::{close, reference_contact};
+
+const MASS_KG: f64 = 0.298;
+const APPROACH: f64 = 0.08;
+
+fn time_and_restitution(law: Law<f64>) -> (f64, f64) {
+    let contact = reference_contact(MASS_KG, law, APPROACH);
+    let restitution = contact.rebound_speed_m_per_s / contact.approach_speed_m_per_s;
+    (contact.duration_s, restitution)
+}
+
+fn preset(name: &str) -> Law<f64> {
+    let found = LAWS.iter().find(|(n, _)| *n == name);
+    found.unwrap().1
+}
+
+/// The stiffness at which `law` lasts `target_s`: at fixed approach and damping, a contact with exponent
+/// 3/2 lasts as long as stiffness^(−2/5).
+fn stiffness_for(law: impl Fn(f64) -> Law<f64>, target_s: f64) -> f64 {
+    const TRIAL: f64 = 1e9;
+    let (duration_s, _) = time_and_restitution(law(TRIAL));
+    TRIAL * (duration_s / target_s).powf(2.5)
+}
+
+fn hunt_crossley(stiffness: f64, damping_ratio: f64) -> Law<f64> {
+    Law::HuntCrossley {
+        stiffness,
+        exponent: 1.5,
+        damping_ratio,
+    }
+}
+
+#[test]
+fn every_preset_makes_the_contact_of_table_3_1_as_far_as_its_law_can() {
+    let (target_s, target_e) = time_and_restitution(preset("spring-dashpot"));
+    close("duration", target_s, 0.570751e-3, 1e-6);
+    close("restitution", target_e, 0.316902, 1e-6);
+    let outcomes = [
+        ("hertz", 1.0),
+        ("hunt-crossley", target_e),
+        ("lankarani-nikravesh", 0.662_962),
+    ];
+    for (name, restitution) in outcomes {
+        let (duration_s, e) = time_and_restitution(preset(name));
+        println!("{name}: {duration_s} {e}");
+        close(&format!("{name}: duration"), duration_s, target_s, 1e-5);
+        close(&format!("{name}: restitution"), e, restitution, 1e-5);
+    }
+}
+
+#[test]
+fn solving_the_presets_anew_gives_their_constants() {
+    let (target_s, target_e) = time_and_restitution(preset("spring-dashpot"));
+    let hertz = |stiffness| Law::Hertz {
+        stiffness,
+        exponent: 1.5,
+    };
+    let lankarani = |stiffness| Law::LankaraniNikravesh {
+        stiffness,
+        exponent: 1.5,
+        restitution: 0.0,
+    };
+    // Restitution depends on λ times the approach speed alone, and falls with it.
+    let (mut a, mut b) = (1.0, 200.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (a + b);
+        if time_and_restitution(hunt_crossley(1e9, middle)).1 > target_e {
+            a = middle;
+        } else {
+            b = middle;
+        }
+    }
+    let damping_ratio = 0.5 * (a + b);
+    let solved = [
+        ("hertz", stiffness_for(hertz, target_s)),
+        (
+            "hunt-crossley",
+            stiffness_for(|k| hunt_crossley(k, damping_ratio), target_s),
+        ),
+        ("lankarani-nikravesh", stiffness_for(lankarani, target_s)),
+    ];
+    println!("lambda {damping_ratio:.8} {solved:?}");
+    for (name, stiffness) in solved {
+        close(name, preset(name).stiffness(), stiffness, 1e-6);
+    }
+    let Law::HuntCrossley {
+        damping_ratio: preset_ratio,
+        ..
+    } = preset("hunt-crossley")
+    else {
+        panic!("hunt-crossley is what it is called");
+    };
+    close("lambda", preset_ratio, damping_ratio, 1e-6);
+}
+
+#[test]
+fn lankarani_nikravesh_cannot_rebound_less_at_any_speed_above_its_floor() {
+    let lowest = |approach: f64| {
+        let law = preset("lankarani-nikravesh");
+        let contact = reference_contact(MASS_KG, law, approach);
+        contact.rebound_speed_m_per_s / approach
+    };
+    close("0.01 m/s", lowest(0.01), lowest(0.08), 1e-8);
+    close("0.5 m/s", lowest(0.5), lowest(0.08), 1e-8);
+}

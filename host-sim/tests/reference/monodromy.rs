@@ -1,0 +1,106 @@
+//! The derivative of the return map: against differences, and its determinant against Liouville's.
+
+use std::f64::consts::TAU;
+
+use host_sim::orbit::{Orbit, shoot};
+use host_sim::reference::{Contact, Reference};
+use shared::params::{PRESETS, RigParams, SupportParams};
+use shared::rig::Rig;
+
+use crate::support::close;
+
+/// The settled 1/1 orbit of a rig.
+fn orbit(params: &RigParams, ratio: f64) -> Orbit {
+    let frequency_hz = ratio * params.natural_frequency_hz();
+    let mut hammer = Reference::<f64>::at_rest(params, frequency_hz).unwrap();
+    for _ in 0..300 {
+        hammer.run_period(&mut ());
+    }
+    let (q, v) = hammer.state();
+    let orbit = shoot(params, frequency_hz, [q, v]).expect("a settled orbit");
+    assert_eq!(orbit.impacts, 1);
+    orbit
+}
+
+fn cases() -> impl Iterator<Item = (&'static str, RigParams)> {
+    PRESETS.into_iter().map(|(name, params)| {
+        let params = RigParams {
+            gap_m: 1e-3,
+            ..params
+        };
+        (name, params)
+    })
+}
+
+#[test]
+fn dual_numbers_agree_with_central_differences() {
+    for (name, params) in cases() {
+        let orbit = orbit(&params, 1.5);
+        let scale = Rig::<f64>::new(&params).unwrap().coordinate_scale();
+        let units = [scale, scale * TAU * orbit.frequency_hz];
+        let image = |j: usize, by: f64| {
+            let mut x = orbit.section;
+            x[j] += by * units[j];
+            let mut hammer =
+                Reference::<f64>::new(&params, orbit.frequency_hz, x[0], x[1]).unwrap();
+            hammer.run_period(&mut ());
+            let (q, v) = hammer.state();
+            [q / units[0], v / units[1]]
+        };
+        const STEP: f64 = 1e-5;
+        let size = orbit.monodromy.as_flattened().iter();
+        let size = size.fold(0.0_f64, |max, m| max.max(m.abs()));
+        for j in 0..2 {
+            let (up, down) = (image(j, STEP), image(j, -STEP));
+            for i in 0..2 {
+                let difference = (up[i] - down[i]) / (2.0 * STEP);
+                let exact = orbit.monodromy[i][j];
+                let error = (difference - exact).abs() / size;
+                assert!(error < 1e-6, "{name} [{i}][{j}]: off by {error:.1e}");
+            }
+        }
+    }
+}
+
+/// Liouville: the determinant is exp(∫ div), and the saltation at onset (the force jumps by ci δ̇) and at
+/// release (it does not jump) has determinant 1. So only the dampers count.
+#[test]
+fn the_determinant_is_what_the_dampers_leave() {
+    for (name, params) in cases() {
+        let orbit = orbit(&params, 1.5);
+        let [[a, b], [c, d]] = orbit.monodromy;
+        let m = params.mass_kg;
+        let contact_s = orbit.contact.duration_s;
+        let (support, slope, tolerance) = match params.support {
+            // cos θ changes by 2e-6 during a contact.
+            SupportParams::Wires { length_m, .. } => {
+                let sin = params.gap_m / length_m;
+                (0.0, (1.0 - sin * sin).sqrt(), 5e-6)
+            }
+            SupportParams::Beams {
+                natural_frequency_hz,
+                damping_ratio,
+                ..
+            } => (2.0 * damping_ratio * TAU * natural_frequency_hz, 1.0, 1e-9),
+        };
+        let exponent = support / orbit.frequency_hz + slope * 1.2e3 * contact_s / m;
+        close(name, a * d - b * c, (-exponent).exp(), tolerance);
+    }
+}
+
+/// An orbit that is settled repeats: the multipliers lie inside the unit circle, and shooting finds the
+/// same contact that simulation settles to.
+#[test]
+fn shooting_finds_what_simulation_settles_to() {
+    for (name, params) in cases() {
+        let orbit = orbit(&params, 1.5);
+        assert!(orbit.is_stable_one_one(), "{name}");
+        let mut hammer = Reference::<f64>::at_rest(&params, orbit.frequency_hz).unwrap();
+        for _ in 0..600 {
+            hammer.run_period(&mut ());
+        }
+        let mut contacts = Vec::<Contact>::new();
+        hammer.run_period(&mut contacts);
+        close(name, orbit.force_n, contacts[0].peak_force_n, 1e-9);
+    }
+}
