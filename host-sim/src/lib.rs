@@ -1,4 +1,19 @@
-//! The hammer on the desktop (being written).
+//! # The hammer on the desktop
+//!
+//! The answer to one question (at which frequency should the hammer run, how hard will it strike, and will
+//! it stay there?) and the means to trust it. The model itself is in [`shared`]; this crate runs it, holds
+//! it to a reference, searches it, and shows what it finds.
+//!
+//! Data goes one way: parameters → engine → table → picture.
+//!
+//! | step | modules |
+//! |---|---|
+//! | parameters | [`rigfile`]: presets, TOML files, `key=value` |
+//! | engine | [`reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
+//! | analysis | [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
+//! | table, picture | [`table`], [`picture`], [`terminal`], [`files`] |
+//! | command line | [`cli`] |
+
 pub mod accuracy;
 pub mod branch;
 pub mod cli;

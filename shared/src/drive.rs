@@ -73,6 +73,8 @@ pub enum DriveError {
     TooSlow,
 }
 
+impl core::error::Error for DriveError {}
+
 impl core::fmt::Display for DriveError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
