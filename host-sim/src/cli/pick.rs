@@ -305,7 +305,20 @@ fn text(picks: &[Pick]) -> String {
             if a.jump_free { "no" } else { "yes" }
         );
     }
-    text
+    text.push('\n');
+    let chart = Chart::new(
+        "drive frequency over natural frequency",
+        "force over weight, stable 1/1",
+    );
+    let chart = picks.iter().fold(chart, |chart, pick| {
+        let natural_hz = pick.answer.operating_frequency_hz / pick.answer.frequency_ratio;
+        let curve = pick
+            .curve
+            .iter()
+            .map(|(hz, force)| (hz / natural_hz, *force));
+        chart.series(pick.answer.rig.clone(), curve.collect())
+    });
+    text + &chart.render()
 }
 
 fn one_text(pick: &Pick) -> String {
@@ -315,7 +328,13 @@ fn one_text(pick: &Pick) -> String {
         a.rig, a.gap_mm, a.operating_frequency_hz, a.frequency_ratio, a.why
     );
     let mut line = |name: &str, what: String| text += &format!("  {name:<18} {what}\n");
-    line("regime", format!("{} (from rest, settled)", a.regime));
+    line(
+        "regime",
+        format!(
+            "{} (a run from rest settles on {})",
+            a.regime, a.regime_from_rest
+        ),
+    );
     line(
         "force",
         match a.uncertainty {
@@ -361,9 +380,18 @@ fn one_text(pick: &Pick) -> String {
     );
     line(
         "jumps",
-        match a.jump_hz {
+        match a.jump_range_hz {
             None => "none between up and down sweeps across the stable 1/1".to_owned(),
-            Some(hz) => format!("up and down sweeps differ, most at {hz:.3} Hz"),
+            Some([low, high]) => {
+                let inside = if a.jump_free_in_safe_band {
+                    "not"
+                } else {
+                    "also"
+                };
+                format!(
+                    "up and down sweeps differ between {low:.3} and {high:.3} Hz, {inside} inside the safe band"
+                )
+            }
         },
     );
     line(

@@ -16,11 +16,11 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 use crate::branch::{Branch, End, one_one_branches};
-use crate::engine::{Engine, Plan};
+use crate::engine::{Engine, Plan, Start};
 use crate::error::UserError;
 use crate::orbit::Orbit;
 use crate::rigfile::NamedRig;
-use crate::sweep::{Direction, force_from_rest, largest_difference, spread, sweep};
+use crate::sweep::{Direction, jumps, single, spread, sweep};
 use crate::table::{Row, tidy};
 use crate::terminal::Progress;
 use search::{Spread, interval_where, maximise, spread_of_members, stable_interval};
@@ -100,8 +100,10 @@ pub struct Answer {
     pub operating_frequency_hz: f64,
     /// The same over the natural frequency.
     pub frequency_ratio: f64,
-    /// The regime a run from rest settles on there.
+    /// The regime of the orbit picked, as a run that starts on it shows.
     pub regime: String,
+    /// The regime a run from rest settles on there.
+    pub regime_from_rest: String,
     /// Contact force over m g there.
     pub force_ratio: f64,
     /// The same, N.
@@ -132,8 +134,10 @@ pub struct Answer {
     pub multipliers_worst: f64,
     /// Whether up and down sweeps across the stable 1/1 give the same forces.
     pub jump_free: bool,
-    /// Where they differ most, Hz; none when they do not.
-    pub jump_hz: Option<f64>,
+    /// Whether they do so inside the safe band.
+    pub jump_free_in_safe_band: bool,
+    /// The lowest and the highest frequency at which they differ, Hz; none when they do not.
+    pub jump_range_hz: Option<[f64; 2]>,
     /// Best nominal frequency, no uncertainty and no limits, Hz.
     pub nominal_optimum_hz: f64,
     /// Its force ratio.
@@ -212,10 +216,14 @@ pub fn pick(
     };
     let (up, down) = rayon::join(|| jump_sweep(Direction::Up), || jump_sweep(Direction::Down));
     let (up, down) = (up?, down?);
-    let (jump, jump_at) = largest_difference(&up, &down, params.weight_n());
+    let jumps = jumps(&up, &down, params.weight_n(), JUMP_SHARE);
+    let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
 
-    let at_natural = force_from_rest(params, params.natural_frequency_hz(), SETTLED)?;
-    let from_rest = force_from_rest(params, chosen.frequency_hz, SETTLED)?;
+    let natural_hz = params.natural_frequency_hz();
+    let at_natural = single(params, natural_hz, Start::Rest, SETTLED)?;
+    let settled = |start| single(params, chosen.frequency_hz, start, SETTLED);
+    let from_rest = settled(Start::Rest)?;
+    let on_orbit = settled(Start::Section(chosen.section))?;
     let sensitivity = sensitivity::table(params, &branch, &nominal);
     progress.inc(1);
 
@@ -226,7 +234,8 @@ pub fn pick(
         gap_mm: tidy(params.gap_m * 1e3),
         operating_frequency_hz: chosen.frequency_hz,
         frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
-        regime: from_rest.regime,
+        regime: on_orbit.regime,
+        regime_from_rest: from_rest.regime,
         force_ratio: chosen.force_n / weight,
         force_n: chosen.force_n,
         force_ratio_worst: choice.spread.weakest_n / weight,
@@ -241,8 +250,12 @@ pub fn pick(
         period_doubling_hz: doubles.then_some(branch.high.frequency_hz),
         multipliers: chosen.multipliers().modulus(),
         multipliers_worst: choice.spread.multiplier,
-        jump_free: jump < JUMP_SHARE,
-        jump_hz: (jump >= JUMP_SHARE).then_some(jump_at),
+        jump_free: jumps.is_empty(),
+        jump_free_in_safe_band: !jumps.iter().any(in_band),
+        jump_range_hz: jumps
+            .first()
+            .zip(jumps.last())
+            .map(|(low, high)| [*low, *high]),
         nominal_optimum_hz: nominal.frequency_hz,
         nominal_optimum_force_ratio: nominal.force_n / weight,
         force_ratio_at_natural_frequency: at_natural.force_ratio,
@@ -503,13 +516,29 @@ fn why(answer: &Answer) -> String {
             answer.stable_one_one_hz[1]
         ),
     };
-    let jumps = if answer.jump_free {
-        "nothing jumps"
+    let jumps = match answer.jump_range_hz {
+        None => "and nothing jumps between up and down sweeps".to_owned(),
+        Some([low, high]) => {
+            let place = if answer.jump_free_in_safe_band {
+                "but not"
+            } else {
+                "also"
+            };
+            format!(
+                "but up and down sweeps differ between {low:.3} and {high:.3} Hz, {place} inside the safe band"
+            )
+        }
+    };
+    let alone = if answer.regime_from_rest == answer.regime {
+        String::new()
     } else {
-        "but the hammer can jump"
+        format!(
+            "; from rest the hammer does not get there by itself (it ends in {}): it needs a push",
+            answer.regime_from_rest
+        )
     };
     format!(
-        "{among}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, and {jumps} between up and down sweeps.",
+        "{among}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {jumps}{alone}.",
         answer.force_ratio,
         answer.force_ratio / answer.force_ratio_at_natural_frequency
     )
