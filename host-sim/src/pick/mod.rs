@@ -407,7 +407,7 @@ fn choose(
     if !members.is_empty() {
         let binds = more(free, limits);
         uses.push(LimitUse {
-            name: "stable 1/1 over the uncertainty",
+            name: "the uncertainty",
             limit: None,
             binds,
         });
