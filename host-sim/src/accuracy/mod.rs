@@ -5,6 +5,8 @@
 //! [`settle_reference`] runs the reference at the very frequency the switch model's phase accumulator
 //! rounded to, so that both are asked the same question.
 
+pub mod band;
+pub mod named;
 pub mod survey;
 
 use shared::Real;
@@ -120,6 +122,28 @@ pub fn settle_reference(
 ) -> Result<Outcome, UserError> {
     let mut machine = machine(Engine::Event, params, frequency_hz, start)?;
     outcome(machine.as_mut(), plan)
+}
+
+/// How long the reference runs from rest before it counts as settled.
+pub const SETTLING: Plan = Plan {
+    cycles: 600,
+    transient: 480,
+};
+
+/// The settled reference, and the switch model started from where the reference ended.
+///
+/// # Errors
+/// As [`settle`].
+pub fn from_settled(
+    setting: Setting,
+    params: &RigParams,
+    frequency_hz: f64,
+    plan: Plan,
+) -> Result<(Outcome, Outcome), UserError> {
+    let real = real_frequency(setting, frequency_hz)?;
+    let truth = settle_reference(params, real, Start::Rest, SETTLING)?;
+    let start = Start::Section(truth.section);
+    Ok((truth, settle(setting, params, frequency_hz, start, plan)?))
 }
 
 /// The frequency a `setting` really runs at when asked for `frequency_hz`.

@@ -1,5 +1,7 @@
 //! Random periodic points over all four rigs: the f32 switch model against the reference.
 
+use std::f64::consts::TAU;
+
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -10,10 +12,14 @@ use super::{Outcome, Setting, real_frequency, settle, settle_reference};
 use crate::engine::{Plan, Start};
 use crate::error::UserError;
 
-/// How long each point runs: 600 drive periods from rest, the last 120 recorded.
-pub const PLAN: Plan = Plan {
-    cycles: 600,
-    transient: 480,
+/// How long each point runs from rest: 600 drive periods, the last 120 recorded.
+pub const PLAN: Plan = super::SETTLING;
+
+/// How long the switch model runs when it starts from the settled reference: the recorded window holds
+/// every n ≤ 16 twice.
+pub const NEAR: Plan = Plan {
+    cycles: 64,
+    transient: 32,
 };
 
 /// Largest clearance drawn, mm.
@@ -125,11 +131,36 @@ pub fn compare(points: &[Point], setting: Setting) -> Result<Vec<Compared>, User
     points.par_iter().map(one).collect()
 }
 
-/// The reference from rest and from [`NUDGE_M`] to either side of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Runs the reference from rest at every point, and then both engines from where it settled: the same
+/// periods of the same motion, even where it still creeps.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_near(points: &[Point], setting: Setting) -> Result<Vec<Compared>, UserError> {
+    let one = |point: &Point| {
+        let params = point.params();
+        let frequency_hz = real_frequency(setting, point.frequency_hz())?;
+        let settled = settle_reference(&params, frequency_hz, Start::Rest, PLAN)?;
+        let start = Start::Section(settled.section);
+        Ok(Compared {
+            point: *point,
+            truth: settle_reference(&params, frequency_hz, start, NEAR)?,
+            seen: settle(setting, &params, point.frequency_hz(), start, NEAR)?,
+        })
+    };
+    points.par_iter().map(one).collect()
+}
+
+/// Directions of the nudges: around a circle of [`NUDGE_M`] in the plane of displacement and rate/Ω.
+pub const NUDGES: usize = 8;
+
+/// The reference from rest, and from [`NUDGES`] starts [`NUDGE_M`] around it.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Edge {
-    /// From rest, from below rest, from above.
-    pub outcomes: [Outcome; 3],
+    /// From rest.
+    pub rest: Outcome,
+    /// From the nudged starts, counter-clockwise from a nudge towards the surface.
+    pub nudged: Vec<Outcome>,
 }
 
 impl Edge {
@@ -140,19 +171,30 @@ impl Edge {
     pub fn look(compared: &Compared) -> Result<Self, UserError> {
         let params = compared.point.params();
         let frequency_hz = compared.truth.frequency_hz;
-        let nudged =
-            |by: f64| settle_reference(&params, frequency_hz, Start::Moving(by, 0.0), PLAN);
+        let nudge = |k: usize| {
+            let (sin, cos) = (TAU * k as f64 / NUDGES as f64).sin_cos();
+            let rate = NUDGE_M * sin * TAU * frequency_hz;
+            let start = Start::Moving(NUDGE_M * cos, rate);
+            settle_reference(&params, frequency_hz, start, PLAN)
+        };
         Ok(Self {
-            outcomes: [compared.truth, nudged(-NUDGE_M)?, nudged(NUDGE_M)?],
+            rest: compared.truth,
+            nudged: (0..NUDGES).map(nudge).collect::<Result<_, _>>()?,
         })
     }
 
-    /// Whether the nudge decides where the hammer ends.
+    /// The nudged outcomes that differ from the one from rest: in regime, or in force by more than the
+    /// requirement.
+    pub fn strayed(&self) -> impl Iterator<Item = &Outcome> {
+        let rest = &self.rest;
+        let strays =
+            move |o: &&Outcome| o.regime != rest.regime || o.force_error(rest).abs() > REQUIREMENT;
+        self.nudged.iter().filter(strays)
+    }
+
+    /// Whether a nudge decides where the hammer ends.
     pub fn decides(&self) -> bool {
-        let [rest, rest_of @ ..] = &self.outcomes;
-        rest_of
-            .iter()
-            .any(|o| o.regime != rest.regime || o.force_error(rest).abs() > REQUIREMENT)
+        self.strayed().next().is_some()
     }
 }
 
