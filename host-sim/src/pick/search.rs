@@ -193,3 +193,35 @@ pub fn interval_where(
     up.push(within_hz.1);
     (walk(down), walk(up))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::branch::one_one_branches;
+    use shared::params::WIRES;
+
+    #[test]
+    fn the_maximum_is_found_inside_at_an_edge_and_against_a_limit() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        // A made-up value with its top at 3.0 Hz.
+        let value = |hz: f64| Some((-(hz - 3.0).powi(2), hz));
+        let at = |range, value: &dyn Fn(f64) -> Option<(f64, f64)>| {
+            maximise(branch, range, value).map(|(hz, _)| hz)
+        };
+        assert!((at((2.2, 4.5), &value).unwrap() - 3.0).abs() < 1e-6);
+        assert!((at((3.3, 4.5), &value).unwrap() - 3.3).abs() < 1e-6);
+        let limited = |hz: f64| (hz < 2.71).then(|| value(hz)).flatten();
+        assert!((at((2.2, 4.5), &limited).unwrap() - 2.71).abs() < 1e-6);
+        let above = |hz: f64| (hz > 3.29).then(|| value(hz)).flatten();
+        assert!((at((2.2, 4.5), &above).unwrap() - 3.29).abs() < 1e-6);
+        assert_eq!(at((2.2, 4.5), &|_| None), None);
+    }
+
+    #[test]
+    fn an_interval_ends_where_its_condition_does() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz > 2.6);
+        assert!((low - 2.6).abs() < 1e-6, "{low}");
+        assert_eq!(high, 4.0);
+    }
+}
