@@ -51,7 +51,7 @@ What to take from it:
   Runge–Kutta's: fourth order in the tick. Below some 20 µs the rounding of `f32` is what remains, far below
   anything that can be measured.
 - At 100 µs (six steps to a contact of 0.57 ms) forces are still good to about a tenth of a percent. At 200 µs they are
-  not, the section no longer repeats, and a weak impact may be missed altogether.
+  not, the section no longer repeats, and impacts may even die out.
 - **`Banded`**, the chapter's band and nothing else, needs a band of 50 nm or less *and* a tick that resolves it (about
   0.05 µs). At a coarser tick the hammer steps over the band; the force is then wrong by where in the tick the onset
   fell, and periodic motion reads as aperiodic.
@@ -147,7 +147,8 @@ fn survey_section() -> Result<String, UserError> {
          points at which the reference, from rest, finds z = p/n with n ≤ 16. Both engines run {} drive periods from rest and \
          compare the largest force of the last {}. The requirement is {} % at 10 and 50 µs.\n\n\
          A point lies *on the edge between two attractors* if one of {} starts of the **reference** around rest, {:e} m away \
-         (in displacement and rate/Ω), changes its regime, or its force by more than the requirement. Such points are counted and listed apart: nothing can decide them.\n\n",
+         (in displacement and rate/Ω), changes its regime, or its force by more than the requirement. Points at which the two engines disagree are \
+         examined for this; those on an edge are listed apart, since nothing can decide them.\n\n",
         survey::GAP_MM,
         survey::RATIOS.start,
         survey::RATIOS.end,
