@@ -9,7 +9,7 @@
 //! | step | modules |
 //! |---|---|
 //! | parameters | [`rigfile`]: presets, TOML files, `key=value` |
-//! | engine | [`reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
+//! | engine | [`mod@reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
 //! | analysis | [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
 //! | table, picture | [`table`], [`picture`], [`terminal`], [`files`] |
 //! | command line | [`cli`] |

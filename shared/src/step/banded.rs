@@ -9,10 +9,11 @@ use crate::switch::{Band, banded_force};
 /// The switch model with a band and nothing else: each Runge–Kutta stage uses the field of the subspace
 /// it lies in.
 ///
-/// What to expect of it: the band takes about 2 η_α ci/m of speed from each contact (below that speed it
-/// traps the hammer), so η_α must be near 5e-8 m for half a percent; but a 20 kHz tick travels 4e-6 m and
-/// steps over such a band, and then the force is wrong by where the onset fell in the tick: up to a third
-/// at 50 µs. The accuracy page of the book has the figures; [`super::Corrected`] is the cure.
+/// What to expect of it. Crossing the band takes 2 η_α ci/m of speed (a slower hammer is trapped in it), half
+/// of which it would lose without a band too: half a percent of force needs an η_α below about 1e-7 m. But a
+/// 20 kHz tick travels 4e-6 m and steps over such a band almost every time, and then the force is wrong by
+/// where in the tick the onset fell: for one contact at 0.08 m/s, with η_α = 5e-8 m, by up to 1.6 % at 10 µs,
+/// 6.6 % at 50 µs and 25 % at 200 µs (measured, docs/accuracy.md). [`super::Corrected`] is the cure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Banded<R> {
     /// The band's widths.
