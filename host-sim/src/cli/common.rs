@@ -122,7 +122,7 @@ impl Common {
     /// Writes a note for a person on standard error.
     pub fn note(&self, text: &str) {
         if !self.quiet {
-            eprintln!("{text}");
+            super::say(text);
         }
     }
 

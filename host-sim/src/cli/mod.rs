@@ -44,13 +44,12 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
             // Without a command, the help is the answer; a mistake gets one line.
-            let line = match error.kind() {
+            match error.kind() {
                 clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-                    error.to_string()
+                    say(error.to_string().trim_end());
                 }
-                _ => one_line(&error.to_string()),
-            };
-            eprintln!("{}", line.trim_end());
+                _ => complain(&one_line(&error.to_string())),
+            }
             return 2;
         }
         Err(help) => {
@@ -67,10 +66,20 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
     match done {
         Ok(()) => 0,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&format!("error: {error}"));
             2
         }
     }
+}
+
+/// Writes to standard error; a reader that has gone away is no error.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// One line on standard error, even when a name in it has a line break.
+fn complain(line: &str) {
+    say(&line.replace(char::is_control, " "));
 }
 
 /// The first paragraph of clap's message, on one line, and where to read more.
@@ -92,7 +101,7 @@ fn print(text: &str) {
     if let Err(error) = written
         && error.kind() != ErrorKind::BrokenPipe
     {
-        eprintln!("error: cannot write to standard output: {error}");
+        complain(&format!("error: cannot write to standard output: {error}"));
         std::process::exit(2);
     }
 }
