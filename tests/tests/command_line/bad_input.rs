@@ -1,0 +1,243 @@
+//! Input that cannot be used: exit code 2, one line on standard error that names the fault, nothing on
+//! standard output, and no file.
+
+use crate::support::{Folder, finish};
+
+/// A folder with what the command lines below refer to.
+fn folder() -> Folder {
+    Folder::new()
+        .with("cut.toml", "preset = \"wires\"\nmass_kg = ")
+        .with("typo.toml", "preset = \"wires\"\nmass_kgs = 1\n")
+        .with("nan.toml", "preset = \"wires\"\nmass_kg = nan\n")
+        .with("bare.toml", "mass_kg = 0.3\n")
+        .with("bytes.toml", [0xff, 0xfe, 0x00])
+        .with("column.csv", "frequency_hz,force\n1,2\n")
+        .with("cut.csv", "frequency_hz,force_n\n1,2\n3")
+        .with("words.csv", "frequency_hz,force_n\n1,2\n3,strong\n")
+        .with("header.csv", "frequency_hz,force_n\n")
+        .with("a-file", "keep")
+}
+
+/// Runs `words` there and returns what is wrong with how it is refused.
+fn fault(folder: &Folder, words: &[&str], says: &str) -> Option<String> {
+    let before = folder.names();
+    let ran = finish(folder.command(words));
+    let one_line = ran.err.ends_with('\n') && ran.err.lines().count() == 1;
+    let refused = ran.code == Some(2)
+        && one_line
+        && ran.err.starts_with("error: ")
+        && ran.err.contains(says)
+        && ran.out.is_empty()
+        && folder.names() == before;
+    (!refused).then(|| format!("{words:?} should say '{says}': {ran:?}"))
+}
+
+/// Every fault of a list of command lines and what each must say.
+fn assert_refused(lines: &[(&str, &str)]) {
+    let folder = folder();
+    let faults = lines.iter().filter_map(|(line, says)| {
+        let words: Vec<_> = line.split_whitespace().collect();
+        fault(&folder, &words, says)
+    });
+    let faults: Vec<_> = faults.collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert_eq!(folder.read("a-file"), "keep");
+}
+
+#[test]
+fn commands_and_options_that_are_not_there() {
+    assert_refused(&[
+        ("pik", "unrecognized subcommand 'pik'"),
+        ("simulate", "--ratio"),
+        ("sweep", "--frequency"),
+        ("simulate --rato 1.5", "--ratio"),
+        ("simulate --ratio", "a value is required"),
+        ("simulate --ratio 1.5 --frequency 2", "cannot be used with"),
+        (
+            "simulate --ratio 1.5 --format xml",
+            "[possible values: text, json, csv]",
+        ),
+        (
+            "simulate --ratio 1.5 --engine magic",
+            "[possible values: event, switch]",
+        ),
+        (
+            "sweep --ratio 1:2:0.1 --direction sideways",
+            "[possible values: rest, up, down]",
+        ),
+        ("rigs wires beam-170", "unexpected argument"),
+    ]);
+}
+
+#[test]
+fn parameters_that_cannot_be() {
+    assert_refused(&[
+        (
+            "simulate --ratio 1.5 --set mass_kg=-1",
+            "mass_kg is -1, must be a positive number",
+        ),
+        ("simulate --ratio 1.5 --set mass_kg=NaN", "mass_kg is NaN"),
+        ("simulate --ratio 1.5 --set mass_kg=inf", "mass_kg is inf"),
+        (
+            "simulate --ratio 1.5 --set mass_kg=heavy",
+            "must be a number",
+        ),
+        ("simulate --ratio 1.5 --set mass_kg", "key=value"),
+        (
+            "simulate --ratio 1.5 --set mas_kg=1",
+            "did you mean 'mass_kg'?",
+        ),
+        (
+            "simulate --ratio 1.5 --set amplitude_mm=0",
+            "amplitude_mm is 0",
+        ),
+        (
+            "simulate --ratio 1.5 --set contact_law=glue",
+            "spring-dashpot",
+        ),
+        (
+            "simulate --ratio 1.5 --set damping_ratio=0.1",
+            "does not apply",
+        ),
+        ("simulate --ratio 1.5 --gap 1e6", "gap_mm is 1000000"),
+        ("simulate --ratio 1.5 --gap nan", "gap_mm is NaN"),
+        ("pick --gap -100", "gap_mm is -100"),
+    ]);
+}
+
+#[test]
+fn rigs_and_rig_files_that_cannot_be_read() {
+    assert_refused(&[
+        ("pick --rig wire", "did you mean 'wires'?"),
+        ("rigs nope", "presets: wires, beam-170, beam-150, beam-135"),
+        (
+            "pick --rig missing.toml",
+            "cannot read the rig file missing.toml",
+        ),
+        ("pick --rig cut.toml", "cut.toml, line 2"),
+        (
+            "simulate --ratio 1.5 --rig typo.toml",
+            "did you mean 'mass_kg'?",
+        ),
+        (
+            "sweep --ratio 1:2:0.1 --rig nan.toml",
+            "nan.toml: mass_kg is NaN",
+        ),
+        ("rigs bare.toml", "bare.toml: support is missing"),
+        ("pick --rig bytes.toml", "UTF-8"),
+    ]);
+}
+
+#[test]
+fn frequencies_ranges_cycles_and_starts_that_cannot_be() {
+    assert_refused(&[
+        ("simulate --ratio 0", "must be a positive number"),
+        ("simulate --ratio=-1", "must be a positive number"),
+        ("simulate --ratio inf", "must be a positive number"),
+        ("simulate --frequency nan", "must be a positive number"),
+        ("simulate --ratio fast", "invalid value 'fast'"),
+        (
+            "simulate --ratio 1.5 --cycles 10 --transient 10",
+            "must be smaller",
+        ),
+        ("simulate --ratio 1.5 --cycles -1", "'-1'"),
+        ("simulate --ratio 1.5 --initial up", "write rest, fixed"),
+        (
+            "simulate --ratio 1.5 --initial 80,0",
+            "out of the rig's reach",
+        ),
+        (
+            "simulate --ratio 1.5 --initial 5,0",
+            "inside the impact surface",
+        ),
+        ("sweep --ratio 1:2", "write FROM:TO:STEP"),
+        ("sweep --ratio 2:1:0.1", "swap them"),
+        ("sweep --ratio 1:2:0", "STEP is 0"),
+        ("sweep --ratio 1:2:nan", "finite"),
+        ("sweep --ratio 0:1:0.5", "not a positive value"),
+        ("sweep --frequency 1:2:1e-9", "use a larger STEP"),
+    ]);
+}
+
+#[test]
+fn engines_limits_and_uncertainties_that_do_not_go() {
+    assert_refused(&[
+        ("simulate --ratio 1.5 --tick-us 50", "add --engine switch"),
+        (
+            "simulate --ratio 1.5 --precision f32",
+            "add --engine switch",
+        ),
+        (
+            "simulate --ratio 1.5 --engine switch --tick-us 0",
+            "from 0.01 to 1000",
+        ),
+        (
+            "simulate --ratio 1.5 --engine switch --tick-us nan",
+            "from 0.01 to 1000",
+        ),
+        ("pick --engine switch", "simulate --engine switch"),
+        ("pick --all --rig wires", "cannot be used with"),
+        ("pick --max-force-n 0", "--max-force-n is 0"),
+        ("pick --max-drive-force-n nan", "--max-drive-force-n is NaN"),
+        ("pick --samples 200000", "at most 100000"),
+        ("pick --amplitude-percent 100", "below 90"),
+        (
+            "pick --nominal --max-force-n 1 --format json",
+            "relax the limits",
+        ),
+        (
+            "pick --nominal --max-frequency-hz 0.1 --format json",
+            "max_frequency_hz = 0.1",
+        ),
+    ]);
+}
+
+#[test]
+fn measurements_that_cannot_be_read() {
+    let sweep = "sweep --ratio 1.5:1.6:0.1 --cycles 20 --transient 10 --measured";
+    for (file, says) in [
+        ("none.csv", "cannot read none.csv"),
+        (
+            "column.csv",
+            "column.csv, line 1: there is no column force_n",
+        ),
+        (
+            "cut.csv",
+            "cut.csv, line 3: 1 fields where the first line has 2",
+        ),
+        (
+            "words.csv",
+            "words.csv, line 3: force_n is 'strong', must be a number",
+        ),
+        ("header.csv", "no measurement"),
+    ] {
+        assert_refused(&[(&format!("{sweep} {file}"), says)]);
+    }
+}
+
+#[test]
+fn a_file_where_a_folder_should_be() {
+    let short = "--format json --cycles 20 --transient 10 --out";
+    for line in [
+        format!("simulate --ratio 1.5 {short} a-file"),
+        format!("simulate --ratio 1.5 {short} a-file/deep"),
+        format!("sweep --ratio 1.5:1.6:0.1 {short} a-file"),
+        "pick --nominal --format json --out a-file".to_owned(),
+    ] {
+        assert_refused(&[(&line, "choose another folder")]);
+    }
+}
+
+#[test]
+fn a_line_break_in_a_name_does_not_break_the_line() {
+    let folder = folder();
+    for words in [
+        ["pick", "--rig", "a\nb"],
+        ["pick", "--rig", "a\nb.toml"],
+        ["pick", "--set", "mass_kg=1\n2"],
+        ["pick", "--set", "a\nb=1"],
+        ["rigs", "--\n", "wires"],
+    ] {
+        assert_eq!(fault(&folder, &words, ""), None);
+    }
+}

@@ -1,0 +1,12 @@
+//! The program `host-sim` as a user runs it: command lines in, what comes out and which files appear.
+//!
+//! One test binary for all commands: the program is built once, and long answers are asked for once.
+
+mod bad_input;
+mod pick;
+mod pick_limits;
+mod pipes;
+mod rigs;
+mod simulate;
+mod support;
+mod sweep;

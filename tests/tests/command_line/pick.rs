@@ -1,0 +1,283 @@
+//! `host-sim pick`: the answer, checked by the other commands.
+
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+use crate::support::{
+    Folder, answer, assert_svg_shows, csv_rows, finish, keys, number, pair, png_size,
+};
+
+/// The wires' answer, asked once.
+fn wires() -> &'static Value {
+    static WIRES: OnceLock<Value> = OnceLock::new();
+    WIRES.get_or_init(|| answer("pick --rig wires"))
+}
+
+fn simulate(hz: f64) -> Value {
+    answer(&format!("simulate --frequency {hz:?}"))
+}
+
+#[test]
+fn wires_are_run_on_a_stable_one_one_more_than_three_times_as_strong_as_at_resonance() {
+    let a = wires();
+    assert_eq!((&a["regime"], &a["gap_mm"]), (&"1/1".into(), &0.0.into()));
+    let share = number(a, "force_ratio") / number(a, "force_ratio_at_natural_frequency");
+    assert!(share > 3.0, "{share}");
+    assert!(number(a, "multipliers") < 1.0 && number(a, "multipliers_worst") < 1.0);
+    assert_eq!(a["jump_free"], true);
+    let (worst, largest) = (
+        number(a, "force_ratio_worst"),
+        number(a, "force_ratio_largest"),
+    );
+    assert!(worst < number(a, "force_ratio") && number(a, "force_ratio") < largest);
+}
+
+#[test]
+fn its_bands_lie_within_each_other() {
+    let a = wires();
+    let at = number(a, "operating_frequency_hz");
+    let [stable, robust, band, safe] = [
+        "stable_one_one_hz",
+        "robust_band_hz",
+        "band_hz",
+        "safe_band_hz",
+    ]
+    .map(|k| pair(a, k));
+    let within = |inner: [f64; 2], outer: [f64; 2]| outer[0] <= inner[0] && inner[1] <= outer[1];
+    assert!(safe[0] < at && at < safe[1]);
+    assert!(within(safe, band) && within(safe, robust));
+    assert!(within(band, stable) && within(robust, stable));
+    let doubling = number(a, "period_doubling_hz");
+    assert_eq!(doubling, stable[1]);
+    assert!(band[1] < doubling);
+    assert_eq!(a["stable_one_one_ends"][1], "period_doubling");
+}
+
+#[test]
+fn simulate_confirms_the_force_at_the_operating_frequency_and_resonance() {
+    let a = wires();
+    let there = simulate(number(a, "operating_frequency_hz"));
+    assert_eq!(there["regime"], "1/1");
+    for key in [
+        "force_n",
+        "approach_speed_m_per_s",
+        "contact_time_ms",
+        "frequency_ratio",
+    ] {
+        let (said, seen) = (number(a, key), number(&there, key));
+        assert!((seen / said - 1.0).abs() < 1e-6, "{key}: {said} {seen}");
+    }
+    let resonance = answer("simulate --ratio 1");
+    let (seen, said) = (
+        number(&resonance, "force_ratio"),
+        number(a, "force_ratio_at_natural_frequency"),
+    );
+    assert!((seen / said - 1.0).abs() < 1e-6, "{said} {seen}");
+}
+
+#[test]
+fn simulate_confirms_the_band() {
+    let a = wires();
+    let force = number(a, "force_n");
+    let [low, high] = pair(a, "band_hz");
+    for share in [0.0, 0.2, 0.7, 1.0] {
+        let seen = simulate(low + share * (high - low));
+        assert_eq!(seen["regime"], "1/1", "{seen}");
+        let relative = number(&seen, "force_n") / force;
+        assert!((0.899..1.0).contains(&relative), "{relative} at {share}");
+        if share == 0.0 || share == 1.0 {
+            // The band ends because the force does, not because of the search.
+            assert!((relative - 0.9).abs() < 1e-3, "{relative} at {share}");
+        }
+    }
+    let doubling = number(a, "period_doubling_hz");
+    assert_eq!(simulate(doubling * 1.01)["regime"], "2/2");
+    assert_eq!(simulate(doubling * 0.97)["regime"], "1/1");
+}
+
+#[test]
+fn no_frequency_of_a_fine_sweep_in_the_stable_one_one_is_stronger() {
+    let a = wires();
+    let [low, high] = pair(a, "stable_one_one_hz");
+    let best = number(a, "force_n");
+    let range = format!("{:?}:{:?}:0.02", low + 0.001, 0.98 * high);
+    let rows = answer(&format!(
+        "sweep --frequency {range} --cycles 120 --transient 100"
+    ));
+    let rows = rows.as_array().expect("rows");
+    assert!(rows.len() > 100);
+    for row in rows {
+        assert_eq!(row["regime"], "1/1", "{row}");
+        assert!(number(row, "force_n") <= best * (1.0 + 1e-6), "{row}");
+    }
+    let nearest = rows
+        .iter()
+        .map(|row| number(row, "force_n"))
+        .fold(0.0, f64::max);
+    assert!(nearest > 0.999 * best, "{nearest}");
+}
+
+#[test]
+fn all_four_rigs_are_best_near_twice_their_natural_frequency() {
+    let all = answer("pick --all --samples 0");
+    let all = all.as_array().expect("four answers");
+    let names: Vec<_> = all.iter().map(|a| a["rig"].as_str()).collect();
+    assert_eq!(
+        names,
+        ["wires", "beam-170", "beam-150", "beam-135"].map(Some)
+    );
+    for a in all {
+        assert_eq!(a["regime"], "1/1");
+        assert!((number(a, "frequency_ratio") - 2.0).abs() < 0.05, "{a}");
+        let share = number(a, "force_ratio") / number(a, "force_ratio_at_natural_frequency");
+        assert!(share > 3.0, "{a}");
+    }
+    // Every corner is followed without samples too; samples inside can only narrow what is left.
+    let (corners, sampled) = (
+        pair(&all[0], "robust_band_hz"),
+        pair(wires(), "robust_band_hz"),
+    );
+    let hair = 1e-6;
+    assert!(corners[0] <= sampled[0] + hair && sampled[1] <= corners[1] + hair);
+    let worst = |a| number(a, "force_ratio_worst");
+    assert!(worst(wires()) <= worst(&all[0]) * (1.0 + 1e-9));
+}
+
+#[test]
+fn json_has_every_field_promised() {
+    let promised = [
+        "rig",
+        "gap_mm",
+        "operating_frequency_hz",
+        "frequency_ratio",
+        "regime",
+        "force_ratio",
+        "force_n",
+        "force_ratio_worst",
+        "force_ratio_largest",
+        "approach_speed_m_per_s",
+        "contact_time_ms",
+        "band_hz",
+        "safe_band_hz",
+        "stable_one_one_hz",
+        "stable_one_one_ends",
+        "robust_band_hz",
+        "period_doubling_hz",
+        "multipliers",
+        "multipliers_worst",
+        "jump_free",
+        "nominal_optimum_hz",
+        "force_ratio_at_natural_frequency",
+        "shaker",
+        "limits",
+        "sensitivity",
+        "uncertainty",
+        "why",
+    ];
+    let there = keys(wires());
+    for key in promised {
+        assert!(there.contains(&key), "{key}");
+    }
+    let shaker = [
+        "stroke_mm",
+        "velocity_m_per_s",
+        "acceleration_m_per_s2",
+        "force_n",
+        "mean_power_w",
+        "reactive_power_w",
+        "energy_per_blow_j",
+        "blows_per_second",
+    ];
+    assert_eq!(keys(&wires()["shaker"]), shaker);
+    let uncertainty = &wires()["uncertainty"];
+    assert_eq!(
+        (&uncertainty["samples"], &uncertainty["seed"]),
+        (&256.into(), &1.into())
+    );
+    assert_eq!(wires()["sensitivity"].as_array().map(Vec::len), Some(8));
+}
+
+#[test]
+fn same_seed_same_bytes_on_one_thread_or_two() {
+    let folder = Folder::new();
+    let with = |threads: &str| {
+        let line = "pick --samples 12 --seed 7 --format json --quiet";
+        let words: Vec<_> = line.split_whitespace().collect();
+        let mut command = folder.command(&words);
+        command.env("RAYON_NUM_THREADS", threads);
+        finish(command).well()
+    };
+    let one = with("1");
+    assert_eq!(one.out, with("2").out);
+    assert_eq!(one.json()["uncertainty"]["seed"], 7);
+}
+
+#[test]
+fn text_writes_out_and_says_where() {
+    let folder = Folder::new();
+    let ran = folder.run("pick --nominal").well();
+    let names = [
+        "pick-wires-curve.csv",
+        "pick-wires.json",
+        "pick-wires.png",
+        "pick-wires.svg",
+    ];
+    assert_eq!(folder.names(), names.map(|name| format!("out/{name}")));
+    for name in names {
+        assert!(ran.err.contains(&format!("out/{name}")), "{ran:?}");
+    }
+    for said in [
+        "run it at 3.6",
+        "safe band",
+        "period doubling",
+        "shaker must give",
+    ] {
+        assert!(ran.out.contains(said), "{said} is not in: {}", ran.out);
+    }
+    let written: Value = serde_json::from_str(&folder.read("out/pick-wires.json")).expect("JSON");
+    let at = number(&written[0], "operating_frequency_hz");
+    assert!(ran.out.contains(&format!("{at:.4} Hz")));
+
+    let curve = csv_rows(&folder.read("out/pick-wires-curve.csv"));
+    assert_eq!(
+        keys(&curve[0]),
+        ["rig", "gap_mm", "frequency_hz", "force_ratio"]
+    );
+    let strongest = curve
+        .iter()
+        .map(|row| number(row, "force_ratio"))
+        .fold(0.0, f64::max);
+    let best = number(&written[0], "force_ratio");
+    assert!(
+        (0.99 * best..=best * (1.0 + 1e-9)).contains(&strongest),
+        "{strongest} {best}"
+    );
+
+    assert_svg_shows(&folder.read("out/pick-wires.svg"), &["wires", "Hz"]);
+    png_size(&std::fs::read(folder.path("out/pick-wires.png")).expect("a picture"));
+}
+
+#[test]
+fn csv_says_what_json_says_and_quiet_is_quiet() {
+    let folder = Folder::new();
+    let csv = folder
+        .run("pick --nominal --format csv --quiet --out o")
+        .well();
+    assert_eq!(csv.err, "");
+    assert_eq!(folder.names().len(), 4);
+    let row = &csv_rows(&csv.out)[0];
+    let whole: Value = serde_json::from_str(&folder.read("o/pick-wires.json")).expect("JSON");
+    let whole = &whole[0];
+    for key in keys(row) {
+        let said = match key {
+            "band_low_hz" => &whole["band_hz"][0],
+            "band_high_hz" => &whole["band_hz"][1],
+            "safe_band_low_hz" => &whole["safe_band_hz"][0],
+            "safe_band_high_hz" => &whole["safe_band_hz"][1],
+            "energy_per_blow_j" | "blows_per_second" => &whole["shaker"][key],
+            _ => &whole[key],
+        };
+        assert_eq!(&row[key], said, "{key}");
+    }
+}

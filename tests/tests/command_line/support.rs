@@ -1,0 +1,238 @@
+//! Running the program, and reading what it leaves.
+
+use std::fs::{self, File};
+use std::io::{Read, Seek};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// A run longer than this hangs.
+const PATIENCE: Duration = Duration::from_secs(180);
+
+/// The program. Cargo builds it for the tests of its own package only, so it is asked to here; when
+/// nothing has changed that takes a moment.
+pub fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR"))
+            .parent()
+            .expect("cargo's scratch folder is in its target folder");
+        let built = Command::new(env!("CARGO"))
+            .args(["build", "--package", "host-sim", "--bin", "host-sim"])
+            .args(["--message-format", "json-render-diagnostics", "--profile"])
+            .arg(profile())
+            .arg("--target-dir")
+            .arg(target)
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .stderr(Stdio::inherit())
+            .output()
+            .expect("cargo starts");
+        assert!(built.status.success(), "cargo build failed");
+        let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
+        let executable = messages.lines().find_map(|line| {
+            let message: Value = serde_json::from_str(line).ok()?;
+            message["executable"].as_str().map(PathBuf::from)
+        });
+        executable.expect("cargo names the program it built")
+    })
+}
+
+/// The profile these tests were built with: the name of the folder above their own.
+fn profile() -> String {
+    let tests = std::env::current_exe().expect("a running test has a path");
+    let folder = tests.ancestors().nth(2).and_then(Path::file_name);
+    match folder.and_then(|name| name.to_str()) {
+        Some("debug") | None => "dev".to_owned(),
+        Some(name) => name.to_owned(),
+    }
+}
+
+/// What a run came to.
+#[derive(Debug)]
+pub struct Ran {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+impl Ran {
+    /// The same, having made sure that it went well.
+    pub fn well(self) -> Self {
+        assert_eq!(self.code, Some(0), "{self:?}");
+        self
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {self:?}"))
+    }
+}
+
+/// A folder of its own to run the program in.
+pub struct Folder(tempfile::TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn with(self, name: &str, contents: impl AsRef<[u8]>) -> Self {
+        fs::write(self.path(name), contents).expect("a file in a temporary folder");
+        self
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Every file in it, however deep, in order.
+    pub fn names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        collect(self.0.path(), "", &mut names);
+        names.sort();
+        names
+    }
+
+    /// A command that runs the program here.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(program());
+        command
+            .args(arguments)
+            .current_dir(self.0.path())
+            .stdin(Stdio::null())
+            .env_remove("RAYON_NUM_THREADS");
+        command
+    }
+
+    /// Runs the program here with the words of `line`.
+    pub fn run(&self, line: &str) -> Ran {
+        let words: Vec<_> = line.split_whitespace().collect();
+        finish(self.command(&words))
+    }
+}
+
+fn collect(dir: &Path, prefix: &str, names: &mut Vec<String>) {
+    for entry in fs::read_dir(dir).expect("a readable folder") {
+        let entry = entry.expect("a readable folder");
+        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            collect(&entry.path(), &format!("{name}/"), names);
+        } else {
+            names.push(name);
+        }
+    }
+}
+
+/// Runs `command` to its end and keeps what it wrote.
+pub fn finish(mut command: Command) -> Ran {
+    let scratch = || tempfile::tempfile().expect("a temporary file");
+    let (mut out, mut err) = (scratch(), scratch());
+    let same = |file: &File| Stdio::from(file.try_clone().expect("one more handle"));
+    let child = command.stdout(same(&out)).stderr(same(&err)).spawn();
+    let status = wait(child.expect("the program starts"));
+    Ran {
+        code: status.code(),
+        out: contents(&mut out),
+        err: contents(&mut err),
+    }
+}
+
+/// Waits for the end, but not for ever.
+pub fn wait(mut child: Child) -> ExitStatus {
+    let began = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().expect("a child to wait for") {
+            return status;
+        }
+        if began.elapsed() > PATIENCE {
+            child.kill().expect("a child to stop");
+            panic!("still running after {PATIENCE:?}");
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn contents(file: &mut File) -> String {
+    let mut text = String::new();
+    file.rewind().expect("a temporary file");
+    file.read_to_string(&mut text)
+        .expect("the program writes UTF-8");
+    text
+}
+
+/// The JSON answer to `line`, asked in a folder that must stay empty, with nothing else said.
+pub fn answer(line: &str) -> Value {
+    let folder = Folder::new();
+    let ran = folder.run(&format!("{line} --format json --quiet")).well();
+    assert_eq!((ran.err.as_str(), folder.names()), ("", vec![]), "{line}");
+    ran.json()
+}
+
+/// The number at `key`.
+pub fn number(value: &Value, key: &str) -> f64 {
+    value[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{key} is no number in {value}"))
+}
+
+/// The two numbers at `key`.
+pub fn pair(value: &Value, key: &str) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let end = value[key][i].as_f64();
+        end.unwrap_or_else(|| panic!("{key} is no pair in {value}"))
+    })
+}
+
+/// The field names of an object, in order.
+pub fn keys(value: &Value) -> Vec<&str> {
+    let object = value.as_object().expect("an object");
+    object.keys().map(String::as_str).collect()
+}
+
+/// The lines of a CSV text by column; every cell that reads as JSON is that value, others are text.
+pub fn csv_rows(text: &str) -> Vec<Value> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let headers = reader.headers().expect("a header line").clone();
+    let cell = |cell: &str| match cell {
+        "" => Value::Null,
+        text => serde_json::from_str(text).unwrap_or_else(|_| Value::from(text)),
+    };
+    let rows = reader.records().map(|record| {
+        let record = record.expect("as many cells as headers");
+        let cells = headers.iter().zip(&record);
+        cells
+            .map(|(key, text)| (key.to_owned(), cell(text)))
+            .collect()
+    });
+    rows.collect()
+}
+
+/// Width and height of a PNG that decodes to its last row and is not all one colour.
+pub fn png_size(bytes: &[u8]) -> (u32, u32) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+        .read_info()
+        .expect("a PNG header");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size that fits")];
+    let frame = reader.next_frame(&mut pixels).expect("whole pixel data");
+    reader.finish().expect("a PNG to its end");
+    assert!(pixels.iter().any(|p| *p != pixels[0]), "a blank picture");
+    (frame.width, frame.height)
+}
+
+/// Makes sure that `text` is a whole SVG that shows `words`.
+pub fn assert_svg_shows(text: &str, words: &[&str]) {
+    let document = roxmltree::Document::parse(text).expect("well-formed XML");
+    assert_eq!(document.root_element().tag_name().name(), "svg");
+    let texts = document.descendants().filter_map(|node| node.text());
+    let shown = texts.collect::<Vec<_>>().join(" ");
+    for word in words {
+        assert!(shown.contains(word), "{word} is not in: {shown}");
+    }
+}
