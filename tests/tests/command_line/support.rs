@@ -13,21 +13,24 @@ use serde_json::Value;
 /// A run longer than this hangs.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// The program. Cargo builds it for the tests of its own package only, so it is asked to here; when
-/// nothing has changed that takes a moment.
+/// The program. Cargo builds it for the tests of its own package only, so it is asked to here, into the
+/// folder and with the profile of these tests; when nothing has changed that takes a moment.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
-        let target = Path::new(env!("CARGO_TARGET_TMPDIR"))
-            .parent()
-            .expect("cargo's scratch folder is in its target folder");
+        // TARGET/PROFILE/deps/TESTS, wherever the checkout is by now.
+        let tests = std::env::current_exe().expect("a running test has a path");
+        let folder = |up| tests.ancestors().nth(up).expect("tests stand in deps");
+        let profile = match folder(2).file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => "dev",
+            Some(name) => name,
+        };
+        // Cargo runs tests in their package's folder: it finds the workspace from there.
         let built = Command::new(env!("CARGO"))
             .args(["build", "--package", "host-sim", "--bin", "host-sim"])
-            .args(["--message-format", "json-render-diagnostics", "--profile"])
-            .arg(profile())
-            .arg("--target-dir")
-            .arg(target)
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(["--message-format", "json-render-diagnostics"])
+            .args(["--profile", profile, "--target-dir"])
+            .arg(folder(3))
             .stderr(Stdio::inherit())
             .output()
             .expect("cargo starts");
@@ -39,16 +42,6 @@ pub fn program() -> &'static Path {
         });
         executable.expect("cargo names the program it built")
     })
-}
-
-/// The profile these tests were built with: the name of the folder above their own.
-fn profile() -> String {
-    let tests = std::env::current_exe().expect("a running test has a path");
-    let folder = tests.ancestors().nth(2).and_then(Path::file_name);
-    match folder.and_then(|name| name.to_str()) {
-        Some("debug") | None => "dev".to_owned(),
-        Some(name) => name.to_owned(),
-    }
 }
 
 /// What a run came to.
