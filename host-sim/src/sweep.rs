@@ -140,24 +140,17 @@ impl Measured {
         let mut points = Vec::new();
         for (i, record) in reader.records().enumerate() {
             let line = i as u64 + 2;
-            let record = record.map_err(|e| {
-                bad(
-                    line,
-                    format!(
-                        "{} — every line needs as many fields as the first",
-                        short(&e)
-                    ),
-                )
-            })?;
+            let record = record.map_err(|e| bad(line, short(&e)))?;
             let number = |column: usize, name: &str| {
                 let text = record.get(column).unwrap_or("").trim();
                 let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
                 value.ok_or_else(|| bad(line, format!("{name} is '{text}', must be a number")))
             };
-            points.push((
-                number(frequency, "frequency_hz")?,
-                number(force, "force_n")?,
-            ));
+            let hz = number(frequency, "frequency_hz")?;
+            if hz <= 0.0 {
+                return Err(bad(line, format!("frequency_hz is {hz}, must be positive")));
+            }
+            points.push((hz, number(force, "force_n")?));
         }
         if points.is_empty() {
             return Err(UserError::new(format!(
@@ -206,9 +199,9 @@ fn short(error: &csv::Error) -> String {
         csv::ErrorKind::UnequalLengths {
             expected_len, len, ..
         } => {
-            format!("{len} fields where the first line has {expected_len}")
+            format!("{len} fields where the first line has {expected_len}; give every line as many")
         }
-        csv::ErrorKind::Utf8 { .. } => "not text (UTF-8)".to_owned(),
+        csv::ErrorKind::Utf8 { .. } => "this is not text; save the file as UTF-8".to_owned(),
         _ => error.to_string(),
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
-use crate::engine::{Engine, Plan, Precision, Start};
+use crate::engine::{Engine, Method, Plan, Precision, Setting, Start};
 use crate::error::UserError;
 use crate::files;
 use crate::picture::{Figure, render_png, render_svg};
@@ -22,6 +22,16 @@ pub enum EngineName {
 pub enum PrecisionName {
     F32,
     F64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StepperName {
+    /// The step is split where the switch falls
+    Corrected,
+    /// The chapter's band and nothing else
+    Banded,
+    /// Arctangents in place of the switch
+    Smoothed,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -57,8 +67,20 @@ pub struct Common {
     pub precision: Option<PrecisionName>,
 
     /// Tick of the switch engine, microseconds [default: 50]
-    #[arg(long, value_name = "US")]
+    #[arg(long, value_name = "US", allow_negative_numbers = true)]
     pub tick_us: Option<f64>,
+
+    /// How the switch engine takes the switch [default: corrected]
+    #[arg(long, value_enum)]
+    pub stepper: Option<StepperName>,
+
+    /// Width of the banded or smoothed switch in penetration, m [default: 5e-8]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub eta_alpha_m: Option<f64>,
+
+    /// Width of the banded or smoothed switch in force, N [default: 0.01]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub eta_beta_n: Option<f64>,
 
     /// How to answer on standard output
     #[arg(long, value_enum, default_value = "text")]
@@ -90,33 +112,74 @@ impl Common {
 
     pub fn engine(&self) -> Result<Engine, UserError> {
         if self.engine == EngineName::Event {
-            let given = if self.tick_us.is_some() {
-                Some("--tick-us")
-            } else {
-                None
-            };
-            let given = given.or(self.precision.map(|_| "--precision"));
-            return match given {
-                Some(option) => Err(UserError::new(format!(
+            let given = [
+                ("--precision", self.precision.is_some()),
+                ("--tick-us", self.tick_us.is_some()),
+                ("--stepper", self.stepper.is_some()),
+                ("--eta-alpha-m", self.eta_alpha_m.is_some()),
+                ("--eta-beta-n", self.eta_beta_n.is_some()),
+            ];
+            return match given.iter().find(|(_, given)| *given) {
+                Some((option, _)) => Err(UserError::new(format!(
                     "{option} belongs to the switch engine; add --engine switch or leave it out"
                 ))),
                 None => Ok(Engine::Event),
             };
         }
         let tick_us = self.tick_us.unwrap_or(50.0);
-        if !(0.01..=1000.0).contains(&tick_us) {
+        if !(0.05..=1000.0).contains(&tick_us) {
             return Err(UserError::new(format!(
-                "--tick-us is {tick_us}, must be from 0.01 to 1000 microseconds"
+                "--tick-us is {tick_us}, must be from 0.05 to 1000 microseconds"
             )));
         }
         let precision = match self.precision {
             Some(PrecisionName::F64) => Precision::F64,
             Some(PrecisionName::F32) | None => Precision::F32,
         };
-        Ok(Engine::Switch {
+        Ok(Engine::Switch(Setting {
+            method: self.method()?,
             precision,
             tick_s: tick_us * 1e-6,
-        })
+        }))
+    }
+
+    fn method(&self) -> Result<Method, UserError> {
+        let width = |option: &str, value: Option<f64>, default: f64| {
+            let value = value.unwrap_or(default);
+            if value > 0.0 && value.is_finite() {
+                return Ok(value);
+            }
+            Err(UserError::new(format!(
+                "{option} is {value}, must be a positive number"
+            )))
+        };
+        let alpha = width("--eta-alpha-m", self.eta_alpha_m, 5e-8)?;
+        let beta = width("--eta-beta-n", self.eta_beta_n, 0.01)?;
+        match self.stepper {
+            Some(StepperName::Banded) => Ok(Method::Banded {
+                eta_alpha_m: alpha,
+                eta_beta_n: beta,
+            }),
+            Some(StepperName::Smoothed) => Ok(Method::Smoothed {
+                epsilon_alpha_m: alpha,
+                epsilon_beta_n: beta,
+            }),
+            _ if self.eta_alpha_m.is_some() || self.eta_beta_n.is_some() => Err(UserError::new(
+                "--eta-alpha-m and --eta-beta-n are for --stepper banded or smoothed; the corrected stepper has no band",
+            )),
+            _ => Ok(Method::Corrected),
+        }
+    }
+
+    /// Refuses an output folder that cannot be one, before any work is done.
+    pub fn check_out(&self) -> Result<(), UserError> {
+        match &self.out {
+            Some(dir) if dir.exists() && !dir.is_dir() => Err(UserError::new(format!(
+                "--out {} is a file; choose a folder",
+                dir.display()
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Writes a note for a person on standard error.
@@ -146,11 +209,11 @@ pub fn pictures(name: &str, figure: &Figure) -> Result<Vec<(String, Vec<u8>)>, U
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct Cycles {
     /// Drive cycles in all
-    #[arg(long, default_value_t = 600)]
+    #[arg(long, value_name = "N", default_value_t = 600)]
     pub cycles: u32,
 
     /// How many of the first are not recorded
-    #[arg(long, default_value_t = 480)]
+    #[arg(long, value_name = "N", default_value_t = 480)]
     pub transient: u32,
 }
 

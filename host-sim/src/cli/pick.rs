@@ -29,35 +29,60 @@ pub struct Args {
     nominal: bool,
 
     /// Largest contact force allowed, N
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     max_force_n: Option<f64>,
 
     /// Largest drive frequency allowed, Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     max_frequency_hz: Option<f64>,
 
     /// Largest force the shaker can give to move cart and hammer, N
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     max_drive_force_n: Option<f64>,
 
     /// Uncertainty of the natural frequency, % either way
-    #[arg(long, value_name = "P", default_value_t = 2.0)]
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 2.0,
+        allow_negative_numbers = true
+    )]
     natural_frequency_percent: f64,
 
     /// Uncertainty of the cart amplitude, % either way
-    #[arg(long, value_name = "P", default_value_t = 5.0)]
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 5.0,
+        allow_negative_numbers = true
+    )]
     amplitude_percent: f64,
 
     /// Uncertainty of the contact stiffness, % either way
-    #[arg(long, value_name = "P", default_value_t = 20.0)]
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 20.0,
+        allow_negative_numbers = true
+    )]
     contact_stiffness_percent: f64,
 
     /// Uncertainty of the contact damping, % either way
-    #[arg(long, value_name = "P", default_value_t = 20.0)]
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 20.0,
+        allow_negative_numbers = true
+    )]
     contact_damping_percent: f64,
 
     /// Uncertainty of the gap, mm either way
-    #[arg(long, value_name = "MM", default_value_t = 0.05)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 0.05,
+        allow_negative_numbers = true
+    )]
     gap_tolerance_mm: f64,
 
     /// Samples inside the uncertainty's corners
@@ -71,6 +96,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
+    common.check_out()?;
     common.engine()?;
     if common.engine == EngineName::Switch {
         return Err(UserError::new(

@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::common::{Common, Cycles, Format, parse_start, pictures};
-use crate::engine::{Engine, Observation, Precision, Recorder, Sample, Start, machine, observe};
+use crate::engine::{
+    Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
+};
 use crate::error::UserError;
 use crate::picture::{Axis, Color, Figure, Item, Panel, regime_color};
 use crate::rigfile::NamedRig;
@@ -17,11 +19,11 @@ pub struct Args {
     common: Common,
 
     /// Drive frequency over the natural frequency, Ω/ω
-    #[arg(long, value_name = "R")]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
     ratio: Option<f64>,
 
     /// Drive frequency, Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     frequency: Option<f64>,
 
     #[command(flatten)]
@@ -44,6 +46,7 @@ struct Answer {
     cycles: u32,
     transient: u32,
     engine: &'static str,
+    stepper: Option<&'static str>,
     precision: &'static str,
     tick_us: Option<f64>,
 }
@@ -73,6 +76,7 @@ const SAMPLES_PER_PERIOD: usize = 400;
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
+    common.check_out()?;
     let rig = common.rig()?;
     let engine = common.engine()?;
     let plan = args.cycles.plan()?;
@@ -96,20 +100,24 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
         cycles: plan.cycles,
         transient: plan.transient,
-        engine: if engine == Engine::Event {
-            "event"
-        } else {
-            "switch"
+        engine: match engine {
+            Engine::Event => "event",
+            Engine::Switch(_) => "switch",
+        },
+        stepper: match engine {
+            Engine::Event => None,
+            Engine::Switch(setting) => Some(match setting.method {
+                Method::Corrected => "corrected",
+                Method::Banded { .. } => "banded",
+                Method::Smoothed { .. } => "smoothed",
+            }),
         },
         precision: match engine {
-            Engine::Switch {
-                precision: Precision::F32,
-                ..
-            } => "f32",
+            Engine::Switch(setting) if setting.precision == Precision::F32 => "f32",
             _ => "f64",
         },
         tick_us: match engine {
-            Engine::Switch { tick_s, .. } => Some(crate::table::tidy(tick_s * 1e6)),
+            Engine::Switch(setting) => Some(crate::table::tidy(setting.tick_s * 1e6)),
             Engine::Event => None,
         },
     };

@@ -17,11 +17,11 @@ pub struct Args {
     common: Common,
 
     /// Frequencies over the natural frequency, Ω/ω
-    #[arg(long, value_name = "FROM:TO:STEP")]
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
     ratio: Option<String>,
 
     /// Frequencies, Hz
-    #[arg(long, value_name = "FROM:TO:STEP")]
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
     frequency: Option<String>,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
@@ -38,6 +38,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
+    common.check_out()?;
     let rig = common.rig()?;
     let engine = common.engine()?;
     let plan = args.cycles.plan()?;

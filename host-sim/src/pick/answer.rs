@@ -72,7 +72,7 @@ pub struct Answer {
     pub contact_time_ms: f64,
     /// Where the nominal 1/1 is stable and its force above 90 % of that at the operating frequency, Hz.
     pub band_hz: [f64; 2],
-    /// The part of it where 1/1 is stable over the whole uncertainty, Hz.
+    /// The part of it where 1/1 is stable over the whole uncertainty and every limit is kept, Hz.
     pub safe_band_hz: [f64; 2],
     /// Where the nominal 1/1 is stable, Hz.
     pub stable_one_one_hz: [f64; 2],

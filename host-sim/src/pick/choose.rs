@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::answer::LimitUse;
-use super::search::{Spread, maximise, spread_of_members};
+use super::search::{Spread, interval_where, maximise, spread_of_members};
 use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::UserError;
@@ -27,129 +27,174 @@ pub struct Choice {
     pub orbit: Orbit,
     /// Forces over the uncertainty.
     pub spread: Spread,
+    /// The part of the robust range about it that the limits allow, Hz.
+    pub allowed: (f64, f64),
     /// Limits, and which decide.
     pub limits: Vec<LimitUse>,
 }
 
-/// The best orbit that uncertainty and limits allow, and which of them decide.
-pub fn choose(
-    rig: &NamedRig,
-    members: &[Member],
-    branch: &Branch,
-    robust: (f64, f64),
-    limits: Limits,
-) -> Result<Choice, UserError> {
-    let params = &rig.params;
-    let moved_kg = params.cart_mass_kg + params.mass_kg;
-    let drive_force = |hz: f64| moved_kg * params.amplitude_m * (TAU * hz).powi(2);
-    let below = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
-    // Its members are asked only where a force limit needs them: that is the costly question.
-    let allowed = |hz: f64, limits: Limits| {
-        if !below(hz, limits.max_frequency_hz) || !below(drive_force(hz), limits.max_drive_force_n)
-        {
-            return None;
-        }
-        let orbit = branch.at(params, hz)?;
-        if limits.max_force_n.is_some() {
-            let spread = spread_of_members(params, members, &orbit)?;
-            if !below(spread.strongest_n, limits.max_force_n) {
+/// What is chosen from: the nominal branch, and the rigs the real one may be.
+#[derive(Clone, Copy)]
+pub struct Field<'a> {
+    /// The nominal rig.
+    pub rig: &'a NamedRig,
+    /// Its stable 1/1.
+    pub branch: &'a Branch,
+    /// The uncertainty's members.
+    pub members: &'a [Member],
+}
+
+impl Field<'_> {
+    /// Force to move cart and hammer at `hz`, N.
+    fn drive_force(&self, hz: f64) -> f64 {
+        let params = &self.rig.params;
+        (params.cart_mass_kg + params.mass_kg) * params.amplitude_m * (TAU * hz).powi(2)
+    }
+
+    /// The highest frequency the shaker's limits allow, Hz.
+    fn top(&self, limits: Limits) -> f64 {
+        let by_frequency = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
+        let at_one = self.drive_force(1.0);
+        let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
+        by_drive.map_or(by_frequency, |hz| hz.min(by_frequency))
+    }
+
+    /// The orbit at `hz`, if its force and that of every member is within the limit.
+    fn within_force(&self, hz: f64, max_force_n: Option<f64>) -> Option<Orbit> {
+        let orbit = self.branch.at(&self.rig.params, hz)?;
+        if let Some(max) = max_force_n {
+            let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
+            if spread.strongest_n > max {
                 return None;
             }
         }
-        Some((orbit.force_n, orbit))
-    };
-    // The ends of the robust range are one member's loss of stability; stay a hair inside.
-    let hair = if members.is_empty() {
-        0.0
-    } else {
-        1e-6 * (robust.1 - robust.0)
-    };
-    let robust = (robust.0 + hair, robust.1 - hair);
-    let best = |range: (f64, f64), limits: Limits| {
-        // A frequency limit only shortens the range.
-        let top = limits
-            .max_frequency_hz
-            .map_or(range.1, |max| max.min(range.1));
-        let by_drive = limits
-            .max_drive_force_n
-            .map(|max| (max / (moved_kg * params.amplitude_m)).sqrt() / TAU);
-        let top = by_drive.map_or(top, |max| max.min(top));
-        let only_force = Limits {
-            max_force_n: limits.max_force_n,
-            ..Limits::default()
-        };
-        if top < range.0 {
+        Some(orbit)
+    }
+
+    /// The strongest orbit in `range_hz` within `limits`.
+    fn best(&self, range_hz: (f64, f64), limits: Limits) -> Option<Orbit> {
+        let top = self.top(limits).min(range_hz.1);
+        if top < range_hz.0 {
             return None;
         }
-        maximise(branch, (range.0, top), |hz| allowed(hz, only_force))
-    };
-    let free = (branch.low.frequency_hz, branch.high.frequency_hz);
-    let (_, orbit) = best(robust, limits).ok_or_else(|| {
+        let (_, orbit) = maximise(self.branch, (range_hz.0, top), |hz| {
+            let orbit = self.within_force(hz, limits.max_force_n)?;
+            Some((orbit.force_n, orbit))
+        })?;
+        Some(orbit)
+    }
+
+    /// The part of `range_hz` about `from_hz` that `limits` allow.
+    fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: Limits) -> (f64, f64) {
+        let range_hz = (range_hz.0, range_hz.1.min(self.top(limits)));
+        if limits.max_force_n.is_none() {
+            return range_hz;
+        }
+        interval_where(self.branch, from_hz, range_hz, |hz| {
+            self.within_force(hz, limits.max_force_n).is_some()
+        })
+    }
+
+    /// The best orbit that uncertainty and limits allow, and which of them decide.
+    ///
+    /// A force limit holds for every member, but only a few of them ever reach it. The search asks those
+    /// known to (at first none), then all at what it found, and takes in whoever breaks the limit there.
+    ///
+    /// # Errors
+    /// One line: nothing is within the limits.
+    pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, UserError> {
+        let mut strong: Vec<Member> = Vec::new();
+        loop {
+            let search = Field {
+                members: &strong,
+                ..*self
+            };
+            let orbit = search
+                .best(robust, limits)
+                .ok_or_else(|| self.nothing(robust, limits))?;
+            let allowed = search.allowed(orbit.frequency_hz, robust, limits);
+            let spread = self.spread(&orbit)?;
+            let mut breaker = self.breaks(&spread, &strong, limits);
+            if limits.max_force_n.is_some() {
+                for end in [allowed.0, allowed.1] {
+                    let there = self.branch.at(&self.rig.params, end);
+                    let there = there.map(|orbit| self.spread(&orbit)).transpose()?;
+                    let found = there.and_then(|spread| self.breaks(&spread, &strong, limits));
+                    breaker = breaker.or(found);
+                }
+            }
+            let Some(member) = breaker else {
+                let mut limits = search.which_decide(&orbit, robust, limits);
+                limits.retain(|l| l.limit.is_some() || !self.members.is_empty());
+                return Ok(Choice {
+                    orbit,
+                    spread,
+                    allowed,
+                    limits,
+                });
+            };
+            strong.push(member);
+        }
+    }
+
+    /// The strongest member, if it breaks the force limit and is not among those known to.
+    fn breaks(&self, spread: &Spread, known: &[Member], limits: Limits) -> Option<Member> {
+        let max = limits.max_force_n?;
+        let member = self.members[spread.strongest?];
+        (spread.strongest_n > max && !known.contains(&member)).then_some(member)
+    }
+
+    fn spread(&self, orbit: &Orbit) -> Result<Spread, UserError> {
+        spread_of_members(&self.rig.params, self.members, orbit).ok_or_else(|| {
+            UserError::new(format!(
+                "rig {}: at {:.4} Hz a rig within the uncertainty has no stable 1/1; narrow the uncertainty",
+                self.rig.name, orbit.frequency_hz
+            ))
+        })
+    }
+
+    fn nothing(&self, robust: (f64, f64), limits: Limits) -> UserError {
         UserError::new(format!(
             "rig {}: no frequency with a stable 1/1 ({:.4} to {:.4} Hz) keeps {}; relax the limits",
-            rig.name,
+            self.rig.name,
             robust.0,
             robust.1,
             named(limits).join(" and ")
         ))
-    })?;
-    // A limit binds when dropping it, and it alone, gives more.
-    let more = |range: (f64, f64), limits: Limits| {
-        best(range, limits).is_some_and(|(_, o)| o.force_n > orbit.force_n * (1.0 + 1e-6))
-    };
-    let mut uses = Vec::new();
-    if !members.is_empty() {
-        let binds = more(free, limits);
-        uses.push(LimitUse {
+    }
+
+    /// A limit decides when dropping it, and it alone, gives more.
+    fn which_decide(&self, orbit: &Orbit, robust: (f64, f64), limits: Limits) -> Vec<LimitUse> {
+        let more = |found: Option<Orbit>| {
+            found.is_some_and(|other| other.force_n > orbit.force_n * (1.0 + 1e-6))
+        };
+        let certain = Field {
+            members: &[],
+            ..*self
+        };
+        let free = (self.branch.low.frequency_hz, self.branch.high.frequency_hz);
+        let mut uses = vec![LimitUse {
             name: "the uncertainty",
             limit: None,
-            binds,
-        });
+            binds: more(certain.best(free, limits)),
+        }];
+        let (mut force, mut frequency, mut drive) = (limits, limits, limits);
+        force.max_force_n = None;
+        frequency.max_frequency_hz = None;
+        drive.max_drive_force_n = None;
+        let given = [
+            ("max_force_n", limits.max_force_n, force),
+            ("max_frequency_hz", limits.max_frequency_hz, frequency),
+            ("max_drive_force_n", limits.max_drive_force_n, drive),
+        ];
+        let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
+        uses.extend(given.map(|(name, limit, without)| LimitUse {
+            name,
+            limit,
+            binds: more(self.best(robust, without)),
+        }));
+        uses
     }
-    let mut note = |name, limit: Option<f64>, without: Limits| {
-        if limit.is_some() {
-            uses.push(LimitUse {
-                name,
-                limit,
-                binds: more(robust, without),
-            });
-        }
-    };
-    note(
-        "max_force_n",
-        limits.max_force_n,
-        Limits {
-            max_force_n: None,
-            ..limits
-        },
-    );
-    note(
-        "max_frequency_hz",
-        limits.max_frequency_hz,
-        Limits {
-            max_frequency_hz: None,
-            ..limits
-        },
-    );
-    note(
-        "max_drive_force_n",
-        limits.max_drive_force_n,
-        Limits {
-            max_drive_force_n: None,
-            ..limits
-        },
-    );
-    let spread = spread_of_members(params, members, &orbit).ok_or_else(|| {
-        UserError::new(format!(
-            "rig {}: at {:.4} Hz a rig within the uncertainty has no stable 1/1; narrow the uncertainty",
-            rig.name, orbit.frequency_hz
-        ))
-    })?;
-    Ok(Choice {
-        orbit,
-        spread,
-        limits: uses,
-    })
 }
 
 fn named(limits: Limits) -> Vec<String> {

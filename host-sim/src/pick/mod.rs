@@ -25,8 +25,8 @@ use crate::table::{Row, tidy};
 use crate::terminal::Progress;
 pub use answer::Answer;
 use answer::{shaker, why};
+use choose::Field;
 pub use choose::Limits;
-use choose::choose;
 use search::{interval_where, maximise, stable_interval};
 use uncertainty::{Member, Uncertainty};
 
@@ -81,7 +81,12 @@ pub fn pick(
 
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
-    let choice = choose(rig, &members, &branch, robust, limits)?;
+    let field = Field {
+        rig,
+        branch: &branch,
+        members: &members,
+    };
+    let choice = field.choose(robust, limits)?;
     let chosen = &choice.orbit;
 
     let band = interval_where(&branch, chosen.frequency_hz, nominal_range, |hz| {
@@ -89,7 +94,8 @@ pub fn pick(
             .at(params, hz)
             .is_some_and(|o| o.is_stable_one_one() && o.force_n >= BAND_SHARE * chosen.force_n)
     });
-    let safe_band = (band.0.max(robust.0), band.1.min(robust.1));
+    let allowed = choice.allowed;
+    let safe_band = (band.0.max(allowed.0), band.1.min(allowed.1));
 
     let margin = 0.02 * params.natural_frequency_hz();
     let frequencies = spread(
@@ -216,7 +222,16 @@ fn robust_range(
             found
         })
         .try_reduce(|| range, |a, b| Some((a.0.max(b.0), a.1.min(b.1))));
-    common.filter(|(low, high)| low < high).ok_or_else(|| {
+    // The ends of the common range are one member's loss of stability; stay a hair inside.
+    let inside = common.map(|(low, high)| {
+        let hair = if members.is_empty() {
+            0.0
+        } else {
+            1e-6 * (high - low)
+        };
+        (low + hair, high - hair)
+    });
+    inside.filter(|(low, high)| low < high).ok_or_else(|| {
         UserError::new(format!(
             "rig {}: no frequency gives a stable 1/1 for every rig within the uncertainty; narrow it (--amplitude-percent and the like) or use --nominal",
             rig.name

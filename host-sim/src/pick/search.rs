@@ -58,16 +58,19 @@ pub fn stable_interval(
     Some((own.low.frequency_hz, own.high.frequency_hz))
 }
 
-/// Forces of every member at `frequency_hz`: smallest, largest, and the largest multiplier. `None` if
-/// one of them has no stable 1/1 there.
+/// Forces of the nominal `orbit` and of every member at its frequency. `None` if a member has no stable
+/// 1/1 there.
 pub fn spread_of_members(nominal: &RigParams, members: &[Member], orbit: &Orbit) -> Option<Spread> {
     let hz = orbit.frequency_hz;
-    let own = Spread::of(orbit);
+    let own = Spread::of(orbit, None);
     members
         .par_iter()
-        .map(|member| {
+        .enumerate()
+        .map(|(i, member)| {
             let found = follow_member(nominal, member, orbit, hz)?;
-            found.is_stable_one_one().then(|| Spread::of(&found))
+            found
+                .is_stable_one_one()
+                .then(|| Spread::of(&found, Some(i)))
         })
         .try_reduce(|| own, |a, b| Some(a.with(b)))
 }
@@ -79,23 +82,34 @@ pub struct Spread {
     pub weakest_n: f64,
     /// Largest force, N.
     pub strongest_n: f64,
+    /// The member that has it; none if it is the nominal rig.
+    pub strongest: Option<usize>,
     /// Largest modulus of a multiplier.
     pub multiplier: f64,
 }
 
 impl Spread {
-    fn of(orbit: &Orbit) -> Self {
+    fn of(orbit: &Orbit, member: Option<usize>) -> Self {
         Self {
             weakest_n: orbit.force_n,
             strongest_n: orbit.force_n,
+            strongest: member,
             multiplier: orbit.multipliers().modulus(),
         }
     }
 
     fn with(self, other: Self) -> Self {
+        // By force, then by index: the same whatever the order of threads.
+        let key = |s: &Self| (s.strongest_n, std::cmp::Reverse(s.strongest));
+        let stronger = if key(&other) > key(&self) {
+            other
+        } else {
+            self
+        };
         Self {
             weakest_n: self.weakest_n.min(other.weakest_n),
-            strongest_n: self.strongest_n.max(other.strongest_n),
+            strongest_n: stronger.strongest_n,
+            strongest: stronger.strongest,
             multiplier: self.multiplier.max(other.multiplier),
         }
     }

@@ -1,7 +1,8 @@
 //! How the steppers' errors fall with the tick.
 
-use host_sim::accuracy::{Method, Setting, Stepped};
-use host_sim::engine::{Machine, Precision, Start};
+use host_sim::accuracy::{Method, Setting};
+use host_sim::engine::Switch;
+use host_sim::engine::{Machine, Precision};
 use host_sim::orbit::{Orbit, shoot};
 use host_sim::reference::Reference;
 use shared::params::{BEAM_150, RigParams, TABLE_3_1};
@@ -79,9 +80,9 @@ fn orbit() -> Orbit {
 
 /// Largest relative error of the peak force over some periods, started on the orbit.
 fn orbit_error(orbit: &Orbit, stepper: impl Stepper<f64>, tick_s: f64, periods: u32) -> f64 {
-    let start = Start::Section(orbit.section);
+    let (params, section) = (params(), orbit.section);
     let mut stepped =
-        Stepped::<f64, _>::new(stepper, &params(), orbit.frequency_hz, tick_s, start).unwrap();
+        Switch::<f64, _>::new(stepper, &params, orbit.frequency_hz, tick_s, section).unwrap();
     close(
         "frequency",
         stepped.frequency_hz(),
