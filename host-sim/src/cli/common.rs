@@ -175,7 +175,7 @@ impl Common {
     pub fn check_out(&self) -> Result<(), UserError> {
         match &self.out {
             Some(dir) if dir.exists() && !dir.is_dir() => Err(UserError::new(format!(
-                "--out {} is a file; choose a folder",
+                "--out {} is a file; choose another folder",
                 dir.display()
             ))),
             _ => Ok(()),

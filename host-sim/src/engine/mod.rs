@@ -110,6 +110,11 @@ pub fn machine(
 const RATIOS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
 fn check_frequency(frequency_hz: f64, params: &RigParams) -> Result<(), UserError> {
+    if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
+        return Err(UserError::new(format!(
+            "the drive frequency is {frequency_hz} Hz, must be a positive number"
+        )));
+    }
     let ratio = frequency_hz / params.natural_frequency_hz();
     if RATIOS.contains(&ratio) {
         return Ok(());

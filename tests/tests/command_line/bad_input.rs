@@ -164,16 +164,25 @@ fn engines_limits_and_uncertainties_that_do_not_go() {
     assert_refused(&[
         ("simulate --ratio 1.5 --tick-us 50", "add --engine switch"),
         (
+            "simulate --ratio 1.5 --stepper banded",
+            "add --engine switch",
+        ),
+        (
+            "simulate --ratio 1.5 --engine switch --eta-alpha-m 1e-8",
+            "has no band",
+        ),
+        ("simulate --ratio 1e-9", "it must be from 0.01"),
+        (
             "simulate --ratio 1.5 --precision f32",
             "add --engine switch",
         ),
         (
             "simulate --ratio 1.5 --engine switch --tick-us 0",
-            "from 0.01 to 1000",
+            "from 0.05 to 1000",
         ),
         (
             "simulate --ratio 1.5 --engine switch --tick-us nan",
-            "from 0.01 to 1000",
+            "from 0.05 to 1000",
         ),
         ("pick --engine switch", "simulate --engine switch"),
         ("pick --all --rig wires", "cannot be used with"),

@@ -51,6 +51,19 @@ fn a_frequency_limit_is_kept() {
         3.0,
         number(&a, "operating_frequency_hz"),
     );
+    let [low, high] = [0, 1].map(|i| a["safe_band_hz"][i].as_f64().expect("a number"));
+    assert!(low < 3.0 && high <= 3.0, "{low} to {high}");
+}
+
+#[test]
+fn the_safe_band_keeps_a_force_limit_for_every_rig_within_the_uncertainty() {
+    let a = answer("pick --max-force-n 70 --samples 8");
+    let hz = a["safe_band_hz"][1].as_f64().expect("a number");
+    // At its upper end the strongest rig of the default uncertainty is at the limit, the nominal below.
+    assert!((hz - number(&a, "operating_frequency_hz")).abs() < 1e-5 * hz);
+    let weight = number(&a, "force_n") / number(&a, "force_ratio");
+    let largest = number(&a, "force_ratio_largest") * weight;
+    assert!(largest <= 70.0 && largest > 69.99, "{largest}");
 }
 
 #[test]

@@ -124,6 +124,7 @@ fn csv_says_what_json_says_with_units_in_its_header() {
         "cycles",
         "transient",
         "engine",
+        "stepper",
         "precision",
         "tick_us",
     ];
