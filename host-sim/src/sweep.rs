@@ -74,12 +74,15 @@ fn run_one(
 }
 
 /// The frequencies (Hz, rising) at which the up and the down sweep differ by more than `share` of force:
-/// two attractors over one frequency, between which the hammer jumps.
+/// two attractors over one frequency, between which the hammer jumps. Frequencies at which neither repeats
+/// are passed over: the largest force of an aperiodic run depends on how long one looks.
 pub fn jumps(up: &[Row], down: &[Row], weight_n: f64, share: f64) -> Vec<f64> {
     let differs = |(a, b): (&Row, &Row)| {
         // Against at least the hammer's weight: two nearly silent runs are alike.
         let scale = a.force_n.max(b.force_n).max(weight_n);
-        ((a.force_n - b.force_n).abs() > share * scale).then_some(a.frequency_hz)
+        let repeats = |r: &Row| r.periods.is_some() || r.regime == "none";
+        let differs = (repeats(a) || repeats(b)) && (a.force_n - b.force_n).abs() > share * scale;
+        differs.then_some(a.frequency_hz)
     };
     up.iter().zip(down).filter_map(differs).collect()
 }
@@ -150,7 +153,14 @@ impl Measured {
             if hz <= 0.0 {
                 return Err(bad(line, format!("frequency_hz is {hz}, must be positive")));
             }
-            points.push((hz, number(force, "force_n")?));
+            let newtons = number(force, "force_n")?;
+            if newtons < 0.0 {
+                return Err(bad(
+                    line,
+                    format!("force_n is {newtons}, must not be negative"),
+                ));
+            }
+            points.push((hz, newtons));
         }
         if points.is_empty() {
             return Err(UserError::new(format!(

@@ -136,6 +136,9 @@ impl Common {
             Some(PrecisionName::F64) => Precision::F64,
             Some(PrecisionName::F32) | None => Precision::F32,
         };
+        if tick_us > 50.0 {
+            self.note("note: above 50 microseconds the switch engine is no longer exact (docs/accuracy.md)");
+        }
         Ok(Engine::Switch(Setting {
             method: self.method()?,
             precision,

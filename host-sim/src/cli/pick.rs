@@ -25,7 +25,10 @@ pub struct Args {
     all: bool,
 
     /// Take the parameters as exact
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = [
+        "natural_frequency_percent", "amplitude_percent", "contact_stiffness_percent",
+        "contact_damping_percent", "gap_tolerance_mm", "samples", "seed",
+    ])]
     nominal: bool,
 
     /// Largest contact force allowed, N
@@ -96,6 +99,11 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
+    let mut common = common.clone();
+    if common.format == Format::Text {
+        common.out.get_or_insert_with(|| "out".into());
+    }
+    let common = &common;
     common.check_out()?;
     common.engine()?;
     if common.engine == EngineName::Switch {
@@ -122,24 +130,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .map(|rig| pick(rig, uncertainty, limits, &progress));
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
-    let default_out = Path::new("out");
-    let out = match (&common.out, common.format) {
-        (Some(dir), _) => Some(dir.as_path()),
-        (None, Format::Text) => Some(default_out),
-        (None, _) => None,
-    };
     if common.format == Format::Text {
         super::print(&text(&picks));
     }
-    if let Some(dir) = out {
+    if let Some(dir) = &common.out {
         write(common, dir, &picks)?;
     }
     match common.format {
-        Format::Json if args.all => {
-            let answers: Vec<_> = picks.iter().map(|p| &p.answer).collect();
-            super::print(&super::to_json(&answers)?);
-        }
-        Format::Json => super::print(&super::to_json(&picks[0].answer)?),
+        Format::Json => super::print(&json(&picks)?),
         Format::Csv => {
             let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
             super::print(&String::from_utf8_lossy(&to_csv(&rows)));
@@ -226,14 +224,18 @@ fn write(common: &Common, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
         _ => "pick-all".to_owned(),
     };
     let mut contents = pictures(&name, &figure(picks))?;
-    let answers: Vec<_> = picks.iter().map(|p| &p.answer).collect();
-    contents.push((
-        format!("{name}.json"),
-        super::to_json(&answers)?.into_bytes(),
-    ));
+    contents.push((format!("{name}.json"), json(picks)?.into_bytes()));
     let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
     contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
     common.write(dir, &contents)
+}
+
+/// One answer as an object, several as a list.
+fn json(picks: &[Pick]) -> Result<String, UserError> {
+    match picks {
+        [one] => super::to_json(&one.answer),
+        _ => super::to_json(&picks.iter().map(|p| &p.answer).collect::<Vec<_>>()),
+    }
 }
 
 /// A point of the nominal stable 1/1.
@@ -347,6 +349,9 @@ fn text(picks: &[Pick]) -> String {
     text + &chart.render()
 }
 
+/// A choice closer than this to the top of its safe band has no margin, %.
+const EDGE_PERCENT: f64 = 0.5;
+
 fn one_text(pick: &Pick) -> String {
     let a = &pick.answer;
     let mut text = format!(
@@ -354,13 +359,7 @@ fn one_text(pick: &Pick) -> String {
         a.rig, a.gap_mm, a.operating_frequency_hz, a.frequency_ratio, a.why
     );
     let mut line = |name: &str, what: String| text += &format!("  {name:<18} {what}\n");
-    line(
-        "regime",
-        format!(
-            "{} (a run from rest settles on {})",
-            a.regime, a.regime_from_rest
-        ),
-    );
+    line("regime", from_rest(a));
     line(
         "force",
         match a.uncertainty {
@@ -384,6 +383,16 @@ fn one_text(pick: &Pick) -> String {
             }
         ),
     );
+    let margin = (a.safe_band_hz[1] / a.operating_frequency_hz - 1.0) * 100.0;
+    if margin < EDGE_PERCENT {
+        line(
+            "no margin above",
+            format!(
+                "the choice is the top of the safe band; if the frequency can drift, run lower, at {:.3} Hz say",
+                0.5 * (a.safe_band_hz[0] + a.safe_band_hz[1])
+            ),
+        );
+    }
     line(
         "stable 1/1",
         format!(
@@ -472,11 +481,25 @@ fn one_text(pick: &Pick) -> String {
     text + &chart.render()
 }
 
+fn from_rest(a: &Answer) -> String {
+    let nominal = format!(
+        "{} (a run from rest settles on {}",
+        a.regime, a.regime_from_rest
+    );
+    match a.corners {
+        0 => nominal + ")",
+        corners => format!(
+            "{nominal}; of the uncertainty's {corners} corners, {} settle on 1/1)",
+            a.corners_reaching_one_one_from_rest
+        ),
+    }
+}
+
 fn ending(end: End) -> &'static str {
     match end {
         End::PeriodDoubling => "period doubling",
         End::ExtraContact => "another contact appears",
-        End::Fold => "fold: it jumps",
+        End::Fold => "the orbit ends: fold or graze",
         End::Torus => "torus",
         End::SearchLimit => "end of the search",
     }

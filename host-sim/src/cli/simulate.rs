@@ -91,6 +91,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         recorder.samples_per_period = SAMPLES_PER_PERIOD;
     }
     let seen = observe(hammer.as_mut(), plan, &mut recorder)?;
+    if (seen.frequency_hz / frequency_hz - 1.0).abs() > 1e-5 {
+        common.note(&format!(
+            "note: at this tick the drive's phase accumulator runs at {:.6} Hz",
+            seen.frequency_hz
+        ));
+    }
     let section = section_rows(&seen, hammer.rig());
     let answer = Answer {
         row: Row::new(&rig.name, &rig.params, &seen),
@@ -178,6 +184,11 @@ fn tail(recorder: &Recorder, frequency_hz: f64) -> impl Iterator<Item = (f64, &S
         .map(move |s| (s.time_s - from, s))
 }
 
+/// "1 contact", "2 contacts".
+fn count(n: u32, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 fn text(answer: &Answer, recorder: &Recorder) -> String {
     let row = &answer.row;
     let mut text = format!(
@@ -192,9 +203,9 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
         ),
         "chatter" => format!("{} contacts that die out into a stay", row.impacts),
         _ => format!(
-            "{} contact(s) in {} drive period(s)",
-            row.impacts,
-            row.periods.unwrap_or(0)
+            "{} in {}",
+            count(u32::from(row.impacts), "contact"),
+            count(u32::from(row.periods.unwrap_or(0)), "drive period")
         ),
     };
     text += &format!("  regime         {}: {meaning}\n", row.regime);

@@ -197,8 +197,14 @@ fn within_reach(machine: &dyn Machine) -> Result<(), UserError> {
     if q.abs() < FARTHEST && v.is_finite() {
         return Ok(());
     }
-    Err(UserError::new(format!(
-        "at {} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start",
-        machine.frequency_hz()
-    )))
+    let hz = machine.frequency_hz();
+    Err(UserError::new(if q.is_finite() {
+        format!(
+            "at {hz} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start"
+        )
+    } else {
+        format!(
+            "at {hz} Hz the motion cannot be followed; check contact stiffness, damping and amplitude, and with the switch engine use a shorter tick"
+        )
+    }))
 }

@@ -58,6 +58,10 @@ pub struct Answer {
     pub regime: String,
     /// The regime a run from rest settles on there.
     pub regime_from_rest: String,
+    /// Corners of the uncertainty.
+    pub corners: usize,
+    /// How many of them settle on 1/1 from rest there; the others need a push to get onto their orbit.
+    pub corners_reaching_one_one_from_rest: usize,
     /// Contact force over m g there.
     pub force_ratio: f64,
     /// The same, N.
@@ -162,7 +166,7 @@ pub fn why(answer: &Answer) -> String {
         None => "and nothing jumps between up and down sweeps".to_owned(),
         Some([low, high]) => {
             let place = if answer.jump_free_in_safe_band {
-                "but not"
+                "though not"
             } else {
                 "also"
             };
@@ -171,13 +175,19 @@ pub fn why(answer: &Answer) -> String {
             )
         }
     };
-    let alone = if answer.regime_from_rest == answer.regime {
-        String::new()
-    } else {
+    let missing = answer.corners - answer.corners_reaching_one_one_from_rest;
+    let alone = if answer.regime_from_rest != answer.regime {
         format!(
             "; from rest the hammer does not get there by itself (it ends in {}): it needs a push",
             answer.regime_from_rest
         )
+    } else if missing > 0 {
+        format!(
+            "; from rest {missing} of the uncertainty's {} corners do not get there by themselves: they need a push",
+            answer.corners
+        )
+    } else {
+        String::new()
     };
     format!(
         "{among}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {jumps}{alone}.",

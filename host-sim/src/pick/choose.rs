@@ -71,17 +71,26 @@ impl Field<'_> {
         Some(orbit)
     }
 
-    /// The strongest orbit in `range_hz` within `limits`.
+    /// The strongest orbit in `range_hz` within `limits`. Both flanks of the force curve may reach a force
+    /// limit; the lower one is taken, which needs less of the shaker and is farther from the doubling.
     fn best(&self, range_hz: (f64, f64), limits: Limits) -> Option<Orbit> {
-        let top = self.top(limits).min(range_hz.1);
-        if top < range_hz.0 {
+        let range_hz = (range_hz.0, self.top(limits).min(range_hz.1));
+        if range_hz.1 < range_hz.0 {
             return None;
         }
-        let (_, orbit) = maximise(self.branch, (range_hz.0, top), |hz| {
-            let orbit = self.within_force(hz, limits.max_force_n)?;
+        let within = |hz: f64| self.within_force(hz, limits.max_force_n);
+        let (best_hz, orbit) = maximise(self.branch, range_hz, |hz| {
+            let orbit = within(hz)?;
             Some((orbit.force_n, orbit))
         })?;
-        Some(orbit)
+        if limits.max_force_n.is_none() || within(range_hz.0).is_none() {
+            return Some(orbit);
+        }
+        let rising = (range_hz.0, best_hz);
+        let (_, edge) = interval_where(self.branch, range_hz.0, rising, |hz| within(hz).is_some());
+        let lower = within(edge)?;
+        let equal = lower.force_n >= orbit.force_n * (1.0 - 1e-5);
+        Some(if equal { lower } else { orbit })
     }
 
     /// The part of `range_hz` about `from_hz` that `limits` allow.

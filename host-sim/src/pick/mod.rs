@@ -34,6 +34,8 @@ use uncertainty::{Member, Uncertainty};
 pub const BAND_SHARE: f64 = 0.9;
 /// Up and down sweeps that differ by less than this share of force do not jump.
 const JUMP_SHARE: f64 = 0.02;
+/// Points of the curve that is drawn, beside those the branch was followed by.
+const CURVE_POINTS: usize = 200;
 /// Frequencies in the jump test.
 const JUMP_POINTS: usize = 48;
 /// Ratios Ω/ω searched for 1/1.
@@ -115,7 +117,9 @@ pub fn pick(
     };
     let (up, down) = rayon::join(|| jump_sweep(Direction::Up), || jump_sweep(Direction::Down));
     let (up, down) = (up?, down?);
-    let jumps = jumps(&up, &down, params.weight_n(), JUMP_SHARE);
+    // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
+    let mut jumps = jumps(&up, &down, params.weight_n(), JUMP_SHARE);
+    jumps.retain(|hz| (nominal_range.0..=nominal_range.1).contains(hz));
     let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
 
     let natural_hz = params.natural_frequency_hz();
@@ -123,6 +127,13 @@ pub fn pick(
     let settled = |start| single(params, chosen.frequency_hz, start, SETTLED);
     let from_rest = settled(Start::Rest)?;
     let on_orbit = settled(Start::Section(chosen.section))?;
+    let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
+    let reach = |corner: &Member| {
+        let rig = corner.apply(params, 1.0);
+        let run = single(&rig, chosen.frequency_hz, Start::Rest, SETTLED);
+        run.is_ok_and(|row| row.regime == "1/1")
+    };
+    let reaching = corners.par_iter().filter(|corner| reach(corner)).count();
     let sensitivity = sensitivity::table(params, &branch, &nominal);
     progress.inc(1);
 
@@ -135,6 +146,8 @@ pub fn pick(
         frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
         regime: on_orbit.regime,
         regime_from_rest: from_rest.regime,
+        corners: corners.len(),
+        corners_reaching_one_one_from_rest: reaching,
         force_ratio: chosen.force_n / weight,
         force_n: chosen.force_n,
         force_ratio_worst: choice.spread.weakest_n / weight,
@@ -165,11 +178,11 @@ pub fn pick(
         why: String::new(),
     };
     answer.why = why(&answer);
-    let curve = branch
-        .orbits
-        .iter()
-        .map(|o| (o.frequency_hz, o.force_n / weight))
-        .collect();
+    let mut nodes = spread(nominal_range.0, nominal_range.1, CURVE_POINTS);
+    nodes.extend(branch.orbits.iter().map(|o| o.frequency_hz));
+    nodes.sort_by(f64::total_cmp);
+    let on_curve = |hz: &f64| branch.at(params, *hz).map(|o| (*hz, o.force_n / weight));
+    let curve = nodes.par_iter().filter_map(on_curve).collect();
     Ok(Pick {
         answer,
         curve,

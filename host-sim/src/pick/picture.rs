@@ -1,7 +1,7 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
 use super::Pick;
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::picture::{Axis, Color, Figure, Item, OTHER_PERIODIC, Panel};
 use crate::table::Row;
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
@@ -10,14 +10,14 @@ const CURVE: Color = Color(0x1f, 0x4e, 0x79);
 pub fn figure(picks: &[Pick]) -> Figure {
     let title = match picks {
         [one] => format!(
-            "Run the {} hammer at {:.3} Hz",
-            one.answer.rig, one.answer.operating_frequency_hz
+            "Run the {} hammer at {:.3} Hz (gap {:?} mm)",
+            one.answer.rig, one.answer.operating_frequency_hz, one.answer.gap_mm
         ),
         _ => "At which frequency to run the hammer".to_owned(),
     };
     let subtitle = match picks {
-        [one] => one.answer.why.clone(),
-        _ => "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty.".to_owned(),
+        [one] => format!("{} Dots: sweeps up and down, by regime.", one.answer.why),
+        _ => "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. Dots: sweeps up and down, by regime.".to_owned(),
     };
     let columns = if picks.len() > 1 { 2 } else { 1 };
     let size = if picks.len() > 1 {
@@ -66,7 +66,14 @@ fn panel(pick: &Pick) -> Panel {
     for (regime, points) in by_regime(pick.up.iter().chain(&pick.down)) {
         panel = panel.item(Item::regime_points(&regime, points));
     }
-    panel = panel.item(Item::mark_x("natural frequency", natural));
+    let at_natural = answer.force_ratio_at_natural_frequency;
+    panel = panel
+        .item(Item::mark_x("natural frequency", natural))
+        .item(Item::mark_point(
+            format!("{at_natural:.1} at the natural frequency"),
+            natural,
+            at_natural,
+        ));
     panel = match answer.period_doubling_hz {
         Some(hz) => panel.item(Item::mark_x("period doubling", hz)),
         None => panel.item(Item::mark_x(
@@ -93,7 +100,7 @@ pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f
     for row in rows {
         let point = (row.frequency_hz, row.force_ratio);
         let named = NAMED.iter().find(|name| **name == row.regime);
-        let label = named.copied().unwrap_or("other p/n");
+        let label = named.copied().unwrap_or(OTHER_PERIODIC);
         match groups.iter_mut().find(|(regime, _)| regime == label) {
             Some((_, points)) => points.push(point),
             None => groups.push((label.to_owned(), vec![point])),

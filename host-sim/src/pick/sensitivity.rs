@@ -70,7 +70,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
             relative(|rig, by| rig.mass_kg *= by),
         ),
         (
-            "contact_stiffness_n_per_m (same damper)",
+            "contact_stiffness_n_per_m",
             percent,
             relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, 1.0)),
         ),

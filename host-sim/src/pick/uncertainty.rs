@@ -53,7 +53,18 @@ impl Uncertainty {
         ]
     }
 
-    /// Every member: the corners of the dimensions that have a width, then the samples.
+    /// The corners of the dimensions that have a width.
+    pub fn corners(&self) -> Vec<Member> {
+        let open = self
+            .half_widths()
+            .iter()
+            .filter(|width| **width != 0.0)
+            .count();
+        let count = if open == 0 { 0 } else { 1 << open };
+        self.members().into_iter().take(count).collect()
+    }
+
+    /// Every member: the corners, then the samples inside them.
     pub fn members(&self) -> Vec<Member> {
         let widths = self.half_widths();
         let open: Vec<usize> = (0..DIMENSIONS).filter(|i| widths[*i] != 0.0).collect();
@@ -143,6 +154,7 @@ mod tests {
         let members = uncertainty.members();
         assert_eq!(members.len(), 32 + 256);
         assert_eq!(members, uncertainty.members());
+        assert_eq!(uncertainty.corners(), members[..32]);
         let extremes = members
             .iter()
             .filter(|m| m.0[0] == 0.02 && m.0[4] == -0.05e-3);

@@ -30,7 +30,7 @@ mod series;
 mod tests;
 pub(crate) mod ticks;
 
-pub use palette::{Color, Mark, RegimeStyle, Stroke, regime_color, regime_style};
+pub use palette::{Color, Mark, OTHER_PERIODIC, RegimeStyle, Stroke, regime_color, regime_style};
 pub use render::{PNG_SCALE, render_png, render_svg};
 
 /// A point in data coordinates: `(x, y)` in the units of the two axes.

@@ -93,7 +93,9 @@ pub fn regime_style(regime: &str) -> RegimeStyle {
         "2/2" => (Color::GREEN, Mark::Square, Stroke::Dashed),
         "aperiodic" => (Color::RED, Mark::Cross, Stroke::Dotted),
         "chatter" => (Color::PURPLE, Mark::Plus, Stroke::Dotted),
-        other if is_ratio(other) => (Color::SKY, Mark::Diamond, Stroke::Dashed),
+        other if other == OTHER_PERIODIC || is_ratio(other) => {
+            (Color::SKY, Mark::Diamond, Stroke::Dashed)
+        }
         _ => (Color::GREY, Mark::Ring, Stroke::Dotted),
     };
     RegimeStyle {
@@ -107,6 +109,9 @@ pub fn regime_style(regime: &str) -> RegimeStyle {
 pub fn regime_color(regime: &str) -> Color {
     regime_style(regime).color
 }
+
+/// What periodic regimes without a style of their own are called together.
+pub const OTHER_PERIODIC: &str = "other p/n";
 
 fn is_ratio(text: &str) -> bool {
     text.split_once('/')
@@ -128,6 +133,7 @@ mod tests {
             }
         }
         assert_eq!(regime_color("7/3"), regime_color("1/5"));
+        assert_eq!(regime_color("7/3"), regime_color(OTHER_PERIODIC));
         assert_eq!(regime_color("who knows"), regime_color("none"));
     }
 }

@@ -172,6 +172,7 @@ fn engines_limits_and_uncertainties_that_do_not_go() {
             "has no band",
         ),
         ("simulate --ratio 1e-9", "it must be from 0.01"),
+        ("pick --nominal --samples 10", "cannot be used with"),
         (
             "simulate --ratio 1.5 --precision f32",
             "add --engine switch",

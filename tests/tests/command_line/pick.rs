@@ -250,7 +250,7 @@ fn text_writes_out_and_says_where() {
         assert!(ran.out.contains(said), "{said} is not in: {}", ran.out);
     }
     let written: Value = serde_json::from_str(&folder.read("out/pick-wires.json")).expect("JSON");
-    let at = number(&written[0], "operating_frequency_hz");
+    let at = number(&written, "operating_frequency_hz");
     assert!(ran.out.contains(&format!("{at:.4} Hz")));
 
     let curve = csv_rows(&folder.read("out/pick-wires-curve.csv"));
@@ -262,7 +262,7 @@ fn text_writes_out_and_says_where() {
         .iter()
         .map(|row| number(row, "force_ratio"))
         .fold(0.0, f64::max);
-    let best = number(&written[0], "force_ratio");
+    let best = number(&written, "force_ratio");
     assert!(
         (0.99 * best..=best * (1.0 + 1e-9)).contains(&strongest),
         "{strongest} {best}"
@@ -282,7 +282,6 @@ fn csv_says_what_json_says_and_quiet_is_quiet() {
     assert_eq!(folder.names().len(), 4);
     let row = &csv_rows(&csv.out)[0];
     let whole: Value = serde_json::from_str(&folder.read("o/pick-wires.json")).expect("JSON");
-    let whole = &whole[0];
     for key in keys(row) {
         let said = match key {
             "band_low_hz" => &whole["band_hz"][0],

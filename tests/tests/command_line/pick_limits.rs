@@ -97,3 +97,18 @@ fn nominal_takes_the_parameters_as_exact() {
     assert_eq!(a["robust_band_hz"], a["stable_one_one_hz"]);
     assert_eq!(a["safe_band_hz"], a["band_hz"]);
 }
+
+#[test]
+fn a_large_gap_is_told_for_what_it_is() {
+    let a = answer("pick --gap 2.4 --samples 8");
+    assert_eq!(a["jump_free"], false);
+    // The choice is against the edge of what every rig of the uncertainty can do, and is said to be.
+    let uncertainty = &a["limits"][0];
+    assert_eq!(uncertainty["name"], "the uncertainty");
+    assert_eq!(uncertainty["binds"], true);
+    let top = a["safe_band_hz"][1].as_f64().expect("a number");
+    assert!((top - number(&a, "operating_frequency_hz")).abs() < 1e-5 * top);
+    // Not every corner of it gets there from rest.
+    let reaching = number(&a, "corners_reaching_one_one_from_rest");
+    assert!(reaching < number(&a, "corners"), "{reaching}");
+}

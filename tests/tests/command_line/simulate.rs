@@ -140,7 +140,7 @@ fn text_alone_writes_no_file_and_says_the_regime() {
         .well();
     assert!(
         ran.out
-            .contains("regime         1/1: 1 contact(s) in 1 drive period(s)")
+            .contains("regime         1/1: 1 contact in 1 drive period")
     );
     assert!(ran.err.is_empty() && folder.names().is_empty(), "{ran:?}");
 }
