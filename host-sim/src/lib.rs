@@ -21,6 +21,7 @@ pub mod dual;
 pub mod engine;
 pub mod error;
 pub mod files;
+pub mod golden;
 pub mod orbit;
 pub mod pick;
 pub mod picture;

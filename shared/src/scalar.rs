@@ -67,69 +67,44 @@ pub trait Real:
     }
 }
 
-impl Real for f32 {
-    const ZERO: Self = 0.0;
-    const HALF: Self = 0.5;
-    const ONE: Self = 1.0;
-    const TWO: Self = 2.0;
+macro_rules! real {
+    ($float:ident, $sqrt:ident, $pow:ident, $atan:ident, $sin_versin:ident) => {
+        impl Real for $float {
+            const ZERO: Self = 0.0;
+            const HALF: Self = 0.5;
+            const ONE: Self = 1.0;
+            const TWO: Self = 2.0;
 
-    #[inline]
-    fn from_f64(x: f64) -> Self {
-        x as f32
-    }
-    #[inline]
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
-    #[inline]
-    fn sqrt(self) -> Self {
-        libm::sqrtf(self)
-    }
-    #[inline]
-    fn powf(self, exponent: Self) -> Self {
-        libm::powf(self, exponent)
-    }
-    #[inline]
-    fn atan(self) -> Self {
-        libm::atanf(self)
-    }
-    #[inline]
-    fn sin_versin(self) -> (Self, Self) {
-        trig::sin_versin_f32(self)
-    }
+            #[inline]
+            fn from_f64(x: f64) -> Self {
+                x as Self
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                libm::$sqrt(self)
+            }
+            #[inline]
+            fn powf(self, exponent: Self) -> Self {
+                libm::$pow(self, exponent)
+            }
+            #[inline]
+            fn atan(self) -> Self {
+                libm::$atan(self)
+            }
+            #[inline]
+            fn sin_versin(self) -> (Self, Self) {
+                trig::$sin_versin(self)
+            }
+        }
+    };
 }
 
-impl Real for f64 {
-    const ZERO: Self = 0.0;
-    const HALF: Self = 0.5;
-    const ONE: Self = 1.0;
-    const TWO: Self = 2.0;
-
-    #[inline]
-    fn from_f64(x: f64) -> Self {
-        x
-    }
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self
-    }
-    #[inline]
-    fn sqrt(self) -> Self {
-        libm::sqrt(self)
-    }
-    #[inline]
-    fn powf(self, exponent: Self) -> Self {
-        libm::pow(self, exponent)
-    }
-    #[inline]
-    fn atan(self) -> Self {
-        libm::atan(self)
-    }
-    #[inline]
-    fn sin_versin(self) -> (Self, Self) {
-        trig::sin_versin_f64(self)
-    }
-}
+real!(f32, sqrtf, powf, atanf, sin_versin_f32);
+real!(f64, sqrt, pow, atan, sin_versin_f64);
 
 /// A sum kept in two parts, so that adding many small increments to a large value loses nothing that
 /// matters: the value is `hi`, and `lo` carries what rounding dropped (Neumaier's form of Kahan's sum).

@@ -6,6 +6,7 @@ use shared::params::RigParams;
 
 use super::uncertainty::Member;
 use crate::branch::Branch;
+use crate::golden::maximum;
 use crate::orbit::{Orbit, shoot};
 
 /// Frequencies are found to this share of themselves.
@@ -139,12 +140,11 @@ pub fn maximise<T>(
     let (i, mut top, what) = best?;
     let anchor = nodes[i];
     let mut found = (anchor, what);
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let (mut a, mut b) = (
+    let around = (
         nodes[i.saturating_sub(1)],
         nodes[(i + 1).min(nodes.len() - 1)],
     );
-    let mut look = |hz: f64| {
+    let look = |hz: f64| {
         let Some((force, what)) = value(hz) else {
             return f64::NEG_INFINITY;
         };
@@ -154,21 +154,7 @@ pub fn maximise<T>(
         }
         force
     };
-    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut fx, mut fy) = (look(x), look(y));
-    while b - a > FREQUENCY_TOLERANCE * b {
-        // Neither is allowed: the allowed part is on the side of the best node.
-        let left = if fx == fy { anchor < y } else { fx > fy };
-        if left {
-            (b, y, fy) = (y, x, fx);
-            x = b - GOLDEN * (b - a);
-            fx = look(x);
-        } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + GOLDEN * (b - a);
-            fy = look(y);
-        }
-    }
+    maximum(look, around, FREQUENCY_TOLERANCE * high, anchor);
     Some(found)
 }
 

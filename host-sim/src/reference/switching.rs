@@ -7,6 +7,7 @@
 use shared::rig::Mode;
 
 use super::flow::{Field, Point, Scalar};
+use crate::golden::maximum;
 
 /// Interior points per step at which the indicator is looked at.
 const SAMPLES: usize = 8;
@@ -107,9 +108,9 @@ pub fn locate<R: Scalar>(
         };
         if turns && values[j] >= values[a] && values[j] >= values[b] {
             let margin = GRAZING_MARGIN_M * indicator_per_metre(field);
-            let top = maximum(guess, at(a), at(b), 1e-6);
+            let top = maximum(guess, (at(a), at(b)), 1e-6, at(a));
             if guess(top) > -margin {
-                let top = maximum(exact, at(a), at(b), 1e-9);
+                let top = maximum(exact, (at(a), at(b)), 1e-9, at(a));
                 if exact(top) > 0.0 {
                     bracket = Some((at(a), top));
                     break;
@@ -170,25 +171,6 @@ fn indicator_slope<R: Scalar>(field: &Field<R>, p: &Point<R>) -> f64 {
         indicator_of(field, p.t.to_f64() + dt, q, v)
     };
     (at(DT) - at(-DT)) / (2.0 * DT)
-}
-
-/// Where `f` is largest in [a, b], to a fraction `tolerance` of the step (golden section).
-fn maximum(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut fx, mut fy) = (f(x), f(y));
-    while b - a > tolerance {
-        if fx > fy {
-            (b, y, fy) = (y, x, fx);
-            x = b - GOLDEN * (b - a);
-            fx = f(x);
-        } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + GOLDEN * (b - a);
-            fy = f(y);
-        }
-    }
-    0.5 * (a + b)
 }
 
 /// The root of `exact` in the bracket (in fractions of the step): first on the quintic, then by Newton's
