@@ -100,8 +100,8 @@ impl Corrected {
         let (at_from, _) = Self::look(rig, state);
         let (mut x0, mut g0) = (from, at_from);
         let (mut x1, mut g1) = (far, at_far);
-        let mut moved = Self::step(rig, span, state, (from, from));
-        for _ in 0..MAX_ITERATIONS {
+        let mut iteration = 1;
+        loop {
             let slope = g1 - g0;
             let next = if slope == R::ZERO {
                 x1
@@ -109,16 +109,16 @@ impl Corrected {
                 x1 - g1 * ((x1 - x0) / slope)
             };
             let next = next.max(from).min(far);
-            moved = Self::step(rig, span, state, (from, next));
+            let moved = Self::step(rig, span, state, (from, next));
             let (g, _) = Self::look(rig, &moved.state);
             let settled = (next - x1).abs() <= R::from_f64(SETTLED) || g == R::ZERO;
+            if settled || iteration == MAX_ITERATIONS {
+                return (next, moved);
+            }
             (x0, g0) = (x1, g1);
             (x1, g1) = (next, g);
-            if settled {
-                break;
-            }
+            iteration += 1;
         }
-        (x1, moved)
     }
 }
 
