@@ -57,7 +57,8 @@ What to take from it:
   0.05 µs). At a coarser tick the hammer steps over the band; the force is then wrong by where in the tick the onset
   fell, and periodic motion reads as aperiodic.
 - **`Smoothed`** converges to the switch on a periodic orbit as its transition narrows, if the tick follows. It is
-  kept for comparison.
+  kept for comparison. Its rows compare the law's F at the peak; the force that acts there is fainter
+  by the two arctangents.
 
 The switch model rounds the drive frequency to its phase accumulator (2⁻³² turns per tick). The reference is
 always run at the frequency that came out, so that both are asked the same question.

@@ -141,9 +141,12 @@ impl Measured {
         };
         let (frequency, force) = (column("frequency_hz")?, column("force_n")?);
         let mut points = Vec::new();
-        for (i, record) in reader.records().enumerate() {
-            let line = i as u64 + 2;
-            let record = record.map_err(|e| bad(line, short(&e)))?;
+        for record in reader.records() {
+            let record = record.map_err(|e| {
+                let line = e.position().map_or(1, csv::Position::line);
+                bad(line, short(&e))
+            })?;
+            let line = record.position().map_or(1, csv::Position::line);
             let number = |column: usize, name: &str| {
                 let text = record.get(column).unwrap_or("").trim();
                 let value = text.parse::<f64>().ok().filter(|x| x.is_finite());

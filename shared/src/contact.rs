@@ -114,6 +114,16 @@ impl<R: Real> Law<R> {
         }
     }
 
+    /// A function that is positive in contact and falls through zero at release. For the spring-dashpot F
+    /// alone, which, unlike [`Self::indicator`], is not zero at onset too.
+    #[inline]
+    pub fn release_indicator(&self, delta: R, rate: R, approach: R) -> R {
+        match self {
+            Self::SpringDashpot { .. } => self.force(delta, rate, approach),
+            _ => self.indicator(delta, rate, approach),
+        }
+    }
+
     /// Partial derivatives (∂F/∂δ, ∂F/∂δ̇) of [`Self::force`], N/m and N·s/m.
     #[inline]
     pub fn gradient(&self, delta: R, rate: R, approach: R) -> (R, R) {

@@ -83,6 +83,12 @@ impl<R: Real> Ledger<R> {
         let [last, before, _] = self.recent;
         self.recent = [Some(at), last, before];
         self.period.onsets = self.period.onsets.saturating_add(1);
+        self.resume(at, approach);
+    }
+
+    /// A run starts at `at` within a contact: it is kept, and not counted as an onset.
+    #[inline]
+    pub fn resume(&mut self, at: Stamp, approach: R) {
         self.period.touched = true;
         self.open = Some(Open {
             onset: at,
@@ -142,7 +148,8 @@ impl<R: Real> Ledger<R> {
         self.finished.take()
     }
 
-    /// Contacts overwritten before they were taken: a tick so long that two contacts ended in it.
+    /// Contacts overwritten before they were taken: two of them ended within one tick (short hops, or a tick
+    /// that is too long).
     #[inline]
     pub fn missed(&self) -> u16 {
         self.missed

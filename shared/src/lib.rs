@@ -50,7 +50,7 @@
 //!
 //! | stepper | at the switch | at a 50 µs tick in f32 |
 //! |---|---|---|
-//! | [`step::Banded`] | the chapter's band of 2η about it, field by stage | force wrong by up to 7 %, sections that never repeat |
+//! | [`step::Banded`] | the chapter's band of 2η about it, field by stage | force wrong by up to 8 %, sections that never repeat |
 //! | [`step::Corrected`] | the step is split there, four secant iterations at most | within 0.007 % on 200 random orbits |
 //! | [`step::Smoothed`] | arctangents in its place | stiff; needs far shorter steps |
 //!

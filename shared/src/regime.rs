@@ -16,7 +16,7 @@ pub enum Regime {
     /// No contact in the window.
     None,
     /// z = p/n: `impacts` contacts in `periods` drive periods, after which the section repeats. Not
-    /// reduced: a period-doubled 1/1 is 2/2.
+    /// reduced: a period-doubled 1/1 is 2/2. 0/1 is a hammer that stays pressed on throughout.
     Periodic {
         /// p.
         impacts: u16,
@@ -78,7 +78,7 @@ impl core::fmt::Display for Regime {
 ///
 /// For every n up to [`MAX_PERIODS`] it keeps the largest distance between points n periods apart and
 /// whether the number of contacts per n periods was always the same. n is accepted once at least n pairs
-/// have been compared, so a window of 2n periods is needed to see n.
+/// have been compared, so 2n strobes (2n − 1 recorded periods) are needed to see n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detector<R> {
     displacement_scale: R,

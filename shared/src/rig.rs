@@ -326,33 +326,38 @@ fn rest_coordinate(params: &RigParams) -> f64 {
             SupportParams::Beams { .. } => -params.gap_m,
         };
     }
-    // Pressed on: ki δⁿ = the support's force at δ + gap; the surface is so much stiffer that
-    // substituting δ back converges in a few rounds.
-    let mut delta = 0.0;
-    for _ in 0..20 {
-        let x = delta + params.gap_m;
-        let pressing = match params.support {
-            SupportParams::Wires {
-                length_m,
-                gravity_m_per_s2,
-                ..
-            } => -params.mass_kg * gravity_m_per_s2 * x / length_m,
-            SupportParams::Beams {
-                natural_frequency_hz,
-                cubic_stiffness_n_per_m3,
-                ..
-            } => {
-                let omega = core::f64::consts::TAU * natural_frequency_hz;
-                let stiffness = params.mass_kg * omega * omega;
-                let cubic = cubic_stiffness_n_per_m3.unwrap_or(stiffness);
-                -x * (stiffness + cubic * x * x)
-            }
-        };
-        delta = libm::pow(
-            pressing / params.contact.stiffness(),
-            1.0 / params.contact.exponent(),
-        );
+    // Pressed on: ki δⁿ rises and the support's force falls as δ goes from 0 to −gap; they meet once.
+    let support = |x: f64| match params.support {
+        SupportParams::Wires {
+            length_m,
+            gravity_m_per_s2,
+            ..
+        } => -params.mass_kg * gravity_m_per_s2 * x / length_m,
+        SupportParams::Beams {
+            natural_frequency_hz,
+            cubic_stiffness_n_per_m3,
+            ..
+        } => {
+            let omega = core::f64::consts::TAU * natural_frequency_hz;
+            let stiffness = params.mass_kg * omega * omega;
+            let cubic = cubic_stiffness_n_per_m3.unwrap_or(stiffness);
+            -x * (stiffness + cubic * x * x)
+        }
+    };
+    let (stiffness, exponent) = (params.contact.stiffness(), params.contact.exponent());
+    let (mut low, mut high) = (0.0, -params.gap_m);
+    for _ in 0..1100 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if stiffness * libm::pow(middle, exponent) < support(middle + params.gap_m) {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
+    let delta = 0.5 * (low + high);
     match params.support {
         SupportParams::Wires { length_m, .. } => {
             libm::asin((delta + params.gap_m) / length_m) - libm::asin(params.gap_m / length_m)
@@ -442,16 +447,30 @@ mod tests {
 
     #[test]
     fn a_hammer_pressed_on_rests_in_equilibrium() {
-        for (_, params) in PRESETS {
-            let params = RigParams {
-                gap_m: -0.05e-3,
-                ..params
-            };
-            let rig = Rig::<f64>::new(&params).unwrap();
-            let at = rig.kinematics(rig.rest(), 0.0);
-            let force = rig.force(&at, 0.0);
-            assert!(force > 0.0);
-            assert!(rig.acceleration(&at, 0.0, 0.0, force).abs() < 1e-6);
+        let soft = crate::contact::Law::SpringDashpot {
+            stiffness: 200.0,
+            damping: 1.0,
+        };
+        let laws = crate::params::LAWS.iter().map(|(_, law)| *law);
+        for contact in laws.chain([soft]) {
+            for (_, params) in PRESETS {
+                for gap_m in [-1e-20, -1e-9, -0.05e-3, -1e-3] {
+                    let params = RigParams {
+                        gap_m,
+                        contact,
+                        ..params
+                    };
+                    let rig = Rig::<f64>::new(&params).unwrap();
+                    let at = rig.kinematics(rig.rest(), 0.0);
+                    let force = rig.force(&at, 0.0);
+                    let pressing = rig.acceleration(&at, 0.0, 0.0, 0.0).abs();
+                    let left = rig.acceleration(&at, 0.0, 0.0, force).abs();
+                    assert!(
+                        left <= 1e-6 * pressing + 1e-9,
+                        "{contact:?} {gap_m}: {left}"
+                    );
+                }
+            }
         }
     }
 }

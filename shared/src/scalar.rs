@@ -107,7 +107,7 @@ real!(f32, sqrtf, powf, atanf, sin_versin_f32);
 real!(f64, sqrt, pow, atan, sin_versin_f64);
 
 /// A sum kept in two parts, so that adding many small increments to a large value loses nothing that
-/// matters: the value is `hi`, and `lo` carries what rounding dropped (Neumaier's form of Kahan's sum).
+/// matters: the value is `hi`, and `lo` carries what rounding dropped (Kahan's compensation with Knuth's two-sum).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Compensated<R> {
     /// The rounded sum: read this.

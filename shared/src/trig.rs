@@ -10,7 +10,7 @@
 //! | `versin`, f32 | x¹² | ≤ 2.0 |
 //! | `sin`, `versin`, f64 | x²¹, x²² | relative error ≤ 7e-16 |
 //!
-//! Beyond 1 rad (no hammer that works gets there: the supervisor trips on travel long before) libm
+//! Beyond 1 rad (no hammer that works gets there) libm
 //! answers, slower and as accurate.
 
 /// Largest |angle| the polynomials are used for, rad.

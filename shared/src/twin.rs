@@ -45,7 +45,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
     pub fn new(rig: Rig<R>, drive: Drive<R>, stepper: S, state: State<R>) -> Self {
         let mut ledger = Ledger::default();
         if state.mode == crate::rig::Mode::Contact {
-            ledger.onset(drive.now(), state.approach);
+            ledger.resume(drive.now(), state.approach);
         }
         Self {
             drive_acceleration: drive_acceleration(&rig, &drive),
@@ -87,7 +87,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         &self.state
     }
 
-    /// Contacts lost to the book because two ended within one tick (only at ticks far too long).
+    /// Contacts lost to the book because two ended within one tick ([`Ledger::missed`]).
     pub fn missed_contacts(&self) -> u16 {
         self.ledger.missed()
     }

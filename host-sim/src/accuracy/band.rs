@@ -16,6 +16,7 @@ use super::named::{Cell, Named};
 use super::{Method, Setting};
 use crate::engine::{Plan, Precision};
 use crate::error::UserError;
+use crate::pick::sensitivity::{contact_damping_ratio, restitution};
 
 /// Where the band is studied.
 pub const POINT: Named = Named {
@@ -98,11 +99,9 @@ pub struct Loss {
 /// Approach speed of the single contacts, m/s.
 pub const APPROACH_M_PER_S: f64 = 0.08;
 
-/// Restitution of the spring-dashpot of Table 3.1, in closed form.
-pub fn restitution(mass_kg: f64) -> f64 {
-    let (ki, ci): (f64, f64) = (5.5e6, 1.2e3);
-    let zeta = ci / (2.0 * (ki * mass_kg).sqrt());
-    (-2.0 * zeta * zeta.acos() / (1.0 - zeta * zeta).sqrt()).exp()
+/// Contact damping ratio of the free mass on the spring-dashpot of Table 3.1.
+fn damping_ratio() -> f64 {
+    contact_damping_ratio(&free_mass()).expect("Table 3.1 is a spring-dashpot")
 }
 
 /// A mass that nothing but the surface acts on.
@@ -154,15 +153,16 @@ pub fn worst_single<S: Stepper<f32> + Copy>(
             (f64::from(c.peak_force), f64::from(c.rebound_speed))
         });
         force = force.max((peak / peak_force(mass_kg) - 1.0).abs());
-        rebound = rebound.max((back / (restitution(mass_kg) * APPROACH_M_PER_S) - 1.0).abs());
+        rebound =
+            rebound.max((back / (restitution(damping_ratio()) * APPROACH_M_PER_S) - 1.0).abs());
     }
     Ok((force, rebound))
 }
 
 /// Peak force of the spring-dashpot of Table 3.1 at [`APPROACH_M_PER_S`], in closed form, N.
 fn peak_force(mass_kg: f64) -> f64 {
-    let (ki, ci): (f64, f64) = (5.5e6, 1.2e3);
-    let (omega, zeta) = ((ki / mass_kg).sqrt(), ci / (2.0 * (ki * mass_kg).sqrt()));
+    let zeta = damping_ratio();
+    let omega = (TABLE_3_1.stiffness() / mass_kg).sqrt();
     let angle = (3.0 * zeta.acos() - PI) / (1.0 - zeta * zeta).sqrt();
     mass_kg * APPROACH_M_PER_S * omega * (-zeta * angle).exp()
 }
@@ -178,7 +178,7 @@ pub fn loss(eta_alpha_m: f64) -> Result<Loss, UserError> {
     let rebound = contact.map_or(f64::NAN, |c| c.rebound_speed);
     Ok(Loss {
         eta_alpha_m,
-        formula_m_per_s: 2.0 * eta_alpha_m * 1.2e3 / mass_kg,
-        equivalent_m_per_s: APPROACH_M_PER_S - rebound / restitution(mass_kg),
+        formula_m_per_s: 2.0 * eta_alpha_m * TABLE_3_1.onset_force(1.0) / mass_kg,
+        equivalent_m_per_s: APPROACH_M_PER_S - rebound / restitution(damping_ratio()),
     })
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::Serialize;
+use shared::params::RigParams;
 
 use super::sensitivity::Sensitivity;
 use super::uncertainty::Uncertainty;
@@ -114,6 +115,11 @@ pub struct Answer {
     pub why: String,
 }
 
+/// Peak force to move cart and hammer at `hz`, (M + m) A0 Ω², N.
+pub fn drive_force(params: &RigParams, hz: f64) -> f64 {
+    (params.cart_mass_kg + params.mass_kg) * params.amplitude_m * (TAU * hz).powi(2)
+}
+
 /// What the shaker must give for `orbit`.
 pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> Shaker {
     let params = &rig.params;
@@ -123,7 +129,7 @@ pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> Shaker {
         stroke_mm: tidy(2e3 * amplitude),
         velocity_m_per_s: amplitude * omega,
         acceleration_m_per_s2: amplitude * omega.powi(2),
-        force_n: moved_kg * amplitude * omega.powi(2),
+        force_n: drive_force(params, orbit.frequency_hz),
         mean_power_w: orbit.energy_per_period_j * orbit.frequency_hz,
         reactive_power_w: 0.5 * moved_kg * amplitude.powi(2) * omega.powi(3),
         energy_per_blow_j: orbit.contact.energy_lost_j,

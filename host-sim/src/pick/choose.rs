@@ -1,8 +1,6 @@
 //! The choice on the robust range, within the limits asked for.
 
-use std::f64::consts::TAU;
-
-use super::answer::LimitUse;
+use super::answer::{LimitUse, drive_force};
 use super::search::{Spread, interval_where, maximise, spread_of_members};
 use super::uncertainty::Member;
 use crate::branch::Branch;
@@ -45,16 +43,10 @@ pub struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// Force to move cart and hammer at `hz`, N.
-    fn drive_force(&self, hz: f64) -> f64 {
-        let params = &self.rig.params;
-        (params.cart_mass_kg + params.mass_kg) * params.amplitude_m * (TAU * hz).powi(2)
-    }
-
     /// The highest frequency the shaker's limits allow, Hz.
     fn top(&self, limits: Limits) -> f64 {
         let by_frequency = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
-        let at_one = self.drive_force(1.0);
+        let at_one = drive_force(&self.rig.params, 1.0);
         let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
         by_drive.map_or(by_frequency, |hz| hz.min(by_frequency))
     }

@@ -195,7 +195,7 @@ impl<R: Scalar> Field<'_, R> {
         }
     }
 
-    /// The indicator's value at a point, and its rate of change along the flow.
+    /// The indicator at a point.
     pub fn indicator(&self, p: &Point<R>) -> R {
         let at = self.rig.kinematics(p.q, p.v);
         self.rig.indicator(&at, self.approach_at(at.rate))

@@ -183,7 +183,7 @@ impl<R: Scalar> Reference<R> {
             totals: Totals::default(),
         };
         if rig.indicator(&at, approach) > R::ZERO {
-            hammer.begin_contact(&mut Period::default());
+            hammer.open_contact();
         }
         Ok(hammer)
     }
@@ -338,11 +338,18 @@ impl<R: Scalar> Reference<R> {
     }
 
     fn begin_contact(&mut self, period: &mut Period<f64>) {
+        self.open_contact();
+        self.recent = [Some(self.now_s()), self.recent[0], self.recent[1]];
+        period.onsets = period.onsets.saturating_add(1);
+        period.touched = true;
+    }
+
+    /// Contact from here on; a run that starts within one does not count it as an onset.
+    fn open_contact(&mut self) {
         let at = self.rig.kinematics(self.point.q, self.point.v);
         let now = self.now_s();
         self.mode = Mode::Contact;
         self.approach = at.rate;
-        self.recent = [Some(now), self.recent[0], self.recent[1]];
         self.open = Some(Contact {
             onset_s: now,
             duration_s: 0.0,
@@ -353,8 +360,6 @@ impl<R: Scalar> Reference<R> {
             impulse_n_s: 0.0,
             energy_lost_j: 0.0,
         });
-        period.onsets = period.onsets.saturating_add(1);
-        period.touched = true;
     }
 }
 

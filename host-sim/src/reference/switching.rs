@@ -251,13 +251,12 @@ pub fn force_peak<R: Scalar>(
         if force > best.1 {
             best = (t0 + inside, force);
         }
-        let before = (a.0, b.0);
         if rate > 0.0 {
             a = (inside, rate);
         } else {
             b = (inside, rate);
         }
-        if b.0 - a.0 < 1e-9 || before == (a.0, b.0) {
+        if b.0 - a.0 < 1e-9 {
             break;
         }
     }

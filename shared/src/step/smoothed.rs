@@ -12,6 +12,8 @@ use crate::scalar::Real;
 /// The narrower the transition, the stiffer the equation and the smaller the step it needs; the wider,
 /// the further from the switch it stands for. In chaos its section differs from the switch's however
 /// small ε is chosen (the chapter's figure 3.4, after Wiercigroch).
+///
+/// The book of contacts keeps the law's F as the peak force; what acts is that times the two factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed<R> {
     /// ε_α, m: penetration over which contact fades in.
