@@ -122,9 +122,25 @@ impl Measured {
     /// One line naming file, line and mend.
     pub fn read(path: &std::path::Path) -> Result<Self, UserError> {
         let place = path.display();
-        let bad = |line: u64, what: String| UserError::new(format!("{place}, line {line}: {what}"));
-        let mut reader = csv::Reader::from_path(path)
-            .map_err(|e| UserError::new(format!("cannot read {place}: {e}; check the path")))?;
+        let bad =
+            |line: usize, what: String| UserError::new(format!("{place}, line {line}: {what}"));
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            let mend = match e.kind() {
+                std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
+                _ => "check the path",
+            };
+            UserError::new(format!("cannot read {place}: {e}; {mend}"))
+        })?;
+        // A record's position is where its search began: blank lines before it are passed over.
+        let line_of = |position: Option<&csv::Position>| {
+            let from = position.map_or(0, |p| p.byte() as usize).min(text.len());
+            let blank = text[from..]
+                .bytes()
+                .take_while(|b| b"\r\n".contains(b))
+                .count();
+            text[..from + blank].matches('\n').count() + 1
+        };
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
         let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
         let column = |name: &str| {
             headers
@@ -142,11 +158,8 @@ impl Measured {
         let (frequency, force) = (column("frequency_hz")?, column("force_n")?);
         let mut points = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(|e| {
-                let line = e.position().map_or(1, csv::Position::line);
-                bad(line, short(&e))
-            })?;
-            let line = record.position().map_or(1, csv::Position::line);
+            let record = record.map_err(|e| bad(line_of(e.position()), short(&e)))?;
+            let line = line_of(record.position());
             let number = |column: usize, name: &str| {
                 let text = record.get(column).unwrap_or("").trim();
                 let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
@@ -214,7 +227,6 @@ fn short(error: &csv::Error) -> String {
         } => {
             format!("{len} fields where the first line has {expected_len}; give every line as many")
         }
-        csv::ErrorKind::Utf8 { .. } => "this is not text; save the file as UTF-8".to_owned(),
         _ => error.to_string(),
     }
 }
@@ -283,6 +295,19 @@ mod tests {
             .unwrap();
         let alone = pool.install(|| curve(0.0, &frequencies, Direction::Rest));
         assert_eq!(alone, curve(0.0, &frequencies, Direction::Rest));
+    }
+
+    #[test]
+    fn a_bad_line_is_named_by_its_number_whatever_is_blank_before_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("m.csv");
+        let complaint = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Measured::read(&path).unwrap_err().to_string()
+        };
+        assert!(complaint("frequency_hz,force_n\n\n\nabc,1\n").contains("line 4: frequency_hz"));
+        assert!(complaint("frequency_hz,force_n\r\n1,2\r\n3,x").contains("line 3: force_n"));
+        assert!(complaint("frequency_hz,force_n\n1,2\n3\n").contains("line 3: 1 fields"));
     }
 
     #[test]
