@@ -134,7 +134,7 @@ pub fn pick(
         run.is_ok_and(|row| row.regime == "1/1")
     };
     let reaching = corners.par_iter().filter(|corner| reach(corner)).count();
-    let sensitivity = sensitivity::table(params, &branch, &nominal);
+    let sensitivity = sensitivity::table(params, &nominal);
     progress.inc(1);
 
     let weight = params.weight_n();

@@ -24,13 +24,13 @@ pub struct Sensitivity {
 
 type Change = Box<dyn Fn(&RigParams, f64) -> Option<RigParams> + Sync>;
 
-/// The table for `params`, about the nominal optimum `best` on `branch`. A parameter whose change leads
-/// off the branch is left out.
-pub fn table(params: &RigParams, branch: &Branch, best: &Orbit) -> Vec<Sensitivity> {
+/// The table for `params`, about the nominal optimum `best`. A parameter whose change leads off the stable
+/// 1/1 is left out.
+pub fn table(params: &RigParams, best: &Orbit) -> Vec<Sensitivity> {
     let rows = changes(params);
     let rows = rows.par_iter().filter_map(|(parameter, per, change)| {
-        let up = optimum(&change(params, 1.0)?, branch, best)?;
-        let down = optimum(&change(params, -1.0)?, branch, best)?;
+        let up = optimum(&change(params, 1.0)?, best)?;
+        let down = optimum(&change(params, -1.0)?, best)?;
         Some(Sensitivity {
             parameter,
             per,
@@ -170,10 +170,9 @@ fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
 }
 
 /// The best 1/1 of a slightly different rig, near `best`.
-fn optimum(rig: &RigParams, branch: &Branch, best: &Orbit) -> Option<Orbit> {
+fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
     let half = 0.05 * best.frequency_hz;
-    let low = (best.frequency_hz - half).max(branch.low.frequency_hz);
-    let high = (best.frequency_hz + half).min(branch.high.frequency_hz);
+    let (low, high) = (best.frequency_hz - half, best.frequency_hz + half);
     let start = shoot(rig, best.frequency_hz, best.section)?;
     let near = Branch::follow(rig, start, (low, high));
     let within = (near.low.frequency_hz, near.high.frequency_hz);

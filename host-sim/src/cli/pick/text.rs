@@ -163,7 +163,7 @@ fn one_text(pick: &Pick) -> String {
     );
     for row in &a.sensitivity {
         text += &format!(
-            "  {:<44} {:>8} {:>+13.3} {:>+9.3}\n",
+            "  {:<44} {:>8} {:>+13.2} {:>+9.2}\n",
             row.parameter, row.per, row.frequency_percent, row.force_percent
         );
     }
