@@ -5,10 +5,12 @@
 //! h_β = F (pushing). After the spring-dashpot lets go, δ is still positive while F would pull: that is
 //! free flight. So "in contact" is min(ki δ, F) > 0, never δ alone.
 
+use serde::{Deserialize, Serialize};
+
 use crate::scalar::Real;
 
 /// A contact law with its parameters (SI: N, m, s).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law<R> {
     /// Hertz, F = ki δⁿ (3-2). Loses no energy.
     Hertz {

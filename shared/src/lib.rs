@@ -99,13 +99,23 @@ extern crate std;
 
 pub mod contact;
 pub mod contacts;
+pub mod control;
 pub mod drive;
+pub mod fault;
+pub mod forecast;
+pub mod identify;
+pub mod io;
+pub mod link;
 pub mod params;
 pub mod regime;
 pub mod rig;
 pub mod scalar;
+pub mod sense;
+pub mod settings;
 pub mod step;
+pub mod store;
 pub mod switch;
+pub mod tangent;
 pub mod trig;
 pub mod twin;
 

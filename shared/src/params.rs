@@ -2,13 +2,15 @@
 
 use core::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use crate::contact::Law;
 
 /// Standard gravity as the chapter uses it, m/s².
 pub const GRAVITY_M_PER_S2: f64 = 9.81;
 
 /// How the contact force turns the pendulum.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Torque {
     /// F l, as equation 3-16 prints it: the chapter's results are computed with this.
     #[default]
@@ -18,7 +20,7 @@ pub enum Torque {
 }
 
 /// What the hammer hangs on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SupportParams {
     /// Wires: a pendulum (3-15). Its dynamics use g/l.
     Wires {
@@ -43,7 +45,7 @@ pub enum SupportParams {
 }
 
 /// Every parameter of a rig.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigParams {
     /// What the hammer hangs on.
     pub support: SupportParams,

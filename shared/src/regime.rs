@@ -1,5 +1,7 @@
 //! Impact regimes z = p/n, told from the Poincaré section at drive phase 0.
 
+use serde::{Deserialize, Serialize};
+
 use crate::contacts::Period;
 use crate::scalar::Real;
 
@@ -11,7 +13,7 @@ pub const MAX_PERIODS: usize = 16;
 pub const SECTION_TOLERANCE: f64 = 1e-3;
 
 /// The impact regime over a window of drive periods.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Regime {
     /// No contact in the window.
     None,

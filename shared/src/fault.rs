@@ -1,0 +1,235 @@
+//! Faults: what trips the drive, under stable numbers, and the record that survives a reset.
+//!
+//! Limits (clamp and report) are not faults; see [`crate::control`].
+
+use serde::{Deserialize, Serialize};
+
+/// A fault. The number is part of the link's protocol and of the stored record: it never changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Fault {
+    /// The emergency-stop chain is open.
+    EmergencyStop = 1,
+    /// The measured contact force is above the trip level.
+    OverForce = 2,
+    /// Hammer or cart is beyond the trip level.
+    OverTravel = 3,
+    /// A sensor stays at a rail.
+    SensorSaturated = 4,
+    /// A sensor's wire is open.
+    SensorOpen = 5,
+    /// A sensor that must move with the drive does not.
+    SensorFrozen = 6,
+    /// Sensors contradict each other: force without the hammer at the surface, a cart that does not follow
+    /// the drive, a pulse no contact can make.
+    SensorOutOfFamily = 7,
+    /// No contact where the forecast has one, after every attempt to find it.
+    NoContact = 8,
+    /// The regime stayed lost, after every attempt to regain it.
+    RegimeLost = 9,
+    /// The control task did not end before the next was due, too often.
+    Overrun = 10,
+    /// The samples did not arrive in time, or are the same block again.
+    StaleSamples = 11,
+    /// Nothing was heard over the link for too long while it was in command.
+    LinkTimeout = 12,
+    /// The stored settings are damaged.
+    CorruptSettings = 13,
+    /// The watchdog has reset the board.
+    WatchdogReset = 14,
+    /// The supply dropped and reset the board.
+    BrownOut = 15,
+    /// The program panicked or the processor faulted.
+    Crash = 16,
+}
+
+impl Fault {
+    /// Every fault, in the order of its number.
+    pub const ALL: [Self; 16] = [
+        Self::EmergencyStop,
+        Self::OverForce,
+        Self::OverTravel,
+        Self::SensorSaturated,
+        Self::SensorOpen,
+        Self::SensorFrozen,
+        Self::SensorOutOfFamily,
+        Self::NoContact,
+        Self::RegimeLost,
+        Self::Overrun,
+        Self::StaleSamples,
+        Self::LinkTimeout,
+        Self::CorruptSettings,
+        Self::WatchdogReset,
+        Self::BrownOut,
+        Self::Crash,
+    ];
+
+    /// The stable number.
+    #[inline]
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The fault of that number.
+    pub fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| fault.code() == code)
+    }
+
+    /// The stable name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EmergencyStop => "emergency-stop",
+            Self::OverForce => "over-force",
+            Self::OverTravel => "over-travel",
+            Self::SensorSaturated => "sensor-saturated",
+            Self::SensorOpen => "sensor-open",
+            Self::SensorFrozen => "sensor-frozen",
+            Self::SensorOutOfFamily => "sensor-out-of-family",
+            Self::NoContact => "no-contact",
+            Self::RegimeLost => "regime-lost",
+            Self::Overrun => "overrun",
+            Self::StaleSamples => "stale-samples",
+            Self::LinkTimeout => "link-timeout",
+            Self::CorruptSettings => "corrupt-settings",
+            Self::WatchdogReset => "watchdog-reset",
+            Self::BrownOut => "brown-out",
+            Self::Crash => "crash",
+        }
+    }
+}
+
+/// Which sensor a fault is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Origin {
+    /// Not a sensor.
+    #[default]
+    System = 0,
+    /// The force sensor.
+    Force = 1,
+    /// The hammer's displacement sensor.
+    Hammer = 2,
+    /// The cart's displacement sensor.
+    Cart = 3,
+}
+
+/// What is known of a fault: written when it trips, kept over a reset, reported after it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The fault.
+    pub fault: Fault,
+    /// Which sensor.
+    pub origin: Origin,
+    /// Control ticks since the start at which its condition was seen (wraps after 2.5 days).
+    pub tick: u32,
+    /// The value that tripped it: N, m, s, or a count, by fault.
+    pub value: f32,
+    /// Drive frequency then, Hz.
+    pub frequency_hz: f32,
+}
+
+/// A record as it lies in memory that survives a reset (no-init RAM or backup registers): words with a
+/// check, so that what a power-up left there is not taken for one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct Persisted {
+    /// The record, packed.
+    pub words: [u32; 4],
+    /// [`Persisted::check_of`] the words.
+    pub check: u32,
+}
+
+impl Persisted {
+    /// No record.
+    pub const EMPTY: Self = Self {
+        words: [0; 4],
+        check: 0,
+    };
+
+    /// Packs a record.
+    pub fn new(record: &Record) -> Self {
+        let words = [
+            u32::from(record.fault.code()) | (record.origin as u32) << 8,
+            record.tick,
+            record.value.to_bits(),
+            record.frequency_hz.to_bits(),
+        ];
+        Self {
+            words,
+            check: Self::check_of(&words),
+        }
+    }
+
+    /// The record, if it is whole.
+    pub fn record(&self) -> Option<Record> {
+        if self.check != Self::check_of(&self.words) {
+            return None;
+        }
+        let [head, tick, value, frequency_hz] = self.words;
+        let origin = match (head >> 8) & 0xff {
+            0 => Origin::System,
+            1 => Origin::Force,
+            2 => Origin::Hammer,
+            3 => Origin::Cart,
+            _ => return None,
+        };
+        Some(Record {
+            fault: Fault::from_code((head & 0xff) as u8)?,
+            origin,
+            tick,
+            value: f32::from_bits(value),
+            frequency_hz: f32::from_bits(frequency_hz),
+        })
+    }
+
+    /// A check over the words that neither all zeros nor all ones satisfy.
+    pub fn check_of(words: &[u32; 4]) -> u32 {
+        const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+        let mut digest = CRC.digest();
+        for word in words {
+            digest.update(&word.to_le_bytes());
+        }
+        digest.finalize() ^ 0x5a5a_a5a5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_stable_and_names_unique() {
+        for (i, fault) in Fault::ALL.into_iter().enumerate() {
+            assert_eq!(usize::from(fault.code()), i + 1);
+            assert_eq!(Fault::from_code(fault.code()), Some(fault));
+            let same = Fault::ALL.into_iter().filter(|f| f.name() == fault.name());
+            assert_eq!(same.count(), 1);
+        }
+        assert_eq!(Fault::from_code(0), None);
+    }
+
+    #[test]
+    fn a_record_survives_and_a_damaged_one_is_none() {
+        let record = Record {
+            fault: Fault::OverForce,
+            origin: Origin::Force,
+            tick: 123_456,
+            value: 401.5,
+            frequency_hz: 3.66,
+        };
+        let kept = Persisted::new(&record);
+        assert_eq!(kept.record(), Some(record));
+        for word in 0..4 {
+            let mut damaged = kept;
+            damaged.words[word] ^= 1 << 7;
+            assert_eq!(damaged.record(), None);
+        }
+        for fill in [0, u32::MAX] {
+            let blank = Persisted {
+                words: [fill; 4],
+                check: fill,
+            };
+            assert_eq!(blank.record(), None);
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! What the controller sees and moves: raw codes, their calibration, and the small traits a board (or the
+//! emulator) implements.
+//!
+//! Codes are newtypes and become SI values in one place, [`Channel::read`]; a rail and an open wire are
+//! told from values there, so that nothing downstream can mistake one for the other.
+
+use embedded_hal::digital::{InputPin, OutputPin};
+use serde::{Deserialize, Serialize};
+
+/// A raw code of the 12-bit ADC, 0 to 4095.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct AdcCode(pub u16);
+
+/// The ADC's full scale.
+pub const ADC_FULL_SCALE: u16 = 4095;
+
+/// A raw code for the 12-bit DAC, 0 to 4095; 2048 commands the middle of the shaker's travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct DacCode(pub u16);
+
+impl DacCode {
+    /// The middle of the travel: what a drive that is off is told.
+    pub const MIDDLE: Self = Self(2048);
+}
+
+impl Default for DacCode {
+    fn default() -> Self {
+        Self::MIDDLE
+    }
+}
+
+/// At or below this code a channel's wire is open: conditioners have a live zero (0.1 V, code 124), and the
+/// input's pull-down brings an open wire to 0 V.
+pub const OPEN_AT: AdcCode = AdcCode(40);
+
+/// At or below this code (and above [`OPEN_AT`]) a channel is at its lower rail.
+pub const LOW_RAIL: AdcCode = AdcCode(124);
+
+/// At or above this code a channel is at its upper rail.
+pub const HIGH_RAIL: AdcCode = AdcCode(3971);
+
+/// A channel's calibration: value = (code − `zero_code`) · `unit_per_code`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Code at 0 N or 0 m.
+    pub zero_code: f32,
+    /// N or m per code; may be negative (a sensor mounted the other way round).
+    pub unit_per_code: f32,
+}
+
+/// What a code stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reading {
+    /// A value, N or m.
+    Value(f32),
+    /// At a rail: the true value is beyond this one, N or m.
+    Saturated(f32),
+    /// No sensor at the other end of the wire.
+    Open,
+}
+
+impl Channel {
+    /// The SI value of a code, N or m.
+    #[inline]
+    pub fn value(&self, code: AdcCode) -> f32 {
+        (f32::from(code.0) - self.zero_code) * self.unit_per_code
+    }
+
+    /// A code, told apart from a rail and an open wire.
+    #[inline]
+    pub fn read(&self, code: AdcCode) -> Reading {
+        if code <= OPEN_AT {
+            Reading::Open
+        } else if code <= LOW_RAIL || code >= HIGH_RAIL {
+            Reading::Saturated(self.value(code))
+        } else {
+            Reading::Value(self.value(code))
+        }
+    }
+}
+
+/// One instant's samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Contact force.
+    pub force: AdcCode,
+    /// Hammer displacement in the fixed frame, x.
+    pub hammer: AdcCode,
+    /// Cart displacement in the fixed frame, y.
+    pub cart: AdcCode,
+    /// Whether the emergency-stop chain is open (a normally closed contact: a broken wire stops, too).
+    pub emergency: bool,
+}
+
+/// What the drive is told for one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// Position set-point of the shaker.
+    pub dac: DacCode,
+    /// Frequency set-point of a motor drive, Hz; 0 while the drive is off.
+    pub frequency_hz: f32,
+    /// The drive's enable line.
+    pub enable: bool,
+}
+
+impl Output {
+    /// Off: not enabled, middle of the travel, frequency 0.
+    pub const SAFE: Self = Self {
+        dac: DacCode::MIDDLE,
+        frequency_hz: 0.0,
+        enable: false,
+    };
+}
+
+/// Contact force sensor.
+pub trait ForceSensor {
+    /// The newest sample.
+    fn force(&mut self) -> AdcCode;
+}
+
+/// Displacement sensors, fixed frame.
+pub trait DisplacementSensors {
+    /// Hammer, x.
+    fn hammer(&mut self) -> AdcCode;
+    /// Cart, y.
+    fn cart(&mut self) -> AdcCode;
+}
+
+/// The emergency-stop chain.
+pub trait EmergencyStop {
+    /// Whether the chain is open. A line that cannot be read counts as open.
+    fn is_open(&mut self) -> bool;
+}
+
+/// The shaker's or motor's set-points.
+pub trait SetPoints {
+    /// Takes the set-points of one tick. Must not block.
+    fn set(&mut self, dac: DacCode, frequency_hz: f32);
+}
+
+/// Switching the drive off, whatever state the program is in.
+pub trait SafeOff {
+    /// Enable low, set-points in the middle. Must not fail and must not block.
+    fn safe_off(&mut self);
+}
+
+/// A normally closed emergency-stop chain on a digital input: the line is low while the chain is closed
+/// and pulled high when it opens.
+#[derive(Clone, Copy, Debug)]
+pub struct NormallyClosed<P>(pub P);
+
+impl<P: InputPin> EmergencyStop for NormallyClosed<P> {
+    #[inline]
+    fn is_open(&mut self) -> bool {
+        self.0.is_high().unwrap_or(true)
+    }
+}
+
+/// Reads one instant's samples from sensors that stand apart (a board whose DMA delivers whole frames
+/// builds them itself).
+#[inline]
+pub fn sample<S: ForceSensor + DisplacementSensors + EmergencyStop>(sensors: &mut S) -> Frame {
+    Frame {
+        force: sensors.force(),
+        hammer: sensors.hammer(),
+        cart: sensors.cart(),
+        emergency: sensors.is_open(),
+    }
+}
+
+/// A drive made of set-points and an enable line, active high.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<S, E> {
+    set_points: S,
+    enable: E,
+}
+
+impl<S: SetPoints, E: OutputPin> Drive<S, E> {
+    /// A drive, made safe at once.
+    pub fn new(set_points: S, enable: E) -> Self {
+        let mut drive = Self { set_points, enable };
+        drive.safe_off();
+        drive
+    }
+
+    /// Applies one tick's output. An enable line that cannot be set high stays low; one that cannot be set
+    /// low has its set-points in the middle at least.
+    #[inline]
+    pub fn apply(&mut self, output: &Output) {
+        if output.enable {
+            self.set_points.set(output.dac, output.frequency_hz);
+            let _ = self.enable.set_high();
+        } else {
+            self.safe_off();
+        }
+    }
+}
+
+impl<S: SetPoints, E: OutputPin> SafeOff for Drive<S, E> {
+    #[inline]
+    fn safe_off(&mut self) {
+        // Enable first: it is what stops the shaker.
+        let _ = self.enable.set_low();
+        self.set_points.set(DacCode::MIDDLE, 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rails_and_open_wires_are_no_values() {
+        let channel = Channel {
+            zero_code: 2048.0,
+            unit_per_code: -0.5,
+        };
+        assert_eq!(channel.read(AdcCode(0)), Reading::Open);
+        assert_eq!(channel.read(AdcCode(40)), Reading::Open);
+        assert!(matches!(channel.read(AdcCode(41)), Reading::Saturated(f) if f > 1000.0));
+        assert!(matches!(channel.read(AdcCode(4095)), Reading::Saturated(f) if f < -1000.0));
+        assert_eq!(channel.read(AdcCode(2050)), Reading::Value(-1.0));
+    }
+}

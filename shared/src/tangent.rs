@@ -1,0 +1,1 @@
+//! tangent (in work).
