@@ -11,6 +11,7 @@
 //! | parameters | [`rigfile`]: presets, TOML files, `key=value` |
 //! | engine | [`mod@reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
 //! | analysis | [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
+//! | emulator | [`emulator`]: shaker, two bodies and sensors around the controller, and scenarios to run them by |
 //! | table, picture | [`table`], [`picture`], [`terminal`], [`files`] |
 //! | command line | [`cli`] |
 
@@ -18,6 +19,7 @@ pub mod accuracy;
 pub mod branch;
 pub mod cli;
 pub mod dual;
+pub mod emulator;
 pub mod engine;
 pub mod error;
 pub mod files;

@@ -1,0 +1,13 @@
+//! The emulator: a rig that is not there, closed around the controller that will be.
+//!
+//! Data goes round: set-point codes → shaker → cart and hammer → sensors → codes → controller. Time is true
+//! rig time, counted in the controller's ticks; samples and set-points go in blocks, so the loop is one block
+//! late, as on the board.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`record`] | what a run tells those who watch it |
+//! | [`under_test`] | the controller, wherever it runs |
+
+pub mod record;
+pub mod under_test;

@@ -1,0 +1,193 @@
+//! What a run tells those who watch it: every tick, every block, every contact, every event.
+
+use serde::Serialize;
+use shared::control::{Command, Refused, Status};
+use shared::fault::{Fault, Origin};
+use shared::io::{Frame, Output};
+use shared::settings::Settings;
+
+use super::under_test::Reset;
+
+/// One control tick. What it was told and what the plant truly did by its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickRow {
+    /// Ticks since the start of the run; never set back, not even by a reset of the controller.
+    pub tick: u64,
+    /// True rig time at the end of the tick, s.
+    pub time_s: f64,
+    /// What the sensors showed at the end of the tick.
+    pub frame: Frame,
+    /// What the drive was told during the tick.
+    pub output: Output,
+    /// True contact force at the end of the tick, N.
+    pub true_force_n: f64,
+    /// Hammer displacement in the fixed frame, x, m.
+    pub hammer_m: f64,
+    /// Cart displacement in the fixed frame, y, m.
+    pub cart_m: f64,
+}
+
+/// A command that was given, and what the controller said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Given {
+    /// The command.
+    pub command: Command,
+    /// Why it was not obeyed; none: it was.
+    pub refused: Option<Refused>,
+}
+
+/// One block: what the controller was given besides its frames, and what it is doing after it.
+///
+/// Commands and notes come before the block's frames. With the frames and outputs of its ticks this is all
+/// that a replay needs.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockRow<'a> {
+    /// First tick of the block.
+    pub tick: u64,
+    /// Ticks in the block.
+    pub ticks: usize,
+    /// Commands given before the block.
+    pub commands: &'a [Given],
+    /// The block's frames as the controller got them (the same as in its ticks, unless stale).
+    pub frames: &'a [Frame],
+    /// What the controller answered; played out during the next block.
+    pub outputs: &'a [Output],
+    /// Whether the block reached the controller (a lost one does not, and its last outputs stand).
+    pub delivered: bool,
+    /// Whether the controller was told that it overran before the block.
+    pub overrun: bool,
+    /// Whether the controller was told that its samples are stale.
+    pub stale: bool,
+    /// Slices of the forecast after the block.
+    pub slices: u32,
+    /// The controller's status after the block.
+    pub status: &'a Status,
+}
+
+/// A contact as it truly was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Contact {
+    /// When it began, s of rig time.
+    pub onset_s: f64,
+    /// How long it lasted, s.
+    pub duration_s: f64,
+    /// Speed of the hammer towards the surface at onset, m/s.
+    pub approach_speed_m_per_s: f64,
+    /// And away from it at release, m/s.
+    pub rebound_speed_m_per_s: f64,
+    /// Largest force, N.
+    pub peak_force_n: f64,
+    /// When it was largest, s of rig time.
+    pub peak_at_s: f64,
+    /// ∫F dt, N·s.
+    pub impulse_n_s: f64,
+    /// Energy it took, J.
+    pub energy_lost_j: f64,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// Tick of the run.
+    pub tick: u64,
+    /// True rig time, s.
+    pub time_s: f64,
+    /// What.
+    pub what: What,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum What {
+    /// The scenario did something to the rig, its sensors or the controller.
+    Scenario {
+        /// In words.
+        text: String,
+    },
+    /// The controller changed state.
+    State {
+        /// From, by name.
+        from: &'static str,
+        /// To, by name.
+        to: &'static str,
+    },
+    /// A fault tripped.
+    Fault {
+        /// The fault.
+        fault: Fault,
+        /// Which sensor.
+        origin: Origin,
+        /// The value that tripped it.
+        value: f32,
+    },
+    /// The drive's enable line changed.
+    Drive {
+        /// Now enabled.
+        on: bool,
+    },
+    /// Something else the controller said.
+    Said {
+        /// In words.
+        text: String,
+    },
+}
+
+/// Watches a run. Every method has a default that does nothing.
+pub trait Observer {
+    /// The controller is made, at the start and after each reset, with these settings.
+    fn born(&mut self, _tick: u64, _reset: Reset, _settings: &Settings) {}
+    /// A tick is done.
+    fn tick(&mut self, _row: &TickRow) {}
+    /// A block is done; its ticks came before.
+    fn block(&mut self, _row: &BlockRow) {}
+    /// A contact ended.
+    fn contact(&mut self, _contact: &Contact) {}
+    /// Something happened.
+    fn event(&mut self, _event: &Event) {}
+}
+
+/// Watches nothing.
+impl Observer for () {}
+
+/// Both watch.
+impl<A: Observer, B: Observer> Observer for (A, B) {
+    fn born(&mut self, tick: u64, reset: Reset, settings: &Settings) {
+        self.0.born(tick, reset, settings);
+        self.1.born(tick, reset, settings);
+    }
+    fn tick(&mut self, row: &TickRow) {
+        self.0.tick(row);
+        self.1.tick(row);
+    }
+    fn block(&mut self, row: &BlockRow) {
+        self.0.block(row);
+        self.1.block(row);
+    }
+    fn contact(&mut self, contact: &Contact) {
+        self.0.contact(contact);
+        self.1.contact(contact);
+    }
+    fn event(&mut self, event: &Event) {
+        self.0.event(event);
+        self.1.event(event);
+    }
+}
+
+impl<T: Observer + ?Sized> Observer for &mut T {
+    fn born(&mut self, tick: u64, reset: Reset, settings: &Settings) {
+        (**self).born(tick, reset, settings);
+    }
+    fn tick(&mut self, row: &TickRow) {
+        (**self).tick(row);
+    }
+    fn block(&mut self, row: &BlockRow) {
+        (**self).block(row);
+    }
+    fn contact(&mut self, contact: &Contact) {
+        (**self).contact(contact);
+    }
+    fn event(&mut self, event: &Event) {
+        (**self).event(event);
+    }
+}
