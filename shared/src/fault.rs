@@ -98,6 +98,14 @@ impl Fault {
     }
 }
 
+impl Fault {
+    /// Whether the drive stays off until the fault is cleared by hand. The others are reported: a link that
+    /// is heard again is a link again, and after a brown-out the controller waits in Idle anyway.
+    pub const fn latches(self) -> bool {
+        !matches!(self, Self::LinkTimeout | Self::BrownOut)
+    }
+}
+
 /// Which sensor a fault is about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]

@@ -1,9 +1,48 @@
-//! The controller.
+//! The controller: from samples to set-points, and when to switch off.
+//!
+//! ```text
+//!                 Start             zeros found          amplitude reached
+//!        Idle ----------> SelfTest ------------> Ramp -------------------> Seek
+//!         ^ ^                                     |                        |  ^
+//!         | |  amplitude 0                        |  (by hand)    top found|  |1/1 lost
+//!         | +-------------- Stop <--- Stop -------+------> Manual          v  |
+//!         |                                                              Hold-+
+//!         | ClearFault, cause gone
+//!        Fault <--- any state: a condition of the fault table; the drive is off first
+//! ```
+//!
+//! [`Controller`] does what control priority does, a block of samples at a time. [`Lockstep`] is it together
+//! with the forecast, for where time stands still between blocks (desktop, QEMU).
+
+mod climb;
+mod controller;
+mod event;
+mod family;
+mod guard;
+mod lockstep;
+mod oscillator;
+mod outlook;
+mod pending;
+mod sampling;
+mod search;
+mod self_test;
+mod supervise;
+mod trim;
+
+pub use controller::Controller;
+pub use event::{Event, Events, KEPT, What};
+pub use family::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
+pub use guard::{OPEN_TICKS, OVER_FORCE_TICKS, OVER_TRAVEL_TICKS, SATURATED_TICKS};
+pub use lockstep::Lockstep;
+pub use trim::bits;
 
 use serde::{Deserialize, Serialize};
 
 use crate::fault::Record;
 use crate::regime::Regime;
+
+/// Samples in a block at most.
+pub const MAX_BLOCK: usize = 32;
 
 /// What the controller is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,4 +157,31 @@ pub struct Status {
     pub reseeks: u16,
     /// Overruns of the control task.
     pub overruns: u32,
+}
+
+/// Why the board last started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ResetCause {
+    /// The supply came on.
+    #[default]
+    PowerOn,
+    /// The reset line.
+    Pin,
+    /// The program itself.
+    Software,
+    /// The watchdog.
+    Watchdog,
+    /// The supply dropped.
+    BrownOut,
+}
+
+/// What the controller is born with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Birth {
+    /// Why the board started.
+    pub reset: ResetCause,
+    /// The fault record that survived the reset.
+    pub record: Option<Record>,
+    /// Whether the stored settings were damaged, and defaults stand in for them.
+    pub settings_corrupt: bool,
 }

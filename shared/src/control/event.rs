@@ -1,0 +1,95 @@
+//! What is worth a line in the timeline.
+
+use heapless::Deque;
+use serde::{Deserialize, Serialize};
+
+use super::{Basin, State};
+use crate::fault::Record;
+
+/// Events kept until they are taken.
+pub const KEPT: usize = 16;
+
+/// Something that happened.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum What {
+    /// The state changed.
+    State {
+        /// Before.
+        from: State,
+        /// After.
+        to: State,
+    },
+    /// A fault tripped, or was there from the start.
+    Fault(Record),
+    /// A fault was cleared.
+    Cleared,
+    /// A forecast has come in: where to run, Hz and N; 0: no stable 1/1 in the range.
+    Forecast {
+        /// Target, Hz.
+        target_hz: f32,
+        /// Force there, N.
+        force_n: f32,
+    },
+    /// There is no stable 1/1 to go to within the limits: the start is given up.
+    NoTarget,
+    /// What the rig's own pulses and swings say differs from what was believed: a new forecast is made.
+    Identified {
+        /// Natural frequency, Hz.
+        natural_hz: f32,
+        /// Gap, m.
+        gap_m: f32,
+    },
+    /// The search moved on to a new best frequency, Hz.
+    Best {
+        /// Frequency, Hz.
+        frequency_hz: f32,
+        /// Mean impulse per contact there, N·s.
+        impulse_ns: f32,
+    },
+    /// 1/1 was lost; it is sought again.
+    RegimeLost,
+    /// The period doubled: the frequency is drawn back below this one, Hz.
+    Doubling {
+        /// Where it was seen, Hz.
+        frequency_hz: f32,
+    },
+    /// The hammer came to strike, or ceased to.
+    Basin(Basin),
+    /// Limits that clamp have changed (bits as in [`super::Status::limits`]).
+    Limits(u8),
+}
+
+/// An event with its time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Control ticks since the start (wraps).
+    pub tick: u32,
+    /// What happened.
+    pub what: What,
+}
+
+/// Events waiting to be taken; the newest are dropped, and counted, when nobody takes them.
+#[derive(Clone, Debug, Default)]
+pub struct Events {
+    waiting: Deque<Event, KEPT>,
+    dropped: u16,
+}
+
+impl Events {
+    /// Adds an event.
+    pub fn push(&mut self, tick: u32, what: What) {
+        if self.waiting.push_back(Event { tick, what }).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    /// The oldest event.
+    pub fn take(&mut self) -> Option<Event> {
+        self.waiting.pop_front()
+    }
+
+    /// Events dropped so far.
+    pub fn dropped(&self) -> u16 {
+        self.dropped
+    }
+}

@@ -1,0 +1,79 @@
+//! The controller and its forecast where time stands still between blocks.
+
+use super::pending::Forecaster;
+use super::{Birth, Controller};
+use crate::io::{Frame, Output};
+use crate::params::ParamError;
+use crate::settings::Settings;
+
+/// What an exchange brought, besides the outputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exchanged {
+    /// Whether a forecast was delivered before the block.
+    pub delivered: bool,
+}
+
+/// Controller and forecast, the latter a fixed number of slices per block: the same run, bit for bit, on
+/// the desktop and under QEMU.
+#[derive(Clone, Debug)]
+pub struct Lockstep {
+    /// The controller.
+    pub controller: Controller,
+    forecaster: Forecaster,
+    waiting: bool,
+}
+
+impl Lockstep {
+    /// Both, at their start.
+    ///
+    /// # Errors
+    /// The first setting out of range.
+    pub fn new(settings: &Settings, birth: &Birth) -> Result<Self, ParamError> {
+        Ok(Self {
+            controller: Controller::new(settings, birth)?,
+            forecaster: Forecaster::new(),
+            waiting: false,
+        })
+    }
+
+    /// A block of samples, in ticks' order, against the set-points of the next block; then `slices` of the
+    /// forecast. Frames and outputs are paired; of unequal numbers the shorter counts.
+    pub fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32) -> Exchanged {
+        let delivered = self.deliver();
+        self.controller.block(frames, outputs);
+        self.idle(slices);
+        Exchanged { delivered }
+    }
+
+    /// A block whose samples did not arrive.
+    pub fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32) -> Exchanged {
+        let delivered = self.deliver();
+        self.controller.blind_block(outputs);
+        self.idle(slices);
+        Exchanged { delivered }
+    }
+
+    fn deliver(&mut self) -> bool {
+        if !self.waiting {
+            return false;
+        }
+        let Some(forecast) = self.forecaster.result() else {
+            return false;
+        };
+        self.controller.deliver(forecast);
+        self.waiting = false;
+        true
+    }
+
+    fn idle(&mut self, slices: u32) {
+        if let Some(request) = self.controller.forecast_request() {
+            self.forecaster.start(&request);
+            self.waiting = true;
+        }
+        for _ in 0..slices {
+            if !self.forecaster.slice() {
+                break;
+            }
+        }
+    }
+}

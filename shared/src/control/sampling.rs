@@ -1,0 +1,182 @@
+//! What the controller makes of samples: per tick, per contact, per drive period.
+
+use super::controller::Controller;
+use super::event::What;
+use super::search::Step;
+use super::trim::bits;
+use super::{Basin, State};
+use crate::io::Frame;
+use crate::sense::{Pulse, Sample, Strobe};
+use crate::settings::DriveKind;
+
+/// Drive periods without contact after which the hammer is in the basin without impact.
+const SILENT_PERIODS: u8 = 12;
+/// Drive periods with contact after which it is in the basin with impact.
+const STRIKING_PERIODS: u8 = 4;
+/// Drive periods between two looks at what the rig has told of itself.
+const IDENTIFY_PERIODS: u16 = 32;
+
+impl Controller {
+    /// One tick's samples.
+    #[inline]
+    pub(super) fn sample(&mut self, frame: &Frame) {
+        let driving = self.is_driving();
+        let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.wanted_amplitude_m();
+        let now = self.sensed_drive.now();
+        let (sample, trip) = self.guard.look(frame, now, moving, driving);
+        if let Some(trip) = trip {
+            self.condition = Some(trip.fault);
+            self.trip(trip);
+            return;
+        }
+        if self.state == State::SelfTest
+            && let Some(end) = self.self_test.tick(frame, &sample)
+        {
+            match end {
+                Ok(zero) => self.tested(zero),
+                Err(trip) => self.trip(trip),
+            }
+        }
+        self.feel(sample, driving);
+    }
+
+    /// What the sensors tell in a tick.
+    #[inline]
+    pub(super) fn feel(&mut self, sample: Sample, driving: bool) {
+        let seen = self.sense.tick(sample, self.tick, &self.sensed_drive);
+        if driving {
+            self.identify_tick();
+        }
+        if let Some(pulse) = seen.pulse
+            && driving
+        {
+            self.pulse(&pulse);
+        }
+        if let Some(strobe) = seen.strobe {
+            self.last = Some(strobe);
+            if driving {
+                self.strobe(&strobe);
+            }
+        }
+    }
+
+    pub(super) fn identify_tick(&mut self) {
+        let (relative_m, rate_m_per_s) = self.sense.relative();
+        let _ = (relative_m, rate_m_per_s);
+    }
+
+    pub(super) fn pulse(&mut self, pulse: &Pulse) {
+        self.timers.since_contact = 0;
+        self.identify.pulse(pulse);
+        let (relative_m, _) = self.sense.relative();
+        if let Some(trip) = self.family.pulse(pulse, relative_m) {
+            self.trip(trip);
+        }
+    }
+
+    /// A drive period has ended while the drive is on.
+    pub(super) fn strobe(&mut self, strobe: &Strobe) {
+        let arrived = self.oscillator.frequency_has_arrived();
+        let settled = arrived && self.state != State::Ramp && self.state != State::Stop;
+        self.note_basin(strobe);
+        if settled {
+            let command_m = self.oscillator.amplitude_m();
+            if let Some(trip) = self.family.strobe(strobe, command_m) {
+                self.trip(trip);
+                return;
+            }
+            let closed = self.settings.drive.kind == DriveKind::Shaker;
+            self.trim.strobe(strobe, closed);
+            let amplitude_m = self.trim.command();
+            self.oscillator.aim_amplitude(amplitude_m);
+        }
+        if matches!(self.state, State::Seek | State::Hold) {
+            self.count_one_one(strobe);
+            self.seek(strobe, arrived);
+            self.learn();
+        }
+    }
+
+    pub(super) fn count_one_one(&mut self, strobe: &Strobe) {
+        self.timers.good_periods = if strobe.contacts == 1 {
+            self.timers.good_periods.saturating_add(1)
+        } else {
+            0
+        };
+        if self.timers.good_periods >= 8 {
+            self.timers.since_one_one = 0;
+        }
+    }
+
+    pub(super) fn seek(&mut self, strobe: &Strobe, arrived: bool) {
+        let regime = self.sense.measured().regime;
+        let frequency_hz = self.oscillator.frequency_hz();
+        let Some(search) = &mut self.search else {
+            return;
+        };
+        let step = search.strobe(strobe, regime, frequency_hz, arrived);
+        let goal_hz = search.goal_hz();
+        let held = search.is_at_bound();
+        self.oscillator.aim(goal_hz);
+        self.limits = self.trim.limits() | if held { bits::FREQUENCY } else { 0 };
+        match step {
+            Step::On => {}
+            Step::Best {
+                frequency_hz,
+                impulse_ns,
+                found,
+            } => {
+                self.events.push(
+                    self.tick,
+                    What::Best {
+                        frequency_hz,
+                        impulse_ns,
+                    },
+                );
+                if found {
+                    self.change(State::Hold);
+                }
+            }
+            Step::Doubling(frequency_hz) => {
+                self.events.push(self.tick, What::Doubling { frequency_hz });
+            }
+            Step::Lost => {
+                self.reseeks = self.reseeks.saturating_add(1);
+                self.events.push(self.tick, What::RegimeLost);
+                if self.state == State::Hold {
+                    self.change(State::Seek);
+                }
+            }
+        }
+    }
+
+    /// Now and then: does the rig differ from what is believed?
+    pub(super) fn learn(&mut self) {
+        self.timers.identify += 1;
+        if self.timers.identify < IDENTIFY_PERIODS {
+            return;
+        }
+        self.timers.identify = 0;
+    }
+
+    pub(super) fn note_basin(&mut self, strobe: &Strobe) {
+        if strobe.contacts > 0 {
+            self.striking = self.striking.saturating_add(1);
+            self.silent = 0;
+        } else {
+            self.silent = self.silent.saturating_add(1);
+            self.striking = 0;
+        }
+        let basin = if self.striking >= STRIKING_PERIODS {
+            Basin::Impact
+        } else if self.silent >= SILENT_PERIODS {
+            Basin::NoImpact
+        } else {
+            self.basin
+        };
+        if basin != self.basin {
+            self.basin = basin;
+            self.events.push(self.tick, What::Basin(basin));
+        }
+    }
+}

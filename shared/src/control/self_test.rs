@@ -1,0 +1,184 @@
+//! Before the drive goes on: are the sensors alive, where do they read zero?
+
+use crate::fault::{Fault, Origin};
+use crate::io::{AdcCode, Frame};
+use crate::sense::Sample;
+use crate::settings::{Settings, TICK_RATE_HZ};
+
+use super::guard::Trip;
+
+/// Natural periods averaged: a hammer that still swings averages out over whole ones.
+const PERIODS: f32 = 2.0;
+/// Windows waited for the hammer to come to rest; wires have no damping and may swing for long.
+const MAX_WINDOWS: u8 = 20;
+/// A hammer whose displacement varies less than this share of A0 (r.m.s.) is at rest.
+const AT_REST: f32 = 0.25;
+/// Largest rest displacement of the hammer taken for a sensor's offset, m.
+const MAX_REST_M: f32 = 1.5e-3;
+/// Largest offset of the force sensor, as a share of the force limit.
+const MAX_FORCE_OFFSET: f32 = 0.12;
+
+/// Where the sensors read zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Zero {
+    /// Force with nothing touching, N.
+    pub force_n: f32,
+    /// Hammer relative to the cart at rest, m; none if it would not come to rest.
+    pub relative_m: Option<f32>,
+    /// Whether the force sensor's code varied.
+    pub force_is_live: bool,
+}
+
+/// The self test.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfTest {
+    window: u32,
+    quiet_m2: f32,
+    max_force_n: f32,
+    ticks: u32,
+    windows: u8,
+    first: Sample,
+    force_sum: f32,
+    relative_sum: f32,
+    relative_squares: f32,
+    codes: (AdcCode, AdcCode),
+}
+
+impl SelfTest {
+    /// A test of a rig with `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        let natural_hz = (settings.rig.natural_frequency_hz() as f32).max(0.1);
+        let at_rest_m = AT_REST * settings.rig.amplitude_m as f32;
+        Self {
+            window: (PERIODS * TICK_RATE_HZ as f32 / natural_hz) as u32,
+            quiet_m2: at_rest_m * at_rest_m,
+            max_force_n: MAX_FORCE_OFFSET * settings.limits.force_n,
+            ticks: 0,
+            windows: 0,
+            first: Sample::default(),
+            force_sum: 0.0,
+            relative_sum: 0.0,
+            relative_squares: 0.0,
+            codes: (AdcCode(u16::MAX), AdcCode(0)),
+        }
+    }
+
+    /// Takes in a tick with the drive off. Ends with the zeros, or with what is wrong.
+    pub fn tick(&mut self, frame: &Frame, sample: &Sample) -> Option<Result<Zero, Trip>> {
+        if self.ticks == 0 {
+            // Sums are of what differs from the first sample, so that they stay small.
+            self.first = *sample;
+            self.force_sum = 0.0;
+            self.relative_sum = 0.0;
+            self.relative_squares = 0.0;
+        }
+        let relative =
+            (sample.hammer_m - sample.cart_m) - (self.first.hammer_m - self.first.cart_m);
+        self.force_sum += sample.force_n - self.first.force_n;
+        self.relative_sum += relative;
+        self.relative_squares += relative * relative;
+        self.codes.0 = self.codes.0.min(frame.force);
+        self.codes.1 = self.codes.1.max(frame.force);
+        self.ticks += 1;
+        if self.ticks < self.window {
+            return None;
+        }
+        let share = 1.0 / self.ticks as f32;
+        self.ticks = 0;
+        self.windows = self.windows.saturating_add(1);
+        let mean = self.relative_sum * share;
+        let at_rest = self.relative_squares * share - mean * mean <= self.quiet_m2;
+        if !at_rest && self.windows < MAX_WINDOWS {
+            return None;
+        }
+        let force_n = self.first.force_n + self.force_sum * share;
+        let relative_m = self.first.hammer_m - self.first.cart_m + mean;
+        Some(self.judge(force_n, at_rest.then_some(relative_m)))
+    }
+
+    fn judge(&self, force_n: f32, relative_m: Option<f32>) -> Result<Zero, Trip> {
+        let out_of_family = |origin, value| Trip {
+            fault: Fault::SensorOutOfFamily,
+            origin,
+            value,
+        };
+        if libm::fabsf(force_n) > self.max_force_n {
+            return Err(out_of_family(Origin::Force, force_n));
+        }
+        match relative_m {
+            Some(rest_m) if libm::fabsf(rest_m) > MAX_REST_M => {
+                Err(out_of_family(Origin::Hammer, rest_m))
+            }
+            _ => Ok(Zero {
+                force_n,
+                relative_m,
+                force_is_live: self.codes.0 != self.codes.1,
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::WIRES;
+
+    fn run(sample: impl Fn(f32) -> Sample) -> (u32, Result<Zero, Trip>) {
+        let mut test = SelfTest::new(&Settings::for_rig(&WIRES));
+        for tick in 0..2_000_000_u32 {
+            let t = tick as f32 / 20_000.0;
+            let frame = Frame {
+                force: AdcCode(600 + (tick % 2) as u16),
+                ..Frame::default()
+            };
+            if let Some(end) = test.tick(&frame, &sample(t)) {
+                return (tick, end);
+            }
+        }
+        panic!("the self test never ends");
+    }
+
+    #[test]
+    fn offsets_of_a_quiet_rig_are_found() {
+        let (ticks, zero) = run(|_| Sample {
+            force_n: 2.5,
+            hammer_m: 0.4e-3,
+            cart_m: -0.1e-3,
+        });
+        let zero = zero.unwrap();
+        assert!(ticks < 22_000, "two natural periods: {ticks}");
+        assert!((zero.force_n - 2.5).abs() < 1e-5);
+        assert!((zero.relative_m.unwrap() - 0.5e-3).abs() < 1e-8);
+        assert!(zero.force_is_live);
+    }
+
+    #[test]
+    fn a_hammer_that_swings_is_waited_for_and_then_not_zeroed() {
+        let (ticks, zero) = run(|t| Sample {
+            hammer_m: 1e-3 * libm::sinf(11.4 * t),
+            ..Sample::default()
+        });
+        assert!(ticks > 400_000, "{ticks}");
+        assert_eq!(zero.unwrap().relative_m, None);
+    }
+
+    #[test]
+    fn sensors_far_from_zero_are_out_of_family() {
+        let origin = |end: (u32, Result<Zero, Trip>)| end.1.unwrap_err().origin;
+        let force = run(|_| Sample {
+            force_n: 40.0,
+            ..Sample::default()
+        });
+        assert_eq!(origin(force), Origin::Force);
+        let hammer = run(|_| Sample {
+            hammer_m: 1.6e-3,
+            ..Sample::default()
+        });
+        assert_eq!(origin(hammer), Origin::Hammer);
+        let near = run(|_| Sample {
+            hammer_m: 1.4e-3,
+            ..Sample::default()
+        });
+        assert!(near.1.is_ok());
+    }
+}

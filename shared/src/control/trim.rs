@@ -1,0 +1,161 @@
+//! The amplitude loop, and the limits that draw it back.
+//!
+//! Limits clamp and are reported; they are no faults. The loop works once per drive period.
+
+use crate::sense::Strobe;
+use crate::settings::Settings;
+
+/// Share of the amplitude error corrected per drive period.
+const GAIN: f32 = 0.2;
+/// How far the loop may move the command from the amplitude wanted, either way.
+const RANGE: (f32, f32) = (0.6, 1.6);
+/// How much of what a limit has drawn back is given again per drive period.
+const RELEASE: f32 = 1.01;
+
+/// Bits of [`super::Status::limits`].
+pub mod bits {
+    /// The force limit draws the amplitude back.
+    pub const FORCE: u8 = 1;
+    /// The travel limit draws the amplitude back.
+    pub const TRAVEL: u8 = 2;
+    /// A frequency limit holds the frequency.
+    pub const FREQUENCY: u8 = 4;
+    /// The amplitude limit holds the command.
+    pub const AMPLITUDE: u8 = 8;
+}
+
+/// The amplitude loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Trim {
+    wanted_m: f32,
+    largest_m: f32,
+    force_n: f32,
+    travel_m: f32,
+    /// Command over amplitude.
+    gain: f32,
+    /// Share of the amplitude wanted that the limits leave.
+    draw: f32,
+    limits: u8,
+}
+
+impl Trim {
+    /// Holds the rig's amplitude within the limits of `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            wanted_m: settings.rig.amplitude_m as f32,
+            largest_m: settings.limits.amplitude_m,
+            force_n: settings.limits.force_n,
+            travel_m: settings.limits.travel_m,
+            gain: 1.0,
+            draw: 1.0,
+            limits: 0,
+        }
+    }
+
+    /// The amplitude wanted, m (clamped by [`Self::command`]).
+    pub fn want(&mut self, amplitude_m: f32) {
+        self.wanted_m = amplitude_m.max(0.0);
+    }
+
+    /// Limits that clamp, as [`bits`].
+    pub fn limits(&self) -> u8 {
+        self.limits
+    }
+
+    /// A drive period has ended with the amplitude at its command. `closed`: whether the loop may correct
+    /// (the cart's sensor is believed).
+    pub fn strobe(&mut self, strobe: &Strobe, closed: bool) {
+        let target_m = self.wanted_m * self.draw;
+        if closed && target_m > 0.0 {
+            let error = (target_m - strobe.amplitude_m) / target_m;
+            let gain = self.gain * (1.0 + GAIN * error.clamp(-0.5, 0.5));
+            if gain.is_finite() {
+                self.gain = gain.clamp(RANGE.0, RANGE.1);
+            }
+        }
+        self.limits &= !(bits::FORCE | bits::TRAVEL);
+        let over_force = strobe.peak_n / self.force_n;
+        let over_travel = strobe.travel_m / self.travel_m;
+        let over = over_force.max(over_travel);
+        if over > 1.0 {
+            self.draw = (self.draw / over.min(2.0)).max(0.05);
+        } else if over < 0.95 {
+            self.draw = (self.draw * RELEASE).min(1.0);
+        }
+        if self.draw < 1.0 {
+            let bit = if over_force >= over_travel {
+                bits::FORCE
+            } else {
+                bits::TRAVEL
+            };
+            self.limits |= bit;
+        }
+    }
+
+    /// The amplitude to command, m.
+    pub fn command(&mut self) -> f32 {
+        let command = self.wanted_m * self.draw * self.gain;
+        if command > self.largest_m {
+            self.limits |= bits::AMPLITUDE;
+            self.largest_m
+        } else {
+            self.limits &= !bits::AMPLITUDE;
+            command
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::WIRES;
+
+    fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
+        for _ in 0..periods {
+            let command = trim.command();
+            trim.strobe(&plant(command), true);
+        }
+        trim.command()
+    }
+
+    #[test]
+    fn a_shaker_that_gives_less_is_told_more() {
+        let mut trim = Trim::new(&Settings::for_rig(&WIRES));
+        let command = run(&mut trim, 40, |m| Strobe {
+            amplitude_m: 0.8 * m,
+            ..Strobe::default()
+        });
+        assert!((0.8 * command - 0.89e-3).abs() < 1e-6, "{command}");
+        assert_eq!(trim.limits(), 0);
+    }
+
+    #[test]
+    fn a_dead_shaker_does_not_wind_up_beyond_the_limit() {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        let command = run(&mut trim, 100, |_| Strobe::default());
+        assert_eq!(command, settings.limits.amplitude_m);
+        assert_eq!(trim.limits(), bits::AMPLITUDE);
+    }
+
+    #[test]
+    fn force_above_the_limit_draws_the_amplitude_back_and_lets_it_return() {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        let strong = |m: f32| Strobe {
+            amplitude_m: m,
+            peak_n: 1.5 * settings.limits.force_n * m / 0.89e-3,
+            ..Strobe::default()
+        };
+        let command = run(&mut trim, 50, strong);
+        assert!((0.6..0.69).contains(&(command / 0.89e-3)), "{command}");
+        assert_eq!(trim.limits(), bits::FORCE);
+        let weak = |m: f32| Strobe {
+            amplitude_m: m,
+            ..Strobe::default()
+        };
+        let command = run(&mut trim, 100, weak);
+        assert!((command / 0.89e-3 - 1.0).abs() < 1e-3, "{command}");
+        assert_eq!(trim.limits(), 0);
+    }
+}
