@@ -1,1 +1,331 @@
-//! store (in work).
+//! Settings in flash: two slots, so that a power cut at any moment leaves the old settings or the new.
+//!
+//! A slot is one or more erase sectors of its own. Its image:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0..4 | "VIHS" |
+//! | 4..6 | layout version of the payload |
+//! | 6..8 | length of the payload |
+//! | 8..12 | sequence number (wraps) |
+//! | 12..16 | CRC-32 (ISO-HDLC) of bytes 0..12 and the payload |
+//! | 32..40 | "complete": written last |
+//! | 64.. | the settings in postcard's encoding |
+//!
+//! Numbers are little-endian, everything between is erased (0xff), and every part begins at a multiple of 32
+//! bytes, so any write size up to that will do.
+//!
+//! [`Store::save`] never touches the slot that holds the newest settings. It erases the other, writes payload,
+//! header and mark, in that order, and reads all of it back. A slot counts as whole when its CRC is right. The
+//! mark is for the other case: a slot whose CRC is wrong was either never finished (no mark; the power went
+//! while it was written or erased, and the other slot stands) or finished once and damaged since (mark).
+//! Cells that a cut left halfway may read either way at the next start; then so does the CRC, and either
+//! way one of the two slots is whole.
+//!
+//! ## What cannot be read
+//!
+//! [`Loaded::Corrupt`] means that there were settings and they cannot be had: no slot is whole and one is
+//! damaged or both hold something; or the newest is of a layout this program does not know, or is out of
+//! range. The last two are not passed over in favour of the older slot: after a change of firmware it may be
+//! years old. The controller reports it as [`crate::fault::Fault::CorruptSettings`] and runs with nothing until
+//! settings are sent anew. Settings of another layout are therefore not carried over an update.
+//!
+//! Writing and erasing stalls a microcontroller with a single flash bank (up to 2 s for 128 KiB on an
+//! STM32F446): the caller sees to it that the controller is in Idle with the drive off.
+
+use core::ops::Range;
+
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+
+use crate::link::CRC_32;
+use crate::settings::Settings;
+
+/// Layout of the payload: changes whenever [`Settings`] does.
+pub const LAYOUT: u16 = 1;
+
+/// Bytes of a slot that are used.
+pub const IMAGE_BYTES: usize = 512;
+
+/// Every part of an image begins at a multiple of this, bytes.
+const ALIGN: usize = 32;
+
+const NAME: [u8; 4] = *b"VIHS";
+const MARK: [u8; 8] = *b"complete";
+/// Bits of the mark that may be wrong: half-erased bits fall that close to it by chance once in 10⁷.
+const MARK_ERRORS: u32 = 12;
+
+const HEADER: Range<usize> = 0..16;
+const MARK_AT: Range<usize> = ALIGN..ALIGN + MARK.len();
+const PAYLOAD_AT: usize = 2 * ALIGN;
+
+type Image = [u8; IMAGE_BYTES];
+
+/// What a start found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
+pub enum Loaded {
+    /// The newest settings that are whole.
+    Settings {
+        /// They passed [`Settings::check`].
+        settings: Settings,
+        /// The other slot is damaged: it may have held newer ones (or a save was cut short there).
+        other_damaged: bool,
+    },
+    /// None were ever stored (or the power went while the first were).
+    Default,
+    /// There were settings, and they cannot be had.
+    Corrupt,
+}
+
+/// What a save did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Saved {
+    /// Written and read back.
+    Written,
+    /// The same settings are stored already; nothing was written.
+    Unchanged,
+}
+
+/// Why settings were not stored; what was stored before still is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveError<E> {
+    /// The flash answered with an error.
+    Flash(E),
+    /// What was read back is not what was written.
+    NotAsWritten,
+    /// A slot is too small or the flash writes in larger pieces than an image has.
+    NotSuited,
+}
+
+impl<E> From<E> for SaveError<E> {
+    fn from(error: E) -> Self {
+        Self::Flash(error)
+    }
+}
+
+/// What an image is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
+enum Slot {
+    /// Erased throughout.
+    Blank,
+    /// Neither whole nor ever finished.
+    Unfinished,
+    /// Finished once, and no longer whole.
+    Damaged,
+    /// Its CRC is right.
+    Whole {
+        sequence: u32,
+        /// None: another layout, or out of range.
+        settings: Option<Settings>,
+    },
+}
+
+impl Slot {
+    fn of(image: &Image) -> Self {
+        if let Some((sequence, layout, payload)) = whole(image) {
+            let decoded = postcard::take_from_bytes::<Settings>(payload);
+            let settings = match decoded {
+                Ok((settings, [])) if layout == LAYOUT => Some(settings),
+                _ => None,
+            };
+            let settings = settings.filter(|settings| settings.check().is_ok());
+            return Self::Whole { sequence, settings };
+        }
+        let mark = image.get(MARK_AT).unwrap_or(&[]);
+        let wrong = mark.iter().zip(MARK).map(|(a, b)| (a ^ b).count_ones());
+        if wrong.sum::<u32>() <= MARK_ERRORS {
+            Self::Damaged
+        } else if image.iter().all(|byte| *byte == 0xff) {
+            Self::Blank
+        } else {
+            Self::Unfinished
+        }
+    }
+
+    fn sequence(&self) -> Option<u32> {
+        match self {
+            Self::Whole { sequence, .. } => Some(*sequence),
+            _ => None,
+        }
+    }
+}
+
+/// Sequence number, layout version and payload of an image whose CRC is right.
+fn whole(image: &Image) -> Option<(u32, u16, &[u8])> {
+    let (checked, check) = image.get(HEADER)?.split_last_chunk::<4>()?;
+    let (name, rest) = checked.split_first_chunk::<4>()?;
+    let (layout, rest) = rest.split_first_chunk::<2>()?;
+    let (length, rest) = rest.split_first_chunk::<2>()?;
+    let (sequence, _) = rest.split_first_chunk::<4>()?;
+    let length = usize::from(u16::from_le_bytes(*length));
+    let payload = image.get(PAYLOAD_AT..PAYLOAD_AT.checked_add(length)?)?;
+    let right = *name == NAME && check_of(checked, payload) == u32::from_le_bytes(*check);
+    let sequence = u32::from_le_bytes(*sequence);
+    right.then_some((sequence, u16::from_le_bytes(*layout), payload))
+}
+
+fn check_of(header: &[u8], payload: &[u8]) -> u32 {
+    let mut digest = CRC_32.digest();
+    digest.update(header);
+    digest.update(payload);
+    digest.finalize()
+}
+
+/// The image of `settings`, and where its payload ends. `None` if they do not fit (no settings are that long).
+fn image_of(settings: &Settings, sequence: u32) -> Option<(Image, usize)> {
+    let mut image = [0xff; IMAGE_BYTES];
+    let length = {
+        let place = image.get_mut(PAYLOAD_AT..)?;
+        postcard::to_slice(settings, place).ok()?.len()
+    };
+    let end = PAYLOAD_AT.checked_add(length)?;
+    let mut header = heapless::Vec::<u8, 16>::new();
+    header.extend_from_slice(&NAME).ok()?;
+    header.extend_from_slice(&LAYOUT.to_le_bytes()).ok()?;
+    let short = u16::try_from(length).ok()?;
+    header.extend_from_slice(&short.to_le_bytes()).ok()?;
+    header.extend_from_slice(&sequence.to_le_bytes()).ok()?;
+    let check = check_of(&header, image.get(PAYLOAD_AT..end)?);
+    header.extend_from_slice(&check.to_le_bytes()).ok()?;
+    put(&mut image, HEADER, &header);
+    put(&mut image, MARK_AT, &MARK);
+    Some((image, end))
+}
+
+fn put(image: &mut Image, at: Range<usize>, bytes: &[u8]) {
+    for (place, byte) in image.iter_mut().skip(at.start).zip(bytes) {
+        *place = *byte;
+    }
+}
+
+/// Settings in two slots of a flash.
+#[derive(Debug)]
+pub struct Store<F> {
+    flash: F,
+    slots: [Range<u32>; 2],
+}
+
+impl<F: NorFlash> Store<F> {
+    /// Settings in two slots of `flash`, each a range of offsets that can be erased by itself and has at
+    /// least [`IMAGE_BYTES`] bytes.
+    pub fn new(flash: F, slots: [Range<u32>; 2]) -> Self {
+        Self { flash, slots }
+    }
+
+    /// The flash, given back.
+    pub fn release(self) -> F {
+        self.flash
+    }
+
+    /// The settings stored last.
+    ///
+    /// # Errors
+    /// What the flash answers when it cannot be read.
+    pub fn load(&mut self) -> Result<Loaded, F::Error> {
+        let slots = self.look()?;
+        Ok(judge(&slots))
+    }
+
+    /// Stores `settings`. The caller has checked them, and the controller is in Idle with the drive off.
+    ///
+    /// # Errors
+    /// [`SaveError`]; the settings stored before are untouched then.
+    pub fn save(&mut self, settings: &Settings) -> Result<Saved, SaveError<F::Error>> {
+        let suited = |slot: &Range<u32>| slot.end.saturating_sub(slot.start) >= IMAGE_BYTES as u32;
+        let sizes = [F::WRITE_SIZE, F::READ_SIZE];
+        let divides = |size: &usize| ALIGN.checked_rem(*size) == Some(0);
+        if !self.slots.iter().all(suited) || !sizes.iter().all(divides) {
+            return Err(SaveError::NotSuited);
+        }
+        let slots = self.look()?;
+        let newest = newest(&slots);
+        let sequence = newest.map_or(1, |(_, sequence)| sequence.wrapping_add(1));
+        let stored = newest.and_then(|(slot, _)| slots.get(slot));
+        if matches!(stored, Some(Slot::Whole { settings: Some(old), .. }) if old == settings) {
+            return Ok(Saved::Unchanged);
+        }
+        let (image, end) = image_of(settings, sequence).ok_or(SaveError::NotSuited)?;
+        // The slot that does not hold the newest; the first while none does, so that the second stays blank.
+        let [first, second] = &self.slots;
+        let target = if newest.map(|(slot, _)| slot) == Some(0) {
+            second.clone()
+        } else {
+            first.clone()
+        };
+        self.flash.erase(target.start, target.end)?;
+        let parts = [PAYLOAD_AT..end, HEADER, MARK_AT];
+        for part in parts {
+            let whole = part.start..part.end.next_multiple_of(ALIGN);
+            let offset = target.start.saturating_add(part.start as u32);
+            let bytes = image.get(whole).ok_or(SaveError::NotSuited)?;
+            self.flash.write(offset, bytes)?;
+        }
+        if self.image(&target)? == image {
+            Ok(Saved::Written)
+        } else {
+            Err(SaveError::NotAsWritten)
+        }
+    }
+
+    fn look(&mut self) -> Result<[Slot; 2], F::Error> {
+        let [first, second] = self.slots.clone();
+        let first = Slot::of(&self.image(&first)?);
+        let second = Slot::of(&self.image(&second)?);
+        Ok([first, second])
+    }
+
+    fn image(&mut self, slot: &Range<u32>) -> Result<Image, F::Error> {
+        let mut image = [0; IMAGE_BYTES];
+        ReadNorFlash::read(&mut self.flash, slot.start, &mut image)?;
+        Ok(image)
+    }
+}
+
+/// The newest whole slot, and its sequence number.
+fn newest(slots: &[Slot; 2]) -> Option<(usize, u32)> {
+    let [first, second] = slots;
+    match (first.sequence(), second.sequence()) {
+        (Some(a), Some(b)) => {
+            // Half the circle ahead is newer: numbers wrap.
+            let ahead = b.wrapping_sub(a);
+            Some(if ahead != 0 && ahead < 1 << 31 {
+                (1, b)
+            } else {
+                (0, a)
+            })
+        }
+        (Some(a), None) => Some((0, a)),
+        (None, Some(b)) => Some((1, b)),
+        (None, None) => None,
+    }
+}
+
+fn judge(slots: &[Slot; 2]) -> Loaded {
+    let any_damaged = slots.contains(&Slot::Damaged);
+    if let Some(Slot::Whole { settings, .. }) = newest(slots).and_then(|(slot, _)| slots.get(slot))
+    {
+        return match settings {
+            Some(settings) => Loaded::Settings {
+                settings: *settings,
+                other_damaged: any_damaged,
+            },
+            None => Loaded::Corrupt,
+        };
+    }
+    let both_used = slots.iter().all(|slot| *slot != Slot::Blank);
+    if any_damaged || both_used {
+        Loaded::Corrupt
+    } else {
+        Loaded::Default
+    }
+}
+
+#[cfg(test)]
+mod tests;

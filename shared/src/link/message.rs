@@ -1,0 +1,181 @@
+//! What is said, in both directions. Appended to, never reordered: see [the module](super).
+
+use serde::{Deserialize, Serialize};
+
+use super::{Identified, Recording};
+use crate::control::{self, Command, Status};
+use crate::fault::Record;
+use crate::forecast::{Forecast, Row, Target};
+use crate::settings::Settings;
+
+/// A message with its number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Packet<M> {
+    /// Counts the packets the sender meant to send (wraps).
+    pub sequence: u16,
+    /// What it says.
+    pub message: M,
+}
+
+/// What a computer asks of the controller. Every one gets exactly one [`Answer`], in order.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ToBoard {
+    /// Who are you? Answered with [`Answer::Hello`].
+    Hello,
+    /// Answered with [`Answer::Status`].
+    GetStatus,
+    /// Answered with [`Answer::Done`] or [`Answer::Refused`].
+    Command(Command),
+    /// Answered with [`Answer::Settings`].
+    GetSettings,
+    /// New settings, checked and taken as a whole, in Idle only, and stored in flash. Answered with
+    /// [`Answer::Done`] or [`Answer::Refused`].
+    SetSettings(Settings),
+    /// A page of the forecast, from 0. Answered with [`Answer::Forecast`]; beyond the last, a page without rows.
+    GetForecast {
+        /// Which page of [`ROWS_PER_PAGE`] rows.
+        page: u8,
+    },
+    /// Telemetry every so many control ticks; 0: none. Answered with [`Answer::Done`].
+    StreamTelemetry {
+        /// Control ticks from one to the next.
+        decimation: u32,
+    },
+    /// A recording of every tick, or its end. Answered with [`Answer::Done`] or [`Answer::Refused`].
+    StreamFrames {
+        /// Whether to stream.
+        on: bool,
+    },
+    /// Answered with [`Answer::FaultRecord`].
+    GetFaultRecord,
+    /// Answered with [`Answer::Identified`].
+    GetIdentified,
+}
+
+/// What the controller says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
+pub enum FromBoard {
+    /// The answer to a request.
+    Answer {
+        /// [`Packet::sequence`] of the request.
+        request: u16,
+        /// What it is.
+        answer: Answer,
+    },
+    /// Unasked, at the decimation asked for.
+    Telemetry(Telemetry),
+    /// Unasked, every block while recording.
+    Recording(Recording),
+}
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
+pub enum Answer {
+    /// Who answers.
+    Hello(Hello),
+    /// It is done.
+    Done,
+    /// It is not done.
+    Refused(Refusal),
+    /// What the controller is doing.
+    Status(Status),
+    /// The settings in use.
+    Settings(Settings),
+    /// A page of the forecast.
+    Forecast(ForecastPage),
+    /// The fault that is, or was before the last reset.
+    FaultRecord(Option<Record>),
+    /// What was learned of the rig.
+    Identified(Identified),
+}
+
+/// A name of up to 23 bytes.
+pub type Name = heapless::String<23>;
+
+/// Who answers. The first field is the version, for ever.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hello {
+    /// [`super::PROTOCOL_VERSION`].
+    pub protocol: u16,
+    /// The firmware's version.
+    pub firmware: Name,
+    /// The board, or `emulator`.
+    pub board: Name,
+    /// Control ticks per second.
+    pub tick_rate_hz: u32,
+    /// Ticks in a block.
+    pub block_ticks: u8,
+}
+
+/// Why a request was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The controller does not obey now.
+    Controller(control::Refused),
+    /// The settings are in use, but could not be stored: they are lost at the next reset.
+    NotStored,
+    /// This board cannot do that.
+    NotAvailable,
+}
+
+impl From<control::Refused> for Refusal {
+    fn from(refused: control::Refused) -> Self {
+        Self::Controller(refused)
+    }
+}
+
+/// What the controller is doing, unasked.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Telemetry {
+    /// Everything worth reporting.
+    pub status: Status,
+    /// Packets dropped for want of room since the start.
+    pub dropped: u32,
+}
+
+/// Rows in a page of the forecast.
+pub const ROWS_PER_PAGE: usize = 6;
+
+/// A part of the forecast.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ForecastPage {
+    /// [`Forecast::id`]: pages of different numbers do not belong together. 0 with no rows: there is none yet.
+    pub id: u32,
+    /// Which page.
+    pub page: u8,
+    /// Rows of the whole forecast.
+    pub rows_in_all: u8,
+    /// This page's, by rising frequency.
+    pub rows: heapless::Vec<Row, ROWS_PER_PAGE>,
+    /// Where to run; none if no stable 1/1 was found.
+    pub target: Option<Target>,
+}
+
+impl ForecastPage {
+    /// Page `page` of `forecast`; without rows if there is none.
+    pub fn of(forecast: Option<&Forecast>, page: u8) -> Self {
+        let Some(forecast) = forecast else {
+            return Self {
+                page,
+                ..Self::default()
+            };
+        };
+        let first = usize::from(page).saturating_mul(ROWS_PER_PAGE);
+        let rows = forecast.rows.iter().skip(first).take(ROWS_PER_PAGE);
+        Self {
+            id: forecast.id,
+            page,
+            rows_in_all: u8::try_from(forecast.rows.len()).unwrap_or(u8::MAX),
+            rows: rows.copied().collect(),
+            target: forecast.target,
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! A block of control as it happened, and its compact form for the wire.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+use crate::control::{Command, Refused, State};
+use crate::io::{AdcCode, DacCode, Frame, Output};
+
+/// Ticks in a block at most: one bit of a [`Recording`]'s masks each.
+pub const MAX_BLOCK: usize = 32;
+
+/// Commands recorded before a block at most; a board keeps a further one for the next block.
+pub const MAX_GIVEN: usize = 2;
+
+/// A command that was given before a block, and what the controller said.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Given {
+    /// The command.
+    pub command: Command,
+    /// Why it was not obeyed; none: it was.
+    pub refused: Option<Refused>,
+}
+
+/// What the controller was told besides the frames, and what it is doing: with the frames and the settings,
+/// all that a replay needs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Notes {
+    /// Commands given before the block.
+    pub given: Vec<Given, MAX_GIVEN>,
+    /// The controller was made anew just before the block: its settings were replaced.
+    pub restarted: bool,
+    /// A finished forecast was handed to the controller before the block.
+    pub forecast_delivered: bool,
+    /// The controller was told that it overran.
+    pub overrun: bool,
+    /// The controller was told that its samples are stale.
+    pub stale: bool,
+    /// What it was doing after the block.
+    pub state: State,
+}
+
+/// A block of control as it happened.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exchange {
+    /// Control tick of the first frame (wraps).
+    pub tick: u32,
+    /// What the controller was given.
+    pub frames: Vec<Frame, MAX_BLOCK>,
+    /// What it answered, as many.
+    pub outputs: Vec<Output, MAX_BLOCK>,
+    /// Everything else.
+    pub notes: Notes,
+}
+
+/// Bytes of a tick: three 12-bit ADC codes and a 12-bit DAC code.
+const TICK_BYTES: usize = 6;
+
+/// An [`Exchange`] for the wire: 12 bits per code, and a bit per tick and switch. Of the frequency set-points
+/// it keeps the block's last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    /// Control tick of the first frame (wraps).
+    pub tick: u32,
+    /// Everything besides codes.
+    pub notes: Notes,
+    /// Frequency set-point of the block's last tick, Hz.
+    pub frequency_hz: f32,
+    /// Bit i: the emergency-stop chain was open in tick i.
+    emergency: u32,
+    /// Bit i: the drive was enabled by tick i's output.
+    enable: u32,
+    /// Six bytes per tick: force, hammer, cart, DAC.
+    codes: Vec<u8, { MAX_BLOCK * TICK_BYTES }>,
+}
+
+impl Recording {
+    /// Packs a block. Codes above 4095, which no converter gives, keep their low 12 bits.
+    pub fn pack(block: &Exchange) -> Self {
+        let mut codes = Vec::new();
+        let (mut emergency, mut enable) = (0, 0);
+        let mut bit = 1_u32;
+        for (frame, output) in block.frames.iter().zip(&block.outputs) {
+            let [a, b, c] = pair(frame.force.0, frame.hammer.0);
+            let [d, e, f] = pair(frame.cart.0, output.dac.0);
+            // As large as the largest block.
+            let _ = codes.extend_from_slice(&[a, b, c, d, e, f]);
+            emergency |= if frame.emergency { bit } else { 0 };
+            enable |= if output.enable { bit } else { 0 };
+            bit <<= 1;
+        }
+        Self {
+            tick: block.tick,
+            notes: block.notes.clone(),
+            frequency_hz: block.outputs.last().map_or(0.0, |o| o.frequency_hz),
+            emergency,
+            enable,
+            codes,
+        }
+    }
+
+    /// The block. Every output has the last one's frequency. A last tick that is cut off is left out.
+    pub fn unpack(&self) -> Exchange {
+        let mut block = Exchange {
+            tick: self.tick,
+            notes: self.notes.clone(),
+            ..Exchange::default()
+        };
+        let mut bit = 1_u32;
+        for tick in self.codes.chunks_exact(TICK_BYTES) {
+            let &[a, b, c, d, e, f] = tick else {
+                break;
+            };
+            let [force, hammer] = unpair([a, b, c]);
+            let [cart, dac] = unpair([d, e, f]);
+            let frame = Frame {
+                force: AdcCode(force),
+                hammer: AdcCode(hammer),
+                cart: AdcCode(cart),
+                emergency: self.emergency & bit != 0,
+            };
+            let output = Output {
+                dac: DacCode(dac),
+                frequency_hz: self.frequency_hz,
+                enable: self.enable & bit != 0,
+            };
+            // As many as codes, and those are bounded.
+            let _ = (block.frames.push(frame), block.outputs.push(output));
+            bit <<= 1;
+        }
+        block
+    }
+}
+
+/// Two 12-bit codes in three bytes, little-endian.
+fn pair(low: u16, high: u16) -> [u8; 3] {
+    let [a, b, c, _] = (u32::from(low & 0xfff) | u32::from(high & 0xfff) << 12).to_le_bytes();
+    [a, b, c]
+}
+
+fn unpair([a, b, c]: [u8; 3]) -> [u16; 2] {
+    let both = u32::from_le_bytes([a, b, c, 0]);
+    [(both & 0xfff) as u16, (both >> 12) as u16]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::{FromBoard, MAX_FRAME, Packet, encode};
+    use proptest::prelude::*;
+
+    fn block(ticks: usize, seed: u32) -> Exchange {
+        let mut state = seed;
+        let mut random = |below: u32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 12) % below
+        };
+        let mut block = Exchange {
+            tick: random(u32::MAX),
+            ..Exchange::default()
+        };
+        for _ in 0..ticks {
+            let mut code = || AdcCode(random(4096) as u16);
+            let frame = Frame {
+                force: code(),
+                hammer: code(),
+                cart: code(),
+                emergency: random(2) == 1,
+            };
+            let output = Output {
+                dac: DacCode(random(4096) as u16),
+                frequency_hz: 3.5,
+                enable: random(2) == 1,
+            };
+            block.frames.push(frame).unwrap();
+            block.outputs.push(output).unwrap();
+        }
+        block
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_packed_is_unpacked(ticks in 0..=MAX_BLOCK, seed: u32, flags: [bool; 4]) {
+            let mut block = block(ticks, seed);
+            block.notes = Notes {
+                given: Vec::from_slice(&[Given { command: Command::Alive, refused: None }]).unwrap(),
+                restarted: flags[0],
+                forecast_delivered: flags[1],
+                overrun: flags[2],
+                stale: flags[3],
+                state: State::Seek,
+            };
+            prop_assert_eq!(Recording::pack(&block).unpack(), block);
+        }
+    }
+
+    #[test]
+    fn a_recording_of_every_tick_fits_through_the_port() {
+        // The worst numbers a packet can have, codes as they come; blocks of 10 ticks.
+        let mut block = block(10, 7);
+        block.tick = u32::MAX;
+        for (frame, output) in block.frames.iter_mut().zip(&mut block.outputs) {
+            (frame.emergency, output.enable) = (false, true);
+        }
+        let packet = Packet {
+            sequence: u16::MAX,
+            message: FromBoard::Recording(Recording::pack(&block)),
+        };
+        let mut out = [0; MAX_FRAME];
+        let bytes = encode(&packet, &mut out).unwrap().len();
+        assert_eq!(bytes, 89);
+        // Ten bits on the wire per byte.
+        let bits_per_s = bytes as u32 * 10 * crate::settings::TICK_RATE_HZ / 10;
+        assert!(bits_per_s < crate::link::BAUD);
+    }
+}
