@@ -1,0 +1,371 @@
+//! The controller against whatever may come: spoilt samples, senseless commands, any order of them.
+
+use proptest::prelude::*;
+use shared::control::{Birth, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, State};
+use shared::fault::{Fault, Record};
+use shared::forecast::{Forecast, Orbit, Row, Target};
+use shared::io::{AdcCode, Frame, Output};
+use shared::params::WIRES;
+use shared::regime::Regime;
+use shared::settings::{Settings, TICK_RATE_HZ};
+
+/// A forecast of a 1/1 about 3.6 Hz.
+fn forecast(id: u32) -> Forecast {
+    let orbit = Orbit {
+        force_n: 96.0,
+        impulse_ns: 0.031,
+        approach_m_per_s: 0.08,
+        onset_turns: 0.4,
+        trace: -0.3,
+        determinant: 0.1,
+    };
+    let rows = [2.0, 3.0, 4.0, 5.0].map(|frequency_hz| Row {
+        frequency_hz,
+        regime: Regime::Periodic {
+            impacts: 1,
+            periods: 1,
+        },
+        force_n: 90.0,
+        orbit: Some(orbit),
+    });
+    Forecast {
+        id,
+        rows: rows.into_iter().collect(),
+        target: Some(Target {
+            frequency_hz: 3.6,
+            orbit,
+            band_hz: (2.5, 4.8),
+            doubling_hz: Some(4.8),
+            entry_hz: 3.6,
+        }),
+    }
+}
+
+/// What happens in a block.
+#[derive(Clone, Debug)]
+enum Happening {
+    /// Samples of a rig that moves as told, with noise of so many codes.
+    Sound { noise: u16 },
+    /// Samples with pulses of force, codes above zero.
+    Striking { code: u16 },
+    /// Any codes.
+    Wild { codes: [u16; 3] },
+    /// The emergency chain opens.
+    Emergency,
+    /// No samples.
+    Blind,
+    /// An overrun.
+    Overrun,
+    /// A command.
+    Told(Command),
+}
+
+fn command() -> impl Strategy<Value = Command> {
+    let any_f32 = prop_oneof![
+        Just(f32::NAN),
+        Just(f32::INFINITY),
+        Just(-1.0_f32),
+        0.0_f32..20.0,
+        any::<f32>()
+    ];
+    prop_oneof![
+        3 => Just(Command::Start(Mode::Automatic)),
+        3 => Just(Command::Start(Mode::Manual)),
+        1 => Just(Command::Stop),
+        3 => Just(Command::ClearFault),
+        1 => Just(Command::Alive),
+        3 => (any_f32.clone(), any_f32.prop_map(|x| x * 1e-3)).prop_map(
+            |(frequency_hz, amplitude_m)| Command::SetPoint { frequency_hz, amplitude_m }
+        ),
+    ]
+}
+
+fn happening() -> impl Strategy<Value = Happening> {
+    prop_oneof![
+        30 => (0_u16..20).prop_map(|noise| Happening::Sound { noise }),
+        10 => (50_u16..3000).prop_map(|code| Happening::Striking { code }),
+        1 => any::<[u16; 3]>().prop_map(|codes| Happening::Wild { codes }),
+        1 => Just(Happening::Emergency),
+        2 => Just(Happening::Blind),
+        2 => Just(Happening::Overrun),
+        10 => command().prop_map(Happening::Told),
+    ]
+}
+
+/// The controller with the little of a rig it needs: a cart that goes where it is told.
+struct Bench {
+    settings: Settings,
+    controller: Controller,
+    outputs: [Output; MAX_BLOCK],
+    noise: u32,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let settings = Settings::for_rig(&WIRES);
+        Self {
+            settings,
+            controller: Controller::new(&settings, &Birth::default()).unwrap(),
+            outputs: [Output::SAFE; MAX_BLOCK],
+            noise: 1,
+        }
+    }
+
+    fn random(&mut self, below: u16) -> u16 {
+        self.noise = self
+            .noise
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
+        if below == 0 {
+            0
+        } else {
+            (self.noise >> 16) as u16 % below
+        }
+    }
+
+    fn frame(&mut self, output: Output, happening: &Happening) -> Frame {
+        // The cart's sensor has about the shaker's scale: 1900 against 2047 codes for 2.5 mm.
+        let cart = (f32::from(output.dac.0) - 2048.0) * 1900.0 / 2047.0;
+        let (noise, push) = match happening {
+            Happening::Sound { noise } => (*noise, 0),
+            Happening::Striking { code } => (3, *code),
+            _ => (3, 0),
+        };
+        let mut sound = Frame {
+            force: AdcCode(600 + push + self.random(noise + 1)),
+            hammer: AdcCode((2048.0 + 0.3 * cart) as u16 + self.random(noise + 1)),
+            cart: AdcCode((2048.0 + cart) as u16 + self.random(noise + 1)),
+            emergency: false,
+        };
+        match happening {
+            Happening::Wild { codes } => {
+                [sound.force, sound.hammer, sound.cart] = codes.map(AdcCode);
+            }
+            Happening::Emergency => sound.emergency = true,
+            _ => {}
+        }
+        sound
+    }
+
+    fn block(&mut self, ticks: usize, happening: &Happening) -> Vec<Frame> {
+        let outputs = self.outputs;
+        let frames: Vec<Frame> = outputs[..ticks]
+            .iter()
+            .map(|output| self.frame(*output, happening))
+            .collect();
+        match happening {
+            Happening::Blind => self.controller.blind_block(&mut self.outputs[..ticks]),
+            _ => self.controller.block(&frames, &mut self.outputs[..ticks]),
+        }
+        if let Happening::Overrun = happening {
+            self.controller.note_overrun();
+        }
+        if let Happening::Told(command) = happening {
+            let _ = self.controller.command(*command);
+        }
+        while self.controller.take_event().is_some() {}
+        if let Some(request) = self.controller.forecast_request() {
+            self.controller.deliver(&forecast(request.id));
+        }
+        frames
+    }
+
+    /// Blocks of a sound rig until `state`, at most `seconds`.
+    fn reaches(&mut self, state: State, seconds: u32) -> bool {
+        for _ in 0..seconds * TICK_RATE_HZ / 10 {
+            self.block(10, &Happening::Sound { noise: 4 });
+            if self.controller.state() == state {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// Whether a run of two samples is above the force trip level.
+fn over_force(settings: &Settings, frames: &[Frame]) -> bool {
+    let over = |frame: &Frame| settings.force.value(frame.force) > settings.trips.force_n;
+    frames
+        .windows(2)
+        .any(|pair| over(&pair[0]) && over(&pair[1]))
+}
+
+/// Whether four samples in a row have the hammer or the cart beyond a trip level.
+fn over_travel(settings: &Settings, frames: &[Frame]) -> bool {
+    let hammer = |f: &Frame| {
+        let relative = settings.hammer.value(f.hammer) - settings.cart.value(f.cart);
+        relative.abs() > settings.trips.travel_m
+    };
+    let cart = |f: &Frame| settings.cart.value(f.cart).abs() > settings.trips.cart_m;
+    let readable = |f: &Frame| f.hammer.0 > 40 && f.cart.0 > 40;
+    frames.windows(4).any(|four| {
+        four.iter().all(|f| readable(f) && hammer(f)) || four.iter().all(|f| readable(f) && cart(f))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Set-points are always within the limits; a block whose samples trip is followed by a safe one; the
+    /// drive is on in the states that drive, and in no other.
+    #[test]
+    fn nothing_that_comes_makes_it_unsafe(
+        blocks in prop::collection::vec((1_usize..=MAX_BLOCK, happening(), 1_u16..200), 1..60)
+    ) {
+        let mut bench = Bench::new();
+        let largest = bench.settings.limits.amplitude_m / bench.settings.drive.m_per_code + 1.0;
+        let limits = bench.settings.limits;
+        for (ticks, happening, times) in blocks {
+            let repeated = matches!(happening, Happening::Sound { .. } | Happening::Striking { .. });
+            for _ in 0..if repeated { times } else { 1 } {
+                let was_driving = bench.outputs[0].enable;
+                let frames = bench.block(ticks, &happening);
+                let state = bench.controller.state();
+                let status = bench.controller.status();
+                let outputs = &bench.outputs[..ticks];
+                for output in outputs {
+                    prop_assert!((f32::from(output.dac.0) - 2048.0).abs() <= largest);
+                    prop_assert!(output.frequency_hz.is_finite());
+                    if output.enable {
+                        prop_assert!(output.frequency_hz >= limits.min_frequency_hz);
+                        prop_assert!(output.frequency_hz <= limits.max_frequency_hz);
+                    } else {
+                        prop_assert_eq!(*output, Output::SAFE);
+                    }
+                }
+                let tripped = frames.iter().any(|f| f.emergency)
+                    || over_force(&bench.settings, &frames)
+                    || (was_driving && over_travel(&bench.settings, &frames));
+                if tripped && !matches!(happening, Happening::Blind) {
+                    prop_assert!(outputs.iter().all(|output| !output.enable), "{:?}", status);
+                }
+                if matches!(state, State::Fault) {
+                    prop_assert!(status.fault.is_some());
+                }
+                for number in [status.frequency_hz, status.amplitude_m, status.measured_amplitude_m,
+                    status.lag_rad, status.peak_n, status.impulse_ns, status.target_hz] {
+                    prop_assert!(number.is_finite(), "{:?}", status);
+                }
+            }
+        }
+        // Whatever has happened: with a sound rig, it can be stopped, cleared and started again.
+        let _ = bench.controller.command(Command::Stop);
+        let stopped = bench.reaches(State::Idle, 3) || bench.controller.state() == State::Fault;
+        prop_assert!(stopped, "{:?}", bench.controller.status());
+        if bench.controller.state() == State::Fault {
+            prop_assert_eq!(bench.controller.command(Command::ClearFault), Ok(()));
+        }
+        prop_assert_eq!(bench.controller.command(Command::Start(Mode::Manual)), Ok(()));
+        prop_assert!(bench.reaches(State::Manual, 60), "{:?}", bench.controller.status());
+    }
+}
+
+#[test]
+fn why_the_board_started_is_taken_account_of() {
+    let settings = Settings::for_rig(&WIRES);
+    let record = Record {
+        fault: Fault::OverForce,
+        origin: Default::default(),
+        tick: 7,
+        value: 400.0,
+        frequency_hz: 3.6,
+    };
+    let born = |birth: Birth| {
+        let controller = Controller::new(&settings, &birth).unwrap();
+        (
+            controller.state(),
+            controller.status().fault.map(|r| r.fault),
+        )
+    };
+    let kept = |reset, record| Birth {
+        reset,
+        record,
+        settings_corrupt: false,
+    };
+    assert_eq!(born(Birth::default()), (State::Idle, None));
+    let after = |cause| born(kept(cause, Some(record)));
+    assert_eq!(
+        after(ResetCause::Pin),
+        (State::Fault, Some(Fault::OverForce))
+    );
+    assert_eq!(
+        after(ResetCause::Watchdog),
+        (State::Fault, Some(Fault::WatchdogReset))
+    );
+    assert_eq!(
+        after(ResetCause::BrownOut),
+        (State::Idle, Some(Fault::BrownOut))
+    );
+    let corrupt = Birth {
+        settings_corrupt: true,
+        ..Birth::default()
+    };
+    assert_eq!(born(corrupt), (State::Fault, Some(Fault::CorruptSettings)));
+}
+
+#[test]
+fn a_fault_whose_cause_is_there_cannot_be_cleared() {
+    let mut bench = Bench::new();
+    bench.block(10, &Happening::Emergency);
+    assert_eq!(bench.controller.state(), State::Fault);
+    let clear = |bench: &mut Bench| bench.controller.command(Command::ClearFault);
+    assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+    bench.block(10, &Happening::Sound { noise: 2 });
+    assert_eq!(clear(&mut bench), Ok(()));
+    assert_eq!(bench.controller.state(), State::Idle);
+}
+
+#[test]
+fn overruns_and_missing_blocks_trip_when_three_come_in_a_row_and_not_one_in_six() {
+    for (fault, happening) in [
+        (Fault::Overrun, Happening::Overrun),
+        (Fault::StaleSamples, Happening::Blind),
+    ] {
+        let mut bench = Bench::new();
+        let sound = Happening::Sound { noise: 2 };
+        for _ in 0..50 {
+            bench.block(10, &happening);
+            for _ in 0..5 {
+                bench.block(10, &sound);
+            }
+        }
+        assert_eq!(bench.controller.state(), State::Idle, "{fault:?}");
+        let blocks = (1..10).find(|_| {
+            bench.block(10, &happening);
+            bench.controller.state() == State::Fault
+        });
+        assert_eq!(blocks, Some(3), "{fault:?}");
+        assert_eq!(
+            bench.controller.status().fault.map(|r| r.fault),
+            Some(fault)
+        );
+    }
+}
+
+#[test]
+fn a_silent_link_in_command_stops_the_drive_and_a_link_heard_again_releases_it() {
+    let mut bench = Bench::new();
+    bench.controller.command(Command::Alive).unwrap();
+    bench
+        .controller
+        .command(Command::Start(Mode::Manual))
+        .unwrap();
+    let mut driven = 0;
+    for _ in 0..60 * 2000 {
+        bench.block(10, &Happening::Sound { noise: 2 });
+        if bench.controller.state() == State::Manual {
+            break;
+        }
+        let _ = bench.controller.command(Command::Alive);
+    }
+    assert_eq!(bench.controller.state(), State::Manual);
+    while bench.controller.state() == State::Manual && driven < 100_000 {
+        bench.block(10, &Happening::Sound { noise: 2 });
+        driven += 10;
+    }
+    let fault = bench.controller.status().fault.map(|r| r.fault);
+    assert_eq!(fault, Some(Fault::LinkTimeout));
+    assert!((40_000..=40_020).contains(&driven), "2 s: {driven}");
+    bench.controller.command(Command::Alive).unwrap();
+    assert_eq!(bench.controller.state(), State::Idle);
+}
