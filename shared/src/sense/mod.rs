@@ -1,8 +1,33 @@
 //! What the sensors tell: contacts, the hammer between them, the section, the regime, the cart.
+//!
+//! [`Sense::tick`] takes one instant's samples and the commanded drive and passes them on:
+//!
+//! | module | tells |
+//! |---|---|
+//! | [`pulse`] | contacts: onset, peak, impulse, duration; what merges |
+//! | [`observer`] | displacement and rate relative to the cart; approach and rebound speeds |
+//! | [`harmonic`] | the cart's amplitude and its lag behind the command |
+//! | [`section`] | the regime z = p/n, robust to noise and to one missed contact |
+//!
+//! A [`Pulse`] is handed out once its rebound speed is known: a twenty-fifth of the natural period after the
+//! release (22 ms at 1.82 Hz, 6 ms at 6.5 Hz), or when the next contact begins. Fault checks on the force
+//! must use the samples.
+
+pub mod harmonic;
+pub mod observer;
+pub mod pulse;
+pub mod section;
 
 use serde::{Deserialize, Serialize};
 
+use crate::drive::Drive;
 use crate::regime::Regime;
+use crate::settings::{Settings, TICK_S};
+
+use harmonic::Harmonic;
+use observer::Observer;
+use pulse::{Blow, Edge, PulseDetector};
+use section::Section;
 
 /// One tick's samples in SI units, fixed frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +53,8 @@ pub struct Pulse {
     pub impulse_ns: f32,
     /// Time above the threshold, onset to first fall, interpolated, s.
     pub duration_s: f32,
+    /// ∫F t dt / ∫F dt, t from the onset, s: what [`crate::identify`] uses, since ringing hardly moves it.
+    pub centroid_s: f32,
     /// Speed of the hammer relative to the cart just before, m/s, from the observer.
     pub approach_m_per_s: f32,
     /// And just after, away from the surface, m/s; 0 until enough samples have been seen.
@@ -71,4 +98,249 @@ pub struct Measured {
     pub regime: Regime,
     /// Drive periods it rests on.
     pub periods: u8,
+}
+
+const TICK: f32 = TICK_S as f32;
+
+/// Share of 1/ω after a release at which the rebound speed is taken.
+const REBOUND_AFTER: f32 = 0.25;
+
+/// What the controller knows of its rig, from samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sense {
+    pulses: PulseDetector,
+    observer: Observer,
+    harmonic: Harmonic,
+    section: Section,
+    /// A0 believed, m: scale of the section's displacements.
+    amplitude_m: f32,
+    force_offset_n: f32,
+    rest_relative_m: f32,
+    rebound_ticks: u32,
+    last_phase: u32,
+    last_cycle: Option<u32>,
+    /// The contact under way or waiting for its rebound speed, with its drive period and phase.
+    current: Option<Current>,
+    period: Strobe,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Current {
+    pulse: Pulse,
+    cycle: u32,
+    phase: u32,
+    ended: bool,
+}
+
+impl Sense {
+    /// Senses a rig as the settings describe it.
+    pub fn new(settings: &Settings) -> Self {
+        let omega = (core::f64::consts::TAU * settings.rig.natural_frequency_hz()) as f32;
+        let ticks = REBOUND_AFTER / (omega * TICK);
+        Self {
+            pulses: PulseDetector::new(&settings.detection, TICK),
+            observer: Observer::new(settings, TICK),
+            harmonic: Harmonic::default(),
+            section: Section::default(),
+            amplitude_m: settings.rig.amplitude_m as f32,
+            force_offset_n: 0.0,
+            rest_relative_m: 0.0,
+            rebound_ticks: if ticks < 1000.0 { ticks as u32 } else { 1000 },
+            last_phase: 0,
+            last_cycle: None,
+            current: None,
+            period: Strobe::default(),
+        }
+    }
+
+    /// Forgets what was sensed; the offsets stay.
+    pub fn reset(&mut self) {
+        self.pulses.reset();
+        self.observer.reset();
+        self.harmonic.reset();
+        self.section.restart();
+        self.last_cycle = None;
+        self.current = None;
+        self.period = Strobe::default();
+    }
+
+    /// The frequency has changed: the regime is told afresh, from whole periods at the new one.
+    pub fn frequency_changed(&mut self) {
+        self.section.restart();
+    }
+
+    /// What the self test found at rest: the force reading, N, and x − y, m. Both are subtracted.
+    pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32) {
+        self.force_offset_n = force_offset_n;
+        self.rest_relative_m = rest_relative_m;
+    }
+
+    /// One tick: its samples, its number, and the drive as commanded for that instant.
+    pub fn tick(&mut self, sample: Sample, tick: u32, drive: &Drive<f32>) -> Seen {
+        let force_n = sample.force_n - self.force_offset_n;
+        let relative_m = sample.hammer_m - sample.cart_m - self.rest_relative_m;
+        let now = drive.now();
+        let increment = now.phase.wrapping_sub(self.last_phase);
+        self.last_phase = now.phase;
+
+        let strobe = self.strobe(now.cycle, increment);
+        let (sin, cos) = (drive.sin(), drive.cos());
+        self.harmonic.tick(sample.cart_m, sin, cos);
+        let cart = self.harmonic.last();
+        // A restart of the drive's phase is no frequency.
+        let angle = if increment <= crate::drive::MAX_INCREMENT {
+            increment as f32 * ANGLE_PER_PHASE
+        } else {
+            0.0
+        };
+        let omega = angle * (1.0 / TICK);
+        let inertial = omega * omega * (cart.sine * sin + cart.cosine * cos);
+        self.observer.tick(relative_m, inertial);
+        self.section.tick(now.cycle, now.phase);
+
+        self.period.travel_m = largest(self.period.travel_m, relative_m);
+        self.period.peak_n = if force_n > self.period.peak_n {
+            force_n
+        } else {
+            self.period.peak_n
+        };
+        let pulse = match self.pulses.tick(force_n) {
+            Edge::None => self.settle(),
+            Edge::Began { ago } => {
+                let before = self.current.take().map(|current| current.pulse);
+                let back = (ago * increment as f32) as u32;
+                let (phase, borrowed) = now.phase.overflowing_sub(back);
+                let cycle = now.cycle.wrapping_sub(u32::from(borrowed));
+                self.begin(tick, ago, cycle, phase);
+                before
+            }
+            Edge::Ended(blow) => {
+                self.end(&blow);
+                None
+            }
+        };
+        Seen { pulse, strobe }
+    }
+
+    fn strobe(&mut self, cycle: u32, increment: u32) -> Option<Strobe> {
+        if self.last_cycle == Some(cycle) {
+            return None;
+        }
+        let first = self.last_cycle.is_none();
+        self.last_cycle = Some(cycle);
+        if first {
+            return None;
+        }
+        let cart = self.harmonic.strobe();
+        let (relative_m, rate_m_per_s) = self.observer.relative();
+        let omega = increment as f32 * ANGLE_PER_PHASE * (1.0 / TICK);
+        let speed = self.amplitude_m * omega;
+        if speed > 0.0 {
+            let displacement = relative_m / self.amplitude_m;
+            self.section
+                .strobe(cycle, displacement, rate_m_per_s / speed);
+        }
+        let strobe = Strobe {
+            relative_m,
+            rate_m_per_s,
+            amplitude_m: cart.amplitude_m(),
+            lag_rad: cart.lag_rad(),
+            ..self.period
+        };
+        self.period = Strobe::default();
+        Some(strobe)
+    }
+
+    fn begin(&mut self, tick: u32, ago: f32, cycle: u32, phase: u32) {
+        let approach = self.observer.contact(ago * TICK);
+        self.section.onset(cycle, phase);
+        self.period.contacts = self.period.contacts.saturating_add(1);
+        let pulse = Pulse {
+            onset_tick: tick.wrapping_sub(1),
+            onset_turns: phase as f32 * (1.0 / 4_294_967_296.0),
+            approach_m_per_s: approach,
+            ..Pulse::default()
+        };
+        self.current = Some(Current {
+            pulse,
+            cycle,
+            phase,
+            ended: false,
+        });
+    }
+
+    fn end(&mut self, blow: &Blow) {
+        if let Some(current) = &mut self.current {
+            let pulse = &mut current.pulse;
+            pulse.peak_n = blow.peak_n;
+            pulse.impulse_ns = blow.sum_n * TICK;
+            pulse.duration_s = (blow.first_fall + blow.crossed_before) * TICK;
+            if blow.sum_n > 0.0 {
+                let mean = blow.moment_n / blow.sum_n;
+                pulse.centroid_s = (mean + blow.crossed_before) * TICK;
+            }
+            current.ended = true;
+            let impulse_ns = pulse.impulse_ns;
+            self.period.impulse_ns += impulse_ns;
+            self.section
+                .impulse(current.cycle, current.phase, impulse_ns);
+        }
+    }
+
+    /// Hands out the contact that has ended once its rebound speed is known.
+    #[inline]
+    fn settle(&mut self) -> Option<Pulse> {
+        let current = self.current.as_ref()?;
+        let (rebound, flown) = self.observer.rebound();
+        if !current.ended || flown < self.rebound_ticks {
+            return None;
+        }
+        let pulse = Pulse {
+            rebound_m_per_s: rebound,
+            ..current.pulse
+        };
+        self.current = None;
+        Some(pulse)
+    }
+
+    /// The regime, and how many drive periods it rests on; 0 periods: not told yet.
+    pub fn measured(&self) -> Measured {
+        self.section.measured()
+    }
+
+    /// Displacement of the hammer relative to the cart, m (from rest, if [`Self::set_zero`] was told it),
+    /// and its rate, m/s.
+    pub fn relative(&self) -> (f32, f32) {
+        self.observer.relative()
+    }
+
+    /// The observer's innovation in standard deviations: about 1 while sensors and model agree, 10 at most.
+    pub fn health(&self) -> f32 {
+        self.observer.health()
+    }
+
+    /// Cart amplitude, m, and lag behind the command, rad, over the last whole drive period.
+    pub fn cart(&self) -> (f32, f32) {
+        let cart = self.harmonic.last();
+        (cart.amplitude_m(), cart.lag_rad())
+    }
+
+    /// Whether a contact is under way (its refractory time included).
+    pub fn in_contact(&self) -> bool {
+        self.pulses.is_open()
+    }
+
+    /// Lone samples above the threshold that were no contacts (wraps).
+    pub fn glitches(&self) -> u32 {
+        self.pulses.glitches()
+    }
+}
+
+/// rad per unit of the drive's phase.
+const ANGLE_PER_PHASE: f32 = (core::f64::consts::TAU / crate::drive::TURN) as f32;
+
+#[inline]
+fn largest(so_far: f32, value: f32) -> f32 {
+    let size = if value < 0.0 { -value } else { value };
+    if size > so_far { size } else { so_far }
 }
