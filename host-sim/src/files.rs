@@ -53,7 +53,7 @@ impl std::error::Error for WriteError {
 /// # Errors
 /// [`WriteError`]; nothing is left behind then, and an older file stays as it was.
 pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
-    commit(prepare(path.as_ref(), bytes.as_ref())?)
+    prepare(path.as_ref(), bytes.as_ref())?.commit().map(drop)
 }
 
 /// Writes the files of one answer into `dir`: `(name, bytes)` each.
@@ -71,7 +71,7 @@ where
     B: AsRef<[u8]>,
 {
     let dir = dir.as_ref();
-    let mut ready: Vec<Ready> = Vec::with_capacity(files.len());
+    let mut ready: Vec<Staged> = Vec::with_capacity(files.len());
     let mut paths: Vec<PathBuf> = Vec::with_capacity(files.len());
     for (name, bytes) in files {
         let path = dir.join(name.as_ref());
@@ -85,42 +85,92 @@ where
         ready.push(prepare(&path, bytes.as_ref())?);
         paths.push(path);
     }
-    ready.into_iter().try_for_each(commit)?;
+    for staged in ready {
+        staged.commit()?;
+    }
     Ok(paths)
 }
 
-/// A file written under a passing name, to be renamed; it removes itself if not.
-struct Ready {
+/// A file under a passing name beside its final place, for what is too long to be held in memory. It gets
+/// its name when it is committed; dropped before, it is removed.
+#[derive(Debug)]
+pub struct Staged {
     file: NamedTempFile,
     target: PathBuf,
 }
 
-fn prepare(path: &Path, bytes: &[u8]) -> Result<Ready, WriteError> {
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let dir = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        Some(_) => Path::new("."),
-        None => return Err(invalid(target, "not a file name")),
-    };
-    fs::create_dir_all(dir).map_err(|source| failed(dir, source))?;
-    match fs::metadata(&target) {
-        Ok(found) if found.is_dir() => {
-            let source = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
-            return Err(failed(path, source));
+impl Staged {
+    /// Begins the file that is to be called `path`; makes its folder.
+    ///
+    /// # Errors
+    /// [`WriteError`], also when a folder or a device stands there.
+    pub fn new(path: impl AsRef<Path>) -> Result<Self, WriteError> {
+        let path = path.as_ref();
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let dir = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            Some(_) => Path::new("."),
+            None => return Err(invalid(target, "not a file name")),
+        };
+        fs::create_dir_all(dir).map_err(|source| failed(dir, source))?;
+        match fs::metadata(&target) {
+            Ok(found) if found.is_dir() => {
+                let source = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
+                return Err(failed(path, source));
+            }
+            // A device or pipe must not be replaced by a file.
+            Ok(found) if !found.is_file() => {
+                return Err(invalid(target, "it is not an ordinary file"));
+            }
+            _ => {}
         }
-        // A device or pipe must not be replaced by a file.
-        Ok(found) if !found.is_file() => {
-            return Err(invalid(target, "it is not an ordinary file"));
-        }
-        _ => {}
+        let file = passing_file(dir).map_err(|source| failed(path, source))?;
+        Ok(Self { file, target })
     }
-    let written = passing_file(dir).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        Ok(file)
-    });
-    let file = written.map_err(|source| failed(path, source))?;
-    Ok(Ready { file, target })
+
+    /// Where the file will be.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Gives the file its name, replacing what was there; returns where it is.
+    ///
+    /// # Errors
+    /// [`WriteError`]; an older file stays as it was then.
+    pub fn commit(self) -> Result<PathBuf, WriteError> {
+        let Self { file, target } = self;
+        let synced = file.as_file().sync_all();
+        synced.map_err(|source| failed(&target, source))?;
+        match file.persist(&target) {
+            Ok(_) => Ok(target),
+            Err(refused) => Err(failed(&target, refused.error)),
+        }
+    }
+}
+
+impl Write for Staged {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl io::Seek for Staged {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
+    let mut staged = Staged::new(path)?;
+    staged
+        .write_all(bytes)
+        .and_then(|()| staged.file.as_file().sync_all())
+        .map_err(|source| failed(path, source))?;
+    Ok(staged)
 }
 
 fn passing_file(dir: &Path) -> io::Result<NamedTempFile> {
@@ -134,14 +184,6 @@ fn passing_file(dir: &Path) -> io::Result<NamedTempFile> {
     }
     #[cfg(not(unix))]
     builder.tempfile_in(dir)
-}
-
-fn commit(ready: Ready) -> Result<(), WriteError> {
-    let Ready { file, target } = ready;
-    match file.persist(&target) {
-        Ok(_) => Ok(()),
-        Err(refused) => Err(failed(&target, refused.error)),
-    }
 }
 
 fn failed(path: &Path, source: io::Error) -> WriteError {
@@ -242,6 +284,21 @@ mod tests {
         assert!(write_all(dir.path(), &[("a.csv", "1"), ("a.csv", "2")]).is_err());
         assert_eq!(fs::read_to_string(dir.path().join("a.csv")).unwrap(), "old");
         assert_eq!(names(dir.path()), ["a.csv", "b.svg"]);
+    }
+
+    #[test]
+    fn a_staged_file_has_no_name_until_it_is_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("run.parquet");
+        let mut staged = Staged::new(&path).unwrap();
+        staged.write_all(b"half").unwrap();
+        assert!(!path.exists());
+        drop(staged);
+        assert!(names(dir.path()).is_empty());
+        let mut staged = Staged::new(&path).unwrap();
+        staged.write_all(b"whole").unwrap();
+        staged.commit().unwrap();
+        assert_eq!(names(dir.path()), ["run.parquet"]);
     }
 
     #[test]

@@ -6,8 +6,10 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
 //! | [`record`] | what a run tells those who watch it |
 //! | [`under_test`] | the controller, wherever it runs |
 
+pub mod log;
 pub mod record;
 pub mod under_test;

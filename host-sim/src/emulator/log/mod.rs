@@ -1,0 +1,129 @@
+//! The log of a run: everything the controller was given, everything it decided, and, from the emulator,
+//! what was true.
+//!
+//! A log is written block by block and needs no plant: the emulator and a recording of a real board use the
+//! same [`Writer`]; in a recording the true values are absent. [`Reader`] gives the blocks back, bit for bit,
+//! which is all that a replay needs. [`mcap`] writes the same run for Foxglove, thinned.
+//!
+//! Both files stand under a passing name until [`Writer::finish`]; a run that is broken off leaves nothing
+//! under the final one.
+
+mod columns;
+pub mod mcap;
+mod reader;
+mod status;
+#[cfg(test)]
+mod tests;
+mod writer;
+
+use serde::{Deserialize, Serialize};
+use shared::control::{Birth, Command, State, Status};
+use shared::io::{Frame, Output};
+use shared::settings::Settings;
+
+pub use reader::{Logged, Reader};
+pub use status::{Cell, cells, names};
+pub use writer::Writer;
+
+/// Microseconds in a control tick.
+pub const TICK_US: i64 = 1_000_000 / shared::settings::TICK_RATE_HZ as i64;
+
+/// What a log says of its making.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Who drove the controller: "emulator", or a board's name.
+    pub source: String,
+    /// The settings the controller began with.
+    pub settings: Settings,
+    /// What the controller was born with.
+    pub birth: Birth,
+    /// Ticks in a block.
+    pub block_ticks: u32,
+    /// Whether of a block's frequency set-points only the last was recorded (the block's others repeat it).
+    pub last_frequency_only: bool,
+    /// The scenario as TOML, if there was one.
+    pub scenario: Option<String>,
+}
+
+/// What the controller was told beside samples, in order, before a block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Input {
+    /// A command.
+    Command(Command),
+    /// New settings, in Idle.
+    Settings(Settings),
+    /// The control task overran.
+    Overrun,
+    /// The controller was made anew.
+    Born(Settings, Birth),
+}
+
+/// How a block's samples came to the controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Samples {
+    /// In time.
+    #[default]
+    Came,
+    /// Not at all, and the controller knew: it ran without.
+    Blind,
+    /// The controller did not run; its last set-points stood.
+    Lost,
+}
+
+impl Samples {
+    /// As it stands in the log.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Came => "came",
+            Self::Blind => "blind",
+            Self::Lost => "lost",
+        }
+    }
+
+    fn from_name(name: &[u8]) -> Option<Self> {
+        let all = [Self::Came, Self::Blind, Self::Lost];
+        all.into_iter().find(|s| s.name().as_bytes() == name)
+    }
+}
+
+/// What was true at a tick; known to the emulator alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// Contact force, N.
+    pub force_n: f64,
+    /// Hammer displacement, fixed frame, m.
+    pub hammer_m: f64,
+    /// Cart displacement, fixed frame, m.
+    pub cart_m: f64,
+}
+
+/// One control tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tick {
+    /// The samples the controller was given.
+    pub frame: Frame,
+    /// What it answered; it is played out one block later.
+    pub output: Output,
+    /// What was true when the samples were taken.
+    pub truth: Option<Truth>,
+}
+
+/// One block: what the controller was given and what it answered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Block {
+    /// Told before the block, in order.
+    pub inputs: Vec<Input>,
+    /// How the samples came to the controller.
+    pub samples: Samples,
+    /// Whether a finished forecast was delivered to the controller just before the block; none: it follows
+    /// from the slices, as in lock-step.
+    pub forecast: Option<bool>,
+    /// Slices of forecast after the block, if they were counted (in lock-step they are).
+    pub slices: Option<u32>,
+    /// The ticks, at least one.
+    pub ticks: Vec<Tick>,
+    /// The status after the block, if it is known.
+    pub status: Option<Status>,
+    /// The state after the block, where that is all that is known.
+    pub state: Option<State>,
+}

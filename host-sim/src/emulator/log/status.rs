@@ -1,0 +1,126 @@
+//! A status as cells of the log, one by one, so that two can be compared and the one that differs named.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use shared::control::{State, Status};
+
+use super::columns::{COLUMNS, Col};
+
+/// One value of a status.
+#[derive(Clone, Debug)]
+pub enum Cell {
+    /// Not there.
+    Null,
+    /// A count, a tick, bits.
+    Int(i64),
+    /// A number in SI units, as the controller has it.
+    Float(f32),
+    /// A name.
+    Text(Cow<'static, str>),
+}
+
+impl PartialEq for Cell {
+    /// Bit for bit: a NaN equals itself, 0 and −0 differ.
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Null, Self::Null) => true,
+            (Self::Int(a), Self::Int(b)) => a == b,
+            (Self::Float(a), Self::Float(b)) => a.to_bits() == b.to_bits(),
+            (Self::Text(a), Self::Text(b)) => a == b,
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Null => f.write_str("none"),
+            Self::Int(value) => write!(f, "{value}"),
+            Self::Float(value) => write!(f, "{value:?} ({:#010x})", value.to_bits()),
+            Self::Text(value) => f.write_str(value),
+        }
+    }
+}
+
+/// The columns of a status, in the order of [`cells`]; the state comes first.
+pub(super) const STATUS: [Col; 20] = [
+    Col::State,
+    Col::StatusTick,
+    Col::Fault,
+    Col::FaultOrigin,
+    Col::FaultTick,
+    Col::FaultValue,
+    Col::FaultFrequency,
+    Col::Limits,
+    Col::Frequency,
+    Col::Amplitude,
+    Col::MeasuredAmplitude,
+    Col::Lag,
+    Col::Regime,
+    Col::Peak,
+    Col::Impulse,
+    Col::Target,
+    Col::TargetForce,
+    Col::Basin,
+    Col::Reseeks,
+    Col::Overruns,
+];
+
+/// The names of the cells of a status, with units, as the log's columns are called.
+pub fn names() -> [&'static str; STATUS.len()] {
+    STATUS.map(|col| COLUMNS[col as usize].name)
+}
+
+/// A state as it stands in the log.
+pub(super) fn state_name(state: State) -> String {
+    format!("{state:?}")
+}
+
+/// The cells of a status.
+pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
+    let Status {
+        tick,
+        state,
+        fault,
+        limits,
+        frequency_hz,
+        amplitude_m,
+        measured_amplitude_m,
+        lag_rad,
+        regime,
+        peak_n,
+        impulse_ns,
+        target_hz,
+        target_n,
+        basin,
+        reseeks,
+        overruns,
+    } = *status;
+    let text = |name: String| Cell::Text(Cow::Owned(name));
+    let of_fault =
+        |f: &dyn Fn(&shared::fault::Record) -> Cell| fault.as_ref().map_or(Cell::Null, f);
+    [
+        text(state_name(state)),
+        Cell::Int(i64::from(tick)),
+        of_fault(&|record| Cell::Text(Cow::Borrowed(record.fault.name()))),
+        of_fault(&|record| text(format!("{:?}", record.origin))),
+        of_fault(&|record| Cell::Int(i64::from(record.tick))),
+        of_fault(&|record| Cell::Float(record.value)),
+        of_fault(&|record| Cell::Float(record.frequency_hz)),
+        Cell::Int(i64::from(limits)),
+        Cell::Float(frequency_hz),
+        Cell::Float(amplitude_m),
+        Cell::Float(measured_amplitude_m),
+        Cell::Float(lag_rad),
+        text(regime.to_string()),
+        Cell::Float(peak_n),
+        Cell::Float(impulse_ns),
+        Cell::Float(target_hz),
+        Cell::Float(target_n),
+        text(format!("{basin:?}")),
+        Cell::Int(i64::from(reseeks)),
+        Cell::Int(i64::from(overruns)),
+    ]
+}
