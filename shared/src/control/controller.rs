@@ -5,7 +5,7 @@ use super::family::Family;
 use super::guard::{Guard, Trip};
 use super::oscillator::Oscillator;
 use super::outlook::Outlook;
-use super::pending::{Identify, Sense};
+use super::pending::Identify;
 use super::search::Search;
 use super::self_test::SelfTest;
 use super::trim::Trim;
@@ -16,7 +16,7 @@ use crate::forecast::{Forecast, MAX_ROWS, Request, Row};
 use crate::io::{Frame, Output};
 use crate::params::{ParamError, RigParams};
 use crate::regime::Regime;
-use crate::sense::Strobe;
+use crate::sense::{Sense, Strobe};
 use crate::settings::{Settings, TICK_RATE_HZ};
 
 /// Range of a forecast in natural frequencies: from below where 1/1 begins to above where it doubles, at
@@ -53,6 +53,9 @@ pub struct Controller {
     pub(super) condition: Option<Fault>,
     pub(super) events: Events,
     pub(super) last: Option<Strobe>,
+    /// Where the hammer was, relative to the cart, at the onset of the contact under way, m.
+    pub(super) onset_m: Option<f32>,
+    pub(super) arrived: bool,
     pub(super) basin: Basin,
     pub(super) striking: u8,
     pub(super) silent: u8,
@@ -113,6 +116,8 @@ impl Controller {
             condition: None,
             events: Events::default(),
             last: None,
+            onset_m: None,
+            arrived: false,
             basin: Basin::Unknown,
             striking: 0,
             silent: 0,

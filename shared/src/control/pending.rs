@@ -1,32 +1,8 @@
 //! Stand-ins until sensing, identification and forecast are in.
 
-use crate::drive::Drive;
 use crate::forecast::{Forecast, Request};
-use crate::regime::Regime;
-use crate::sense::{Measured, Pulse, Sample, Seen};
+use crate::sense::Pulse;
 use crate::settings::Settings;
-
-#[derive(Clone, Debug)]
-pub struct Sense;
-impl Sense {
-    pub fn new(_: &Settings) -> Self {
-        Self
-    }
-    pub fn tick(&mut self, _: Sample, _: u32, _: &Drive<f32>) -> Seen {
-        Seen::default()
-    }
-    pub fn measured(&self) -> Measured {
-        Measured {
-            regime: Regime::None,
-            periods: 0,
-        }
-    }
-    pub fn set_zero(&mut self, _: f32, _: f32) {}
-    pub fn relative(&self) -> (f32, f32) {
-        (0.0, 0.0)
-    }
-    pub fn reset(&mut self) {}
-}
 
 #[derive(Clone, Debug)]
 pub struct Identify;

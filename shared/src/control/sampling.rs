@@ -45,12 +45,10 @@ impl Controller {
     pub(super) fn feel(&mut self, sample: Sample, driving: bool) {
         let seen = self.sense.tick(sample, self.tick, &self.sensed_drive);
         if driving {
-            self.identify_tick();
-        }
-        if let Some(pulse) = seen.pulse
-            && driving
-        {
-            self.pulse(&pulse);
+            self.touch();
+            if let Some(pulse) = seen.pulse {
+                self.pulse(&pulse);
+            }
         }
         if let Some(strobe) = seen.strobe {
             self.last = Some(strobe);
@@ -60,16 +58,24 @@ impl Controller {
         }
     }
 
-    pub(super) fn identify_tick(&mut self) {
-        let (relative_m, rate_m_per_s) = self.sense.relative();
-        let _ = (relative_m, rate_m_per_s);
+    /// Notes where a contact begins, and that there is one.
+    #[inline]
+    fn touch(&mut self) {
+        if !self.sense.in_contact() {
+            self.onset_m = None;
+        } else if self.onset_m.is_none() {
+            let (relative_m, _) = self.sense.relative();
+            self.onset_m = Some(relative_m);
+            self.timers.since_contact = 0;
+            if let Some(trip) = self.family.onset(relative_m) {
+                self.trip(trip);
+            }
+        }
     }
 
-    pub(super) fn pulse(&mut self, pulse: &Pulse) {
-        self.timers.since_contact = 0;
+    fn pulse(&mut self, pulse: &Pulse) {
         self.identify.pulse(pulse);
-        let (relative_m, _) = self.sense.relative();
-        if let Some(trip) = self.family.pulse(pulse, relative_m) {
+        if let Some(trip) = self.family.pulse(pulse) {
             self.trip(trip);
         }
     }
@@ -77,6 +83,10 @@ impl Controller {
     /// A drive period has ended while the drive is on.
     pub(super) fn strobe(&mut self, strobe: &Strobe) {
         let arrived = self.oscillator.frequency_has_arrived();
+        if arrived && !self.arrived {
+            self.sense.frequency_changed();
+        }
+        self.arrived = arrived;
         let settled = arrived && self.state != State::Ramp && self.state != State::Stop;
         self.note_basin(strobe);
         if settled {

@@ -3,11 +3,8 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use crate::control::{Command, Refused, State};
+use crate::control::{Command, MAX_BLOCK, Refused, State};
 use crate::io::{AdcCode, DacCode, Frame, Output};
-
-/// Ticks in a block at most: one bit of a [`Recording`]'s masks each.
-pub const MAX_BLOCK: usize = 32;
 
 /// Commands recorded before a block at most; a board keeps a further one for the next block.
 pub const MAX_GIVEN: usize = 2;
@@ -55,16 +52,22 @@ pub struct Exchange {
 /// Bytes of a tick: three 12-bit ADC codes and a 12-bit DAC code.
 const TICK_BYTES: usize = 6;
 
-/// An [`Exchange`] for the wire: 12 bits per code, and a bit per tick and switch. Of the frequency set-points
-/// it keeps the block's last.
+/// One bit of a mask per tick.
+const _: () = assert!(MAX_BLOCK <= u32::BITS as usize);
+
+/// An [`Exchange`] for the wire: 12 bits per code, a bit per tick and switch, and frequency set-points as the
+/// first and, if they are not all the same, the steps from each to the next. Nothing is lost but what an
+/// f32 or a code of 12 bits cannot hold.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Control tick of the first frame (wraps).
     pub tick: u32,
     /// Everything besides codes.
     pub notes: Notes,
-    /// Frequency set-point of the block's last tick, Hz.
-    pub frequency_hz: f32,
+    /// Frequency set-point of the block's first tick, Hz.
+    frequency_hz: f32,
+    /// From each set-point to the next, as the difference of their bits: small in a slew. Empty: all the same.
+    steps: Vec<i32, MAX_BLOCK>,
     /// Bit i: the emergency-stop chain was open in tick i.
     emergency: u32,
     /// Bit i: the drive was enabled by tick i's output.
@@ -91,14 +94,15 @@ impl Recording {
         Self {
             tick: block.tick,
             notes: block.notes.clone(),
-            frequency_hz: block.outputs.last().map_or(0.0, |o| o.frequency_hz),
+            frequency_hz: block.outputs.first().map_or(0.0, |o| o.frequency_hz),
+            steps: steps(&block.outputs),
             emergency,
             enable,
             codes,
         }
     }
 
-    /// The block. Every output has the last one's frequency. A last tick that is cut off is left out.
+    /// The block. A last tick that is cut off is left out.
     pub fn unpack(&self) -> Exchange {
         let mut block = Exchange {
             tick: self.tick,
@@ -106,6 +110,8 @@ impl Recording {
             ..Exchange::default()
         };
         let mut bit = 1_u32;
+        let mut frequency = self.frequency_hz.to_bits();
+        let mut steps = self.steps.iter();
         for tick in self.codes.chunks_exact(TICK_BYTES) {
             let &[a, b, c, d, e, f] = tick else {
                 break;
@@ -120,15 +126,28 @@ impl Recording {
             };
             let output = Output {
                 dac: DacCode(dac),
-                frequency_hz: self.frequency_hz,
+                frequency_hz: f32::from_bits(frequency),
                 enable: self.enable & bit != 0,
             };
             // As many as codes, and those are bounded.
             let _ = (block.frames.push(frame), block.outputs.push(output));
             bit <<= 1;
+            frequency = frequency.wrapping_add_signed(steps.next().copied().unwrap_or(0));
         }
         block
     }
+}
+
+fn steps(outputs: &[Output]) -> Vec<i32, MAX_BLOCK> {
+    let bits = |output: &Output| output.frequency_hz.to_bits();
+    let pairs = outputs.iter().zip(outputs.iter().skip(1));
+    let steps: Vec<i32, MAX_BLOCK> = pairs
+        .map(|(a, b)| bits(b).wrapping_sub(bits(a)) as i32)
+        .collect();
+    if steps.iter().all(|step| *step == 0) {
+        return Vec::new();
+    }
+    steps
 }
 
 /// Two 12-bit codes in three bytes, little-endian.
@@ -168,7 +187,11 @@ mod tests {
             };
             let output = Output {
                 dac: DacCode(random(4096) as u16),
-                frequency_hz: 3.5,
+                frequency_hz: if seed % 3 == 0 {
+                    3.5
+                } else {
+                    f32::from_bits(random(255 << 23))
+                },
                 enable: random(2) == 1,
             };
             block.frames.push(frame).unwrap();
@@ -198,18 +221,24 @@ mod tests {
         // The worst numbers a packet can have, codes as they come; blocks of 10 ticks.
         let mut block = block(10, 7);
         block.tick = u32::MAX;
-        for (frame, output) in block.frames.iter_mut().zip(&mut block.outputs) {
-            (frame.emergency, output.enable) = (false, true);
-        }
-        let packet = Packet {
-            sequence: u16::MAX,
-            message: FromBoard::Recording(Recording::pack(&block)),
+        let mut bytes = |slew_hz_per_tick: f32| {
+            let mut frequency_hz = 3.66;
+            for (frame, output) in block.frames.iter_mut().zip(&mut block.outputs) {
+                (frame.emergency, output.enable) = (false, true);
+                output.frequency_hz = frequency_hz;
+                frequency_hz += slew_hz_per_tick;
+            }
+            let packet = Packet {
+                sequence: u16::MAX,
+                message: FromBoard::Recording(Recording::pack(&block)),
+            };
+            let mut out = [0; MAX_FRAME];
+            encode(&packet, &mut out).unwrap().len() as u32
         };
-        let mut out = [0; MAX_FRAME];
-        let bytes = encode(&packet, &mut out).unwrap().len();
-        assert_eq!(bytes, 89);
+        // A frequency that stays, and one that slews as fast as by default on the wires.
+        assert_eq!((bytes(0.0), bytes(0.182 / 20_000.0)), (90, 99));
         // Ten bits on the wire per byte.
-        let bits_per_s = bytes as u32 * 10 * crate::settings::TICK_RATE_HZ / 10;
-        assert!(bits_per_s < crate::link::BAUD);
+        let bits_per_s = |bytes: u32| bytes * 10 * crate::settings::TICK_RATE_HZ / 10;
+        assert!(bits_per_s(99) < crate::link::BAUD);
     }
 }

@@ -4,7 +4,7 @@ use super::{
     ANSWER_RESERVE, Answer, ByteQueue, Counters, Decoder, Exchange, ForecastPage, FromBoard, Hello,
     Identified, MAX_FRAME, Packet, Recording, Refusal, Telemetry, ToBoard, encode,
 };
-use crate::control::{Command, Mode, Refused, Status};
+use crate::control::{Command, Mode, Refused, State, Status};
 use crate::fault::Record;
 use crate::settings::Settings;
 
@@ -14,7 +14,7 @@ pub trait Device {
     fn hello(&mut self) -> Hello;
     /// What the controller is doing.
     fn status(&mut self) -> Status;
-    /// Passes a command on. Every command from the link counts as a sign of life.
+    /// Passes a command on.
     ///
     /// # Errors
     /// Why it is not obeyed.
@@ -98,7 +98,8 @@ impl<const N: usize> Session<N> {
     }
 
     /// Whether the computer steers: it has started in manual mode, given a set-point or said that it is
-    /// alive, and has not stopped since. Then each of its packets reaches the controller as a sign of life.
+    /// alive, and there was no stop and no fault since. Then each of its packets reaches the controller as
+    /// [`Command::Alive`].
     pub fn is_in_command(&self) -> bool {
         self.in_command
     }
@@ -108,12 +109,8 @@ impl<const N: usize> Session<N> {
         let Some(packet) = self.decoder.push::<ToBoard>(byte) else {
             return;
         };
-        let is_command = matches!(packet.message, ToBoard::Command(_));
-        if self.in_command && !is_command {
-            // Refused only where there is nothing to keep alive.
-            let _ = device.command(Command::Alive);
-        }
         let answer = self.answer(packet.message, device);
+        self.keep_alive(device);
         let message = FromBoard::Answer {
             request: packet.sequence,
             answer,
@@ -139,6 +136,20 @@ impl<const N: usize> Session<N> {
             };
             let recording = Recording::pack(&exchange);
             self.send(FromBoard::Recording(recording), ANSWER_RESERVE);
+        }
+    }
+
+    /// A packet that came is a sign of life of the computer that steers.
+    fn keep_alive(&mut self, device: &mut impl Device) {
+        if !self.in_command {
+            return;
+        }
+        if device.status().state == State::Fault {
+            // A sign of life may end a fault; this one must stay to be seen, and be cleared by request.
+            self.in_command = false;
+        } else {
+            // Refused only where there is nothing to keep alive.
+            let _ = device.command(Command::Alive);
         }
     }
 

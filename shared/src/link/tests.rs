@@ -3,7 +3,7 @@
 use std::vec::Vec;
 
 use super::*;
-use crate::control::{Basin, Command, Mode, Refused, State, Status};
+use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, State, Status};
 use crate::fault::{Fault, Origin, Record};
 use crate::forecast::{Forecast, Orbit, Row, Target};
 use crate::io::{Frame, Output};
@@ -179,11 +179,13 @@ fn every_message_fits_at_its_longest_and_comes_back() {
         }; MAX_BLOCK]
             .into_iter()
             .collect(),
-        outputs: [Output {
-            enable: true,
-            ..Output::SAFE
-        }; MAX_BLOCK]
-            .into_iter()
+        // Frequencies whose bits are far apart.
+        outputs: (0..MAX_BLOCK)
+            .map(|i| Output {
+                enable: true,
+                frequency_hz: if i % 2 == 0 { 0.0 } else { f32::MAX },
+                ..Output::SAFE
+            })
             .collect(),
         notes: Notes {
             given: [given; MAX_GIVEN].into_iter().collect(),
@@ -281,7 +283,7 @@ impl Device for Stub {
 
 /// A session, its device, and the computer's end of the wire.
 struct Pair {
-    session: Session<1024>,
+    session: Session<1200>,
     device: Stub,
     decoder: Decoder,
     sequence: u16,
@@ -385,9 +387,17 @@ fn every_packet_is_a_sign_of_life_while_the_computer_steers_and_none_is_otherwis
     // A damaged frame is no sign of life.
     pair.session.receive(1, &mut pair.device);
     pair.session.receive(0, &mut pair.device);
-    let told = [Command::Start(Mode::Manual), Command::Alive, Command::Stop];
+    use Command::{Alive, Start, Stop};
+    let told = [Start(Mode::Manual), Alive, Alive, Stop];
     assert_eq!(pair.device.told, told);
     assert_eq!(pair.session.counters().damaged, 1);
+    // Nor is one that comes after a fault, which must stay to be seen.
+    pair.device.status.state = State::Idle;
+    pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
+    pair.device.status.state = State::Fault;
+    pair.device.told.clear();
+    pair.ask(ToBoard::GetStatus);
+    assert!(pair.device.told.is_empty() && !pair.session.is_in_command());
 }
 
 #[test]
