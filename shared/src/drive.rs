@@ -147,6 +147,13 @@ impl<R: Real> Drive<R> {
         Ok(())
     }
 
+    /// Goes back to phase 0 of period 0.
+    pub fn restart(&mut self) {
+        self.now = Stamp::default();
+        self.sin = Compensated::new(R::ZERO);
+        self.cos = Compensated::new(R::ONE);
+    }
+
     /// The frequency the accumulator really runs at, Hz.
     pub fn frequency_hz(&self) -> f64 {
         f64::from(self.increment) / TURN / self.tick_s.to_f64()

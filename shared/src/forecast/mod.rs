@@ -1,5 +1,18 @@
 //! The online twin: what the hammer will do at each frequency, computed in slices while control has
 //! nothing to do.
+//!
+//! [`march`] runs the hammer in long steps, [`settle`] from rest until its section repeats; [`variation`]
+//! carries the derivative along, with which [`shoot`] finds the 1/1 orbit, stable or not; [`refine`] finds where a
+//! stretch of stable 1/1 ends and where it is strongest; [`Forecaster`] does one after the other in slices.
+
+mod forecaster;
+pub mod march;
+pub mod refine;
+pub mod settle;
+pub mod shoot;
+pub mod variation;
+
+pub use forecaster::Forecaster;
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};

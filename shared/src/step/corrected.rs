@@ -18,6 +18,11 @@ pub const MAX_PROBES: usize = 3;
 /// product of this and an earlier one, far below what f32 resolves.
 const SETTLED: f64 = 1e-4;
 
+const LOCATION: Location = Location {
+    iterations: MAX_ITERATIONS,
+    settled: SETTLED,
+};
+
 /// Locates each switch within the step and splits the step there.
 ///
 /// The switch is found by at most [`MAX_ITERATIONS`] secant iterations, each a Runge–Kutta step of the
@@ -29,10 +34,60 @@ const SETTLED: f64 = 1e-4;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corrected;
 
+/// How closely a switch is located.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Location {
+    /// Secant iterations at most.
+    pub iterations: usize,
+    /// An iterate that moves by less than this share of the tick is the last.
+    pub settled: f64,
+}
+
+/// The motion up to the next switch, or to the end of a span.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg<R> {
+    /// The fraction of the tick at which it ends.
+    pub at: R,
+    /// The step that ends there, still in the mode it began in.
+    pub moved: super::Moved<R>,
+    /// Whether it ends on a switch.
+    pub switched: bool,
+}
+
 impl Corrected {
+    /// Moves on from `state` at `span.from` to the first switch, at most to `span.to`. `fresh` says that
+    /// the span begins on a switch.
+    #[inline]
+    pub(crate) fn leg<R: Real>(
+        rig: &Rig<R>,
+        span: &Span<R>,
+        state: &State<R>,
+        fresh: bool,
+        location: Location,
+    ) -> Leg<R> {
+        let part = (span.from, span.to);
+        let moved = Self::step(rig, span, state, part);
+        match Self::bracket(rig, span, state, part, &moved.state) {
+            None => Leg {
+                at: span.to,
+                moved,
+                switched: false,
+            },
+            Some(far) => {
+                let start = (span.from, fresh);
+                let (at, moved) = Self::locate(rig, span, state, start, far, location);
+                Leg {
+                    at,
+                    moved,
+                    switched: true,
+                }
+            }
+        }
+    }
+
     /// A step in the field of `state.mode`.
     #[inline]
-    fn step<R: Real>(
+    pub(crate) fn step<R: Real>(
         rig: &Rig<R>,
         span: &Span<R>,
         state: &State<R>,
@@ -47,7 +102,7 @@ impl Corrected {
 
     /// The indicator and δ̇ at a state.
     #[inline]
-    fn look<R: Real>(rig: &Rig<R>, state: &State<R>) -> (R, R) {
+    pub(crate) fn look<R: Real>(rig: &Rig<R>, state: &State<R>) -> (R, R) {
         let at = rig.kinematics(state.q.hi, state.v.hi);
         let (law, approach) = (rig.law(), state.approach);
         let indicator = match state.mode {
@@ -101,6 +156,7 @@ impl Corrected {
         state: &State<R>,
         (from, fresh): (R, bool),
         (far, at_far): (R, R),
+        location: Location,
     ) -> (R, super::Moved<R>) {
         let (mut x0, mut g0) = (from, Self::look(rig, state).0);
         let (mut far, mut at_far) = (far, at_far);
@@ -128,8 +184,8 @@ impl Corrected {
             let next = next.max(from).min(far);
             let moved = Self::step(rig, span, state, (from, next));
             let (g, _) = Self::look(rig, &moved.state);
-            let settled = (next - x1).abs() <= R::from_f64(SETTLED) || g == R::ZERO;
-            if settled || iteration == MAX_ITERATIONS {
+            let settled = (next - x1).abs() <= R::from_f64(location.settled) || g == R::ZERO;
+            if settled || iteration >= location.iterations {
                 return (next, moved);
             }
             (x0, g0) = (x1, g1);
@@ -144,25 +200,24 @@ impl<R: Real> Stepper<R> for Corrected {
     fn advance(&self, rig: &Rig<R>, span: &Span<R>, state: &mut State<R>, ledger: &mut Ledger<R>) {
         let mut from = span.from;
         for switches in 0..=MAX_SWITCHES {
-            let part = (from, span.to);
-            let moved = Self::step(rig, span, state, part);
-            let bracket = if switches < MAX_SWITCHES {
-                Self::bracket(rig, span, state, part, &moved.state)
+            let rest = Span { from, ..*span };
+            let leg = if switches < MAX_SWITCHES {
+                Self::leg(rig, &rest, state, switches > 0, LOCATION)
             } else {
-                None
-            };
-            let Some(far) = bracket else {
-                if state.mode == Mode::Contact {
-                    ledger.add(&piece(rig, span, part, state, &moved));
+                Leg {
+                    at: span.to,
+                    moved: Self::step(rig, span, state, (from, span.to)),
+                    switched: false,
                 }
-                *state = moved.state;
-                return;
             };
-            let (at, moved) = Self::locate(rig, span, state, (from, switches > 0), far);
+            let Leg { at, moved, .. } = leg;
             if state.mode == Mode::Contact {
                 ledger.add(&piece(rig, span, (from, at), state, &moved));
             }
             *state = moved.state;
+            if !leg.switched {
+                return;
+            }
             let rate = rig.kinematics(state.q.hi, state.v.hi).rate;
             match state.mode {
                 Mode::Flight => {

@@ -14,6 +14,7 @@ mod corrected;
 mod smoothed;
 
 pub use banded::Banded;
+pub(crate) use corrected::Location;
 pub use corrected::{Corrected, MAX_ITERATIONS, MAX_SWITCHES};
 pub use smoothed::Smoothed;
 
@@ -75,7 +76,7 @@ pub struct Span<'a, R> {
 impl<R: Real> Span<'_, R> {
     /// A0 Ω² sin Ωt at a fraction of the tick, m/s².
     #[inline]
-    fn inertial(&self, fraction: R) -> R {
+    pub(crate) fn inertial(&self, fraction: R) -> R {
         let sin = if fraction == R::ZERO {
             self.drive.sin()
         } else {
@@ -85,7 +86,7 @@ impl<R: Real> Span<'_, R> {
     }
 
     #[inline]
-    fn stamp(&self, fraction: R) -> Stamp {
+    pub(crate) fn stamp(&self, fraction: R) -> Stamp {
         self.drive.stamp_ahead(fraction)
     }
 }
@@ -101,9 +102,9 @@ pub trait Stepper<R: Real> {
 
 /// What one Runge–Kutta step found.
 #[derive(Clone, Copy, Debug)]
-struct Moved<R> {
-    state: State<R>,
-    impulse: R,
+pub(crate) struct Moved<R> {
+    pub state: State<R>,
+    pub impulse: R,
     work: R,
 }
 
@@ -164,7 +165,7 @@ fn force_and_rate<R: Real>(rig: &Rig<R>, state: &State<R>, drive: R) -> (R, R) {
 
 /// The ledger's view of a step spent in contact.
 #[inline]
-fn piece<R: Real>(
+pub(crate) fn piece<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
     (from, to): (R, R),

@@ -1,0 +1,488 @@
+//! The forecast in slices: which run comes next, and what its finding means.
+//!
+//! Rows are worked off by rising frequency: what rest settles to, then the 1/1 orbit, from there or from
+//! the rows before. A second pass, downwards, looks for orbits that rest does not lead to, from the row
+//! above. Then the strongest stretch of stable 1/1 is followed to its ends, and its strongest orbit found.
+
+use super::refine::{Edge, Known, Peak, is_neighbour, on_line};
+use super::settle::{Settle, Settled};
+use super::shoot::{Progress, Shoot, Solution};
+use super::{Forecast, MAX_ROWS, Request, Row, Target};
+use crate::regime::Regime;
+
+/// A run that ends this close to a stable 1/1 (in A0 and A0 Ω) is settling on it, however slowly.
+const NEAR_THE_ORBIT: f32 = 0.05;
+
+/// What runs now.
+#[derive(Clone, Copy, Debug)]
+enum Run {
+    Nothing,
+    Settle(Settle),
+    Shoot(Shoot, f32),
+}
+
+/// What the run is for.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    Done,
+    /// From rest at a row.
+    Rest(usize),
+    /// The orbit of a row, the n-th guess.
+    Orbit(usize, u8),
+    /// The same on the way down.
+    Down(usize, u8),
+    /// The upper end of the stable 1/1.
+    High(Edge),
+    /// Its lower end.
+    Low(Edge),
+    /// Its strongest orbit.
+    Peak(Peak),
+    /// From rest at the target.
+    Entry,
+}
+
+/// The stretch of stable 1/1 that holds the target.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stretch {
+    /// First, strongest and last row.
+    rows: (usize, usize, usize),
+    low: Option<Known>,
+    high: Option<Known>,
+    doubling_hz: Option<f32>,
+}
+
+/// Computes a [`Forecast`] in slices of bounded work.
+#[derive(Clone, Debug)]
+pub struct Forecaster {
+    request: Option<Request>,
+    forecast: Forecast,
+    /// Section points of the rows' orbits, where there is one.
+    sections: [[f32; 2]; MAX_ROWS],
+    settled: Option<Settled>,
+    stretch: Stretch,
+    stage: Stage,
+    run: Run,
+}
+
+impl Default for Forecaster {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Forecaster {
+    /// With nothing to do.
+    pub fn new() -> Self {
+        Self {
+            request: None,
+            forecast: Forecast::default(),
+            sections: [[0.0; 2]; MAX_ROWS],
+            settled: None,
+            stretch: Stretch::default(),
+            stage: Stage::Done,
+            run: Run::Nothing,
+        }
+    }
+
+    /// Starts on `request`, whatever was going on. A request that cannot be (a rig that fails its check, a
+    /// range that is none) is answered with no rows and no target.
+    pub fn start(&mut self, request: &Request) {
+        self.request = Some(*request);
+        self.forecast.id = request.id;
+        self.forecast.rows.clear();
+        self.forecast.target = None;
+        self.stretch = Stretch::default();
+        let (low, high) = request.range_hz;
+        let good = low > 0.0 && high > low && high.is_finite();
+        if good && request.rig.check().is_ok() {
+            self.rest(0);
+        } else {
+            self.finish();
+        }
+    }
+
+    /// The request being worked on, or answered last.
+    pub fn request_id(&self) -> Option<u32> {
+        self.request.map(|request| request.id)
+    }
+
+    /// The forecast, once it is done.
+    pub fn result(&self) -> Option<&Forecast> {
+        let done = matches!(self.stage, Stage::Done) && self.request.is_some();
+        done.then_some(&self.forecast)
+    }
+
+    /// One slice of work: one step of whatever runs. Says whether there is more to do.
+    pub fn slice(&mut self) -> bool {
+        match &mut self.run {
+            Run::Nothing => {}
+            Run::Settle(run) => {
+                if let Some(settled) = run.step() {
+                    self.settled(settled);
+                }
+            }
+            Run::Shoot(run, hz) => {
+                let hz = *hz;
+                match run.step() {
+                    Progress::Working => {}
+                    Progress::Found(solution) => self.shot(hz, Some(solution)),
+                    Progress::Lost => self.shot(hz, None),
+                }
+            }
+        }
+        !matches!(self.stage, Stage::Done)
+    }
+
+    fn rows(&self) -> usize {
+        let asked = self.request.map_or(0, |r| usize::from(r.rows));
+        asked.clamp(2, MAX_ROWS)
+    }
+
+    fn row_hz(&self, row: usize) -> f32 {
+        let (low, high) = self.request.map_or((0.0, 0.0), |r| r.range_hz);
+        let last = self.rows() - 1;
+        if row >= last {
+            return high;
+        }
+        low + (high - low) * (row as f32 / last as f32)
+    }
+
+    /// The 1/1 of a row.
+    fn known(&self, row: usize) -> Option<Known> {
+        let found = self.forecast.rows.get(row)?;
+        Some(Known {
+            hz: found.frequency_hz,
+            solution: Solution {
+                section: *self.sections.get(row)?,
+                onsets: 1,
+                orbit: found.orbit?,
+            },
+        })
+    }
+
+    fn stable(&self, row: usize) -> Option<Known> {
+        self.known(row)
+            .filter(|known| known.solution.is_stable_one_one())
+    }
+
+    /// Runs from rest at a row.
+    fn rest(&mut self, row: usize) {
+        self.stage = Stage::Rest(row);
+        self.settle_at(self.row_hz(row));
+    }
+
+    fn settle_at(&mut self, hz: f32) {
+        let run = self.request.and_then(|r| Settle::new(&r.rig, hz));
+        match run {
+            Some(run) => self.run = Run::Settle(run),
+            None => self.finish(),
+        }
+    }
+
+    fn shoot_at(&mut self, hz: f32, guess: [f32; 2]) {
+        let run = self.request.and_then(|r| Shoot::new(&r.rig, hz, guess));
+        match run {
+            Some(run) => self.run = Run::Shoot(run, hz),
+            None => self.finish(),
+        }
+    }
+
+    fn finish(&mut self) {
+        self.stage = Stage::Done;
+        self.run = Run::Nothing;
+    }
+
+    /// A run from rest has ended.
+    fn settled(&mut self, settled: Settled) {
+        match self.stage {
+            Stage::Rest(row) => {
+                let frequency_hz = self.row_hz(row);
+                let full = self.forecast.rows.push(Row {
+                    frequency_hz,
+                    regime: settled.regime,
+                    force_n: settled.force_n,
+                    orbit: None,
+                });
+                if full.is_err() {
+                    return self.finish();
+                }
+                self.settled = Some(settled);
+                self.next_guess(row, 0);
+            }
+            Stage::Entry => self.enter(&settled),
+            _ => self.finish(),
+        }
+    }
+
+    /// Shoots from the next guess there is for a row, or goes on.
+    fn next_guess(&mut self, row: usize, from: u8) {
+        let hz = self.row_hz(row);
+        let guess = (from..3).find_map(|n| Some((n, self.upward_guess(row, n, hz)?)));
+        match guess {
+            Some((n, guess)) => {
+                self.stage = Stage::Orbit(row, n);
+                self.shoot_at(hz, guess);
+            }
+            None if row + 1 < self.rows() => self.rest(row + 1),
+            None => self.next_down(row),
+        }
+    }
+
+    /// The guesses on the way up: what rest settled to if that is 1/1; the rows before; the middle of a
+    /// doubled orbit.
+    fn upward_guess(&self, row: usize, n: u8, hz: f32) -> Option<[f32; 2]> {
+        let settled = self.settled?;
+        let before = row.checked_sub(1).and_then(|row| self.known(row));
+        match n {
+            0 => settled.regime.is(1, 1).then_some(settled.section),
+            1 => {
+                let last = before?;
+                let earlier = row.checked_sub(2).and_then(|row| self.known(row));
+                Some(match earlier {
+                    Some(earlier) => on_line(&earlier, &last, hz),
+                    None => last.solution.section,
+                })
+            }
+            _ => {
+                let ([q0, v0], [q1, v1]) = (settled.before, settled.section);
+                let doubled = settled.regime.is(2, 2);
+                doubled.then_some([0.5 * (q0 + q1), 0.5 * (v0 + v1)])
+            }
+        }
+    }
+
+    /// Looks below `row` for the next row without an orbit whose upper neighbour has one.
+    fn next_down(&mut self, row: usize) {
+        for row in (0..row).rev() {
+            let lacks = self.known(row).is_none();
+            if lacks && let Some(above) = self.known(row + 1) {
+                self.stage = Stage::Down(row, 0);
+                let hz = self.row_hz(row);
+                let guess = match self.known(row + 2) {
+                    Some(higher) => on_line(&higher, &above, hz),
+                    None => above.solution.section,
+                };
+                return self.shoot_at(hz, guess);
+            }
+        }
+        self.begin_stretch();
+    }
+
+    /// A shooting has ended.
+    fn shot(&mut self, hz: f32, found: Option<Solution>) {
+        match self.stage {
+            Stage::Orbit(row, n) => {
+                let known = self.enter_orbit(row, found);
+                self.next_guess(row, if known { 3 } else { n + 1 });
+            }
+            Stage::Down(row, n) => {
+                if !self.enter_orbit(row, found)
+                    && n == 0
+                    && let Some(above) = self.known(row + 1)
+                {
+                    self.stage = Stage::Down(row, 1);
+                    return self.shoot_at(hz, above.solution.section);
+                }
+                self.next_down(row);
+            }
+            Stage::High(mut edge) => {
+                edge.take(hz, found);
+                self.follow_high(edge);
+            }
+            Stage::Low(mut edge) => {
+                edge.take(hz, found);
+                self.follow_low(edge);
+            }
+            Stage::Peak(mut peak) => {
+                peak.take(hz, found);
+                self.follow_peak(peak);
+            }
+            Stage::Done | Stage::Rest(_) | Stage::Entry => self.finish(),
+        }
+    }
+
+    /// Enters a row's orbit if it is a 1/1; says whether it is.
+    fn enter_orbit(&mut self, index: usize, found: Option<Solution>) -> bool {
+        let Some(solution) = found else { return false };
+        let Some(orbit) = solution.one_one() else {
+            return false;
+        };
+        let near = self
+            .settled
+            .is_some_and(|settled| self.is_near(&settled, &solution, index));
+        let upward = matches!(self.stage, Stage::Orbit(..));
+        let (Some(row), Some(section)) = (
+            self.forecast.rows.get_mut(index),
+            self.sections.get_mut(index),
+        ) else {
+            return false;
+        };
+        row.orbit = Some(orbit);
+        *section = solution.section;
+        if upward && near && orbit.is_stable() {
+            row.regime = Regime::Periodic {
+                impacts: 1,
+                periods: 1,
+            };
+        }
+        true
+    }
+
+    /// Whether a run ended close to an orbit.
+    fn is_near(&self, settled: &Settled, solution: &Solution, row: usize) -> bool {
+        let Some(request) = self.request else {
+            return false;
+        };
+        let omega = core::f32::consts::TAU * self.row_hz(row);
+        let Ok(rig) = crate::rig::Rig::<f32>::new(&request.rig) else {
+            return false;
+        };
+        let scale = rig.coordinate_scale();
+        let ([q0, v0], [q1, v1]) = (settled.section, solution.section);
+        libm::fabsf(q1 - q0) < NEAR_THE_ORBIT * scale
+            && libm::fabsf(v1 - v0) < NEAR_THE_ORBIT * scale * omega
+    }
+
+    /// Chooses the strongest stable row and the stretch around it, and goes for its upper end.
+    fn begin_stretch(&mut self) {
+        let rows = self.forecast.rows.len();
+        let force = |known: &Known| known.solution.orbit.force_n;
+        let mut top: Option<(usize, f32)> = None;
+        for row in 0..rows {
+            let Some(known) = self.stable(row) else {
+                continue;
+            };
+            if top.is_none_or(|(_, strongest)| force(&known) > strongest) {
+                top = Some((row, force(&known)));
+            }
+        }
+        let Some((top, _)) = top else {
+            return self.finish();
+        };
+        let (mut first, mut last) = (top, top);
+        while first > 0 && self.joined(first - 1) {
+            first -= 1;
+        }
+        while last + 1 < rows && self.joined(last) {
+            last += 1;
+        }
+        self.stretch = Stretch {
+            rows: (first, top, last),
+            ..Stretch::default()
+        };
+        let Some(inside) = self.known(last) else {
+            return self.finish();
+        };
+        if last + 1 == rows {
+            self.stretch.high = Some(inside);
+            return self.begin_low();
+        }
+        let behind = last.checked_sub(1).filter(|row| *row >= first);
+        let behind = behind.and_then(|row| self.known(row));
+        let beyond = self.known(last + 1).map(|known| known.solution);
+        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
+        let edge = Edge::new(inside, behind, self.row_hz(last + 1), beyond);
+        self.follow_high(edge);
+    }
+
+    /// Whether a row and the next are of one stable stretch.
+    fn joined(&self, row: usize) -> bool {
+        self.stable(row)
+            .zip(self.stable(row + 1))
+            .is_some_and(|(a, b)| is_neighbour(&a.solution, &b.solution))
+    }
+
+    fn follow_high(&mut self, edge: Edge) {
+        if let Some(hz) = edge.wanted() {
+            self.stage = Stage::High(edge);
+            return self.shoot_at(hz, edge.guess(hz));
+        }
+        self.stretch.high = Some(edge.inside());
+        self.stretch.doubling_hz = edge.doubling_hz();
+        self.begin_low();
+    }
+
+    fn begin_low(&mut self) {
+        let (first, _, last) = self.stretch.rows;
+        let Some(inside) = self.known(first) else {
+            return self.finish();
+        };
+        if first == 0 {
+            self.stretch.low = Some(inside);
+            return self.begin_peak();
+        }
+        let behind = (first < last).then(|| self.known(first + 1)).flatten();
+        let beyond = self.known(first - 1).map(|known| known.solution);
+        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
+        let edge = Edge::new(inside, behind, self.row_hz(first - 1), beyond);
+        self.follow_low(edge);
+    }
+
+    fn follow_low(&mut self, edge: Edge) {
+        if let Some(hz) = edge.wanted() {
+            self.stage = Stage::Low(edge);
+            return self.shoot_at(hz, edge.guess(hz));
+        }
+        self.stretch.low = Some(edge.inside());
+        self.begin_peak();
+    }
+
+    fn begin_peak(&mut self) {
+        let (first, top, last) = self.stretch.rows;
+        let low = if top > first {
+            self.known(top - 1)
+        } else {
+            self.stretch.low
+        };
+        let high = if top < last {
+            self.known(top + 1)
+        } else {
+            self.stretch.high
+        };
+        match (low, self.known(top), high) {
+            (Some(low), Some(top), Some(high)) => self.follow_peak(Peak::new(low, top, high)),
+            _ => self.finish(),
+        }
+    }
+
+    fn follow_peak(&mut self, peak: Peak) {
+        if let Some(hz) = peak.wanted() {
+            self.stage = Stage::Peak(peak);
+            return self.shoot_at(hz, peak.guess(hz));
+        }
+        let best = peak.best();
+        let (low, high) = (self.stretch.low, self.stretch.high);
+        self.forecast.target = Some(Target {
+            frequency_hz: best.hz,
+            orbit: best.solution.orbit,
+            band_hz: (
+                low.map_or(best.hz, |known| known.hz),
+                high.map_or(best.hz, |known| known.hz),
+            ),
+            doubling_hz: self.stretch.doubling_hz,
+            entry_hz: best.hz,
+        });
+        self.stage = Stage::Entry;
+        self.settle_at(best.hz);
+    }
+
+    /// The run from rest at the target has ended: enter there, or at the nearest row of the stretch that
+    /// rest leads to 1/1, or at least to strike.
+    fn enter(&mut self, settled: &Settled) {
+        let (first, top, last) = self.stretch.rows;
+        if !settled.regime.is(1, 1) {
+            let nearest = |wanted: &dyn Fn(Regime) -> bool| {
+                let rows = self.forecast.rows.iter().enumerate();
+                rows.filter(|(i, row)| (first..=last).contains(i) && wanted(row.regime))
+                    .min_by_key(|(i, _)| i.abs_diff(top))
+                    .map(|(_, row)| row.frequency_hz)
+            };
+            let entry = nearest(&|regime| regime.is(1, 1))
+                .or_else(|| nearest(&|regime| regime != Regime::None));
+            if let (Some(hz), Some(target)) = (entry, &mut self.forecast.target) {
+                target.entry_hz = hz;
+            }
+        }
+        self.finish();
+    }
+}

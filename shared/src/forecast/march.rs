@@ -1,0 +1,250 @@
+//! The forecast's march: long steps in flight, short ones in contact, switches located in between.
+//!
+//! The drive's tick is a 32nd of its period, so every period starts exactly at phase 0 and none is ever
+//! split by a strobe. Within a tick time is a fraction, whose grain in `f32` is below a nanosecond. A step
+//! never passes the end of a tick, nor a switch.
+//!
+//! In flight the motion is smooth on the scale of a period. At a switch the step falls back to a
+//! fraction of the contact's own time scale; it doubles from step to step once the hammer is free again,
+//! and grows slowly in a contact that lasts, up to what Runge–Kutta keeps stable.
+
+use crate::contacts::{Ledger, Period};
+use crate::drive::{Drive, Stamp};
+use crate::params::{ParamError, RigParams};
+use crate::rig::{Mode, Rig};
+use crate::step::{Corrected, Location, Span, State, piece};
+
+/// Steps per drive period in flight.
+pub const STEPS_PER_PERIOD: u32 = 32;
+
+/// Steps in contact, in units of the contact's time scale 1/λ ([`contact_rate`]): 47 µs for Table 3.1 on
+/// 0.298 kg.
+const CONTACT_STEP: f64 = 0.2;
+
+/// The longest step in a contact that lasts, in the same unit.
+const LONGEST_CONTACT_STEP: f64 = 1.0;
+
+/// Steps of unchanged length at the beginning of a contact: longer than a blow lasts.
+const STEPS_OF_A_BLOW: u16 = 40;
+
+/// Speed of a typical blow in units of A0 ω, for laws whose time scale depends on it.
+const BLOW_SPEED: f64 = 5.0;
+
+/// Switches are located to this share of a tick, unless the iterations run out first.
+const LOCATION: Location = Location {
+    iterations: 7,
+    settled: 2e-5,
+};
+
+/// λ, 1/s: the faster of the contact's oscillation, v/δ_max of a typical blow (√(ki/m) for the linear
+/// spring), and its damper's decay ci/m.
+fn contact_rate(params: &RigParams) -> f64 {
+    let (stiffness, n) = (params.contact.stiffness(), params.contact.exponent());
+    let omega = core::f64::consts::TAU * params.natural_frequency_hz();
+    let speed = BLOW_SPEED * params.amplitude_m * omega;
+    let energy = 0.5 * params.mass_kg * speed * speed;
+    let deepest = libm::pow((n + 1.0) * energy / stiffness, 1.0 / (n + 1.0));
+    let (_, damping) = params.contact.gradient(deepest, 0.0, speed);
+    (speed / deepest).max(damping / params.mass_kg)
+}
+
+/// A rig at a drive frequency, with the step lengths that suit it.
+#[derive(Clone, Copy, Debug)]
+pub struct Setup {
+    /// The rig.
+    pub rig: Rig<f32>,
+    /// The drive at phase 0, a 32nd of a period per tick.
+    pub drive: Drive<f32>,
+    /// A0 Ω², m/s².
+    pub drive_acceleration: f32,
+    /// Units of the section: A0 and A0 Ω in the coordinate's units.
+    pub units: [f32; 2],
+    /// First and longest step in contact, as fractions of the tick.
+    contact_steps: (f32, f32),
+}
+
+impl Setup {
+    /// `params` driven at `frequency_hz`. `None` if no drive can run at that frequency.
+    ///
+    /// # Errors
+    /// A parameter that no rig can have.
+    pub fn new(params: &RigParams, frequency_hz: f32) -> Result<Option<Self>, ParamError> {
+        let rig = Rig::<f32>::new(params)?;
+        let hz = f64::from(frequency_hz);
+        let tick_s = 1.0 / (hz * f64::from(STEPS_PER_PERIOD));
+        let Ok(drive) = Drive::<f32>::new(hz, tick_s) else {
+            return Ok(None);
+        };
+        let omega = drive.angular_frequency();
+        let unit = 1.0 / (contact_rate(params) * tick_s);
+        let limit = |x: f64| if x < 0.5 { x as f32 } else { 0.5 };
+        let scale = rig.coordinate_scale();
+        Ok(Some(Self {
+            rig,
+            drive,
+            drive_acceleration: rig.amplitude() * (omega * omega) as f32,
+            units: [scale, scale * omega as f32],
+            contact_steps: (
+                limit(CONTACT_STEP * unit),
+                limit(LONGEST_CONTACT_STEP * unit),
+            ),
+        }))
+    }
+}
+
+/// What a step did: enough to follow it in other numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// The part of the tick it spans.
+    pub part: (f32, f32),
+    /// Whether it ended on a switch, which has been crossed.
+    pub switched: bool,
+    /// Whether the tick ended with it.
+    pub tick_ended: bool,
+    /// Whether the drive period ended with it.
+    pub period_ended: bool,
+}
+
+/// What the march notes beside the ledger: the latest contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Notes {
+    /// ∫F dt since the notes were cleared, N·s.
+    pub impulse_ns: f32,
+    /// The latest onset, and the penetration rate there, m/s.
+    pub onset: Option<(Stamp, f32)>,
+}
+
+/// The hammer on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct March {
+    setup: Setup,
+    drive: Drive<f32>,
+    state: State<f32>,
+    /// Where in the tick.
+    at: f32,
+    /// Length of the next step, in ticks.
+    stride: f32,
+    /// Whether the next step begins on a switch.
+    fresh: bool,
+    /// Steps since the onset.
+    steps_in_contact: u16,
+    ledger: Ledger<f32>,
+    notes: Notes,
+}
+
+impl March {
+    /// Starts at `section` (coordinate and rate) at drive phase 0.
+    pub fn new(setup: &Setup, section: [f32; 2]) -> Self {
+        let [q, v] = section;
+        let state = State::new(&setup.rig, q, v);
+        let mut ledger = Ledger::default();
+        let mut stride = 1.0;
+        if state.mode == Mode::Contact {
+            ledger.resume(setup.drive.now(), state.approach);
+            stride = setup.contact_steps.0;
+        }
+        Self {
+            setup: *setup,
+            drive: setup.drive,
+            state,
+            at: 0.0,
+            stride,
+            fresh: false,
+            steps_in_contact: 0,
+            ledger,
+            notes: Notes::default(),
+        }
+    }
+
+    /// The rig and drive it was set up with.
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// Coordinate and rate now.
+    pub fn section(&self) -> [f32; 2] {
+        [self.state.q.hi, self.state.v.hi]
+    }
+
+    /// The latest contact.
+    pub fn notes(&self) -> &Notes {
+        &self.notes
+    }
+
+    /// Closes the book of the drive period that has just ended.
+    pub fn close_period(&mut self) -> Period<f32> {
+        let _ = self.ledger.take_finished();
+        self.ledger.close_period()
+    }
+
+    /// One step. Bounded work: at most a dozen Runge–Kutta steps where a switch is located, one elsewhere.
+    pub fn step(&mut self) -> Stretch {
+        let from = self.at;
+        let to = from + self.stride;
+        // No crumbs: a remainder of less than half a step is taken along.
+        let to = if to + 0.5 * self.stride >= 1.0 {
+            1.0
+        } else {
+            to
+        };
+        let span = Span {
+            drive: &self.drive,
+            drive_acceleration: self.setup.drive_acceleration,
+            from,
+            to,
+        };
+        let rig = &self.setup.rig;
+        let leg = Corrected::leg(rig, &span, &self.state, self.fresh, LOCATION);
+        if self.state.mode == Mode::Contact {
+            let piece = piece(rig, &span, (from, leg.at), &self.state, &leg.moved);
+            self.notes.impulse_ns += piece.impulse;
+            self.ledger.add(&piece);
+        }
+        self.state = leg.moved.state;
+        if leg.switched {
+            let rate = rig.kinematics(self.state.q.hi, self.state.v.hi).rate;
+            let stamp = span.stamp(leg.at);
+            match self.state.mode {
+                Mode::Flight => {
+                    self.state.mode = Mode::Contact;
+                    self.state.approach = rate;
+                    self.notes.onset = Some((stamp, rate));
+                    self.ledger.onset(stamp, rate);
+                }
+                Mode::Contact => {
+                    self.state.mode = Mode::Flight;
+                    self.ledger.release(stamp, rate);
+                }
+            }
+        }
+        self.choose_stride(leg.switched);
+        self.fresh = leg.switched;
+        let tick_ended = leg.at >= 1.0;
+        self.at = leg.at;
+        if tick_ended {
+            self.at = 0.0;
+            self.drive.advance();
+        }
+        Stretch {
+            part: (from, leg.at),
+            switched: leg.switched,
+            tick_ended,
+            period_ended: tick_ended && self.drive.now().phase == 0,
+        }
+    }
+
+    fn choose_stride(&mut self, switched: bool) {
+        let (first, longest) = self.setup.contact_steps;
+        if switched {
+            self.stride = first;
+            self.steps_in_contact = 0;
+        } else if self.state.mode == Mode::Flight {
+            self.stride = (2.0 * self.stride).min(1.0);
+        } else {
+            self.steps_in_contact = self.steps_in_contact.saturating_add(1);
+            if self.steps_in_contact > STEPS_OF_A_BLOW {
+                self.stride = (1.25 * self.stride).min(longest);
+            }
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! Between the rows: where a stretch of stable 1/1 ends, and where its force is largest.
+//!
+//! Both searches say at which frequency they want the next orbit, and take what was found there.
+
+use super::shoot::Solution;
+
+/// An orbit and its frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Known {
+    /// Drive frequency, Hz.
+    pub hz: f32,
+    /// The orbit.
+    pub solution: Solution,
+}
+
+impl Known {
+    /// 1 + trace + determinant: the characteristic polynomial at −1, zero where the period doubles and
+    /// positive before.
+    fn at_minus_one(&self) -> f32 {
+        1.0 + self.solution.orbit.trace + self.solution.orbit.determinant
+    }
+
+    fn force(&self) -> f32 {
+        self.solution.orbit.force_n
+    }
+}
+
+/// The section point at `hz` on the line through two orbits, beyond them too.
+pub fn on_line(a: &Known, b: &Known, hz: f32) -> [f32; 2] {
+    let span = b.hz - a.hz;
+    let share = if span == 0.0 { 0.0 } else { (hz - a.hz) / span };
+    let [q0, v0] = a.solution.section;
+    let [q1, v1] = b.solution.section;
+    [q0 + share * (q1 - q0), v0 + share * (v1 - v0)]
+}
+
+/// Whether two neighbouring orbits are of one branch: their forces differ little.
+pub fn is_neighbour(a: &Solution, b: &Solution) -> bool {
+    let (a, b) = (a.orbit.force_n, b.orbit.force_n);
+    a < 1.35 * b && b < 1.35 * a
+}
+
+/// The search for an end of the stable 1/1, from a frequency inside to one beyond.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    inside: Known,
+    /// Another orbit farther inside, to extrapolate with.
+    behind: Option<Known>,
+    beyond_hz: f32,
+    /// The orbit beyond, if it is a 1/1 past its doubling, with its weight in the false position.
+    beyond: Option<(Known, f32)>,
+    inside_weight: f32,
+    iterations: u8,
+}
+
+/// Frequencies are found to this share of themselves.
+const TOLERANCE: f32 = 2e-5;
+
+const EDGE_ITERATIONS: u8 = 14;
+
+impl Edge {
+    /// Starts with an orbit `inside`, perhaps another one `behind` it, and a frequency beyond the end, with
+    /// what was found there.
+    pub fn new(
+        inside: Known,
+        behind: Option<Known>,
+        beyond_hz: f32,
+        beyond: Option<Solution>,
+    ) -> Self {
+        let mut edge = Self {
+            inside,
+            behind,
+            beyond_hz,
+            beyond: None,
+            inside_weight: 1.0,
+            iterations: 0,
+        };
+        edge.set_beyond(beyond_hz, beyond);
+        edge
+    }
+
+    /// The last stable 1/1 found.
+    pub fn inside(&self) -> Known {
+        self.inside
+    }
+
+    /// The doubling, Hz, if it is one.
+    pub fn doubling_hz(&self) -> Option<f32> {
+        self.beyond.map(|_| self.next_hz())
+    }
+
+    /// Where the next orbit is wanted, or none when the end is found.
+    pub fn wanted(&self) -> Option<f32> {
+        let width = libm::fabsf(self.beyond_hz - self.inside.hz);
+        let next = self.next_hz();
+        let narrow = TOLERANCE * self.inside.hz;
+        let close = self.beyond.is_some()
+            && self.iterations > 2
+            && (libm::fabsf(next - self.inside.hz) < narrow
+                || libm::fabsf(next - self.beyond_hz) < narrow);
+        (self.iterations < EDGE_ITERATIONS && width > narrow && !close).then_some(next)
+    }
+
+    /// A guess of the section at `hz`.
+    pub fn guess(&self, hz: f32) -> [f32; 2] {
+        match (&self.beyond, &self.behind) {
+            (Some((beyond, _)), _) => on_line(&self.inside, beyond, hz),
+            (None, Some(behind)) => on_line(behind, &self.inside, hz),
+            (None, None) => self.inside.solution.section,
+        }
+    }
+
+    /// Takes what was found at `hz`.
+    pub fn take(&mut self, hz: f32, found: Option<Solution>) {
+        self.iterations += 1;
+        let found = found.filter(|f| is_neighbour(f, &self.inside.solution));
+        match found {
+            Some(solution) if solution.is_stable_one_one() => {
+                self.behind = Some(self.inside);
+                self.inside = Known { hz, solution };
+                // The same side twice: the false position leans to the other (Illinois).
+                self.inside_weight = 1.0;
+                if let Some((_, weight)) = &mut self.beyond {
+                    *weight *= 0.5;
+                }
+            }
+            other => {
+                self.set_beyond(hz, other);
+                self.inside_weight *= 0.5;
+            }
+        }
+    }
+
+    fn set_beyond(&mut self, hz: f32, found: Option<Solution>) {
+        self.beyond_hz = hz;
+        let doubled = found
+            .filter(|s| s.onsets == 1)
+            .map(|solution| Known { hz, solution })
+            .filter(|known| known.at_minus_one() < 0.0);
+        self.beyond = doubled.map(|known| (known, 1.0));
+    }
+
+    fn next_hz(&self) -> f32 {
+        let (from, to) = (self.inside.hz, self.beyond_hz);
+        let share = match &self.beyond {
+            Some((beyond, weight)) => {
+                let a = self.inside_weight * self.inside.at_minus_one();
+                let b = weight * beyond.at_minus_one();
+                let share = a / (a - b);
+                if share > 0.01 && share < 0.99 {
+                    share
+                } else {
+                    0.5
+                }
+            }
+            None => 0.5,
+        };
+        from + share * (to - from)
+    }
+}
+
+/// The search for the largest force between two orbits, through a third.
+#[derive(Clone, Copy, Debug)]
+pub struct Peak {
+    low: Known,
+    top: Known,
+    high: Known,
+    iterations: u8,
+}
+
+const PEAK_ITERATIONS: u8 = 10;
+
+/// A step to the parabola's top shorter than this share of the frequency is the last: points closer together
+/// would differ by little more than rounding.
+const CLOSEST: f32 = 2e-3;
+
+impl Peak {
+    /// Starts with three orbits by rising frequency.
+    pub fn new(low: Known, top: Known, high: Known) -> Self {
+        Self {
+            low,
+            top,
+            high,
+            iterations: 0,
+        }
+    }
+
+    /// The strongest orbit found.
+    pub fn best(&self) -> Known {
+        let mut best = self.top;
+        for end in [self.low, self.high] {
+            if end.force() > best.force() {
+                best = end;
+            }
+        }
+        best
+    }
+
+    /// Where the next orbit is wanted, or none when the largest force is found.
+    pub fn wanted(&self) -> Option<f32> {
+        if self.iterations >= PEAK_ITERATIONS {
+            return None;
+        }
+        let best = self.best().hz;
+        let top = self.top.hz;
+        if best != top {
+            // The force is largest at an end: halve towards it.
+            let far = libm::fabsf(best - top) > CLOSEST * top;
+            return far.then_some(0.5 * (top + best));
+        }
+        let vertex = self.vertex();
+        (libm::fabsf(vertex - top) > TOLERANCE * top).then_some(vertex)
+    }
+
+    /// The top of the parabola through the three points, kept between the outer ones.
+    fn vertex(&self) -> f32 {
+        let (top_hz, top_n) = (self.top.hz, self.top.force());
+        let (a, c) = (self.low.hz - top_hz, self.high.hz - top_hz);
+        if a == 0.0 || c == 0.0 {
+            return top_hz;
+        }
+        let slope_a = (self.low.force() - top_n) / a;
+        let slope_c = (self.high.force() - top_n) / c;
+        let curvature = (slope_a - slope_c) / (a - c);
+        if curvature == 0.0 {
+            return top_hz;
+        }
+        let shift = -0.5 * (slope_a - curvature * a) / curvature;
+        // A comparison with a number that is none is false.
+        if shift > 0.9 * a && shift < 0.9 * c {
+            top_hz + shift
+        } else {
+            top_hz
+        }
+    }
+
+    /// A guess of the section at `hz`.
+    pub fn guess(&self, hz: f32) -> [f32; 2] {
+        if hz < self.top.hz {
+            on_line(&self.low, &self.top, hz)
+        } else {
+            on_line(&self.top, &self.high, hz)
+        }
+    }
+
+    /// Takes what was found at `hz`.
+    pub fn take(&mut self, hz: f32, found: Option<Solution>) {
+        self.iterations += 1;
+        let found = found.filter(Solution::is_stable_one_one);
+        let Some(solution) = found else {
+            self.iterations = PEAK_ITERATIONS;
+            return;
+        };
+        if self.best() == self.top && libm::fabsf(hz - self.top.hz) < CLOSEST * hz {
+            // The parabola's top has come to rest: this is it.
+            self.top = Known { hz, solution };
+            self.iterations = PEAK_ITERATIONS;
+            return;
+        }
+        let known = Known { hz, solution };
+        let below = hz < self.top.hz;
+        // What is stronger becomes the top, and the top an end; what is weaker becomes an end.
+        match (known.force() > self.top.force(), below) {
+            (true, true) => (self.high, self.top) = (self.top, known),
+            (true, false) => (self.low, self.top) = (self.top, known),
+            (false, true) => self.low = known,
+            (false, false) => self.high = known,
+        }
+    }
+}
