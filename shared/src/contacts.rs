@@ -64,6 +64,8 @@ pub struct Ledger<R> {
     recent: [Option<Stamp>; 3],
     finished: Option<Contact<R>>,
     missed: u16,
+    /// ∫F dt since it was last taken, N·s.
+    pressed: R,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,6 +111,7 @@ impl<R: Real> Ledger<R> {
         let peak = piece.peak();
         open.duration += piece.span_s;
         open.impulse += piece.impulse;
+        self.pressed += piece.impulse;
         open.work += piece.work;
         open.peak = open.peak.max(peak);
         self.period.touched = true;
@@ -146,6 +149,12 @@ impl<R: Real> Ledger<R> {
     #[inline]
     pub fn take_finished(&mut self) -> Option<Contact<R>> {
         self.finished.take()
+    }
+
+    /// ∫F dt since the last call, N·s.
+    #[inline]
+    pub fn take_impulse(&mut self) -> R {
+        core::mem::take(&mut self.pressed)
     }
 
     /// Contacts overwritten before they were taken: two of them ended within one tick (short hops, or a tick

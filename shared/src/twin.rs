@@ -23,6 +23,8 @@ pub struct Strobe<R> {
 pub struct Tick<R> {
     /// Contact force at the end of the tick, N.
     pub force: R,
+    /// ∫F dt over the tick, N·s: over the tick's length, the force as a sensor that averages would see it.
+    pub impulse: R,
     /// A contact that ended in this tick.
     pub contact: Option<Contact<R>>,
     /// The strobe, if the tick passed drive phase 0.
@@ -116,6 +118,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         self.drive.advance();
         Tick {
             force: self.stepper.force(&self.rig, &self.state),
+            impulse: self.ledger.take_impulse(),
             contact: self.ledger.take_finished(),
             strobe,
         }

@@ -1,7 +1,7 @@
 //! The controller and its forecast where time stands still between blocks.
 
-use super::pending::Forecaster;
 use super::{Birth, Controller};
+use crate::forecast::Forecaster;
 use crate::io::{Frame, Output};
 use crate::params::ParamError;
 use crate::settings::Settings;
