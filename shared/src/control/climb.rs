@@ -4,8 +4,8 @@
 //! averages out of the impulse, and both grow with the approach speed.
 
 /// Drive periods left out after each change of frequency: what is left of the change is the largest
-/// multiplier to this power (0.317 at the wires' optimum: 1e-6; 0.7: 1 %).
-pub const SETTLE_PERIODS: u16 = 12;
+/// multiplier to this power (0.317 at the wires' optimum: 1e-4; 0.7: 6 %).
+pub const SETTLE_PERIODS: u16 = 8;
 
 /// How a climb probes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ impl Probe {
     /// While seeking: wide steps, few periods. At 3 % the force of the presets' 1/1 falls by about 1 %.
     pub const SEEK: Self = Self {
         step: 0.03,
-        periods: 16,
+        periods: 12,
         reach: 2.0,
     };
     /// While holding: narrow steps, many periods.

@@ -56,6 +56,8 @@ pub struct Controller {
     /// Where the hammer was, relative to the cart, at the onset of the contact under way, m.
     pub(super) onset_m: Option<f32>,
     pub(super) arrived: bool,
+    /// The regime last told.
+    pub(super) regime: Regime,
     pub(super) basin: Basin,
     pub(super) striking: u8,
     pub(super) silent: u8,
@@ -118,6 +120,7 @@ impl Controller {
             last: None,
             onset_m: None,
             arrived: false,
+            regime: Regime::None,
             basin: Basin::Unknown,
             striking: 0,
             silent: 0,
@@ -329,7 +332,7 @@ impl Controller {
             amplitude_m: self.oscillator.amplitude_m(),
             measured_amplitude_m: last.amplitude_m,
             lag_rad: last.lag_rad,
-            regime: self.sense.measured().regime,
+            regime: self.regime,
             peak_n: last.peak_n,
             impulse_ns: last.impulse_ns,
             target_hz: target.map_or(0.0, |t| t.frequency_hz),

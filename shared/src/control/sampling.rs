@@ -52,6 +52,10 @@ impl Controller {
         }
         if let Some(strobe) = seen.strobe {
             self.last = Some(strobe);
+            let measured = self.sense.measured();
+            if measured.periods > 0 {
+                self.regime = measured.regime;
+            }
             if driving {
                 self.strobe(&strobe);
             }
