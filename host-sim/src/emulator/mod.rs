@@ -6,10 +6,21 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`shaker`] | from a set-point code to a force on the cart |
+//! | [`bodies`] | the equations of cart and hammer, and a step of them |
+//! | [`plant`] | a tick of true motion, switches located |
+//! | [`filter`], [`sensors`] | from what is true to codes |
+//! | [`mock`] | ADC, DAC and pins behind the traits of [`shared::io`] |
 //! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
 //! | [`record`] | what a run tells those who watch it |
 //! | [`under_test`] | the controller, wherever it runs |
 
+pub mod bodies;
+pub mod filter;
 pub mod log;
+pub mod mock;
+pub mod plant;
 pub mod record;
+pub mod sensors;
+pub mod shaker;
 pub mod under_test;

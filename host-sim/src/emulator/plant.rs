@@ -1,0 +1,403 @@
+//! The plant: a tick of true motion, switches located, contacts kept.
+//!
+//! In flight a tick is one step of order 4; in contact a step is at most a tenth of a tick, and ends on a
+//! tenth (so that the force sensor's filter has its samples). Both switches are located by bisection on steps
+//! of the integrator itself, to [`TIME_TOLERANCE_S`].
+
+use shared::params::{ParamError, RigParams};
+use shared::rig::{Mode, Rig};
+
+use super::bodies::{Bodies, State, Totals};
+use super::record::Contact;
+use super::shaker::{Gains, Loop, Path, ShakerParams};
+
+/// Force samples per tick; also the steps per tick in contact, 5 µs each at 20 kHz.
+pub const INNER: usize = 10;
+
+/// Switches are located to this, s.
+pub const TIME_TOLERANCE_S: f64 = 1e-13;
+
+/// Switches in a tick after which the side of the switch is kept to its end: a hammer that rests on the very
+/// edge of the surface.
+const MAX_SWITCHES: usize = 64;
+
+/// Contacts shorter and switches closer than this do not happen: a guard against rounding, s.
+const SHORTEST_S: f64 = 1e-12;
+
+/// A largest force within a contact: what makes the surface ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blow {
+    /// When, s into the tick.
+    pub at_s: f64,
+    /// How large, N.
+    pub peak_n: f64,
+}
+
+/// Hammer, cart and shaker.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    bodies: Bodies,
+    state: State,
+    tick_s: f64,
+    ticks: u64,
+    totals: Totals,
+    open: Option<Contact>,
+    rising: bool,
+    inner: [f64; INNER],
+    touched: bool,
+    finished: Vec<Contact>,
+    blows: Vec<Blow>,
+}
+
+impl Plant {
+    /// At rest, the drive off. A tick lasts `tick_s`.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn new(params: &RigParams, shaker: &ShakerParams, tick_s: f64) -> Result<Self, ParamError> {
+        let gains = Gains::new(shaker, params.cart_mass_kg);
+        Self::with_loop(params, Loop::Force(gains), tick_s)
+    }
+
+    /// At rest, the cart moved along the set-point whatever force that takes.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn prescribed(params: &RigParams, tick_s: f64) -> Result<Self, ParamError> {
+        Self::with_loop(params, Loop::Prescribed, tick_s)
+    }
+
+    fn with_loop(params: &RigParams, shaker: Loop, tick_s: f64) -> Result<Self, ParamError> {
+        let rig = Rig::new(params)?;
+        let state = State {
+            q: rig.rest(),
+            ..State::default()
+        };
+        let mut plant = Self {
+            bodies: Bodies {
+                rig,
+                cart_mass_kg: params.cart_mass_kg,
+                shaker,
+                path: Path::default(),
+                on: false,
+                mode: Mode::Flight,
+                approach: 0.0,
+            },
+            state,
+            tick_s,
+            ticks: 0,
+            totals: Totals::default(),
+            open: None,
+            rising: false,
+            inner: [0.0; INNER],
+            touched: false,
+            finished: Vec::with_capacity(4),
+            blows: Vec::with_capacity(4),
+        };
+        if plant.bodies.indicator(&plant.state) > 0.0 {
+            plant.begin_contact(0.0);
+        }
+        Ok(plant)
+    }
+
+    /// True time, s.
+    pub fn time_s(&self) -> f64 {
+        self.ticks as f64 * self.tick_s
+    }
+
+    /// Where both bodies are.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Puts both bodies somewhere, out of contact.
+    pub fn set_state(&mut self, state: State) {
+        self.state = state;
+        self.bodies.mode = Mode::Flight;
+        self.open = None;
+        if self.bodies.indicator(&state) > 0.0 {
+            self.begin_contact(0.0);
+        }
+    }
+
+    /// What acts.
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
+    }
+
+    /// Where energy and momentum went since the start.
+    pub fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    /// Hammer displacement in the fixed frame, x = y + l sin θ or y + Δ, m.
+    pub fn hammer_m(&self) -> f64 {
+        self.state.y + self.bodies.rig.relative_displacement(self.state.q)
+    }
+
+    /// Cart displacement, y, m.
+    pub fn cart_m(&self) -> f64 {
+        self.state.y
+    }
+
+    /// Contact force now, N.
+    pub fn force_n(&self) -> f64 {
+        self.inner[INNER - 1]
+    }
+
+    /// Contact force at each tenth of the tick, ending with its end, N.
+    pub fn inner_forces_n(&self) -> &[f64; INNER] {
+        &self.inner
+    }
+
+    /// Whether there was contact during the tick.
+    pub fn touched(&self) -> bool {
+        self.touched
+    }
+
+    /// Contacts that ended during the tick.
+    pub fn finished(&self) -> &[Contact] {
+        &self.finished
+    }
+
+    /// Largest forces passed during the tick.
+    pub fn blows(&self) -> &[Blow] {
+        &self.blows
+    }
+
+    /// Adds `change_m_per_s` to the hammer's speed.
+    pub fn push(&mut self, change_m_per_s: f64) {
+        let rig = &self.bodies.rig;
+        self.state.v += rig.coordinate_rate_at(self.state.q, change_m_per_s);
+    }
+
+    /// Makes it another rig where it stands and moves: a drift. Returns whether it was done; in contact it is
+    /// not, so try again.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn set_rig(&mut self, params: &RigParams) -> Result<bool, ParamError> {
+        if self.bodies.mode == Mode::Contact {
+            return Ok(false);
+        }
+        let rig = Rig::<f64>::new(params)?;
+        let old = &self.bodies.rig;
+        let relative_m = old.relative_displacement(self.state.q);
+        let rate = self.bodies.kinematics(&self.state).rate;
+        self.state.q = rig.coordinate_at(relative_m);
+        self.state.v = rig.coordinate_rate_at(self.state.q, rate);
+        self.bodies.rig = rig;
+        Ok(true)
+    }
+
+    /// One tick along `path` with the drive enabled or not.
+    #[inline]
+    pub fn tick(&mut self, path: Path, on: bool) {
+        self.bodies.path = path;
+        self.bodies.on = on;
+        self.finished.clear();
+        self.blows.clear();
+        if self.touched {
+            self.inner = [0.0; INNER];
+            self.touched = false;
+        }
+        if self.bodies.mode == Mode::Contact || !self.fly() {
+            self.careful_tick();
+        }
+        self.ticks += 1;
+    }
+
+    /// A tick of flight in one step, if the surface cannot be met in it.
+    #[inline]
+    fn fly(&mut self) -> bool {
+        let mut totals = self.totals;
+        let end = self.bodies.step(&self.state, 0.0, self.tick_s, &mut totals);
+        let out_of_reach = out_of_reach(&self.bodies, &self.state, &end, self.tick_s);
+        if out_of_reach {
+            self.state = end;
+            self.totals = totals;
+        }
+        out_of_reach
+    }
+
+    /// A tick in which the surface may be met or left.
+    fn careful_tick(&mut self) {
+        let (mut s, mut switches) = (0.0, 0);
+        while s < self.tick_s {
+            let grid = self.next_grid(s);
+            let h = match self.bodies.mode {
+                Mode::Contact => grid.1 - s,
+                // Just released and still inside the surface: short steps, so that no hop is stepped over.
+                Mode::Flight if self.bodies.kinematics(&self.state).delta > 0.0 => grid.1 - s,
+                Mode::Flight => self.tick_s - s,
+            };
+            let free = switches < MAX_SWITCHES;
+            match self.switch_within(s, h).filter(|_| free) {
+                Some(at) => {
+                    switches += 1;
+                    self.advance(s, at);
+                    s += at;
+                    self.switch(s);
+                }
+                None => {
+                    self.advance(s, h);
+                    s = if h == grid.1 - s { grid.1 } else { self.tick_s };
+                    if self.bodies.mode == Mode::Contact && s == grid.1 {
+                        let at = self.bodies.kinematics(&self.state);
+                        let force = self.bodies.rig.force(&at, self.bodies.approach);
+                        self.inner[grid.0] = force.max(0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The next tenth of the tick after `s`: its index and its time.
+    fn next_grid(&self, s: f64) -> (usize, f64) {
+        let width = self.tick_s / INNER as f64;
+        let mut index = (s / width) as usize;
+        // A time on the grid, within rounding, belongs to the tenth it begins.
+        if (index + 1) as f64 * width - s < SHORTEST_S {
+            index += 1;
+        }
+        let index = index.min(INNER - 1);
+        let end = if index + 1 == INNER {
+            self.tick_s
+        } else {
+            (index + 1) as f64 * width
+        };
+        (index, end)
+    }
+
+    /// How far into a step of length `h` from `s` the mode's side of the switch is left, if it is.
+    fn switch_within(&self, s: f64, h: f64) -> Option<f64> {
+        let bodies = &self.bodies;
+        let end_of = |part: f64| bodies.step(&self.state, s, part, &mut Totals::default());
+        let sign = match bodies.mode {
+            Mode::Flight => 1.0,
+            Mode::Contact => -1.0,
+        };
+        let left = |part: f64| sign * bodies.indicator(&end_of(part)) > 0.0;
+        let mut beyond = h;
+        if !left(h) {
+            // Only a hammer that comes and turns away within the step can have touched.
+            if bodies.mode == Mode::Contact {
+                return None;
+            }
+            let (from, to) = (
+                bodies.kinematics(&self.state),
+                bodies.kinematics(&end_of(h)),
+            );
+            if !(from.rate > 0.0 && to.rate < 0.0) {
+                return None;
+            }
+            // The surface is nearest where the rate vanishes.
+            let nearest = bisect(h, |part| bodies.kinematics(&end_of(part)).rate < 0.0);
+            if !left(nearest) {
+                return None;
+            }
+            beyond = nearest;
+        }
+        Some(bisect(beyond, left))
+    }
+
+    /// Goes `h` on from `s`.
+    fn advance(&mut self, s: f64, h: f64) {
+        let before = self.state;
+        let mut totals = Totals::default();
+        self.state = self.bodies.step(&before, s, h, &mut totals);
+        self.totals.add(&totals, 1.0);
+        if self.bodies.mode == Mode::Contact {
+            self.keep(&before, s, h, &totals);
+        }
+    }
+
+    /// Keeps what a step of contact adds to the contact's record.
+    fn keep(&mut self, before: &State, s: f64, h: f64, totals: &Totals) {
+        self.touched = true;
+        let (f0, r0) = self.bodies.force_and_rate(before, s);
+        let (f1, r1) = self.bodies.force_and_rate(&self.state, s + h);
+        let (at, peak) = if r0 > 0.0 && r1 < 0.0 {
+            largest(h, (f0, r0), (f1, r1))
+        } else if f0 > f1 {
+            (0.0, f0)
+        } else {
+            (h, f1)
+        };
+        if self.rising && r1 < 0.0 {
+            self.rising = false;
+            self.blows.push(Blow {
+                at_s: s + at,
+                peak_n: peak,
+            });
+        }
+        let started = self.ticks as f64 * self.tick_s;
+        if let Some(open) = &mut self.open {
+            if peak > open.peak_force_n {
+                open.peak_force_n = peak;
+                open.peak_at_s = started + s + at;
+            }
+            open.duration_s += h;
+            open.impulse_n_s += totals.impulse;
+            open.energy_lost_j += totals.contact_work;
+        }
+    }
+
+    fn switch(&mut self, s: f64) {
+        match self.bodies.mode {
+            Mode::Flight => self.begin_contact(s),
+            Mode::Contact => {
+                self.bodies.mode = Mode::Flight;
+                if let Some(mut contact) = self.open.take() {
+                    contact.rebound_speed_m_per_s = -self.bodies.kinematics(&self.state).rate;
+                    self.finished.push(contact);
+                }
+            }
+        }
+    }
+
+    fn begin_contact(&mut self, s: f64) {
+        let approach = self.bodies.kinematics(&self.state).rate;
+        let onset_s = self.time_s() + s;
+        self.bodies.mode = Mode::Contact;
+        self.bodies.approach = approach;
+        self.rising = true;
+        self.touched = true;
+        self.open = Some(Contact {
+            onset_s,
+            approach_speed_m_per_s: approach,
+            peak_at_s: onset_s,
+            ..Contact::default()
+        });
+    }
+}
+
+/// Whether the surface is too far away to be met between two states `h` apart.
+#[inline]
+fn out_of_reach(bodies: &Bodies, from: &State, end: &State, h: f64) -> bool {
+    let (a, b) = (bodies.kinematics(from), bodies.kinematics(end));
+    a.delta.max(b.delta) + h * (a.rate.abs() + b.rate.abs()) < 0.0
+}
+
+/// The first place in 0 … `h` at which `beyond` holds, given that it holds at `h` and has not before; never
+/// nearer than [`SHORTEST_S`] to 0, so that every step gets on.
+fn bisect(h: f64, beyond: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, h);
+    while high - low > TIME_TOLERANCE_S {
+        let middle = 0.5 * (low + high);
+        if beyond(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high.max(SHORTEST_S.min(h))
+}
+
+/// Where (s into the step) and how large a cubic through value and slope at both ends is at its largest,
+/// given that it rises at the start and falls at the end.
+fn largest(h: f64, (f0, r0): (f64, f64), (f1, r1): (f64, f64)) -> (f64, f64) {
+    let path = Path::new(h, (f0, r0), (f1, r1));
+    let top = bisect(h, |s| path.at(s).1 < 0.0);
+    (top, path.at(top).0)
+}

@@ -1,0 +1,6 @@
+//! The emulator: plant, sensors, scenarios.
+
+mod balances;
+mod sensors;
+mod stiff_limit;
+mod support;
