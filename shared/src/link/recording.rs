@@ -187,7 +187,7 @@ mod tests {
             };
             let output = Output {
                 dac: DacCode(random(4096) as u16),
-                frequency_hz: if seed % 3 == 0 {
+                frequency_hz: if seed.is_multiple_of(3) {
                     3.5
                 } else {
                     f32::from_bits(random(255 << 23))
