@@ -11,7 +11,7 @@
 //! | parameters | [`rigfile`]: presets, TOML files, `key=value` |
 //! | engine | [`mod@reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
 //! | analysis | [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
-//! | emulator | [`emulator`]: shaker, two bodies and sensors around the controller, and scenarios to run them by |
+//! | emulator | [`emulator`]: shaker, two bodies and sensors around the controller, and scenarios to run them by; [`replay`]: a log through the controller again |
 //! | table, picture | [`table`], [`picture`], [`terminal`], [`files`] |
 //! | command line | [`cli`] |
 
@@ -28,6 +28,7 @@ pub mod orbit;
 pub mod pick;
 pub mod picture;
 pub mod reference;
+pub mod replay;
 pub mod rigfile;
 pub mod sweep;
 pub mod table;

@@ -2,6 +2,7 @@
 
 mod common;
 mod pick;
+mod replay;
 mod rigs;
 mod simulate;
 mod sweep;
@@ -33,12 +34,14 @@ enum Command {
     Simulate(simulate::Args),
     /// The force curve over frequency, from rest or carried up or down
     Sweep(sweep::Args),
+    /// Run a log through the desktop's controller: same decisions, bit for bit, or the first tick that differs
+    Replay(replay::Args),
     /// List the rigs, or print one as a TOML file to start from
     Rigs(rigs::Args),
 }
 
-/// Runs the command line `arguments` (the program's name first) and returns the exit code: 0, or 2 with
-/// one line on standard error when the input cannot be used.
+/// Runs the command line `arguments` (the program's name first) and returns the exit code: 0; 1 when an
+/// expectation was not met; or 2 with one line on standard error when the input cannot be used.
 pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
@@ -58,13 +61,14 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         }
     };
     let done = match cli.command {
-        Command::Pick(args) => pick::run(&args),
-        Command::Simulate(args) => simulate::run(&args),
-        Command::Sweep(args) => sweep::run(&args),
-        Command::Rigs(args) => rigs::run(&args),
+        Command::Pick(args) => pick::run(&args).map(|()| 0),
+        Command::Simulate(args) => simulate::run(&args).map(|()| 0),
+        Command::Sweep(args) => sweep::run(&args).map(|()| 0),
+        Command::Replay(args) => replay::run(&args),
+        Command::Rigs(args) => rigs::run(&args).map(|()| 0),
     };
     match done {
-        Ok(()) => 0,
+        Ok(code) => code,
         Err(error) => {
             complain(&format!("error: {error}"));
             2

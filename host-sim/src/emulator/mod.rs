@@ -12,6 +12,7 @@
 //! | [`filter`], [`sensors`] | from what is true to codes |
 //! | [`mock`] | ADC, DAC and pins behind the traits of [`shared::io`] |
 //! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
+//! | [`picture`], [`timeline`] | the picture of a run; what happened, in words |
 //! | [`record`] | what a run tells those who watch it |
 //! | [`under_test`] | the controller, wherever it runs |
 
@@ -19,8 +20,10 @@ pub mod bodies;
 pub mod filter;
 pub mod log;
 pub mod mock;
+pub mod picture;
 pub mod plant;
 pub mod record;
 pub mod sensors;
 pub mod shaker;
+pub mod timeline;
 pub mod under_test;

@@ -117,18 +117,26 @@ pub(super) fn markers(panel: &Panel, window: Window, frame: Rect) -> Vec<Marker>
             stroke: *stroke,
         });
     }
-    let sizes: Vec<_> = markers.iter().map(|m| (m.x, m.width)).collect();
-    for (marker, slot) in markers
-        .iter_mut()
-        .zip(stagger(&sizes, frame.left, frame.right))
-    {
+    let mut named: Vec<_> = markers.iter_mut().filter(|m| m.is_named()).collect();
+    let sizes: Vec<_> = named.iter().map(|m| (m.x, m.width)).collect();
+    let slots = stagger(&sizes, frame.left, frame.right);
+    for (marker, slot) in named.iter_mut().zip(slots) {
         marker.slot = slot;
     }
     markers
 }
 
 impl Marker {
+    /// Whether it needs room above the plot.
+    pub fn is_named(&self) -> bool {
+        !self.name.is_empty()
+    }
+
     pub fn draw(&self, canvas: &Canvas, frame: Rect) -> Result<(), PictureError> {
+        if !self.is_named() {
+            let ends = [(self.x, frame.bottom), (self.x, frame.top)];
+            return canvas.line(ends, self.color, 1.2, self.stroke);
+        }
         let floor = frame.top - 4.0 - self.slot.row as f64 * MARKER_ROW;
         let beneath = (self.slot.left..=self.slot.left + self.width).contains(&self.x);
         let top = if beneath {

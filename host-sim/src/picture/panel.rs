@@ -67,7 +67,8 @@ pub(super) fn draw(
         frame.top = legend(canvas, frame, &panel.items)?;
     }
     let markers = markers(panel, window, frame);
-    let rows = markers.iter().map(|m| m.slot.row + 1).max().unwrap_or(0);
+    let named = markers.iter().filter(|m| m.is_named());
+    let rows = named.map(|m| m.slot.row + 1).max().unwrap_or(0);
     frame.top += rows as f64 * MARKER_ROW + 4.0;
     if frame.height() < 40.0 || frame.width() < 40.0 {
         return Err(crowded);

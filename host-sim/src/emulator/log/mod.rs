@@ -10,6 +10,7 @@
 
 mod columns;
 pub mod mcap;
+mod observer;
 mod reader;
 mod status;
 #[cfg(test)]
@@ -21,6 +22,7 @@ use shared::control::{Birth, Command, State, Status};
 use shared::io::{Frame, Output};
 use shared::settings::Settings;
 
+pub use observer::{Logs, birth};
 pub use reader::{Logged, Reader};
 pub use status::{Cell, cells, names};
 pub use writer::Writer;
@@ -39,8 +41,6 @@ pub struct Header {
     pub birth: Birth,
     /// Ticks in a block.
     pub block_ticks: u32,
-    /// Whether of a block's frequency set-points only the last was recorded (the block's others repeat it).
-    pub last_frequency_only: bool,
     /// The scenario as TOML, if there was one.
     pub scenario: Option<String>,
 }

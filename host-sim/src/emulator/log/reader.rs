@@ -363,7 +363,6 @@ fn header(path: &Path, file: &SerializedFileReader<File>) -> Result<Header, User
         settings,
         birth,
         block_ticks: block_ticks.map_err(|_| foreign(path, "`block_ticks` is damaged"))?,
-        last_frequency_only: key("last_frequency_only")? == "true",
         scenario: pairs.get("scenario").map(|text| (*text).to_owned()),
     })
 }

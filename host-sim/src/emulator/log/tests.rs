@@ -27,7 +27,6 @@ fn header() -> Header {
             settings_corrupt: true,
         },
         block_ticks: BLOCK as u32,
-        last_frequency_only: false,
         scenario: Some("name = \"a test\"\n".into()),
     }
 }

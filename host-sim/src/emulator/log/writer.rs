@@ -212,10 +212,6 @@ fn metadata(header: &Header) -> Result<Vec<KeyValue>, UserError> {
         ("settings", settings),
         ("settings_postcard", hex(&to_postcard(&header.settings)?)),
         ("birth_postcard", hex(&to_postcard(&header.birth)?)),
-        (
-            "last_frequency_only",
-            header.last_frequency_only.to_string(),
-        ),
     ];
     if let Some(scenario) = &header.scenario {
         pairs.push(("scenario", scenario.clone()));

@@ -1,0 +1,80 @@
+//! `host-sim replay`.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::common::Format;
+use crate::emulator::log::{Reader, TICK_US};
+use crate::error::UserError;
+use crate::replay::{Replayed, replay};
+use crate::table::to_csv;
+use crate::terminal::Progress;
+
+/// Exit code: 0 the same decisions, 1 they differ, 2 the log cannot be used.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The log: a .parquet file of `host-sim emulate` or of a board's recording
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+
+    /// How to answer on standard output
+    #[arg(long, value_enum, default_value = "text")]
+    format: Format,
+
+    /// No progress on standard error
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// The answer for programs.
+#[derive(Debug, Serialize)]
+struct Answer {
+    log: String,
+    source: String,
+    same: bool,
+    ticks: u64,
+    /// The first difference: since the log's start, what, both values.
+    at_tick: Option<u64>,
+    at_s: Option<f64>,
+    what: Option<&'static str>,
+    recorded: Option<String>,
+    here: Option<String>,
+}
+
+pub fn run(args: &Args) -> Result<i32, UserError> {
+    let mut log = Reader::open(&args.log)?;
+    let progress = Progress::new("ticks", log.ticks(), args.quiet);
+    let done = replay(&mut log, &progress);
+    progress.finish();
+    let Replayed { ticks, difference } = done?;
+    let at_s = |tick: u64| tick as f64 * TICK_US as f64 * 1e-6;
+    let same = difference.is_none();
+    let answer = Answer {
+        log: args.log.display().to_string(),
+        source: log.header().source.clone(),
+        same,
+        ticks,
+        at_tick: difference.as_ref().map(|d| d.tick),
+        at_s: difference.as_ref().map(|d| at_s(d.tick)),
+        what: difference.as_ref().map(|d| d.what),
+        recorded: difference.as_ref().map(|d| d.recorded.clone()),
+        here: difference.as_ref().map(|d| d.here.clone()),
+    };
+    match args.format {
+        Format::Json => super::print(&super::to_json(&answer)?),
+        Format::Csv => super::print(&String::from_utf8_lossy(&to_csv(&[answer]))),
+        Format::Text => super::print(&match &difference {
+            None => format!("same decisions over {ticks} ticks ({:.3} s)\n", at_s(ticks)),
+            Some(d) => format!(
+                "first difference at tick {} ({:.5} s): {} was {}, is {} here\n",
+                d.tick,
+                at_s(d.tick),
+                d.what,
+                d.recorded,
+                d.here
+            ),
+        }),
+    }
+    Ok(i32::from(!same))
+}

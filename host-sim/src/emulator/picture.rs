@@ -1,0 +1,220 @@
+//! The picture of a run: what the controller did over time, and what came of it.
+
+use shared::control::State;
+
+use super::record::{BlockRow, Event, Observer, TickRow, What};
+use crate::picture::{Axis, Color, Figure, Item, Panel, Point, Stroke};
+
+/// Time between two points of a curve, s.
+const POINT_S: f64 = 0.05;
+
+/// Marks with a name, at most; more would not be read.
+const NAMED_MARKS: usize = 8;
+
+/// What of a run is drawn. Watches it ([`Observer`]) and keeps a few thousand points.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// What the controller did, and since when, s.
+    states: Vec<(f64, State)>,
+    /// Drive frequency, Hz.
+    frequency: Vec<Point>,
+    /// The forecast's target, Hz.
+    target: Vec<Point>,
+    /// Commanded and measured cart amplitude, mm.
+    commanded: Vec<Point>,
+    measured: Vec<Point>,
+    /// Largest true contact force of each drive period, N, at the period's end.
+    peaks: Vec<Point>,
+    marks: Vec<(f64, String, bool)>,
+    /// Drive periods since the last whole one, and the largest force since.
+    period: f64,
+    peak_n: f64,
+    next_point_s: f64,
+    time_s: f64,
+    on: bool,
+}
+
+impl Trace {
+    /// Rig time seen so far, s.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+}
+
+impl Observer for Trace {
+    fn tick(&mut self, row: &TickRow) {
+        self.time_s = row.time_s;
+        self.on = row.output.enable;
+        self.peak_n = self.peak_n.max(row.true_force_n);
+    }
+
+    fn block(&mut self, row: &BlockRow) {
+        let status = row.status;
+        let frequency_hz = f64::from(status.frequency_hz);
+        if self.states.last().map(|(_, state)| *state) != Some(status.state) {
+            self.states.push((self.time_s, status.state));
+        }
+        if self.on {
+            self.period += row.ticks as f64 * shared::settings::TICK_S * frequency_hz;
+            if self.period >= 1.0 {
+                self.period = self.period.fract();
+                self.peaks.push((self.time_s, self.peak_n));
+                self.peak_n = 0.0;
+            }
+        } else if self.peak_n > 0.0 || self.peaks.last().is_some_and(|p| p.1.is_finite()) {
+            // What still struck is shown, then the curve is interrupted.
+            self.peaks.push((self.time_s, self.peak_n));
+            self.peaks.push((self.time_s, f64::NAN));
+            self.peak_n = 0.0;
+        }
+        if self.time_s < self.next_point_s {
+            return;
+        }
+        self.next_point_s = self.time_s + POINT_S;
+        let while_on = |value: f64| if self.on { value } else { f64::NAN };
+        let point = |value: f64| (self.time_s, value);
+        let target_hz = f64::from(status.target_hz);
+        let target_hz = if target_hz > 0.0 { target_hz } else { f64::NAN };
+        self.frequency.push(point(while_on(frequency_hz)));
+        self.target.push(point(target_hz));
+        let millimetres = |metres: f32| while_on(f64::from(metres) * 1e3);
+        self.commanded.push(point(millimetres(status.amplitude_m)));
+        self.measured
+            .push(point(millimetres(status.measured_amplitude_m)));
+    }
+
+    fn event(&mut self, event: &Event) {
+        let (text, fault) = match &event.what {
+            What::Scenario { text } => (text.clone(), false),
+            What::Fault { fault, .. } => (fault.name().to_owned(), true),
+            _ => return,
+        };
+        self.marks.push((event.time_s, text, fault));
+    }
+}
+
+/// What stands around the curves.
+#[derive(Clone, Debug, Default)]
+pub struct About {
+    /// The first line.
+    pub title: String,
+    /// What is under it.
+    pub subtitle: String,
+    /// The hammer's weight, N: forces are shown as multiples of it.
+    pub weight_n: f64,
+    /// Frequency and peak force in N of the true rig's optimum.
+    pub optimum: Option<(f64, f64)>,
+}
+
+/// The picture: frequency, force and amplitude over time, one above the other, under the controller's state.
+pub fn figure(trace: &Trace, about: &About) -> Figure {
+    let end_s = trace.time_s;
+    let across = |y: f64| vec![(0.0, y), (end_s, y)];
+    let time = || Axis::new("time, s").fixed(0.0, end_s);
+    let weight = if about.weight_n > 0.0 {
+        about.weight_n
+    } else {
+        1.0
+    };
+    let optimum = |value: f64, text: String| {
+        let mut item = Item::dashed(text, Color::INK, across(value));
+        if let Item::Line { width, .. } = &mut item {
+            *width = 1.1;
+        }
+        item
+    };
+
+    let mut frequency = panel(trace, time(), Axis::new("frequency, Hz"), true)
+        .titled("Drive frequency, and what the controller is doing");
+    let mut force = panel(trace, time(), Axis::new("F/(m g)").with_zero(), false)
+        .titled("Largest true contact force of each drive period over the hammer's weight");
+    if let Some((hz, newtons)) = about.optimum {
+        frequency = frequency.item(optimum(hz, format!("optimum of the true rig {hz:.3} Hz")));
+        let ratio = newtons / weight;
+        force = force.item(optimum(
+            ratio,
+            format!("optimum of the true rig {ratio:.1}"),
+        ));
+    }
+    let mut target = Item::line("forecast's target", Color::ORANGE, trace.target.clone());
+    if let Item::Line { stroke, .. } = &mut target {
+        *stroke = Stroke::Dotted;
+    }
+    frequency =
+        frequency
+            .item(target)
+            .item(Item::line("drive", Color::BLUE, trace.frequency.clone()));
+    let ratios = trace.peaks.iter().map(|(t, n)| (*t, n / weight));
+    force = force.item(Item::line("peak force", Color::BLUE, ratios.collect()));
+    let amplitude = panel(trace, time(), Axis::new("amplitude, mm").with_zero(), false)
+        .titled("Amplitude of the cart")
+        .item(Item::dashed(
+            "commanded",
+            Color::ORANGE,
+            trace.commanded.clone(),
+        ))
+        .item(Item::line("measured", Color::BLUE, trace.measured.clone()));
+    Figure::new(about.title.clone())
+        .subtitle(about.subtitle.clone())
+        .size(1100, 980)
+        .panel(frequency)
+        .panel(force)
+        .panel(amplitude)
+}
+
+/// A panel over time with the states as bands and the marks as lines; named in the first panel only.
+fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
+    let mut panel = Panel::new(x, y);
+    let ends = trace.states.iter().skip(1).map(|(at, _)| *at);
+    let ends = ends.chain([trace.time_s]);
+    let mut seen = Vec::new();
+    for ((from, state), to) in trace.states.iter().zip(ends) {
+        let first = !seen.contains(state);
+        seen.push(*state);
+        let Some(color) = state_color(*state) else {
+            continue;
+        };
+        panel = panel.item(Item::BandX {
+            from: *from,
+            to,
+            color,
+            label: if named && first {
+                format!("{state:?}")
+            } else {
+                String::new()
+            },
+        });
+    }
+    for (i, (at, text, fault)) in trace.marks.iter().enumerate() {
+        let label = match i {
+            _ if !named || i > NAMED_MARKS => String::new(),
+            NAMED_MARKS => format!("{} more", trace.marks.len() - i),
+            _ => text.clone(),
+        };
+        panel = panel.item(Item::MarkX {
+            x: *at,
+            label,
+            color: if *fault { Color::RED } else { Color::INK },
+            stroke: if *fault {
+                Stroke::Solid
+            } else {
+                Stroke::Dotted
+            },
+        });
+    }
+    panel
+}
+
+/// The colour of a state's band; a controller at rest has none.
+fn state_color(state: State) -> Option<Color> {
+    match state {
+        State::Idle => None,
+        State::SelfTest => Some(Color::PURPLE),
+        State::Ramp => Some(Color::SKY),
+        State::Seek => Some(Color::ORANGE),
+        State::Hold => Some(Color::GREEN),
+        State::Stop => Some(Color::GREY),
+        State::Fault => Some(Color::RED),
+        State::Manual => Some(Color::BLUE),
+    }
+}
