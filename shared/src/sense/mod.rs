@@ -55,6 +55,8 @@ pub struct Pulse {
     pub duration_s: f32,
     /// ∫F t dt / ∫F dt, t from the onset, s: what [`crate::identify`] uses, since ringing hardly moves it.
     pub centroid_s: f32,
+    /// Displacement of the hammer relative to the cart at the onset, m, from the observer.
+    pub relative_m: f32,
     /// Speed of the hammer relative to the cart just before, m/s, from the observer.
     pub approach_m_per_s: f32,
     /// And just after, away from the surface, m/s; 0 until enough samples have been seen.
@@ -258,6 +260,7 @@ impl Sense {
         let pulse = Pulse {
             onset_tick: tick.wrapping_sub(1),
             onset_turns: phase as f32 * (1.0 / 4_294_967_296.0),
+            relative_m: self.observer.relative().0,
             approach_m_per_s: approach,
             ..Pulse::default()
         };

@@ -155,6 +155,10 @@ impl Observer {
         }
         if self.hold > 0 {
             self.hold -= 1;
+            // In contact the hammer stays where it is, within a hundredth of a millimetre.
+            if self.hold < MARGIN {
+                self.predict(drive_m_per_s2);
+            }
             return;
         }
         self.predict(drive_m_per_s2);
@@ -192,9 +196,7 @@ impl Observer {
         self.health += (square - self.health) * (1.0 / 64.0);
         let mean = self.gate(mean, variance, square);
         let gain = column * inverse;
-        let before = self.state.y;
         self.state += gain * mean;
-        let _ = before;
         let updated = self.covariance - gain * column.transpose();
         // Symmetric and with a positive diagonal, whatever rounding did.
         self.covariance = (updated + updated.transpose()) * 0.5;
@@ -230,6 +232,8 @@ impl Observer {
         let approach = self.state.y - self.acceleration * ago_s;
         self.state.x -= self.state.y * ago_s;
         self.state.y = -RESTITUTION * approach;
+        let slip = approach * 2.0 * self.tick_s;
+        self.covariance.m11 += slip * slip;
         self.covariance.m22 += approach * approach + 0.01 * self.rate_scale * self.rate_scale;
         self.innovation = 0.0;
         self.seen = 0;
@@ -260,7 +264,11 @@ impl Observer {
     }
 }
 
-/// Ticks to look away for: the believed contact and two samples of filter delay.
+/// Ticks after the believed release for which the observer still looks away: filter delay, a softer contact.
+const MARGIN: u32 = 5;
+
+/// Ticks to look away for: a contact of half a period of the surface's spring, less what damping
+/// shortens it by (Table 3.1: 0.78 of it), and a margin.
 fn hold_ticks(settings: &Settings, tick_s: f32) -> u32 {
     let rig = &settings.rig;
     let stiffness = match rig.contact {
@@ -269,6 +277,6 @@ fn hold_ticks(settings: &Settings, tick_s: f32) -> u32 {
         _ => 5.5e6,
     };
     let half_period = core::f64::consts::PI * libm::sqrt(rig.mass_kg / stiffness);
-    let ticks = half_period as f32 / tick_s;
-    (if ticks < 400.0 { ticks as u32 } else { 400 }) + 2
+    let ticks = 0.78 * half_period as f32 / tick_s;
+    (if ticks < 400.0 { ticks as u32 } else { 400 }) + MARGIN
 }
