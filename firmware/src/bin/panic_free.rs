@@ -11,15 +11,27 @@
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
-use firmware::control::Control;
+use shared::control::{Birth, Lockstep, MAX_BLOCK};
+use shared::io::{Frame, Output};
+use shared::params::WIRES;
+use shared::settings::Settings;
 
 #[entry]
 fn main() -> ! {
-    let control = Control::new();
+    let settings = Settings::for_rig(&WIRES);
+    let node = Lockstep::new(&black_box(settings), &black_box(Birth::default()));
+    let mut outputs = [Output::SAFE; MAX_BLOCK];
+    let Ok(mut node) = node else { loop {} };
     loop {
-        if let Ok(mut control) = black_box(control) {
-            black_box(control.tick());
-        }
+        let frames = black_box([Frame::default(); MAX_BLOCK]);
+        node.exchange(&frames, &mut outputs, black_box(3));
+        black_box(&outputs);
+        let _ = node.controller.command(black_box(shared::control::Command::Alive));
+        node.controller.note_overrun();
+        node.exchange_blind(&mut outputs, black_box(3));
+        let _ = node.controller.replace_settings(&black_box(settings));
+        black_box(node.controller.status());
+        black_box(node.controller.take_event());
     }
 }
 

@@ -124,7 +124,7 @@ impl Climb {
         if bend > 0.0 {
             let top = 0.5 * rise / bend;
             if top.is_finite() {
-                return top.clamp(-reach, reach);
+                return top.max(-reach).min(reach);
             }
         }
         if rise > 0.0 {

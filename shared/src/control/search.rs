@@ -139,7 +139,7 @@ impl Search {
         };
         self.floor_hz = (low * (1.0 + BAND_MARGIN)).max(range_hz.0);
         self.ceiling_hz = top.min(range_hz.1).max(self.floor_hz);
-        self.entry_hz = target.entry_hz.clamp(range_hz.0, range_hz.1);
+        self.entry_hz = target.entry_hz.max(range_hz.0).min(range_hz.1);
         self.best_hz = self.clear(self.best_hz);
     }
 

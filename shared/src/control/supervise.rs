@@ -127,7 +127,7 @@ impl Controller {
             return Err(Refused::WrongState);
         }
         let (low, high) = self.range_hz();
-        let clamped_hz = frequency_hz.clamp(low, high);
+        let clamped_hz = frequency_hz.max(low).min(high);
         self.limits = if clamped_hz == frequency_hz {
             0
         } else {
