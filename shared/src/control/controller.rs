@@ -5,7 +5,6 @@ use super::family::Family;
 use super::guard::{Guard, Trip};
 use super::oscillator::Oscillator;
 use super::outlook::Outlook;
-use super::pending::Identify;
 use super::search::Search;
 use super::self_test::SelfTest;
 use super::trim::Trim;
@@ -13,6 +12,7 @@ use super::{Basin, Birth, Command, Mode, Refused, ResetCause, State, Status};
 use crate::drive::Drive;
 use crate::fault::{Fault, Persisted, Record};
 use crate::forecast::{Forecast, MAX_ROWS, Request, Row};
+use crate::identify::Identify;
 use crate::io::{Frame, Output};
 use crate::params::{ParamError, RigParams};
 use crate::regime::Regime;
@@ -53,8 +53,8 @@ pub struct Controller {
     pub(super) condition: Option<Fault>,
     pub(super) events: Events,
     pub(super) last: Option<Strobe>,
-    /// Where the hammer was, relative to the cart, at the onset of the contact under way, m.
-    pub(super) onset_m: Option<f32>,
+    /// Whether the contact under way has been noted.
+    pub(super) touched: bool,
     pub(super) arrived: bool,
     /// The regime last told.
     pub(super) regime: Regime,
@@ -118,7 +118,7 @@ impl Controller {
             condition: None,
             events: Events::default(),
             last: None,
-            onset_m: None,
+            touched: false,
             arrived: false,
             regime: Regime::None,
             basin: Basin::Unknown,

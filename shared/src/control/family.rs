@@ -48,19 +48,13 @@ impl Family {
         self.bad_periods = 0;
     }
 
-    /// A contact begins with the hammer at `relative_m` from its rest.
-    pub fn onset(&mut self, relative_m: f32) -> Option<Trip> {
-        let far_m = libm::fabsf(relative_m - self.gap_m);
-        let far = run(&mut self.far_pulses, far_m > FAR_M, FAR_PULSES);
-        if far {
-            trip(Origin::Force, far_m)
-        } else {
-            None
-        }
-    }
-
     /// A contact has ended.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<Trip> {
+        let far_m = libm::fabsf(pulse.relative_m - self.gap_m);
+        let far = run(&mut self.far_pulses, far_m > FAR_M, FAR_PULSES);
+        if far {
+            return trip(Origin::Force, far_m);
+        }
         let momentum = self.mass_kg * pulse.approach_m_per_s;
         // A contact too slow to judge proves nothing.
         if momentum <= 0.0 {
@@ -123,11 +117,15 @@ mod tests {
             impulse_ns: ratio * 0.298 * 0.08,
             ..Pulse::default()
         };
+        let at = |relative_m: f32| Pulse {
+            relative_m,
+            ..pulse(1.3)
+        };
         for (ratio, expected) in [(2.9, Some(8)), (2.7, None), (0.61, None), (0.59, Some(8))] {
             assert_eq!(trips_after(|f| f.pulse(&pulse(ratio))), expected, "{ratio}");
         }
-        assert_eq!(trips_after(|f| f.onset(-1.6e-3)), Some(3));
-        assert_eq!(trips_after(|f| f.onset(-1.4e-3)), None);
+        assert_eq!(trips_after(|f| f.pulse(&at(-1.6e-3))), Some(3));
+        assert_eq!(trips_after(|f| f.pulse(&at(-1.4e-3))), None);
     }
 
     #[test]

@@ -22,7 +22,6 @@ mod guard;
 mod lockstep;
 mod oscillator;
 mod outlook;
-mod pending;
 mod sampling;
 mod search;
 mod self_test;

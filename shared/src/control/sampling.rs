@@ -5,7 +5,9 @@ use super::event::What;
 use super::search::Step;
 use super::trim::bits;
 use super::{Basin, State};
+use crate::identify::Estimates;
 use crate::io::Frame;
+use crate::params::RigParams;
 use crate::sense::{Pulse, Sample, Strobe};
 use crate::settings::DriveKind;
 
@@ -15,6 +17,34 @@ const SILENT_PERIODS: u8 = 12;
 const STRIKING_PERIODS: u8 = 4;
 /// Drive periods between two looks at what the rig has told of itself.
 const IDENTIFY_PERIODS: u16 = 32;
+/// A natural frequency further off than this is worth a new forecast, relative.
+const NATURAL_STEP: f64 = 0.01;
+/// A gap further off than this is worth a new forecast, m.
+const GAP_STEP_M: f64 = 3e-5;
+/// Largest relative standard error of a natural frequency that is believed.
+const NATURAL_SIGMA: f32 = 0.003;
+/// Largest standard error of a gap that is believed, m.
+const GAP_SIGMA_M: f32 = 1e-5;
+
+/// The rig of the settings with what has been identified surely enough in place of what was set. Contact
+/// stiffness and damping stay as set: they cannot be told well enough from 20 kHz samples
+/// ([`crate::identify`]), and hardly move the target.
+fn learned(set: &RigParams, believed: &RigParams, found: &Estimates) -> RigParams {
+    let mut rig = *believed;
+    if let Some(natural) = found.natural_hz
+        && natural.sigma <= NATURAL_SIGMA * natural.value
+    {
+        let factor = f64::from(natural.value) / set.natural_frequency_hz();
+        rig = set.with_natural_frequency_scaled(factor);
+        rig.gap_m = believed.gap_m;
+    }
+    if let Some(gap) = found.gap_m
+        && gap.sigma <= GAP_SIGMA_M
+    {
+        rig.gap_m = f64::from(gap.value);
+    }
+    rig
+}
 
 impl Controller {
     /// One tick's samples.
@@ -45,7 +75,9 @@ impl Controller {
     pub(super) fn feel(&mut self, sample: Sample, driving: bool) {
         let seen = self.sense.tick(sample, self.tick, &self.sensed_drive);
         if driving {
-            self.touch();
+            let in_contact = self.sense.in_contact();
+            self.touch(in_contact);
+            self.identify.flight(&sample, in_contact);
             if let Some(pulse) = seen.pulse {
                 self.pulse(&pulse);
             }
@@ -62,19 +94,13 @@ impl Controller {
         }
     }
 
-    /// Notes where a contact begins, and that there is one.
+    /// Notes that a contact begins.
     #[inline]
-    fn touch(&mut self) {
-        if !self.sense.in_contact() {
-            self.onset_m = None;
-        } else if self.onset_m.is_none() {
-            let (relative_m, _) = self.sense.relative();
-            self.onset_m = Some(relative_m);
+    fn touch(&mut self, in_contact: bool) {
+        if in_contact && !self.touched {
             self.timers.since_contact = 0;
-            if let Some(trip) = self.family.onset(relative_m) {
-                self.trip(trip);
-            }
         }
+        self.touched = in_contact;
     }
 
     fn pulse(&mut self, pulse: &Pulse) {
@@ -164,13 +190,33 @@ impl Controller {
         }
     }
 
-    /// Now and then: does the rig differ from what is believed?
-    pub(super) fn learn(&mut self) {
+    /// Now and then: does the rig differ from what is believed? Then a new forecast is wanted.
+    fn learn(&mut self) {
         self.timers.identify += 1;
         if self.timers.identify < IDENTIFY_PERIODS {
             return;
         }
         self.timers.identify = 0;
+        let rig = learned(
+            &self.settings.rig,
+            &self.believed,
+            &self.identify.estimates(),
+        );
+        let natural = rig.natural_frequency_hz() / self.believed.natural_frequency_hz() - 1.0;
+        let gap_m = rig.gap_m - self.believed.gap_m;
+        let differs = !(-NATURAL_STEP..=NATURAL_STEP).contains(&natural)
+            || !(-GAP_STEP_M..=GAP_STEP_M).contains(&gap_m);
+        if differs && rig.check().is_ok() {
+            self.believed = rig;
+            self.events.push(
+                self.tick,
+                What::Identified {
+                    natural_hz: rig.natural_frequency_hz() as f32,
+                    gap_m: rig.gap_m as f32,
+                },
+            );
+            self.ask();
+        }
     }
 
     pub(super) fn note_basin(&mut self, strobe: &Strobe) {

@@ -109,6 +109,7 @@ impl Controller {
         self.striking = 0;
         self.silent = 0;
         self.sense.reset();
+        self.identify.reset();
         self.change(State::SelfTest);
     }
 
