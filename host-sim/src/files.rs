@@ -7,6 +7,7 @@ use std::fmt;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use tempfile::NamedTempFile;
 
@@ -125,6 +126,9 @@ impl Staged {
             _ => {}
         }
         let file = passing_file(dir).map_err(|source| failed(path, source))?;
+        if let Ok(mut staged) = STAGED.lock() {
+            staged.push(file.path().to_owned());
+        }
         Ok(Self { file, target })
     }
 
@@ -161,6 +165,18 @@ impl Write for Staged {
 impl io::Seek for Staged {
     fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
+    }
+}
+
+/// Where every file was staged. Names are never used twice.
+static STAGED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the files that are staged and not committed: for a program that is told to end at once.
+pub fn remove_staged() {
+    let staged = STAGED.lock().map(|staged| staged.clone());
+    for path in staged.unwrap_or_default() {
+        // What was committed is no longer there.
+        let _ = fs::remove_file(path);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use shared::control::State;
 
+use super::log::state_name;
 use super::record::{BlockRow, Event, Observer, TickRow, What};
 use crate::picture::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
@@ -179,7 +180,7 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
             to,
             color,
             label: if named && first {
-                format!("{state:?}")
+                state_name(*state)
             } else {
                 String::new()
             },

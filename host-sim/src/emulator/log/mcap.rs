@@ -157,7 +157,7 @@ const FAULTS: Channel = Channel {
     fields: &[
         ("code", "integer", "Stable number"),
         ("name", "string", "Stable name"),
-        ("origin", "string", "The sensor it is about, or System"),
+        ("origin", "string", "The sensor it is about, or system"),
         ("value", "number", "The value that tripped it"),
     ],
 };
@@ -307,7 +307,7 @@ impl Writer {
         let message = json!({
             "code": fault.code(),
             "name": fault.name(),
-            "origin": format!("{origin:?}"),
+            "origin": format!("{origin:?}").to_lowercase(),
             "value": value,
         });
         self.write(&FAULTS, nanoseconds(time_s), &message)

@@ -24,7 +24,7 @@ use shared::settings::Settings;
 
 pub use observer::{Logs, birth};
 pub use reader::{Logged, Reader};
-pub use status::{Cell, cells, names};
+pub use status::{Cell, cells, names, state_name};
 pub use writer::Writer;
 
 /// Microseconds in a control tick.

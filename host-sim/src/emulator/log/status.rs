@@ -73,9 +73,21 @@ pub fn names() -> [&'static str; STATUS.len()] {
     STATUS.map(|col| COLUMNS[col as usize].name)
 }
 
-/// A state as it stands in the log.
-pub(super) fn state_name(state: State) -> String {
-    format!("{state:?}")
+/// A state as it stands in the log: `self-test`.
+pub fn state_name(state: State) -> String {
+    kebab(&state)
+}
+
+/// The name of a variant, in lower case and with hyphens.
+fn kebab(variant: &impl fmt::Debug) -> String {
+    let mut name = String::new();
+    for letter in format!("{variant:?}").chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push('-');
+        }
+        name.extend(letter.to_lowercase());
+    }
+    name
 }
 
 /// The cells of a status.
@@ -105,7 +117,7 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         text(state_name(state)),
         Cell::Int(i64::from(tick)),
         of_fault(&|record| Cell::Text(Cow::Borrowed(record.fault.name()))),
-        of_fault(&|record| text(format!("{:?}", record.origin))),
+        of_fault(&|record| text(kebab(&record.origin))),
         of_fault(&|record| Cell::Int(i64::from(record.tick))),
         of_fault(&|record| Cell::Float(record.value)),
         of_fault(&|record| Cell::Float(record.frequency_hz)),
@@ -119,8 +131,19 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         Cell::Float(impulse_ns),
         Cell::Float(target_hz),
         Cell::Float(target_n),
-        text(format!("{basin:?}")),
+        text(kebab(&basin)),
         Cell::Int(i64::from(reseeks)),
         Cell::Int(i64::from(overruns)),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_in_lower_case() {
+        assert_eq!(state_name(State::SelfTest), "self-test");
+        assert_eq!(state_name(State::Hold), "hold");
+    }
 }

@@ -112,8 +112,8 @@ fn as_logged(k: usize) -> Logged {
         slices: block.slices,
         ticks: block.ticks,
         state: match &block.status {
-            Some(status) => Some(format!("{:?}", status.state)),
-            None => block.state.map(|state| format!("{state:?}")),
+            Some(status) => Some(state_name(status.state)),
+            None => block.state.map(state_name),
         },
         status: block.status.as_ref().map(|s| cells(s).to_vec()),
     }

@@ -9,8 +9,8 @@ use parquet::schema::parser::parse_message_type;
 use shared::settings::TICK_RATE_HZ;
 
 use super::columns::{COLUMNS, Col, Column, Value, properties, schema};
-use super::status::{STATUS, state_name};
-use super::{Block, Cell, Header, TICK_US, Tick, cells};
+use super::status::STATUS;
+use super::{Block, Cell, Header, TICK_US, Tick, cells, state_name};
 use crate::error::UserError;
 use crate::files::Staged;
 
