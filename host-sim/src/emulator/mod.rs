@@ -11,19 +11,32 @@
 //! | [`plant`] | a tick of true motion, switches located |
 //! | [`filter`], [`sensors`] | from what is true to codes |
 //! | [`mock`] | ADC, DAC and pins behind the traits of [`shared::io`] |
+//! | [`scenario`], [`schedule`] | what happens when; TOML |
+//! | [`world`] | everything outside the controller |
+//! | [`under_test`], [`local`] | the controller, wherever it runs; in this process |
+//! | [`run`] | world and controller, block by block |
+//! | [`optimum`] | the best the true rig can do |
+//! | [`tally`], [`verdict`] | what a run came to, by the true force |
 //! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
 //! | [`picture`], [`timeline`] | the picture of a run; what happened, in words |
 //! | [`record`] | what a run tells those who watch it |
-//! | [`under_test`] | the controller, wherever it runs |
 
 pub mod bodies;
 pub mod filter;
+pub mod local;
 pub mod log;
 pub mod mock;
+pub mod optimum;
 pub mod picture;
 pub mod plant;
 pub mod record;
+pub mod run;
+pub mod scenario;
+pub mod schedule;
 pub mod sensors;
 pub mod shaker;
+pub mod tally;
 pub mod timeline;
 pub mod under_test;
+pub mod verdict;
+pub mod world;

@@ -100,6 +100,13 @@ impl Plant {
         Ok(plant)
     }
 
+    /// The same with ticks of another length.
+    #[must_use]
+    pub fn with_tick(mut self, tick_s: f64) -> Self {
+        self.tick_s = tick_s;
+        self
+    }
+
     /// True time, s.
     pub fn time_s(&self) -> f64 {
         self.ticks as f64 * self.tick_s

@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-use shared::control::{Command, Mode, Refused, State, Status};
-use shared::fault::{Fault, Origin};
+use shared::control::{Command, Event, Mode, Refused, State, Status};
 use shared::io::{DacCode, Frame, Output};
 use shared::regime::Regime;
 use shared::settings::{Settings, TICK_S};
@@ -26,26 +25,12 @@ pub enum Reset {
     CorruptSettings,
 }
 
-/// What the controller says of itself, besides its status.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Said {
-    /// A fault tripped.
-    Fault {
-        /// The fault.
-        fault: Fault,
-        /// Which sensor.
-        origin: Origin,
-        /// The value that tripped it.
-        value: f32,
-    },
-    /// Anything else, in words.
-    Text(String),
-}
-
 /// A controller. Every call is a message with plain data either way.
 pub trait ControlUnderTest {
     /// A block of frames in, a block of outputs back, then `slices` slices of the forecast.
     fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32);
+    /// A block whose samples did not come.
+    fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32);
     /// A command, obeyed before the next block.
     ///
     /// # Errors
@@ -54,13 +39,13 @@ pub trait ControlUnderTest {
     /// What it is doing.
     fn status(&mut self) -> Status;
     /// What it has to say, oldest first.
-    fn take_event(&mut self) -> Option<Said>;
+    fn take_event(&mut self) -> Option<Event>;
     /// Its control task overran.
     fn note_overrun(&mut self);
-    /// Its samples did not come in time.
-    fn note_stale(&mut self);
-    /// It is reset: made anew, with the record that survived.
+    /// It is reset: made anew with its settings, and with the record that survived.
     fn reset(&mut self, cause: Reset);
+    /// The settings it was made with.
+    fn settings(&self) -> &Settings;
 }
 
 /// The simplest controller there is: the frequency and amplitude of its settings or of a set-point, ramped
@@ -127,6 +112,10 @@ impl ControlUnderTest for FixedFrequency {
         }
     }
 
+    fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32) {
+        self.exchange(&[], outputs, slices);
+    }
+
     fn command(&mut self, command: Command) -> Result<(), Refused> {
         match (command, self.state) {
             (Command::Start(Mode::Automatic | Mode::Manual), State::Idle) => {
@@ -175,15 +164,17 @@ impl ControlUnderTest for FixedFrequency {
         }
     }
 
-    fn take_event(&mut self) -> Option<Said> {
+    fn take_event(&mut self) -> Option<Event> {
         None
     }
 
     fn note_overrun(&mut self) {}
 
-    fn note_stale(&mut self) {}
-
     fn reset(&mut self, _cause: Reset) {
         *self = Self::new(self.settings, self.start_hz);
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
     }
 }

@@ -9,7 +9,8 @@ use shared::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::error::UserError;
-use table::{Table, as_number, from_table, overlay, to_table};
+use table::{as_number, from_table, overlay, to_table};
+pub use table::Table;
 
 /// A rig and what to call it.
 #[derive(Clone, Debug, PartialEq)]
@@ -144,7 +145,7 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
             "cannot read the rig file {place}: {e}; check the path"
         ))
     })?;
-    let mut changes: Table = toml::from_str(&text).map_err(|e| {
+    let changes: Table = toml::from_str(&text).map_err(|e| {
         let line = e.span().map_or(1, |s| {
             text[..s.start.min(text.len())].lines().count().max(1)
         });
@@ -153,6 +154,18 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
             "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
         ))
     })?;
+    let params = from_keys(changes, &place)?;
+    let name = path
+        .file_stem()
+        .map_or(place, |s| s.to_string_lossy().into_owned());
+    Ok(NamedRig { name, params })
+}
+
+/// The rig that keys and values say, `preset` and `description` among them.
+///
+/// # Errors
+/// One line that begins with `place`.
+pub fn from_keys(mut changes: Table, place: &str) -> Result<RigParams, UserError> {
     let mut table = match changes.remove("preset") {
         None => Table::new(),
         Some(Value::String(name)) => {
@@ -169,12 +182,8 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
         }
     };
     changes.remove("description");
-    overlay(&mut table, changes).map_err(|e| e.at(&place))?;
-    let params = from_table(&table).map_err(|e| e.at(&place))?;
-    let name = path
-        .file_stem()
-        .map_or(place, |s| s.to_string_lossy().into_owned());
-    Ok(NamedRig { name, params })
+    overlay(&mut table, changes).map_err(|e| e.at(place))?;
+    from_table(&table).map_err(|e| e.at(place))
 }
 
 fn parse_setting(setting: &str) -> Result<(String, Value), UserError> {
@@ -196,7 +205,7 @@ fn parse_setting(setting: &str) -> Result<(String, Value), UserError> {
 }
 
 /// `; did you mean 'x'?`, if something like `word` is there.
-fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> String {
     among
         .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
         .filter(|(likeness, _)| *likeness > 0.75)

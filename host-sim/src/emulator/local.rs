@@ -1,0 +1,96 @@
+//! The controller in this process.
+
+use shared::control::{Birth, Command, Event, Lockstep, Refused, ResetCause, Status};
+use shared::fault::{Fault, Origin, Persisted, Record};
+use shared::io::{Frame, Output};
+use shared::params::ParamError;
+use shared::settings::Settings;
+
+use super::under_test::{ControlUnderTest, Reset};
+
+/// `shared`'s controller and forecast in lock-step, with the memory that survives a reset.
+#[derive(Clone, Debug)]
+pub struct Local {
+    settings: Settings,
+    lockstep: Lockstep,
+}
+
+impl Local {
+    /// After power-on.
+    ///
+    /// # Errors
+    /// The first setting out of range.
+    pub fn new(settings: &Settings) -> Result<Self, ParamError> {
+        Ok(Self {
+            settings: *settings,
+            lockstep: Lockstep::new(settings, &Birth::default())?,
+        })
+    }
+
+    /// Controller and forecast.
+    pub fn lockstep(&self) -> &Lockstep {
+        &self.lockstep
+    }
+}
+
+/// What a controller is born with after `cause`, given the `memory` that survives resets (and not power-on).
+pub fn birth(cause: Reset, memory: &Persisted) -> Birth {
+    let power_on = matches!(cause, Reset::PowerOn | Reset::CorruptSettings);
+    // A crash writes its record itself, before the program starts anew.
+    let crashed = (cause == Reset::Crash).then_some(Record {
+        fault: Fault::Crash,
+        origin: Origin::System,
+        tick: 0,
+        value: 0.0,
+        frequency_hz: 0.0,
+    });
+    Birth {
+        reset: match cause {
+            Reset::PowerOn | Reset::CorruptSettings => ResetCause::PowerOn,
+            Reset::Watchdog => ResetCause::Watchdog,
+            Reset::BrownOut => ResetCause::BrownOut,
+            Reset::Crash => ResetCause::Software,
+        },
+        record: crashed.or_else(|| memory.record().filter(|_| !power_on)),
+        settings_corrupt: cause == Reset::CorruptSettings,
+    }
+}
+
+impl ControlUnderTest for Local {
+    #[inline]
+    fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32) {
+        self.lockstep.exchange(frames, outputs, slices);
+    }
+
+    fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32) {
+        self.lockstep.exchange_blind(outputs, slices);
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), Refused> {
+        self.lockstep.controller.command(command)
+    }
+
+    fn status(&mut self) -> Status {
+        self.lockstep.controller.status()
+    }
+
+    fn take_event(&mut self) -> Option<Event> {
+        self.lockstep.controller.take_event()
+    }
+
+    fn note_overrun(&mut self) {
+        self.lockstep.controller.note_overrun();
+    }
+
+    fn reset(&mut self, cause: Reset) {
+        let memory = self.lockstep.controller.persisted();
+        // The settings were good at the first birth.
+        if let Ok(anew) = Lockstep::new(&self.settings, &birth(cause, &memory)) {
+            self.lockstep = anew;
+        }
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+}

@@ -1,0 +1,131 @@
+//! Everything outside the controller: DAC, shaker, rig, sensors, ADC. One tick at a time.
+
+use shared::io::{Frame, Output, sample};
+use shared::params::{ParamError, RigParams};
+
+use super::mock::{MockActuator, MockAdc};
+use super::plant::Plant;
+use super::scenario::{Change, Scenario};
+use super::sensors::{Defect, Sensor, Sensors};
+use super::shaker::Smoother;
+
+/// A change under way.
+#[derive(Clone, Copy, Debug)]
+struct Drift {
+    from: RigParams,
+    change: Change,
+    since_s: f64,
+    over_s: f64,
+}
+
+/// The world of a scenario.
+#[derive(Debug)]
+pub struct World {
+    plant: Plant,
+    smoother: Smoother,
+    sensors: Sensors,
+    adc: MockAdc,
+    actuator: MockActuator,
+    m_per_code: f64,
+    rig: RigParams,
+    drift: Option<Drift>,
+}
+
+impl World {
+    /// At rest, the drive off.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn new(scenario: &Scenario) -> Result<Self, ParamError> {
+        let tick_s = scenario.tick_s();
+        let rig = scenario.true_rig;
+        let plant = if scenario.prescribed {
+            Plant::prescribed(&rig, tick_s)?
+        } else {
+            Plant::new(&rig, &scenario.shaker, tick_s)?
+        };
+        let settings = &scenario.settings;
+        Ok(Self {
+            plant,
+            smoother: Smoother::new(&scenario.shaker, tick_s),
+            sensors: Sensors::new(&scenario.sensors, settings, tick_s, scenario.seed),
+            adc: MockAdc::default(),
+            actuator: MockActuator::default(),
+            m_per_code: f64::from(settings.drive.m_per_code),
+            rig,
+            drift: None,
+        })
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// The rig as it is now.
+    pub fn rig(&self) -> &RigParams {
+        &self.rig
+    }
+
+    /// A tick in which the drive is told `output`; what the ADC reads at its end.
+    #[inline]
+    pub fn tick(&mut self, output: &Output) -> Frame {
+        self.actuator.apply(output);
+        let (dac, _, on) = self.actuator.lines();
+        let metres = (f64::from(dac.0) - 2048.0) * self.m_per_code;
+        let path = self.smoother.tick(metres);
+        self.plant.tick(path, on);
+        self.adc.codes = self.sensors.read(&self.plant);
+        sample(&mut self.adc)
+    }
+
+    /// Opens or closes the emergency-stop chain.
+    pub fn set_emergency(&mut self, open: bool) {
+        self.adc.chain.0.open = open;
+    }
+
+    /// Makes a sensor defective, or whole again.
+    pub fn set_defect(&mut self, sensor: Sensor, defect: Option<Defect>) {
+        self.sensors.set_defect(sensor, defect);
+    }
+
+    /// Pushes the hammer.
+    pub fn push(&mut self, speed_m_per_s: f64) {
+        self.plant.push(speed_m_per_s);
+    }
+
+    /// Begins a change of the rig; one that is under way stays where it is.
+    pub fn begin_drift(&mut self, change: Change, over_s: f64) {
+        self.drift = Some(Drift {
+            from: self.rig,
+            change,
+            since_s: self.plant.time_s(),
+            over_s,
+        });
+    }
+
+    /// Goes on with the change under way. A rig that no rig can be ends it.
+    pub fn drift(&mut self) {
+        let Some(drift) = self.drift else {
+            return;
+        };
+        let passed = self.plant.time_s() - drift.since_s;
+        let share = if drift.over_s > 0.0 {
+            (passed / drift.over_s).min(1.0)
+        } else {
+            1.0
+        };
+        let rig = drift.change.apply(&drift.from, share);
+        match self.plant.set_rig(&rig) {
+            // In contact: again after the next block.
+            Ok(false) => {}
+            Ok(true) => {
+                self.rig = rig;
+                if share >= 1.0 {
+                    self.drift = None;
+                }
+            }
+            Err(_) => self.drift = None,
+        }
+    }
+}
