@@ -9,8 +9,8 @@ use shared::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::error::UserError;
-use table::{as_number, from_table, overlay, to_table};
 pub use table::Table;
+use table::{as_number, from_table, overlay, to_table};
 
 /// A rig and what to call it.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use shared::control::{Birth, ResetCause};
-use shared::fault::Record;
+use shared::fault::{Persisted, Record};
 use shared::settings::Settings;
 
 use super::{Block, Header, Input, Samples, Tick, Truth, Writer, mcap};
+use crate::emulator::local::birth;
 use crate::emulator::record::{BlockRow, Contact, Event, Observer, TickRow, What};
 use crate::emulator::under_test::Reset;
 use crate::error::UserError;
@@ -59,25 +59,15 @@ impl Logs {
     }
 }
 
-/// What a controller is born with after `reset`, the record of the life before having survived.
-pub fn birth(reset: Reset, record: Option<Record>) -> Birth {
-    Birth {
-        reset: match reset {
-            Reset::PowerOn | Reset::CorruptSettings => ResetCause::PowerOn,
-            Reset::Watchdog => ResetCause::Watchdog,
-            Reset::BrownOut => ResetCause::BrownOut,
-            Reset::Crash => ResetCause::Software,
-        },
-        record,
-        settings_corrupt: reset == Reset::CorruptSettings,
-    }
-}
-
 impl Observer for Logs {
     fn born(&mut self, _tick: u64, reset: Reset, settings: &Settings) {
         // The first birth stands in the header.
         if self.born {
-            let birth = birth(reset, self.record);
+            let kept = self
+                .record
+                .as_ref()
+                .map_or(Persisted::EMPTY, Persisted::new);
+            let birth = birth(reset, &kept);
             self.inputs.push(Input::Born(*settings, birth));
         }
         self.born = true;

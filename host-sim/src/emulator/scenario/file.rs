@@ -190,7 +190,7 @@ fn check(file: &File) -> Result<(), UserError> {
     {
         return Err(out_of_range("block_ticks", ticks as f64, "1 to 32"));
     }
-    if !(file.clock_ppm.abs() <= 10_000.0) {
+    if file.clock_ppm.is_nan() || file.clock_ppm.abs() > 10_000.0 {
         return Err(out_of_range("clock_ppm", file.clock_ppm, "within 10000"));
     }
     Ok(())
