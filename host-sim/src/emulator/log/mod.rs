@@ -22,7 +22,7 @@ use shared::control::{Birth, Command, State, Status};
 use shared::io::{Frame, Output};
 use shared::settings::Settings;
 
-pub use observer::{Logs, birth};
+pub use observer::Logs;
 pub use reader::{Logged, Reader};
 pub use status::{Cell, cells, names, state_name};
 pub use writer::Writer;
