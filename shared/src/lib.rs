@@ -19,6 +19,10 @@
 //! 5. [`switch`]: the Filippov model. Two indicators, h_α = δ (touching) and h_β = F (pushing), four fields.
 //! 6. [`step`]: three ways across the switch at a fixed step. [`contacts`]: what each contact did.
 //! 7. [`regime`]: z = p/n from the section at drive phase 0. [`twin`]: all of it, a tick at a time.
+//! 8. [`tangent`] and [`forecast`]: the online twin, orbits and their multipliers in slices.
+//! 9. [`io`], [`settings`], [`fault`]: what the controller sees, must be told, and trips on.
+//! 10. [`sense`] and [`identify`]: contacts, section, regime, and what the rig tells of itself, from samples.
+//! 11. [`control`]: the controller. [`link`] and [`store`]: the serial protocol, settings in flash.
 //!
 //! ## The motion
 //!
