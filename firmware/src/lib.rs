@@ -5,7 +5,20 @@
 //! board can run stands behind one module each in `hardware`.
 #![no_std]
 
-pub mod control;
+#[cfg(test)]
+extern crate std;
+
+pub mod bench;
+pub mod button;
+pub mod desk;
+#[cfg(feature = "_board")]
+pub mod device;
 #[cfg(feature = "_board")]
 pub mod hardware;
-pub mod monitor;
+pub mod lamp;
+pub mod model;
+pub mod reset;
+pub mod watch;
+
+/// Ticks of a block: samples arrive and set-points are played 10 at a time, 500 µs.
+pub const BLOCK_TICKS: usize = 10;

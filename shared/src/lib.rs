@@ -110,6 +110,7 @@ pub mod forecast;
 pub mod identify;
 pub mod io;
 pub mod link;
+pub mod lockstep;
 pub mod params;
 pub mod regime;
 pub mod rig;

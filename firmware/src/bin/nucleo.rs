@@ -1,92 +1,337 @@
 //! The controller on the NUCLEO-F446RE.
 //!
-//! A skeleton yet: the model runs on the board in real time and the drive stays
-//! off. Two tasks: `control` at 20 kHz, above everything else, and `report` for
-//! what may take its time. They share nothing; a report travels by value, and one
-//! that finds the last still in work is dropped, which its sequence number shows.
+//! | task | priority | runs | deadline |
+//! |---|---|---|---|
+//! | `emergency` | 4 | when the emergency-stop chain opens | none later than itself: a few stores |
+//! | `watch_blocks` | 4 | 1 kHz | the same |
+//! | `control` | 3 | each block of 10 ticks, 2 kHz | 500 µs |
+//! | `link` | 2 | 1 kHz | 1 ms; what comes later is sent later |
+//! | `supervise` | 1 | 100 Hz | 10 ms; the watchdog is not fed without it |
+//! | `idle` | 0 | always | none; the forecast takes what time is left |
+//!
+//! Tasks share two things, by locks that are short: the desk (the controller) and the last forecast.
+//!
+//! In bench mode (docs/flashing.md) the twin stands in for the rig: its samples come from [`Bench`], and the
+//! drive's enable line, kept low, is not handed to any task.
 #![no_main]
 #![no_std]
 
-#[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [UART4])]
+#[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [UART4, UART5])]
 mod app {
+    use core::sync::atomic::{AtomicU32, Ordering};
+
+    use cortex_m::peripheral::DWT;
     use firmware::{
-        control::{Control, Report},
-        hardware::nucleo::{Board, ControlTimer},
-        monitor::Monitor,
+        BLOCK_TICKS,
+        bench::Bench,
+        button::{self, Button},
+        desk::Desk,
+        device::OnBoard,
+        hardware::nucleo::{Board, Store, drive, guard, kept},
+        hardware::{nucleo, stack},
+        lamp::{Lamp, Shown},
+        watch::{Done, Watch},
     };
-    use stm32f4xx_hal::gpio::{Output, PA5};
+    use shared::{
+        control::{Birth, Controller},
+        fault::Record,
+        forecast::{Forecast, Forecaster},
+        io::{Frame, Output},
+        link::Session,
+        params::WIRES,
+        settings::Settings,
+        store::Loaded,
+    };
+
+    /// Bytes waiting for the wire at most.
+    const QUEUE: usize = 4096;
+
+    /// Turns of the idle loop (wraps).
+    static IDLES: AtomicU32 = AtomicU32::new(0);
+    /// Turns of the link task (wraps).
+    static LINKS: AtomicU32 = AtomicU32::new(0);
+    /// Processor cycles of the last block and of the longest since it was last logged.
+    static CYCLES: [AtomicU32; 2] = [AtomicU32::new(0), AtomicU32::new(0)];
 
     #[shared]
-    struct Shared {}
+    struct Shared {
+        desk: Desk,
+        forecast: Forecast,
+    }
 
     #[local]
     struct Local {
-        control: Control,
-        timer: ControlTimer,
-        monitor: Monitor,
-        led: PA5<Output>,
+        sampler: nucleo::Sampler,
+        set_points: nucleo::SetPoints,
+        chain: drive::Chain,
+        enable: Option<drive::Enable>,
+        bench: Option<Bench>,
+        outputs: [Output; BLOCK_TICKS],
+        guard: guard::Guard,
+        serial: nucleo::Serial,
+        link_timer: nucleo::LinkTimer,
+        session: Session<QUEUE>,
+        store: Store,
+        supervisor: Supervisor,
+        forecaster: Forecaster,
+    }
+
+    /// What the supervisor keeps.
+    pub struct Supervisor {
+        led: nucleo::Led,
+        pin: nucleo::Button,
+        button: Button,
+        lamp: Lamp,
+        watchdog: nucleo::Watchdog,
+        watch: Watch,
+        bench: bool,
+        record: Option<Record>,
+        steps: u32,
     }
 
     #[init]
-    fn init(context: init::Context) -> (Shared, Local) {
-        let mut board = Board::new(context.device);
-        let Ok(control) = Control::new() else {
-            panic!("the preset rig is refused by its own check");
+    fn init(mut context: init::Context) -> (Shared, Local) {
+        let flags = nucleo::reset_flags(&context.device.RCC);
+        let left = kept::take();
+        let Some(board) = Board::new(context.device) else {
+            panic!("a timer cannot be set to its rate");
         };
-        defmt::info!("control starts, drive is off");
-        assert!(board.timer.start(), "no timer setting gives the tick rate");
-        let local = Local {
-            monitor: Monitor::new(&control),
-            control,
-            timer: board.timer,
+        context.core.DCB.enable_trace();
+        context.core.DWT.enable_cycle_counter();
+
+        let mut store = board.store;
+        let (settings, settings_corrupt) = match store.load() {
+            Some(Loaded::Settings { settings, .. }) => (settings, false),
+            Some(Loaded::Default) => (Settings::for_rig(&WIRES), false),
+            Some(Loaded::Corrupt) | None => (Settings::for_rig(&WIRES), true),
+        };
+        let birth = Birth {
+            reset: flags.cause(left.driving),
+            record: left.record,
+            settings_corrupt,
+        };
+        let Ok(controller) = Controller::new(&settings, &birth) else {
+            panic!("settings that passed their check are refused");
+        };
+        let bench = board.bench_asked && !board.wired;
+        log_start(&birth, left.crash, bench, board.bench_asked);
+
+        let mut sampler = board.sampler;
+        sampler.start();
+        let supervisor = Supervisor {
             led: board.led,
+            button: Button::new(board.button.is_pressed()),
+            pin: board.button,
+            lamp: Lamp::default(),
+            watchdog: board.watchdog.start(),
+            watch: Watch::default(),
+            bench,
+            record: None,
+            steps: 0,
         };
-        (Shared {}, local)
+        let shared = Shared {
+            desk: Desk::new(controller),
+            forecast: Forecast::default(),
+        };
+        let local = Local {
+            sampler,
+            set_points: board.set_points,
+            chain: board.chain,
+            enable: (!bench).then_some(board.enable),
+            bench: bench.then(|| Bench::new(&settings)),
+            outputs: [Output::SAFE; BLOCK_TICKS],
+            guard: board.guard,
+            serial: board.serial,
+            link_timer: board.link_timer,
+            session: Session::new(),
+            store,
+            supervisor,
+            forecaster: Forecaster::new(),
+        };
+        (shared, local)
     }
 
-    /// Steps the model by one tick.
+    /// A block: what was sampled in the last 10 ticks in, the set-points of the 10 after the next out.
     ///
-    /// Deadline: 50 µs after the timer's update, when the next one is due. A tick
-    /// that ends later has overrun: the next starts at once, late; if yet another
-    /// was due by then, that one is lost and the model falls behind the clock.
-    /// Overruns are counted and reported.
-    #[task(binds = TIM2, priority = 2, local = [control, timer, overruns: u32 = 0])]
-    fn control(context: control::Context) {
+    /// Deadline: 500 µs after the interrupt, when the next block is complete and these set-points are due. A
+    /// block that ends later has overrun: what it writes late is played half old, half new, the next block starts
+    /// at once, and the controller is told; more than one in five and it trips. If two blocks were due, the older is
+    /// lost. If none is served for 2 ms, `watch_blocks` takes the enable away.
+    #[task(binds = DMA2_STREAM0, priority = 3, shared = [desk],
+        local = [sampler, set_points, chain, enable, bench, outputs])]
+    fn control(mut context: control::Context) {
+        let began = DWT::cycle_count();
         let local = context.local;
-        local.timer.acknowledge();
-        if let Some(report) = local.control.tick() {
-            // Refused while the last report is in work.
-            let _ = report::spawn(report, *local.overruns);
+        let outputs: &mut [Output; BLOCK_TICKS] = local.outputs;
+        let arrived = local.sampler.arrived();
+        let tripped = local.chain.tripped();
+        let mut frames = [Frame::default(); BLOCK_TICKS];
+        match local.bench {
+            Some(bench) => bench.block(outputs, &mut frames),
+            None => frames = local.sampler.take(arrived.half, tripped),
         }
-        if local.timer.overrun() {
-            *local.overruns = local.overruns.saturating_add(1);
-        }
-    }
-
-    /// Shows life on the LED with every drive period, and logs every window of
-    /// them. No deadline but the next report, a drive period away.
-    ///
-    /// Writing a log frame holds interrupts off for as long as it takes to copy,
-    /// so frames are short and their numbers are formatted on the host.
-    #[task(priority = 1, local = [monitor, led])]
-    async fn report(context: report::Context, report: Report, overruns: u32) {
-        let local = context.local;
-        local.led.toggle();
-        if let Some(window) = local.monitor.take(&report) {
-            defmt::info!(
-                "regime {=u16}/{=u8}, {=u32} contacts, force ratio {=f32}",
-                window.regime.impacts(),
-                window.regime.periods().unwrap_or(0),
-                window.contacts,
-                window.force_ratio,
-            );
-            if overruns > 0 || window.lost > 0 {
-                defmt::warn!(
-                    "{=u32} overruns, {=u32} reports lost",
-                    overruns,
-                    window.lost
-                );
+        let stale = guard::take_stale() || arrived.failed;
+        let late = arrived.lost && !guard::is_paused();
+        context.shared.desk.lock(|desk| {
+            if late {
+                desk.note_overrun();
             }
+            desk.block((!stale).then_some(&frames), outputs);
+        });
+        local.set_points.play(arrived.half, outputs);
+        if let Some(enable) = local.enable {
+            enable.apply(outputs.iter().all(|output| output.enable), tripped);
+        }
+        guard::block_served();
+
+        let cycles = DWT::cycle_count().wrapping_sub(began);
+        let [last, longest] = &CYCLES;
+        last.store(cycles, Ordering::Relaxed);
+        longest.fetch_max(cycles, Ordering::Relaxed);
+        if local.sampler.overrun() {
+            context.shared.desk.lock(Desk::note_overrun);
+        }
+    }
+
+    /// The emergency-stop chain has opened: the enable goes low at once. The controller sees the open chain with
+    /// its next block.
+    #[task(binds = EXTI9_5, priority = 4)]
+    fn emergency(_: emergency::Context) {
+        drive::take_away();
+        drive::acknowledge();
+    }
+
+    /// Looks whether blocks go on being served.
+    #[task(binds = TIM7, priority = 4, local = [guard])]
+    fn watch_blocks(context: watch_blocks::Context) {
+        context.local.guard.look();
+    }
+
+    /// Serves the link, and every tenth time calls the supervisor.
+    #[task(binds = TIM6_DAC, priority = 2, shared = [desk, forecast],
+        local = [serial, link_timer, session, store, turns: u32 = 0])]
+    fn link(mut context: link::Context) {
+        let local = context.local;
+        local.link_timer.acknowledge();
+        while context.shared.desk.lock(|desk| desk.takes_commands()) {
+            let Some(byte) = local.serial.read() else {
+                break;
+            };
+            let mut device = OnBoard {
+                desk: &mut context.shared.desk,
+                forecast: &mut context.shared.forecast,
+                keeper: local.store,
+                board: "NUCLEO-F446RE",
+            };
+            local.session.receive(byte, &mut device);
+        }
+        let mut device = OnBoard {
+            desk: &mut context.shared.desk,
+            forecast: &mut context.shared.forecast,
+            keeper: local.store,
+            board: "NUCLEO-F446RE",
+        };
+        local.session.poll(&mut device);
+        if local.serial.is_ready() {
+            let mut bytes = [0; 256];
+            let count = local.session.queue().drain(&mut bytes);
+            local.serial.send(bytes.get(..count).unwrap_or(&[]));
+        }
+        LINKS.fetch_add(1, Ordering::Relaxed);
+        *local.turns = local.turns.wrapping_add(1);
+        if local.turns.is_multiple_of(10) {
+            // Refused while the last one is at work; then the watchdog has to wait.
+            let _ = supervise::spawn();
+        }
+    }
+
+    /// Button, LED, watchdog, the fault record that survives a reset, and the log.
+    #[task(priority = 1, shared = [desk], local = [supervisor])]
+    async fn supervise(mut context: supervise::Context) {
+        let own: &mut Supervisor = context.local.supervisor;
+        let status = context.shared.desk.lock(|desk| desk.controller().status());
+        if own.button.step(own.pin.is_pressed()) {
+            let command = button::meaning(status.state);
+            if let Err(why) = context.shared.desk.lock(|desk| desk.command(command)) {
+                defmt::warn!("button: refused, {}", defmt::Debug2Format(&why));
+            }
+        }
+        let shown = Shown {
+            state: status.state,
+            fault: status.fault.map_or(0, |record| record.fault.code()),
+            bench: own.bench,
+        };
+        own.led.set(own.lamp.step(shown));
+        if own.record != status.fault {
+            own.record = status.fault;
+            kept::keep(own.record.as_ref());
+        }
+        let done = Done {
+            blocks: guard::blocks_served(),
+            links: LINKS.load(Ordering::Relaxed),
+            idles: IDLES.load(Ordering::Relaxed),
+        };
+        if own.watch.step(done) {
+            own.watchdog.feed();
+        }
+        while let Some(event) = context.shared.desk.lock(|desk| desk.taking().take_event()) {
+            defmt::info!("{}", defmt::Debug2Format(&event.what));
+        }
+        own.steps = own.steps.wrapping_add(1);
+        if own.steps.is_multiple_of(100) {
+            let [last, longest] = &CYCLES;
+            defmt::info!(
+                "{} {=f32} Hz, peak {=f32} N, cycles per block: last {=u32}, longest {=u32}, stack {=usize} B",
+                defmt::Debug2Format(&status.state),
+                status.frequency_hz,
+                status.peak_n,
+                last.load(Ordering::Relaxed),
+                longest.swap(0, Ordering::Relaxed),
+                stack::peak(),
+            );
+        }
+    }
+
+    /// The forecast, a slice at a time, in the time nobody else wants.
+    #[idle(shared = [desk, forecast], local = [forecaster])]
+    fn idle(mut context: idle::Context) -> ! {
+        let forecaster: &mut Forecaster = context.local.forecaster;
+        let mut waiting = false;
+        loop {
+            let desk = &mut context.shared.desk;
+            if let Some(request) = desk.lock(|desk| desk.taking().forecast_request()) {
+                forecaster.start(&request);
+                waiting = true;
+            }
+            let busy = forecaster.slice();
+            if let Some(result) = forecaster.result().filter(|_| waiting && !busy) {
+                waiting = false;
+                context.shared.forecast.lock(|kept| kept.clone_from(result));
+                desk.lock(|desk| desk.deliver(result));
+            }
+            IDLES.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn log_start(birth: &Birth, crash: Option<kept::Crash>, bench: bool, asked: bool) {
+        defmt::info!("started: {}", defmt::Debug2Format(&birth.reset));
+        if let Some(record) = birth.record {
+            defmt::warn!("fault before the reset: {}", defmt::Debug2Format(&record));
+        }
+        if let Some(crash) = crash {
+            defmt::warn!(
+                "crashed at {=u32:#010x}, CFSR {=u32:#x}",
+                crash.address,
+                crash.status
+            );
+        }
+        if birth.settings_corrupt {
+            defmt::error!("stored settings are damaged; defaults stand in");
+        }
+        match (bench, asked) {
+            (true, _) => defmt::info!("bench mode: the twin stands in, the drive stays off"),
+            (false, true) => defmt::warn!("bench mode refused: something is wired to the inputs"),
+            _ => {}
         }
     }
 }

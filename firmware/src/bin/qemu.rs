@@ -1,10 +1,8 @@
-//! The controller on QEMU's MPS2 AN386: the same control task as on the board, in
-//! the same app structure.
+//! The controller on QEMU's MPS2 AN386 in bench mode, as on a bare board: the twin stands in for the rig.
 //!
-//! Time here is lock-step: nothing ticks but `idle`, which pends the control
-//! interrupt as soon as the last tick is done. So a run is the same every time,
-//! and takes as long as the computing does. It ends with success if the hammer
-//! has settled to the regime it must have.
+//! Time here is lock-step: nothing ticks but `idle`, which pends the control interrupt as soon as the last block
+//! and its slices of the forecast are done. So a run is the same every time, and takes as long as the computing
+//! does. It ends with success if the controller has come to Hold by itself and has stayed there.
 #![no_main]
 #![no_std]
 
@@ -15,74 +13,101 @@ mod app {
     use cortex_m::peripheral::SCB;
     use cortex_m_semihosting::hprintln;
     use firmware::{
-        control::{Control, FREQUENCY_RATIO, RIG, Report},
-        hardware::qemu,
-        monitor::Monitor,
+        BLOCK_TICKS,
+        bench::Bench,
+        hardware::{qemu, stack},
+    };
+    use shared::{
+        control::{Birth, Command, Lockstep, Mode, State},
+        io::{Frame, Output},
+        params::WIRES,
+        settings::{Settings, TICK_RATE_HZ},
     };
 
-    /// Windows run; all but the last let the start die away.
-    const WINDOWS: u32 = 3;
+    /// Slices of the forecast per block.
+    const SLICES: u32 = 20;
+    /// Hold must be reached within this long, s of rig time.
+    const WITHIN_S: u32 = 300;
+    /// And then kept this long, s.
+    const KEPT_S: u32 = 10;
 
     #[shared]
     struct Shared {
-        report: Option<Report>,
+        lockstep: Lockstep,
     }
 
     #[local]
     struct Local {
-        control: Control,
-        monitor: Monitor,
+        bench: Bench,
+        outputs: [Output; BLOCK_TICKS],
     }
 
     #[init]
     fn init(_: init::Context) -> (Shared, Local) {
-        let Ok(control) = Control::new() else {
-            panic!("the preset rig is refused by its own check");
+        let settings = Settings::for_rig(&WIRES);
+        let Ok(mut lockstep) = Lockstep::new(&settings, &Birth::default()) else {
+            panic!("the preset's settings are refused by their own check");
         };
-        let drive_hz = control.twin().drive().frequency_hz();
-        hprintln!(
-            "gap {:.1} mm, drive {:.3} Hz, ratio {:.2}",
-            RIG.gap_m * 1e3,
-            drive_hz,
-            FREQUENCY_RATIO
-        );
+        let started = lockstep.controller.command(Command::Start(Mode::Automatic));
+        assert!(started.is_ok(), "a start in Idle is refused");
         let local = Local {
-            monitor: Monitor::new(&control),
-            control,
+            bench: Bench::new(&settings),
+            outputs: [Output::SAFE; BLOCK_TICKS],
         };
-        (Shared { report: None }, local)
+        (Shared { lockstep }, local)
     }
 
-    /// Lets time pass, listens to the control task, and ends the run.
-    #[idle(shared = [report], local = [monitor])]
+    /// Lets time pass, tells what happens, and ends the run.
+    #[idle(shared = [lockstep])]
     fn idle(mut context: idle::Context) -> ! {
-        let (mut ticks, mut windows) = (0_u32, 0_u32);
+        let mut held_since = None;
         loop {
             SCB::set_pendst();
-            ticks += 1;
-            let report = context.shared.report.lock(Option::take);
-            let Some(window) = report.and_then(|report| context.local.monitor.take(&report)) else {
-                continue;
+            cortex_m::asm::isb();
+            let (status, event) = context.shared.lockstep.lock(|lockstep| {
+                lockstep.idle(SLICES);
+                (
+                    lockstep.controller.status(),
+                    lockstep.controller.take_event(),
+                )
+            });
+            if let Some(event) = event {
+                let seconds = event.tick as f32 / TICK_RATE_HZ as f32;
+                hprintln!("{:8.2} s  {:?}", seconds, event.what);
+            }
+            held_since = match (status.state, held_since) {
+                (State::Hold, None) => Some(status.tick),
+                (State::Hold, since) => since,
+                _ => None,
             };
-            windows += 1;
-            hprintln!(
-                "tick {}: regime {}, {} contacts, force ratio {:.2}",
-                ticks,
-                window.regime,
-                window.contacts,
-                window.force_ratio
-            );
-            if windows == WINDOWS {
-                qemu::exit(window.regime.is(1, 1) && window.lost == 0);
+            let kept = held_since.is_some_and(|since| status.tick - since >= KEPT_S * TICK_RATE_HZ);
+            let too_long = status.tick >= WITHIN_S * TICK_RATE_HZ;
+            if kept || too_long || status.state == State::Fault {
+                let (used, reserved) = (stack::peak(), stack::reserved());
+                hprintln!(
+                    "{:?} at {:.3} Hz, peak {:.1} N, regime {}; forecast {:.3} Hz, {:.1} N",
+                    status.state,
+                    status.frequency_hz,
+                    status.peak_n,
+                    status.regime,
+                    status.target_hz,
+                    status.target_n
+                );
+                hprintln!("stack {} of {}", used, reserved);
+                qemu::exit(kept && used < reserved);
             }
         }
     }
 
-    /// Steps the model by one tick. Deadline: none, time waits for it here.
-    #[task(binds = SysTick, priority = 2, shared = [report], local = [control])]
+    /// A block. Deadline: none, time waits for it here.
+    #[task(binds = SysTick, priority = 2, shared = [lockstep], local = [bench, outputs])]
     fn control(mut context: control::Context) {
-        if let Some(report) = context.local.control.tick() {
-            context.shared.report.lock(|slot| *slot = Some(report));
-        }
+        let outputs: &mut [Output; BLOCK_TICKS] = context.local.outputs;
+        let mut frames = [Frame::default(); BLOCK_TICKS];
+        context.local.bench.block(outputs, &mut frames);
+        context
+            .shared
+            .lockstep
+            .lock(|lockstep| lockstep.block(&frames, outputs));
     }
 }

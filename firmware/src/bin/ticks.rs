@@ -1,4 +1,4 @@
-//! Counts the instructions of every control tick of one drive period.
+//! Counts the instructions of every tick of the model over one drive period.
 //!
 //! Under `-icount shift=0` QEMU lets one nanosecond go by per instruction. The
 //! stopwatch only reads whole clock counts, so each tick is repeated many times
@@ -9,45 +9,40 @@
 
 use core::hint::black_box;
 
-use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
-use firmware::{control::Control, hardware::qemu};
+use firmware::{
+    hardware::qemu::{self, Stopwatch},
+    model::Model,
+};
 
 /// Runs of each tick; one clock count is then 40/64 of an instruction.
 const REPEATS: u32 = 64;
 /// Drive periods left for the start to die away.
 const SETTLING_PERIODS: u32 = 64;
-/// SysTick counts down from here: 24 bits.
-const SYSTICK_MASK: u32 = 0x00ff_ffff;
 
 #[entry]
 fn main() -> ! {
-    let (Some(peripherals), Ok(mut control)) = (cortex_m::Peripherals::take(), Control::new())
-    else {
+    let (Some(peripherals), Ok(mut model)) = (cortex_m::Peripherals::take(), Model::new()) else {
         qemu::exit(false);
     };
-    let mut stopwatch = peripherals.SYST;
-    stopwatch.set_clock_source(SystClkSource::Core);
-    stopwatch.set_reload(SYSTICK_MASK);
-    stopwatch.clear_current();
-    stopwatch.enable_counter();
+    let stopwatch = Stopwatch::start(peripherals.SYST);
 
     let mut periods = 0;
     while periods < SETTLING_PERIODS {
-        periods += u32::from(control.tick().is_some());
+        periods += u32::from(model.tick());
     }
 
     hprintln!("nanoseconds {}", 1_000_000_000 / qemu::CLOCK_HZ);
     hprintln!("repeats {}", REPEATS);
-    hprintln!("empty {}", counts(&control, |_| ()));
+    hprintln!("empty {}", counts(&stopwatch, &model, |_| ()));
     loop {
-        let spent = counts(&control, |copy| {
+        let spent = counts(&stopwatch, &model, |copy| {
             black_box(copy.tick());
         });
-        let before = control.in_contact();
-        let ends_period = control.tick().is_some();
-        let kind = match (ends_period, before || control.in_contact()) {
+        let before = model.in_contact();
+        let ends_period = model.tick();
+        let kind = match (ends_period, before || model.in_contact()) {
             (true, _) => "strobe",
             (false, true) => "contact",
             (false, false) => "free",
@@ -61,14 +56,14 @@ fn main() -> ! {
     qemu::exit(true)
 }
 
-/// Clock counts of [`REPEATS`] runs of `work`, each on a fresh copy of `control`.
+/// Clock counts of [`REPEATS`] runs of `work`, each on a fresh copy of `model`.
 #[inline(never)]
-fn counts(control: &Control, work: impl Fn(&mut Control)) -> u32 {
-    let start = SYST::get_current();
+fn counts(stopwatch: &Stopwatch, model: &Model, work: impl Fn(&mut Model)) -> u32 {
+    let start = stopwatch.now();
     for _ in 0..REPEATS {
-        let mut copy = *black_box(control);
+        let mut copy = *black_box(model);
         work(black_box(&mut copy));
         black_box(&copy);
     }
-    start.wrapping_sub(SYST::get_current()) & SYSTICK_MASK
+    stopwatch.since(start)
 }

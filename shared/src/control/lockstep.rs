@@ -39,17 +39,29 @@ impl Lockstep {
     /// A block of samples, in ticks' order, against the set-points of the next block; then `slices` of the
     /// forecast. Frames and outputs are paired; of unequal numbers the shorter counts.
     pub fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32) -> Exchanged {
-        let delivered = self.deliver();
-        self.controller.block(frames, outputs);
+        let exchanged = self.block(frames, outputs);
         self.idle(slices);
-        Exchanged { delivered }
+        exchanged
     }
 
     /// A block whose samples did not arrive.
     pub fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32) -> Exchanged {
+        let exchanged = self.blind_block(outputs);
+        self.idle(slices);
+        exchanged
+    }
+
+    /// The part of [`Self::exchange`] at control priority.
+    pub fn block(&mut self, frames: &[Frame], outputs: &mut [Output]) -> Exchanged {
+        let delivered = self.deliver();
+        self.controller.block(frames, outputs);
+        Exchanged { delivered }
+    }
+
+    /// The part of [`Self::exchange_blind`] at control priority.
+    pub fn blind_block(&mut self, outputs: &mut [Output]) -> Exchanged {
         let delivered = self.deliver();
         self.controller.blind_block(outputs);
-        self.idle(slices);
         Exchanged { delivered }
     }
 
@@ -65,7 +77,8 @@ impl Lockstep {
         true
     }
 
-    fn idle(&mut self, slices: u32) {
+    /// The part of an exchange in idle time.
+    pub fn idle(&mut self, slices: u32) {
         if let Some(request) = self.controller.forecast_request() {
             self.forecaster.start(&request);
             self.waiting = true;

@@ -32,7 +32,7 @@ pub use controller::Controller;
 pub use event::{Event, Events, KEPT, What};
 pub use family::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
 pub use guard::{OPEN_TICKS, OVER_FORCE_TICKS, OVER_TRAVEL_TICKS, SATURATED_TICKS};
-pub use lockstep::Lockstep;
+pub use lockstep::{Exchanged, Lockstep};
 pub use trim::bits;
 
 use serde::{Deserialize, Serialize};

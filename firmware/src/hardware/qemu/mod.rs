@@ -2,12 +2,16 @@
 //!
 //! Text goes to QEMU's standard output, and the exit code is the run's verdict.
 
+pub mod pipes;
+
 use core::panic::PanicInfo;
 
 use cortex_m_semihosting::{
     debug::{self, EXIT_FAILURE, EXIT_SUCCESS},
     hprintln,
 };
+
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
 
 use super::fault::Fault;
 
@@ -26,6 +30,36 @@ pub mod device {
 
     /// Priority bits the board's interrupt controller implements.
     pub const NVIC_PRIO_BITS: u8 = 3;
+}
+
+/// SysTick counts down from here: 24 bits.
+const SYSTICK_MASK: u32 = 0x00ff_ffff;
+
+/// SysTick as a stopwatch. Under `-icount shift=0` QEMU lets a nanosecond go by per instruction, so what it
+/// reads are instructions, in steps of 40; never cycles.
+pub struct Stopwatch(());
+
+impl Stopwatch {
+    /// Starts counting.
+    pub fn start(mut systick: SYST) -> Self {
+        systick.set_clock_source(SystClkSource::Core);
+        systick.set_reload(SYSTICK_MASK);
+        systick.clear_current();
+        systick.enable_counter();
+        Self(())
+    }
+
+    /// Now, in counts.
+    #[inline]
+    pub fn now(&self) -> u32 {
+        SYST::get_current()
+    }
+
+    /// Counts since `before` (less than 0.6 s).
+    #[inline]
+    pub fn since(&self, before: u32) -> u32 {
+        before.wrapping_sub(SYST::get_current()) & SYSTICK_MASK
+    }
 }
 
 /// Ends the run with success or failure as QEMU's exit code.

@@ -1,0 +1,190 @@
+//! The controller with what the board keeps beside it: the blocks of the last moments, for whoever records.
+//!
+//! Every way to the controller leads through here, so that a recording misses nothing that it was told.
+
+use heapless::{Deque, Vec};
+use shared::control::{Command, Controller, Refused};
+use shared::forecast::Forecast;
+use shared::io::{Frame, Output};
+use shared::link::{Exchange, Given, Notes};
+use shared::settings::Settings;
+
+/// Blocks kept until the link takes them: 2 ms of them. The link looks every millisecond.
+const KEPT: usize = 4;
+
+/// The controller and the recording.
+#[derive(Debug)]
+pub struct Desk {
+    controller: Controller,
+    /// What was told since the last block.
+    notes: Notes,
+    recording: bool,
+    kept: Deque<Exchange, KEPT>,
+}
+
+impl Desk {
+    /// A desk; nothing is recorded.
+    pub fn new(controller: Controller) -> Self {
+        Self {
+            controller,
+            notes: Notes::default(),
+            recording: false,
+            kept: Deque::new(),
+        }
+    }
+
+    /// The controller, to look at.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The controller, for what changes nothing that a recording shows (events and requests taken).
+    pub fn taking(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
+
+    /// Whether another command fits into what is kept of a block; if not, wait for the next block.
+    pub fn takes_commands(&self) -> bool {
+        // A packet can bring two: a sign of life and what it says.
+        !self.recording || self.notes.given.is_empty()
+    }
+
+    /// Passes a command on.
+    ///
+    /// # Errors
+    /// See [`Refused`].
+    pub fn command(&mut self, command: Command) -> Result<(), Refused> {
+        let result = self.controller.command(command);
+        if self.recording {
+            // One that finds no room is missing in the recording; see `takes_commands`.
+            let _ = self.notes.given.push(Given {
+                command,
+                refused: result.err(),
+            });
+        }
+        result
+    }
+
+    /// Swaps the settings.
+    ///
+    /// # Errors
+    /// See [`Controller::replace_settings`].
+    pub fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
+        self.controller.replace_settings(settings)?;
+        self.notes.restarted = true;
+        Ok(())
+    }
+
+    /// Hands a finished forecast over.
+    pub fn deliver(&mut self, forecast: &Forecast) {
+        self.controller.deliver(forecast);
+        self.notes.forecast_delivered = true;
+    }
+
+    /// The control task ended too late.
+    pub fn note_overrun(&mut self) {
+        self.controller.note_overrun();
+        self.notes.overrun = true;
+    }
+
+    /// A block at control priority; without frames, one whose samples did not arrive.
+    pub fn block(&mut self, frames: Option<&[Frame]>, outputs: &mut [Output]) {
+        let tick = self.controller.status().tick.wrapping_add(1);
+        match frames {
+            Some(frames) => self.controller.block(frames, outputs),
+            None => self.controller.blind_block(outputs),
+        }
+        if self.recording {
+            self.keep(tick, frames, outputs);
+        }
+        self.notes = Notes::default();
+    }
+
+    fn keep(&mut self, tick: u32, frames: Option<&[Frame]>, outputs: &[Output]) {
+        let mut notes = core::mem::take(&mut self.notes);
+        notes.stale = frames.is_none();
+        notes.state = self.controller.state();
+        let blank = [Frame::default(); crate::BLOCK_TICKS];
+        let exchange = Exchange {
+            tick,
+            frames: Vec::from_slice(frames.unwrap_or(&blank)).unwrap_or_default(),
+            outputs: Vec::from_slice(outputs).unwrap_or_default(),
+            notes,
+        };
+        // Full: this block is lost, and shows as a gap in the ticks.
+        let _ = self.kept.push_back(exchange);
+    }
+
+    /// Starts or ends keeping blocks.
+    pub fn record(&mut self, on: bool) {
+        self.recording = on;
+        self.kept.clear();
+    }
+
+    /// The oldest block kept.
+    pub fn take_exchange(&mut self) -> Option<Exchange> {
+        self.kept.pop_front()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::control::{Birth, Mode, State};
+    use shared::io::AdcCode;
+    use shared::params::WIRES;
+
+    fn desk() -> Desk {
+        let settings = Settings::for_rig(&WIRES);
+        Desk::new(Controller::new(&settings, &Birth::default()).unwrap())
+    }
+
+    #[test]
+    fn a_recording_holds_what_the_controller_was_told() {
+        let mut desk = desk();
+        let frames = [Frame {
+            force: AdcCode(600),
+            hammer: AdcCode(2048),
+            cart: AdcCode(2048),
+            emergency: false,
+        }; crate::BLOCK_TICKS];
+        let mut outputs = [Output::SAFE; crate::BLOCK_TICKS];
+        desk.block(Some(&frames), &mut outputs);
+        assert!(desk.take_exchange().is_none());
+
+        desk.record(true);
+        assert!(desk.takes_commands());
+        assert_eq!(desk.command(Command::Start(Mode::Automatic)), Ok(()));
+        assert!(!desk.takes_commands());
+        desk.block(Some(&frames), &mut outputs);
+        desk.note_overrun();
+        desk.block(None, &mut outputs);
+        let first = desk.take_exchange().unwrap();
+        assert_eq!(first.tick, 11);
+        assert_eq!(first.frames.as_slice(), frames);
+        assert_eq!(first.notes.given.len(), 1);
+        assert_eq!(first.notes.state, State::SelfTest);
+        assert!(!first.notes.overrun && !first.notes.stale);
+        let second = desk.take_exchange().unwrap();
+        assert_eq!(second.tick, 21);
+        assert!(second.notes.overrun && second.notes.stale);
+        assert!(second.notes.given.is_empty());
+    }
+
+    #[test]
+    fn what_is_not_taken_shows_as_a_gap() {
+        let mut desk = desk();
+        desk.record(true);
+        let mut outputs = [Output::SAFE; crate::BLOCK_TICKS];
+        for _ in 0..KEPT + 3 {
+            desk.block(None, &mut outputs);
+        }
+        let mut last = 0;
+        while let Some(exchange) = desk.take_exchange() {
+            last = exchange.tick;
+        }
+        desk.block(None, &mut outputs);
+        let next = desk.take_exchange().unwrap().tick;
+        assert_eq!(next - last, 4 * crate::BLOCK_TICKS as u32);
+    }
+}

@@ -1,0 +1,96 @@
+//! What the link may do on a board: reach the controller by short locks, store settings, read the forecast.
+
+use rtic::Mutex;
+use shared::control::{Command, Refused, Status};
+use shared::fault::Record;
+use shared::forecast::Forecast;
+use shared::link::{
+    Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
+};
+use shared::settings::{Settings, TICK_RATE_HZ};
+
+use crate::BLOCK_TICKS;
+use crate::desk::Desk;
+
+/// Where settings outlive a reset.
+pub trait Keeper {
+    /// Stores them; whether that worked. May stand still for as long as the flash takes.
+    fn store(&mut self, settings: &Settings) -> bool;
+}
+
+/// The board as the link sees it.
+pub struct OnBoard<'a, D, F, K> {
+    /// The controller.
+    pub desk: &'a mut D,
+    /// The last forecast that is complete.
+    pub forecast: &'a mut F,
+    /// Where settings are stored.
+    pub keeper: &'a mut K,
+    /// The board's name.
+    pub board: &'static str,
+}
+
+impl<D, F, K> Device for OnBoard<'_, D, F, K>
+where
+    D: Mutex<T = Desk>,
+    F: Mutex<T = Forecast>,
+    K: Keeper,
+{
+    fn hello(&mut self) -> Hello {
+        let name = |text| Name::try_from(text).unwrap_or_default();
+        Hello {
+            protocol: PROTOCOL_VERSION,
+            firmware: name(env!("CARGO_PKG_VERSION")),
+            board: name(self.board),
+            tick_rate_hz: TICK_RATE_HZ,
+            block_ticks: BLOCK_TICKS as u8,
+        }
+    }
+
+    fn status(&mut self) -> Status {
+        self.desk.lock(|desk| desk.controller().status())
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), Refused> {
+        self.desk.lock(|desk| desk.command(command))
+    }
+
+    fn settings(&mut self) -> Settings {
+        self.desk.lock(|desk| *desk.controller().settings())
+    }
+
+    fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
+        self.desk.lock(|desk| desk.replace_settings(settings))
+    }
+
+    fn store_settings(&mut self) -> Result<(), Refusal> {
+        let settings = self.settings();
+        if self.keeper.store(&settings) {
+            Ok(())
+        } else {
+            Err(Refusal::NotStored)
+        }
+    }
+
+    fn forecast(&mut self, page: u8) -> ForecastPage {
+        self.forecast
+            .lock(|forecast| ForecastPage::of(Some(&*forecast), page))
+    }
+
+    fn fault_record(&mut self) -> Option<Record> {
+        self.status().fault
+    }
+
+    fn identified(&mut self) -> Identified {
+        Identified::default()
+    }
+
+    fn record(&mut self, on: bool) -> Result<(), Refusal> {
+        self.desk.lock(|desk| desk.record(on));
+        Ok(())
+    }
+
+    fn take_exchange(&mut self) -> Option<Exchange> {
+        self.desk.lock(Desk::take_exchange)
+    }
+}

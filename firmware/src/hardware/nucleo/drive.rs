@@ -1,0 +1,103 @@
+//! The drive's enable line, and the emergency stop that takes it away.
+//!
+//! The chain itself switches the drive off in hardware (docs/wiring.md); what is done here comes on top: the
+//! chain's opening interrupts everything and pulls the enable low at once, and the line stays low until the
+//! controller has seen it in its samples and has itself switched the drive off.
+#![allow(unsafe_code)]
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use shared::io::{EmergencyStop as _, NormallyClosed};
+use stm32f4xx_hal::{
+    gpio::{Edge, ExtiPin, Input, Output, PA8, PB5},
+    pac,
+    syscfg::SysCfg,
+};
+
+use super::kept;
+
+/// Set where the enable was taken away without the controller: it must learn of it first.
+static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
+
+/// Pulls the enable low, from anywhere, whatever state the program is in.
+///
+/// A single store to the port's set/reset register, which needs no read before it. Before the port has its
+/// clock the store does nothing: then the pin still floats, and the drive stage's own pull-down holds it.
+#[inline]
+pub fn disable() {
+    // SAFETY: a single store to a write-only register that touches one pin.
+    let gpioa = unsafe { &*pac::GPIOA::ptr() };
+    gpioa.bsrr().write(|w| w.br8().set_bit());
+}
+
+/// Pulls the enable low and keeps it there until the controller has switched the drive off.
+#[inline]
+pub fn take_away() {
+    disable();
+    TAKEN_AWAY.store(true, Ordering::Release);
+    // In case the control task was just between its look at the flag and its store.
+    disable();
+}
+
+/// The enable line. Whoever does not hold it cannot raise it: bench mode never gets it.
+pub struct Enable {
+    pin: PA8<Output>,
+    on: bool,
+}
+
+impl Enable {
+    /// Low.
+    pub fn new(mut pin: PA8<Output>) -> Self {
+        pin.set_low();
+        kept::note_drive(false);
+        Self { pin, on: false }
+    }
+
+    /// What the controller wants. `reported` is what it was told of the line having been taken away.
+    #[inline]
+    pub fn apply(&mut self, on: bool, reported: bool) {
+        if on {
+            // Nothing may come between the look and the store.
+            cortex_m::interrupt::free(|_| {
+                if !TAKEN_AWAY.load(Ordering::Acquire) {
+                    self.pin.set_high();
+                }
+            });
+        } else {
+            self.pin.set_low();
+            if reported {
+                TAKEN_AWAY.store(false, Ordering::Release);
+            }
+        }
+        if on != self.on {
+            self.on = on;
+            kept::note_drive(on);
+        }
+    }
+}
+
+/// The emergency-stop chain on PB5: closed to ground, pulled up when it opens.
+pub struct Chain(NormallyClosed<PB5<Input>>);
+
+impl Chain {
+    /// Interrupts when the chain opens.
+    pub fn new(mut pin: PB5<Input>, syscfg: &mut SysCfg, exti: &mut pac::EXTI) -> Self {
+        pin.make_interrupt_source(syscfg);
+        pin.trigger_on_edge(exti, Edge::Rising);
+        pin.enable_interrupt(exti);
+        Self(NormallyClosed(pin))
+    }
+
+    /// Whether the chain is open now, or the enable was taken away since the controller last dealt with it.
+    #[inline]
+    pub fn tripped(&mut self) -> bool {
+        self.0.is_open() || TAKEN_AWAY.load(Ordering::Acquire)
+    }
+}
+
+/// Clears the chain's interrupt; to be called in it.
+#[inline]
+pub fn acknowledge() {
+    // SAFETY: writing a one clears this line's pending bit and touches no other.
+    unsafe { (*pac::EXTI::ptr()).pr().write(|w| w.bits(1 << 5)) };
+}

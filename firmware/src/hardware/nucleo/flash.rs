@@ -1,0 +1,131 @@
+//! Two flash sectors for the settings.
+//!
+//! | sector | address | size |
+//! |---|---|---|
+//! | 1 | 0x0800 4000 | 16 KiB |
+//! | 2 | 0x0800 8000 | 16 KiB |
+//!
+//! The program's vectors lie in sector 0 and its code from sector 3 on (boards/nucleo.x), so that flashing a
+//! new program leaves the settings alone, and erasing settings takes the shortest time the part has.
+//!
+//! The part has one flash bank: while it is erased or written, the processor waits at its next fetch, interrupts
+//! and the control task with it. Erasing 16 KiB byte by byte takes 0.4 s, at most 0.8 s (DS10693, "Flash memory
+//! programming"). So it is done only in Idle with the drive off, the sampling that is missed meanwhile is expected
+//! ([`super::guard`]), and the watchdog's shortest period is longer ([`super::watchdog`]).
+#![allow(unsafe_code)]
+
+use super::guard;
+use crate::device::Keeper;
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
+};
+use shared::{
+    settings::Settings,
+    store::{self, Loaded},
+};
+use stm32f4xx_hal::{
+    flash::{FlashExt, LockedFlash},
+    pac,
+};
+
+/// The first sector's offset in flash.
+const OFFSET: u32 = 0x4000;
+/// Its number.
+const FIRST_SECTOR: u8 = 1;
+/// Bytes of a sector.
+const SECTOR: u32 = 0x4000;
+
+unsafe extern "C" {
+    /// Where the linker was told to leave room; [`OFFSET`] must agree with it.
+    static __settings_start: u8;
+    static __settings_end: u8;
+}
+
+/// The two sectors, as a flash of their own that starts at 0.
+struct SettingsFlash(LockedFlash);
+
+impl SettingsFlash {
+    fn new(flash: pac::FLASH) -> Self {
+        Self(LockedFlash::new(flash))
+    }
+
+    /// Whether the linker left out what is written here.
+    fn agrees_with_linker(&self) -> bool {
+        let base = self.0.address() + OFFSET as usize;
+        (&raw const __settings_start) as usize == base
+            && (&raw const __settings_end) as usize == base + self.capacity()
+    }
+}
+
+impl ErrorType for SettingsFlash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for SettingsFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        check_read(self, offset, bytes.len())?;
+        let from = (OFFSET + offset) as usize;
+        let to = from + bytes.len();
+        let source = FlashExt::read(&self.0)
+            .get(from..to)
+            .ok_or(NorFlashErrorKind::OutOfBounds)?;
+        bytes.copy_from_slice(source);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        2 * SECTOR as usize
+    }
+}
+
+impl NorFlash for SettingsFlash {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = SECTOR as usize;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        check_erase(self, from, to)?;
+        for sector in from / SECTOR..to / SECTOR {
+            self.0
+                .unlocked()
+                .erase(FIRST_SECTOR + sector as u8)
+                .map_err(|_| NorFlashErrorKind::Other)?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        check_write(self, offset, bytes.len())?;
+        self.0
+            .unlocked()
+            .program((OFFSET + offset) as usize, bytes.iter())
+            .map_err(|_| NorFlashErrorKind::Other)
+    }
+}
+
+/// The settings in their two sectors.
+pub struct Store(store::Store<SettingsFlash>);
+
+impl Store {
+    /// Takes the flash's registers.
+    pub fn new(flash: pac::FLASH) -> Self {
+        let flash = SettingsFlash::new(flash);
+        assert!(
+            flash.agrees_with_linker(),
+            "boards/nucleo.x leaves other sectors free than are written to"
+        );
+        Self(store::Store::new(flash, [0..SECTOR, SECTOR..2 * SECTOR]))
+    }
+
+    /// What is stored; `None` if the flash cannot be read.
+    pub fn load(&mut self) -> Option<Loaded> {
+        self.0.load().ok()
+    }
+}
+
+impl Keeper for Store {
+    fn store(&mut self, settings: &Settings) -> bool {
+        guard::paused(|| self.0.save(settings)).is_ok()
+    }
+}

@@ -1,0 +1,91 @@
+//! Watches, once per millisecond and above every other task, that blocks go on being served: what hangs or
+//! starves the control task, or stops the samples, takes the drive's enable away within 2 ms.
+
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use stm32f4xx_hal::{
+    pac,
+    prelude::*,
+    rcc::Rcc,
+    timer::{CounterHz, Event, Flag},
+};
+
+use super::drive;
+
+/// Blocks served since the start (wraps).
+static SERVED: AtomicU32 = AtomicU32::new(0);
+/// Set while the flash is erased or written: no block can be served then, and the drive is off.
+static PAUSED: AtomicBool = AtomicBool::new(false);
+/// Set when the guard had to act; the control task takes it and reports stale samples.
+static ACTED: AtomicBool = AtomicBool::new(false);
+
+/// Counts a block as served; to be called at the end of the control task.
+#[inline]
+pub fn block_served() {
+    SERVED.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Blocks served since the start (wraps).
+#[inline]
+pub fn blocks_served() -> u32 {
+    SERVED.load(Ordering::Relaxed)
+}
+
+/// Whether blocks failed to come since the last call.
+#[inline]
+pub fn take_stale() -> bool {
+    ACTED.swap(false, Ordering::Relaxed)
+}
+
+/// Runs `work`, during which the processor may stand still; the drive is off.
+pub fn paused<T>(work: impl FnOnce() -> T) -> T {
+    PAUSED.store(true, Ordering::Relaxed);
+    let result = work();
+    PAUSED.store(false, Ordering::Relaxed);
+    result
+}
+
+/// Whether missing blocks are expected now.
+#[inline]
+pub fn is_paused() -> bool {
+    PAUSED.load(Ordering::Relaxed)
+}
+
+/// TIM7, interrupting once per millisecond.
+pub struct Guard {
+    timer: CounterHz<pac::TIM7>,
+    seen: u32,
+    missed: u8,
+}
+
+impl Guard {
+    /// Starts with the first interrupt; `None` if the timer cannot be set.
+    pub fn new(timer: pac::TIM7, rcc: &mut Rcc) -> Option<Self> {
+        let mut timer = timer.counter_hz(rcc);
+        timer.start(1_000.Hz()).ok()?;
+        timer.listen(Event::Update);
+        Some(Self {
+            timer,
+            seen: 0,
+            missed: 0,
+        })
+    }
+
+    /// Serves the interrupt. Two blocks are due between two of them; none twice in a row is a stall.
+    #[inline]
+    pub fn look(&mut self) {
+        self.timer.clear_flags(Flag::Update);
+        let served = blocks_served();
+        let stalled = served == self.seen && !is_paused();
+        self.seen = served;
+        self.missed = if stalled {
+            self.missed.saturating_add(1)
+        } else {
+            0
+        };
+        if self.missed >= 2 {
+            drive::take_away();
+            ACTED.store(true, Ordering::Relaxed);
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! What outlives a reset: a few words of RAM that the start-up code leaves alone.
+//!
+//! | kept | for |
+//! |---|---|
+//! | the last fault's record | the report after the reset |
+//! | where the program crashed | the log after the reset |
+//! | whether the drive was enabled | telling a drop of the supply from switching on |
+//!
+//! After power-up the words hold anything; each entry carries a check that rubbish does not pass.
+#![allow(unsafe_code)]
+
+use core::{cell::UnsafeCell, mem::MaybeUninit};
+
+use shared::fault::{Fault, Origin, Persisted, Record};
+
+/// The drive was enabled.
+const DRIVING: u32 = 0x5ad7_1e31;
+/// A crash is noted.
+const CRASHED: u32 = 0xc0a5_4ed1;
+
+/// Where and how the program crashed.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Crash {
+    mark: u32,
+    /// Instruction; 0: not known.
+    pub address: u32,
+    /// CFSR; 0 for a panic.
+    pub status: u32,
+}
+
+#[repr(C)]
+struct Words {
+    record: Persisted,
+    crash: Crash,
+    drive: u32,
+}
+
+struct Kept(UnsafeCell<MaybeUninit<Words>>);
+
+// SAFETY: plain words, touched by single volatile accesses only; an entry torn by a reset fails its check.
+unsafe impl Sync for Kept {}
+
+#[unsafe(link_section = ".uninit.kept")]
+static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+
+fn words() -> *mut Words {
+    KEPT.0.get().cast()
+}
+
+/// What the last run left; to be read once, before anything is noted anew.
+pub struct Left {
+    /// Its last fault.
+    pub record: Option<Record>,
+    /// Its crash.
+    pub crash: Option<Crash>,
+    /// Whether the drive was enabled when it ended.
+    pub driving: bool,
+}
+
+/// Reads what the last run left, and forgets the crash and the drive.
+pub fn take() -> Left {
+    // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
+    let (record, crash, drive) = unsafe {
+        (
+            (&raw const (*words()).record).read_volatile(),
+            (&raw const (*words()).crash).read_volatile(),
+            (&raw const (*words()).drive).read_volatile(),
+        )
+    };
+    note_drive(false);
+    // SAFETY: as above.
+    unsafe { (&raw mut (*words()).crash.mark).write_volatile(0) };
+    Left {
+        record: record.record(),
+        crash: (crash.mark == CRASHED).then_some(crash),
+        driving: drive == DRIVING,
+    }
+}
+
+/// Keeps a record, or that there is none.
+pub fn keep(record: Option<&Record>) {
+    let record = record.map_or(Persisted::EMPTY, Persisted::new);
+    // SAFETY: the place is valid for writes.
+    unsafe { (&raw mut (*words()).record).write_volatile(record) };
+}
+
+/// Keeps whether the drive is enabled.
+#[inline]
+pub fn note_drive(on: bool) {
+    // SAFETY: the place is valid for writes.
+    unsafe { (&raw mut (*words()).drive).write_volatile(if on { DRIVING } else { 0 }) };
+}
+
+/// Keeps that and where the program crashed.
+pub fn note_crash(address: Option<u32>, status: u32) {
+    keep(Some(&Record {
+        fault: Fault::Crash,
+        origin: Origin::System,
+        tick: 0,
+        value: 0.0,
+        frequency_hz: 0.0,
+    }));
+    let crash = Crash {
+        mark: CRASHED,
+        address: address.unwrap_or(0),
+        status,
+    };
+    // SAFETY: the place is valid for writes.
+    unsafe { (&raw mut (*words()).crash).write_volatile(crash) };
+}

@@ -1,0 +1,217 @@
+//! NUCLEO-F446RE: everything of the board that the app needs, set up and safe.
+//!
+//! | pin | Arduino | what | safe level |
+//! |---|---|---|---|
+//! | PA0 | A0 | force, 0.1 to 3.2 V | – |
+//! | PA1 | A1 | hammer displacement | – |
+//! | PB0 | A3 | cart displacement | – |
+//! | PA4 | A2 | shaker's set-point (DAC) | 1.65 V, the middle |
+//! | PC7 | D9 | motor drive's frequency, duty cycle | low |
+//! | PA8 | D7 | drive enable, active high | low |
+//! | PB5 | D4 | emergency-stop chain, closed to ground | high: open |
+//! | PA10 | D2 | bench strap, to ground for bench mode | – |
+//! | PC13 | – | user button B1, pressed low | – |
+//! | PA5 | – | user LED LD2 | any |
+//! | PA2, PA3 | – | link: USART2 through the debugger's serial port | – |
+//!
+//! Between reset and [`Board::new`] all pins float: the drive stage needs a pull-down of its own on its enable
+//! input. How all this is wired stands in docs/wiring.md. It has been built and linked, and never run: no such
+//! board is attached to the machines that build this project.
+//!
+//! | priority | interrupt | what |
+//! |---|---|---|
+//! | highest | EXTI9_5 | emergency stop: enable low, a few stores |
+//! | highest | TIM7, 1 kHz | [`guard`]: enable low if blocks fail to come |
+//! | next | DMA2_STREAM0, 2 kHz | the control task |
+//! | below | TIM6_DAC, 1 kHz | the link |
+
+pub mod drive;
+mod flash;
+pub mod guard;
+pub mod kept;
+mod report;
+mod reset;
+mod sampling;
+mod serial;
+mod set_points;
+mod watchdog;
+mod wiring;
+
+use defmt_rtt as _;
+use stm32f4xx_hal::{
+    gpio::{Input, Output, PA5, PC13, PinState},
+    pac,
+    prelude::*,
+    rcc::Config,
+    timer::{CounterHz, Event, Flag},
+};
+
+pub use flash::Store;
+pub use report::{report_fault, report_panic};
+pub use reset::flags as reset_flags;
+pub use sampling::Sampler;
+pub use serial::Serial;
+pub use set_points::SetPoints;
+pub use watchdog::Watchdog;
+
+/// The processor's clock. 180 MHz is the most the part allows; the timers' 90 MHz divide by the tick rate
+/// without remainder (4500).
+pub const SYSCLK_MHZ: u32 = 180;
+/// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
+const HSE_MHZ: u32 = 8;
+/// How often the link is looked at, Hz.
+const LINK_RATE_HZ: u32 = 1_000;
+
+defmt::timestamp!("{=u32:ms}", guard::blocks_served() / 2);
+
+/// The board, set up and safe: the drive is off, nothing samples yet.
+pub struct Board {
+    /// Samples in, by DMA.
+    pub sampler: Sampler,
+    /// Set-points out, by DMA.
+    pub set_points: SetPoints,
+    /// The drive's enable line.
+    pub enable: drive::Enable,
+    /// The emergency-stop chain.
+    pub chain: drive::Chain,
+    /// Watches that the control task goes on.
+    pub guard: guard::Guard,
+    /// The link's wire.
+    pub serial: Serial,
+    /// Ticks the link task.
+    pub link_timer: LinkTimer,
+    /// Where the settings are kept.
+    pub store: Store,
+    /// Shows the state.
+    pub led: Led,
+    /// Starts and stops.
+    pub button: Button,
+    /// Bench mode is asked for: strap to ground, or button held at reset.
+    pub bench_asked: bool,
+    /// Something is wired to the sensors or the emergency-stop chain.
+    pub wired: bool,
+    /// What starts the watchdog.
+    pub watchdog: WatchdogParts,
+}
+
+impl Board {
+    /// Takes the hardware into use. The drive enable is the first thing to be driven, before the clocks
+    /// change. `None` if a timer cannot be set to its rate, which the clocks above rule out.
+    pub fn new(device: pac::Peripherals) -> Option<Self> {
+        let mut rcc = device.RCC.constrain();
+        let gpioa = device.GPIOA.split(&mut rcc);
+        let enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
+        let gpiob = device.GPIOB.split(&mut rcc);
+        let gpioc = device.GPIOC.split(&mut rcc);
+        let chain = gpiob.pb5.into_pull_up_input();
+        let strap = gpioa.pa10.into_pull_up_input();
+        let button = gpioc.pc13.into_input();
+        // On the power-up clock still, and before the pins become analogue.
+        let inputs = (
+            gpioa.pa0.into_input(),
+            gpioa.pa1.into_input(),
+            gpiob.pb0.into_input(),
+        );
+        let (sensors, sensors_wired) = wiring::look(inputs);
+        let wired = sensors_wired || chain.is_low();
+        let bench_asked = strap.is_low() || button.is_low();
+
+        let clocks = Config::hse(HSE_MHZ.MHz())
+            .bypass_hse_oscillator()
+            .sysclk(SYSCLK_MHZ.MHz());
+        let mut rcc = rcc.freeze(clocks);
+        let mut exti = device.EXTI;
+        let mut syscfg = device.SYSCFG.constrain(&mut rcc);
+        // A debugger that halts the processor also halts the set-points.
+        device
+            .DBGMCU
+            .apb1_fz()
+            .modify(|_, w| w.dbg_tim2_stop().set_bit());
+
+        let set_points = SetPoints::new(
+            device.DAC,
+            &device.DMA1,
+            device.TIM3,
+            (gpioa.pa4.into_analog(), gpioc.pc7),
+            &mut rcc,
+        );
+        let wire = (gpioa.pa2.into_alternate(), gpioa.pa3.into_alternate());
+        Some(Self {
+            sampler: Sampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc),
+            set_points,
+            enable: drive::Enable::new(enable),
+            chain: drive::Chain::new(chain, &mut syscfg, &mut exti),
+            guard: guard::Guard::new(device.TIM7, &mut rcc)?,
+            serial: Serial::new(device.USART2, device.DMA1, wire, &mut rcc),
+            link_timer: LinkTimer::new(device.TIM6.counter_hz(&mut rcc))?,
+            store: Store::new(device.FLASH),
+            led: Led(gpioa.pa5.into_push_pull_output()),
+            button: Button(button),
+            bench_asked,
+            wired,
+            watchdog: WatchdogParts {
+                iwdg: device.IWDG,
+                debug: device.DBGMCU,
+            },
+        })
+    }
+}
+
+/// What the watchdog is made of, not started yet.
+pub struct WatchdogParts {
+    iwdg: pac::IWDG,
+    debug: pac::DBGMCU,
+}
+
+impl WatchdogParts {
+    /// Starts it.
+    pub fn start(self) -> Watchdog {
+        Watchdog::start(self.iwdg, &self.debug)
+    }
+}
+
+/// The user LED.
+pub struct Led(PA5<Output>);
+
+impl Led {
+    /// On or off.
+    #[inline]
+    pub fn set(&mut self, on: bool) {
+        self.0
+            .set_state(if on { PinState::High } else { PinState::Low });
+    }
+}
+
+/// The user button.
+pub struct Button(PC13<Input>);
+
+impl Button {
+    /// Whether it is pressed now.
+    #[inline]
+    pub fn is_pressed(&self) -> bool {
+        self.0.is_low()
+    }
+}
+
+/// TIM6, interrupting once per millisecond.
+pub struct LinkTimer(CounterHz<pac::TIM6>);
+
+impl LinkTimer {
+    fn new(mut timer: CounterHz<pac::TIM6>) -> Option<Self> {
+        timer.start(LINK_RATE_HZ.Hz()).ok()?;
+        timer.listen(Event::Update);
+        Some(Self(timer))
+    }
+
+    /// Clears the interrupt; to be called first in it.
+    #[inline]
+    pub fn acknowledge(&mut self) {
+        self.0.clear_flags(Flag::Update);
+    }
+}
+
+/// Switches the drive off, from anywhere, whatever state the program is in: enable first, then set-points.
+pub fn make_outputs_safe() {
+    drive::disable();
+    set_points::make_safe();
+}

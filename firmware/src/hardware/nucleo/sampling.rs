@@ -1,0 +1,195 @@
+//! Hardware-timed sampling: TIM2 → ADC1 → DMA2 stream 0, without the processor.
+//!
+//! TIM2 updates at 20 kHz; each update triggers a scan of three channels (force, hammer, cart), which the
+//! DMA writes into a ring of two halves of [`BLOCK_TICKS`] frames. An interrupt comes at the end of each
+//! half, once in 500 µs; the half then stays as it is until the next interrupt.
+//!
+//! | quantity | value | from |
+//! |---|---|---|
+//! | ADC clock | 22.5 MHz | APB2's 90 MHz / 4; the part allows 36 MHz |
+//! | sampling time | 56 cycles, 2.5 µs | settles a 12-bit input behind up to some 10 kΩ |
+//! | one channel | 68 cycles, 3.0 µs | sampling + 12 cycles of conversion |
+//! | scan | 9.1 µs of the tick's 50 µs | so hammer and cart lag force by 3.0 and 6.0 µs |
+//!
+//! Sources: RM0390, "Analog-to-digital converter" and "DMA request mapping" (stream 0, channel 0: ADC1).
+#![allow(unsafe_code)]
+
+use core::cell::UnsafeCell;
+
+use shared::io::{AdcCode, Frame};
+use shared::settings::TICK_RATE_HZ;
+use stm32f4xx_hal::{
+    adc::{
+        Adc,
+        config::{AdcConfig, Clock, Dma, ExternalTrigger, SampleTime, Scan, Sequence, TriggerMode},
+    },
+    gpio::{Analog, PA0, PA1, PB0},
+    pac,
+    rcc::{Enable, Rcc},
+};
+
+use crate::BLOCK_TICKS;
+
+/// Force, hammer, cart.
+const CHANNELS: usize = 3;
+/// Samples of both halves.
+const SAMPLES: u16 = (2 * BLOCK_TICKS * CHANNELS) as u16;
+
+/// Frames as the DMA writes them.
+type Ring = [[[u16; CHANNELS]; BLOCK_TICKS]; 2];
+
+/// Memory that the DMA writes to.
+struct Shared(UnsafeCell<Ring>);
+
+// SAFETY: the one place that reads it, `Sampler::take`, reads the half that the DMA has left, by volatile
+// reads, and there is one `Sampler` (it owns the DMA's stream).
+unsafe impl Sync for Shared {}
+
+static RING: Shared = Shared(UnsafeCell::new([[[0; CHANNELS]; BLOCK_TICKS]; 2]));
+
+/// Pins of the three sensors.
+pub type SensorPins = (PA0<Analog>, PA1<Analog>, PB0<Analog>);
+
+/// One half of the ring: which of the two the DMA has just filled. The set-points worked out from it go
+/// into the same half of theirs ([`super::set_points`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Half(usize);
+
+impl Half {
+    /// 0 or 1.
+    pub fn index(self) -> usize {
+        self.0 & 1
+    }
+}
+
+/// What an interrupt brought.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrived {
+    /// The half that is complete.
+    pub half: Half,
+    /// Whether the block before it was never taken: the control task came a whole block late.
+    pub lost: bool,
+    /// Whether the DMA reports an error.
+    pub failed: bool,
+}
+
+/// The sampling chain.
+pub struct Sampler {
+    timer: pac::TIM2,
+    dma: pac::DMA2,
+    _adc: Adc<pac::ADC1>,
+}
+
+impl Sampler {
+    /// Sets the chain up; nothing runs until [`Self::start`].
+    pub fn new(
+        timer: pac::TIM2,
+        adc: pac::ADC1,
+        dma: pac::DMA2,
+        pins: &SensorPins,
+        rcc: &mut Rcc,
+    ) -> Self {
+        pac::TIM2::enable(rcc);
+        pac::DMA2::enable(rcc);
+
+        let config = AdcConfig::default()
+            .clock(Clock::Pclk2_div_4)
+            .scan(Scan::Enabled)
+            .external_trigger(TriggerMode::RisingEdge, ExternalTrigger::Tim_2_trgo)
+            .dma(Dma::Continuous);
+        let mut adc = Adc::new(adc, true, config, rcc);
+        adc.configure_channel(&pins.0, Sequence::One, SampleTime::Cycles_56);
+        adc.configure_channel(&pins.1, Sequence::Two, SampleTime::Cycles_56);
+        adc.configure_channel(&pins.2, Sequence::Three, SampleTime::Cycles_56);
+
+        let stream = dma.st(0);
+        let from = adc.data_register_address();
+        let to = RING.0.get() as u32;
+        // SAFETY: addresses of the ADC's data register and of a static buffer of SAMPLES half words.
+        unsafe {
+            stream.par().write(|w| w.bits(from));
+            stream.m0ar().write(|w| w.bits(to));
+            stream.ndtr().write(|w| w.bits(u32::from(SAMPLES)));
+            // Channel 0.
+            stream.cr().write(|w| {
+                w.chsel().bits(0);
+                w.dir()
+                    .peripheral_to_memory()
+                    .minc()
+                    .incremented()
+                    .circ()
+                    .enabled();
+                w.psize().bits16().msize().bits16().pl().very_high();
+                w.htie().enabled().tcie().enabled().teie().enabled()
+            });
+        }
+        stream.cr().modify(|_, w| w.en().enabled());
+
+        // Without the prescaler TIM2 counts at 90 MHz, twice APB1's clock; its update goes to the ADC and,
+        // as a DMA request, to the DAC. The reload takes effect at once, so no update is forced here.
+        let counts = rcc.clocks.timclk1().raw() / TICK_RATE_HZ;
+        // SAFETY: any value of the reload register is a valid one.
+        timer.arr().write(|w| unsafe { w.bits(counts - 1) });
+        timer.cr2().modify(|_, w| w.mms().update());
+        timer.dier().modify(|_, w| w.ude().set_bit());
+        Self {
+            timer,
+            dma,
+            _adc: adc,
+        }
+    }
+
+    /// Starts ticking. Sampling and playing begin at the same update and stay in step.
+    pub fn start(&mut self) {
+        self.timer.cr1().modify(|_, w| w.cen().set_bit());
+    }
+
+    /// Takes note of an interrupt; to be called first in it.
+    #[inline]
+    pub fn arrived(&mut self) -> Arrived {
+        let flags = self.dma.lisr().read();
+        let (half, full) = (flags.htif0().bit(), flags.tcif0().bit());
+        let failed = flags.teif0().bit() || flags.dmeif0().bit();
+        self.dma.lifcr().write(|w| {
+            w.chtif0().clear().ctcif0().clear();
+            w.cteif0().clear().cdmeif0().clear()
+        });
+        // What is left to be transferred tells which half is being written now; the other is complete.
+        let left = self.dma.st(0).ndtr().read().bits() as u16;
+        Arrived {
+            half: Half(usize::from(left > SAMPLES / 2)),
+            lost: half && full,
+            failed,
+        }
+    }
+
+    /// Copies the half out; `emergency` is whether the chain was found open during the block.
+    #[inline]
+    pub fn take(&mut self, half: Half, emergency: bool) -> [Frame; BLOCK_TICKS] {
+        let mut frames = [Frame::default(); BLOCK_TICKS];
+        // SAFETY: the half is one of two of the ring, and the DMA writes the other one now.
+        let raw = unsafe {
+            RING.0
+                .get()
+                .cast::<[[u16; CHANNELS]; BLOCK_TICKS]>()
+                .add(half.index())
+                .read_volatile()
+        };
+        for (frame, [force, hammer, cart]) in frames.iter_mut().zip(raw) {
+            *frame = Frame {
+                force: AdcCode(force),
+                hammer: AdcCode(hammer),
+                cart: AdcCode(cart),
+                emergency,
+            };
+        }
+        frames
+    }
+
+    /// Whether the next block is complete already; to be called last in the interrupt.
+    #[inline]
+    pub fn overrun(&self) -> bool {
+        let flags = self.dma.lisr().read();
+        flags.htif0().bit() || flags.tcif0().bit()
+    }
+}

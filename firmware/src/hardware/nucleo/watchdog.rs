@@ -1,0 +1,31 @@
+//! The independent watchdog: a clock of its own resets the board when it is not fed.
+//!
+//! Its clock is the 32 kHz LSI, which the data sheet gives as 17 to 47 kHz (DS10693, "Low-speed internal
+//! RC oscillator"): a nominal [`PERIOD_MS`] is 1.36 to 3.76 s. The shortest must outlast what the processor
+//! may rightly be held up by: one sector of settings being erased, 0.8 s at most (DS10693, "Flash memory
+//! programming"), and half a kilobyte being written after it, 0.05 s at most.
+//!
+//! A hung program leaves the drive on for no such time: [`super::guard`] takes the enable away within 2 ms.
+
+use stm32f4xx_hal::{pac, prelude::*, watchdog::IndependentWatchdog};
+
+/// Nominal period, ms.
+pub const PERIOD_MS: u32 = 2_000;
+
+/// The watchdog, running.
+pub struct Watchdog(IndependentWatchdog);
+
+impl Watchdog {
+    /// Starts it; nothing but a reset stops it. It stands still while a debugger halts the processor.
+    pub fn start(iwdg: pac::IWDG, debug: &pac::DBGMCU) -> Self {
+        let mut watchdog = IndependentWatchdog::new(iwdg);
+        watchdog.stop_on_debug(debug, true);
+        watchdog.start(PERIOD_MS.millis());
+        Self(watchdog)
+    }
+
+    /// Starts its period anew.
+    pub fn feed(&mut self) {
+        self.0.feed();
+    }
+}

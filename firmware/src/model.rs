@@ -1,0 +1,54 @@
+//! The model of `shared` alone, a tick at a time: what `cargo xtask bench-ticks` counts.
+
+use shared::drive::{Drive, DriveError};
+use shared::params::{ParamError, RigParams, WIRES};
+use shared::rig::{Mode, Rig};
+use shared::settings::TICK_S;
+use shared::step::Corrected;
+use shared::twin::Twin;
+
+/// The rig that is run: on wires at a gap of 0.0 mm, as in the field.
+pub const RIG: RigParams = WIRES;
+
+/// Drive frequency over natural frequency: in the middle of the range in which
+/// this rig hits once per drive period.
+pub const FREQUENCY_RATIO: f64 = 2.0;
+
+/// Why there is nothing to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refused {
+    /// The rig cannot be.
+    Rig(ParamError),
+    /// The drive cannot be.
+    Drive(DriveError),
+}
+
+/// The model under a drive.
+#[derive(Clone, Copy, Debug)]
+pub struct Model(Twin<f32, Corrected>);
+
+impl Model {
+    /// [`RIG`] at rest under a drive of [`FREQUENCY_RATIO`].
+    ///
+    /// # Errors
+    /// If rig or drive are refused.
+    pub fn new() -> Result<Self, Refused> {
+        let rig = Rig::new(&RIG).map_err(Refused::Rig)?;
+        let frequency_hz = FREQUENCY_RATIO * RIG.natural_frequency_hz();
+        let drive = Drive::new(frequency_hz, TICK_S).map_err(Refused::Drive)?;
+        Ok(Self(Twin::at_rest(rig, drive, Corrected)))
+    }
+
+    /// Steps by one tick; whether a drive period ended in it.
+    ///
+    /// Never inlined: what is counted is what is called.
+    #[inline(never)]
+    pub fn tick(&mut self) -> bool {
+        self.0.tick().strobe.is_some()
+    }
+
+    /// Whether the hammer touches the surface.
+    pub fn in_contact(&self) -> bool {
+        self.0.state().mode == Mode::Contact
+    }
+}

@@ -1,0 +1,74 @@
+//! What a reset is put down to.
+
+use shared::control::ResetCause;
+
+/// The flags of the reset controller, as they were found after the reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flags {
+    /// A watchdog ran out.
+    pub watchdog: bool,
+    /// The program reset itself.
+    pub software: bool,
+    /// Power came on.
+    pub power_on: bool,
+    /// The supply fell below the brown-out detector's level (set when power comes on, too).
+    pub brown_out: bool,
+    /// The reset pin was low (set by every other cause, too).
+    pub pin: bool,
+}
+
+impl Flags {
+    /// The cause. `driving`: memory that outlives a short drop of the supply says that the drive was enabled;
+    /// then power that "comes on" is a supply that dropped while it was needed.
+    ///
+    /// Several flags are set at once: the part sets the pin's with every cause, and the brown-out's with
+    /// power coming on (RM0390, "RCC clock control and status register"). So the rarer is asked first.
+    pub fn cause(self, driving: bool) -> ResetCause {
+        match self {
+            Self { watchdog: true, .. } => ResetCause::Watchdog,
+            Self { software: true, .. } => ResetCause::Software,
+            Self { power_on: true, .. } if driving => ResetCause::BrownOut,
+            Self { power_on: true, .. } => ResetCause::PowerOn,
+            Self {
+                brown_out: true, ..
+            } => ResetCause::BrownOut,
+            _ => ResetCause::Pin,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rarer_flag_tells_the_cause() {
+        let pin = Flags {
+            pin: true,
+            ..Flags::default()
+        };
+        let power_on = Flags {
+            power_on: true,
+            brown_out: true,
+            ..pin
+        };
+        assert_eq!(pin.cause(true), ResetCause::Pin);
+        assert_eq!(power_on.cause(false), ResetCause::PowerOn);
+        assert_eq!(power_on.cause(true), ResetCause::BrownOut);
+        let dropped = Flags {
+            brown_out: true,
+            ..pin
+        };
+        assert_eq!(dropped.cause(false), ResetCause::BrownOut);
+        let watchdog = Flags {
+            watchdog: true,
+            ..pin
+        };
+        assert_eq!(watchdog.cause(true), ResetCause::Watchdog);
+        let software = Flags {
+            software: true,
+            ..pin
+        };
+        assert_eq!(software.cause(true), ResetCause::Software);
+    }
+}

@@ -1,0 +1,82 @@
+//! Whether the watchdog may be fed: only if everything that must go on has gone on since the last time.
+
+/// Steps (of 10 ms) in which idle must have been reached: link and control together may hold it up, a forecast
+/// slice is short, but nothing may starve it for long.
+const IDLE_STEPS: u8 = 50;
+
+/// The watchdog's conditions. That the supervisor goes on is shown by its asking.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watch {
+    blocks: u32,
+    links: u32,
+    idles: u32,
+    without_idle: u8,
+}
+
+/// Counts (that wrap) of what has been done since the start.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Done {
+    /// Blocks served by the control task.
+    pub blocks: u32,
+    /// Turns of the link task.
+    pub links: u32,
+    /// Turns of the idle loop.
+    pub idles: u32,
+}
+
+impl Watch {
+    /// Once in 10 ms: whether control and link have gone on since the last step, and idle within the last
+    /// half second.
+    pub fn step(&mut self, done: Done) -> bool {
+        let control = done.blocks != self.blocks;
+        let link = done.links != self.links;
+        self.without_idle = if done.idles == self.idles {
+            self.without_idle.saturating_add(1)
+        } else {
+            0
+        };
+        (self.blocks, self.links, self.idles) = (done.blocks, done.links, done.idles);
+        control && link && self.without_idle < IDLE_STEPS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn going(step: u32) -> Done {
+        Done {
+            blocks: 20 * step,
+            links: 10 * step,
+            idles: step,
+        }
+    }
+
+    #[test]
+    fn fed_while_everything_goes_on() {
+        let mut watch = Watch::default();
+        assert!((1..100).all(|step| watch.step(going(step))));
+    }
+
+    #[test]
+    fn whatever_stands_still_starves_it() {
+        let stopped: [fn(Done) -> Done; 2] = [
+            |done| Done { blocks: 0, ..done },
+            |done| Done { links: 0, ..done },
+        ];
+        for stop in stopped {
+            let mut watch = Watch::default();
+            assert!((1..5).all(|step| !watch.step(stop(going(step)))));
+        }
+        let mut watch = Watch::default();
+        let fed = (1..100)
+            .take_while(|step| {
+                watch.step(Done {
+                    idles: 0,
+                    ..going(*step)
+                })
+            })
+            .count();
+        assert_eq!(fed, usize::from(IDLE_STEPS) - 1);
+    }
+}

@@ -1,0 +1,190 @@
+//! Messages between a plant and a controller that wait for each other: the desktop on one side, the firmware's
+//! image under QEMU on the other.
+//!
+//! On the wire a message is its length (two bytes, little-endian) and its postcard encoding. There is no check:
+//! what carries it (a pipe) loses nothing. A reply holds everything that can be told of the controller from
+//! outside, so that two runs are the same if the bytes of their replies are, instruction counts apart.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use crate::control::{Birth, Command, Event, MAX_BLOCK, Refused, Status};
+use crate::io::{Frame, Output};
+use crate::settings::Settings;
+
+/// Longest message, bytes, without its length.
+pub const MAX_MESSAGE: usize = 1024;
+/// Bytes of the length.
+pub const LENGTH: usize = 2;
+/// Events in a reply at most; more are given with the next.
+pub const MAX_EVENTS: usize = 4;
+
+/// What the plant's side asks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
+pub enum Request {
+    /// A controller, made anew.
+    Begin {
+        /// Its settings.
+        settings: Settings,
+        /// What it is born with.
+        birth: Birth,
+    },
+    /// A block, then slices of the forecast.
+    Block {
+        /// The samples; for a block without them as many frames, not looked at.
+        frames: Vec<Frame, MAX_BLOCK>,
+        /// The samples did not arrive.
+        blind: bool,
+        /// Slices of the forecast after it.
+        slices: u16,
+    },
+    /// A command, obeyed before the next block.
+    Command(Command),
+    /// The control task ended too late.
+    Overrun,
+    /// The run is over.
+    End,
+}
+
+/// What the controller's side answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reply {
+    /// Whether the settings were taken.
+    Begun(bool),
+    /// A block was done.
+    Block {
+        /// Set-points, as many as there were frames.
+        outputs: Vec<Output, MAX_BLOCK>,
+        /// What the controller is doing after the block and the slices.
+        status: Status,
+        /// What happened, oldest first.
+        events: Vec<Event, MAX_EVENTS>,
+        /// Whether a forecast was delivered before the block.
+        delivered: bool,
+        /// Instructions of the block at control priority; 0 where they are not counted.
+        instructions: u32,
+    },
+    /// Whether a command was obeyed.
+    Command(Result<(), Refused>),
+    /// Noted.
+    Noted,
+}
+
+/// Writes a message with its length into `out`; `None` if it does not fit.
+pub fn encode<'a, M: Serialize>(message: &M, out: &'a mut [u8]) -> Option<&'a [u8]> {
+    let (head, rest) = out.split_at_mut_checked(LENGTH)?;
+    let length = postcard::to_slice(message, rest).ok()?.len();
+    for (place, byte) in head
+        .iter_mut()
+        .zip(u16::try_from(length).ok()?.to_le_bytes())
+    {
+        *place = byte;
+    }
+    out.get(..LENGTH + length)
+}
+
+/// The length that the first two bytes of a message tell; `None` if it is longer than any.
+pub fn length(head: [u8; LENGTH]) -> Option<usize> {
+    let length = usize::from(u16::from_le_bytes(head));
+    (length <= MAX_MESSAGE).then_some(length)
+}
+
+/// The message in `bytes` (without its length); `None` if it is none.
+pub fn decode<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
+    postcard::from_bytes(bytes).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::State;
+    use crate::fault::{Fault, Origin, Record};
+    use crate::io::{AdcCode, DacCode};
+    use crate::params::PRESETS;
+    use crate::regime::Regime;
+
+    fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
+        message: &M,
+    ) -> usize {
+        let mut buffer = [0; LENGTH + MAX_MESSAGE];
+        let bytes = encode(message, &mut buffer).unwrap();
+        let (head, body) = bytes.split_at(LENGTH);
+        assert_eq!(length(head.try_into().unwrap()), Some(body.len()));
+        assert_eq!(decode::<M>(body).as_ref(), Some(message));
+        body.len()
+    }
+
+    #[test]
+    fn the_longest_messages_fit() {
+        for (_, rig) in PRESETS {
+            there_and_back(&Request::Begin {
+                settings: Settings::for_rig(&rig),
+                birth: Birth::default(),
+            });
+        }
+        let frame = Frame {
+            force: AdcCode(4095),
+            hammer: AdcCode(4095),
+            cart: AdcCode(4095),
+            emergency: true,
+        };
+        let block = Request::Block {
+            frames: core::iter::repeat_n(frame, MAX_BLOCK).collect(),
+            blind: true,
+            slices: u16::MAX,
+        };
+        assert!(there_and_back(&block) < MAX_MESSAGE / 2);
+        let output = Output {
+            dac: DacCode(4095),
+            frequency_hz: 3.3,
+            enable: true,
+        };
+        let record = Record {
+            fault: Fault::OverForce,
+            origin: Origin::Force,
+            tick: u32::MAX,
+            value: 1.0,
+            frequency_hz: 1.0,
+        };
+        let event = Event {
+            tick: u32::MAX,
+            what: crate::control::What::Fault(record),
+        };
+        let reply = Reply::Block {
+            outputs: core::iter::repeat_n(output, MAX_BLOCK).collect(),
+            status: Status {
+                tick: u32::MAX,
+                state: State::Hold,
+                fault: Some(record),
+                limits: 15,
+                frequency_hz: 1.0,
+                amplitude_m: 1.0,
+                measured_amplitude_m: 1.0,
+                lag_rad: 1.0,
+                regime: Regime::None,
+                peak_n: 1.0,
+                impulse_ns: 1.0,
+                target_hz: 1.0,
+                target_n: 1.0,
+                basin: crate::control::Basin::Impact,
+                reseeks: u16::MAX,
+                overruns: u32::MAX,
+            },
+            events: core::iter::repeat_n(event, MAX_EVENTS).collect(),
+            delivered: true,
+            instructions: u32::MAX,
+        };
+        assert!(there_and_back(&reply) < MAX_MESSAGE - 100);
+    }
+
+    #[test]
+    fn rubbish_is_no_message() {
+        assert_eq!(length([0xff, 0xff]), None);
+        assert_eq!(decode::<Request>(&[0xff; 40]), None);
+        assert_eq!(encode(&Reply::Noted, &mut [0; 1]), None);
+    }
+}
