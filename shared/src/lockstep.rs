@@ -52,6 +52,10 @@ pub enum Request {
 
 /// What the controller's side answers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
 pub enum Reply {
     /// Whether the settings were taken.
     Begun(bool),
