@@ -43,7 +43,7 @@ impl Board {
     fn programs(self) -> &'static [&'static str] {
         match self {
             Self::Nucleo => &["nucleo"],
-            Self::Qemu => &["qemu", "pil", "ticks"],
+            Self::Qemu => &["qemu", "pil", "ticks", "forecast"],
         }
     }
 }

@@ -36,6 +36,20 @@ pub struct Request {
     pub rows: u8,
 }
 
+impl Request {
+    /// [`MAX_ROWS`] rows from 0.75 to 2.9 times the natural frequency: below it is chatter, above it the
+    /// doubled orbits of every gap the forecast is measured at.
+    pub fn bench(rig: &RigParams) -> Self {
+        let natural_hz = rig.natural_frequency_hz();
+        Self {
+            id: 1,
+            rig: *rig,
+            range_hz: ((0.75 * natural_hz) as f32, (2.9 * natural_hz) as f32),
+            rows: MAX_ROWS as u8,
+        }
+    }
+}
+
 /// The 1/1 orbit at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Orbit {
@@ -108,4 +122,63 @@ pub struct Forecast {
     pub rows: Vec<Row, MAX_ROWS>,
     /// Where to run; none if no stable 1/1 was found.
     pub target: Option<Target>,
+}
+
+impl Forecast {
+    /// A digest of every number in it, bit for bit (FNV-1a over 32-bit words): equal forecasts on different
+    /// machines have the same.
+    pub fn digest(&self) -> u32 {
+        let mut digest = Digest(0x811c_9dc5);
+        for row in &self.rows {
+            digest.number(row.frequency_hz);
+            digest.regime(row.regime);
+            digest.number(row.force_n);
+            digest.orbit(row.orbit.as_ref());
+        }
+        if let Some(target) = &self.target {
+            digest.number(target.frequency_hz);
+            digest.orbit(Some(&target.orbit));
+            digest.number(target.band_hz.0);
+            digest.number(target.band_hz.1);
+            digest.number(target.doubling_hz.unwrap_or(0.0));
+            digest.number(target.entry_hz);
+        }
+        digest.0
+    }
+}
+
+struct Digest(u32);
+
+impl Digest {
+    fn word(&mut self, word: u32) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0100_0193);
+    }
+
+    fn number(&mut self, x: f32) {
+        self.word(x.to_bits());
+    }
+
+    fn regime(&mut self, regime: Regime) {
+        let kind = match regime {
+            Regime::None => 0,
+            Regime::Periodic { .. } => 1,
+            Regime::Aperiodic { .. } => 2,
+            Regime::Chatter { .. } => 3,
+        };
+        self.word(kind);
+        self.word(regime.impacts().into());
+        self.word(regime.periods().map_or(0, u32::from));
+    }
+
+    fn orbit(&mut self, orbit: Option<&Orbit>) {
+        let Some(orbit) = orbit else {
+            return self.word(0);
+        };
+        self.number(orbit.force_n);
+        self.number(orbit.impulse_ns);
+        self.number(orbit.approach_m_per_s);
+        self.number(orbit.onset_turns);
+        self.number(orbit.trace);
+        self.number(orbit.determinant);
+    }
 }

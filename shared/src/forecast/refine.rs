@@ -37,7 +37,7 @@ pub fn on_line(a: &Known, b: &Known, hz: f32) -> [f32; 2] {
 /// Whether two neighbouring orbits are of one branch: their forces differ little.
 pub fn is_neighbour(a: &Solution, b: &Solution) -> bool {
     let (a, b) = (a.orbit.force_n, b.orbit.force_n);
-    a < 1.35 * b && b < 1.35 * a
+    a < 2.5 * b && b < 2.5 * a
 }
 
 /// The search for an end of the stable 1/1, from a frequency inside to one beyond.

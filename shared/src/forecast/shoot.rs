@@ -150,7 +150,7 @@ impl Shoot {
         self.start = [q0 + damping * step[0] * a, v0 + damping * step[1] * b];
         self.steps = 0;
         self.march = March::new(&self.setup, self.start);
-        self.variation.restart(&self.setup, self.start);
+        self.variation.restart(self.start);
         Progress::Working
     }
 

@@ -43,12 +43,12 @@ impl Variation {
             units: setup.units,
             state: State::default(),
         };
-        variation.restart(setup, section);
+        variation.restart(section);
         Some(variation)
     }
 
     /// Starts anew from another `section` at phase 0.
-    pub fn restart(&mut self, setup: &Setup, section: [f32; 2]) {
+    pub fn restart(&mut self, section: [f32; 2]) {
         let ([q, v], [a, b]) = (section, self.units);
         self.state = State::new(
             &self.rig,
@@ -56,7 +56,6 @@ impl Variation {
             Tangent::new(v, [0.0, b]),
         );
         self.drive.restart();
-        debug_assert!(setup.drive.now() == self.drive.now());
     }
 
     /// Follows a step of the march.

@@ -1,0 +1,68 @@
+//! Counts the instructions of a whole forecast and prints what it found, bit by bit.
+//!
+//! The wires at 0.0 mm, forty rows. Under `-icount shift=0` QEMU lets one nanosecond go by per instruction; a
+//! slice is shorter than the stopwatch's 24 bits, so the slices are added up. `cargo xtask bench-ticks` compares
+//! the printed digest with what the same code finds on the desktop.
+#![no_main]
+#![no_std]
+
+use core::cell::RefCell;
+
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
+use cortex_m_rt::entry;
+use cortex_m_semihosting::hprintln;
+use firmware::hardware::qemu;
+use shared::{
+    forecast::{Forecaster, Request},
+    params::WIRES,
+};
+
+/// SysTick counts down from here: 24 bits.
+const SYSTICK_MASK: u32 = 0x00ff_ffff;
+
+#[entry]
+fn main() -> ! {
+    let Some(peripherals) = cortex_m::Peripherals::take() else {
+        qemu::exit(false);
+    };
+    let mut stopwatch = peripherals.SYST;
+    stopwatch.set_clock_source(SystClkSource::Core);
+    stopwatch.set_reload(SYSTICK_MASK);
+    stopwatch.clear_current();
+    stopwatch.enable_counter();
+
+    static FORECASTER: cortex_m::interrupt::Mutex<RefCell<Option<Forecaster>>> =
+        cortex_m::interrupt::Mutex::new(RefCell::new(None));
+    cortex_m::interrupt::free(|key| {
+        let mut slot = FORECASTER.borrow(key).borrow_mut();
+        let forecaster = slot.insert(Forecaster::new());
+        forecaster.start(&Request::bench(&WIRES));
+        let (mut total, mut worst, mut slices) = (0_u64, 0_u32, 0_u32);
+        loop {
+            let start = SYST::get_current();
+            let more = forecaster.slice();
+            let spent = start.wrapping_sub(SYST::get_current()) & SYSTICK_MASK;
+            total += u64::from(spent);
+            worst = worst.max(spent);
+            slices += 1;
+            if !more {
+                break;
+            }
+        }
+        hprintln!("nanoseconds {}", 1_000_000_000 / qemu::CLOCK_HZ);
+        hprintln!("slices {}", slices);
+        hprintln!("total {}", total);
+        hprintln!("worst {}", worst);
+        hprintln!("bytes {}", core::mem::size_of::<Forecaster>());
+        let Some(forecast) = forecaster.result() else {
+            qemu::exit(false);
+        };
+        hprintln!("digest {}", forecast.digest());
+        if let Some(target) = &forecast.target {
+            hprintln!("target {}", target.frequency_hz.to_bits());
+            hprintln!("force {}", target.orbit.force_n.to_bits());
+        }
+    });
+    hprintln!("end");
+    qemu::exit(true)
+}
