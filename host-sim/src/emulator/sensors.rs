@@ -87,6 +87,8 @@ pub enum Defect {
     Open,
     /// At the upper rail.
     Saturated,
+    /// At the lower rail.
+    SaturatedLow,
     /// The code stays where it was.
     Frozen,
     /// The value is read this many times too large.
@@ -168,6 +170,7 @@ impl Line {
             Some(Defect::Frozen) => return self.code,
             Some(Defect::Open) => return AdcCode(0),
             Some(Defect::Saturated) => return AdcCode(ADC_FULL_SCALE),
+            Some(Defect::SaturatedLow) => return AdcCode(RAILS.0 as u16),
         };
         let Errors {
             offset,

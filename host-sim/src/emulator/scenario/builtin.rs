@@ -1,4 +1,36 @@
 //! The scenarios that come with the program.
 
-/// Name and text of each.
-pub const BUILTIN: [(&str, &str); 1] = [("field", include_str!("../../../scenarios/field.toml"))];
+/// Embeds a scenario's text under its name.
+macro_rules! scenarios {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../../scenarios/", $name, ".toml")))),*]
+    };
+}
+
+/// Name and text of each: what must be held first, then one per fault, by the fault's number.
+pub const BUILTIN: [(&str, &str); 24] = scenarios![
+    "field",
+    "held-wires",
+    "held-beam-170",
+    "held-beam-150",
+    "held-beam-135",
+    "jump",
+    "push",
+    "drift",
+    "emergency-stop",
+    "over-force",
+    "over-travel",
+    "sensor-saturated",
+    "sensor-open",
+    "sensor-frozen",
+    "sensor-out-of-family",
+    "no-contact",
+    "regime-lost",
+    "overrun",
+    "stale-samples",
+    "link-timeout",
+    "corrupt-settings",
+    "watchdog-reset",
+    "brown-out",
+    "crash",
+];

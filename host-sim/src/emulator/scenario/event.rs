@@ -47,6 +47,8 @@ pub enum Fault {
     Open,
     /// It is at its upper rail.
     Saturated,
+    /// It is at its lower rail.
+    SaturatedLow,
     /// Its code stays.
     Frozen,
     /// Its gain is wrong by `times`.
@@ -59,6 +61,7 @@ impl Fault {
         match self {
             Self::Open => Defect::Open,
             Self::Saturated => Defect::Saturated,
+            Self::SaturatedLow => Defect::SaturatedLow,
             Self::Frozen => Defect::Frozen,
             Self::Gain => Defect::Gain(times),
         }

@@ -13,7 +13,8 @@ use crate::emulator::shaker::ShakerParams;
 use crate::error::UserError;
 use crate::rigfile::{self, nearest};
 
-/// Slices per block where the file does not say: a forecast is then done in half a minute of rig time.
+/// Slices per block where the file does not say: the first forecast is then done in one or two seconds of rig
+/// time, about what a board has idle time for.
 const SLICES: u32 = 20;
 
 #[derive(Deserialize)]
