@@ -99,3 +99,86 @@ impl Harmonic {
         self.whole = whole;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::Drive;
+
+    /// The cart over 5 periods at 2.73 Hz with an offset, and a ramp of speed after a blow once per period.
+    fn measure(amplitude: f64, lag: f64, blow: f64) -> Fundamental {
+        let mut drive = Drive::<f32>::new(2.73, 50e-6).unwrap();
+        let mut harmonic = Harmonic::default();
+        let mut last = Fundamental::default();
+        let mut cycle = 0;
+        for _ in 0..36_700 {
+            let now = drive.now();
+            if now.cycle != cycle {
+                cycle = now.cycle;
+                last = harmonic.strobe();
+            }
+            let phase = f64::from(now.phase) / crate::drive::TURN;
+            let angle = core::f64::consts::TAU * phase - lag;
+            // What a position loop leaves of a blow at phase 0.3: gone after a tenth of a period.
+            let since = phase - 0.3;
+            let kick = if (0.0..0.1).contains(&since) {
+                blow * (since * 10.0) * (1.0 - since * 10.0)
+            } else {
+                0.0
+            };
+            let y = amplitude * angle.sin() + 0.2e-3 + kick;
+            harmonic.tick(y as f32, drive.sin(), drive.cos());
+            drive.advance();
+        }
+        last
+    }
+
+    #[test]
+    fn amplitude_and_lag_come_out() {
+        for lag in [-1.0, 0.0, 0.4, 2.9] {
+            let found = measure(0.89e-3, lag, 0.0);
+            assert!(
+                (f64::from(found.amplitude_m()) / 0.89e-3 - 1.0).abs() < 5e-4,
+                "{found:?}"
+            );
+            assert!(
+                (f64::from(found.lag_rad()) - lag).abs() < 0.005,
+                "{lag}: {}",
+                found.lag_rad()
+            );
+        }
+    }
+
+    #[test]
+    fn what_a_blow_leaves_hardly_shows() {
+        // A transient of 5 % of A0, a tenth of a period long.
+        let found = measure(0.89e-3, 0.4, 45e-6);
+        assert!(
+            (f64::from(found.amplitude_m()) / 0.89e-3 - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn the_arctangent_is_as_good_as_stated() {
+        let worst = (0..6_282).map(|i| {
+            let angle = f64::from(i - 3_141) * 1e-3;
+            let part = Fundamental {
+                sine: angle.cos() as f32,
+                cosine: -angle.sin() as f32,
+            };
+            (f64::from(part.lag_rad()) - angle).abs()
+        });
+        let worst = worst.fold(0.0, f64::max);
+        assert!(worst < 0.005, "{worst}");
+    }
+
+    #[test]
+    fn a_period_that_is_not_whole_does_not_count() {
+        let mut harmonic = Harmonic::default();
+        for _ in 0..100 {
+            harmonic.tick(1.0, 1.0, 0.0);
+        }
+        assert_eq!(harmonic.strobe(), Fundamental::default());
+    }
+}

@@ -51,10 +51,9 @@ pub struct Pulse {
     pub peak_n: f32,
     /// ∫F dt, N·s.
     pub impulse_ns: f32,
-    /// Time above the threshold, onset to first fall, interpolated, s.
+    /// Time above the upper threshold, onset to first fall, interpolated, s; the fall is that of the force
+    /// without its ringing.
     pub duration_s: f32,
-    /// ∫F t dt / ∫F dt, t from the onset, s: what [`crate::identify`] uses, since ringing hardly moves it.
-    pub centroid_s: f32,
     /// Displacement of the hammer relative to the cart at the onset, m, from the observer.
     pub relative_m: f32,
     /// Speed of the hammer relative to the cart just before, m/s, from the observer.
@@ -278,10 +277,6 @@ impl Sense {
             pulse.peak_n = blow.peak_n;
             pulse.impulse_ns = blow.sum_n * TICK;
             pulse.duration_s = (blow.first_fall + blow.crossed_before) * TICK;
-            if blow.sum_n > 0.0 {
-                let mean = blow.moment_n / blow.sum_n;
-                pulse.centroid_s = (mean + blow.crossed_before) * TICK;
-            }
             current.ended = true;
             let impulse_ns = pulse.impulse_ns;
             self.period.impulse_ns += impulse_ns;

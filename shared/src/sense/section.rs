@@ -26,8 +26,11 @@
 //! less than 0.002 turns, is called 1/n. Chatter is reported as the p/n that was counted: sticking is
 //! not seen on the force signal.
 
+mod fit;
+
 use super::Measured;
 use crate::regime::Regime;
+use fit::{Entry, FEATURES, Fit, fit_of};
 
 /// Drive periods looked at.
 pub const WINDOW: usize = 16;
@@ -50,27 +53,6 @@ const FLOOR: [f32; FEATURES] = [0.025, 0.002, 0.03, 0.04];
 
 /// Onsets this near to the cut count against it, turns.
 const NEAR: f32 = 0.08;
-
-const FEATURES: usize = 4;
-
-/// One drive period in the book.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Entry {
-    contacts: u8,
-    near_cut: u8,
-    /// Impulse (N·s), first onset (turns after the cut), displacement (A0), rate (A0 Ω).
-    features: [f32; FEATURES],
-}
-
-/// What one n leaves unexplained.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Fit {
-    /// Contact counts agree, with at most the allowed exception.
-    consistent: bool,
-    contacts: u16,
-    /// Scatter within classes, squared, per degree of freedom.
-    variance: [f32; FEATURES],
-}
 
 /// Periods cut at one drive phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -245,100 +227,6 @@ fn explains_more(fit: &Fit, other: &Fit, m: usize) -> bool {
             .any(|((v, w), floor)| *v > ratio * *w && *v - *w > floor * floor)
 }
 
-/// Sorts periods into n classes and measures what is left within them.
-fn fit_of(entries: &[Entry], n: usize) -> Fit {
-    let mut fit = Fit::default();
-    if entries.len() < 2 * n {
-        return fit;
-    }
-    let (mut typical, mut total) = ([0_u8; LONGEST], 0_u16);
-    for (class, typical) in typical.iter_mut().take(n).enumerate() {
-        *typical = median(entries.iter().skip(class).step_by(n).map(|e| e.contacts));
-        total += u16::from(*typical);
-    }
-    let mut classes = (0..n).cycle();
-    let mut odd = None;
-    let mut odds = 0;
-    for (i, entry) in entries.iter().enumerate() {
-        let class = classes.next().unwrap_or(0);
-        if typical.get(class) != Some(&entry.contacts) {
-            odds += 1;
-            odd = Some(i);
-        }
-    }
-    fit.consistent = odds == 0 || (odds == 1 && n <= 5 && entries.len() >= FEWEST.max(3 * n));
-    fit.contacts = total;
-    if fit.consistent {
-        fit.variance = scatter(entries, n, &typical, odd);
-    }
-    fit
-}
-
-/// Variance within classes of every feature, the period `odd` and its successor (one newer) left out.
-fn scatter(
-    entries: &[Entry],
-    n: usize,
-    typical: &[u8; LONGEST],
-    odd: Option<usize>,
-) -> [f32; FEATURES] {
-    let counts = |i: usize| odd.is_none_or(|odd| i != odd && i + 1 != odd);
-    let mut squares = [0.0_f32; FEATURES];
-    let (mut freedom, mut impulse, mut struck) = ([0_i32; FEATURES], 0.0_f32, 0_i32);
-    for (class, typical) in typical.iter().take(n).enumerate() {
-        let members = || {
-            let all = entries.iter().enumerate().skip(class).step_by(n);
-            all.filter(|(i, _)| counts(*i)).map(|(_, entry)| entry)
-        };
-        let size = members().count();
-        if size == 0 {
-            continue;
-        }
-        let share = 1.0 / size as f32;
-        for (feature, square) in squares.iter_mut().enumerate() {
-            // A period without contact has neither impulse nor onset.
-            if *typical == 0 && feature < 2 {
-                continue;
-            }
-            let value = |entry: &Entry| entry.features.get(feature).copied().unwrap_or(0.0);
-            let mean = members().map(value).sum::<f32>() * share;
-            *square += members()
-                .map(|entry| (value(entry) - mean) * (value(entry) - mean))
-                .sum::<f32>();
-            if let Some(freedom) = freedom.get_mut(feature) {
-                *freedom += size as i32 - 1;
-            }
-            if feature == 0 {
-                impulse += mean;
-                struck += 1;
-            }
-        }
-    }
-    let scale = if impulse > 0.0 {
-        struck as f32 / impulse
-    } else {
-        0.0
-    };
-    for ((feature, square), freedom) in squares.iter_mut().enumerate().zip(freedom) {
-        *square /= freedom.max(1) as f32;
-        if feature == 0 {
-            *square *= scale * scale;
-        }
-    }
-    squares
-}
-
-/// The lower median of at most [`WINDOW`] counts.
-fn median(counts: impl Iterator<Item = u8> + Clone) -> u8 {
-    let size = counts.clone().count();
-    let below = |limit: u8| counts.clone().filter(|c| *c < limit).count();
-    let fit = counts.clone().filter(|c| {
-        let less = below(*c);
-        let equal = counts.clone().filter(|other| other == c).count();
-        2 * less < size + size % 2 && 2 * (less + equal) >= size
-    });
-    fit.min().unwrap_or(0)
-}
-
 /// The measured regime: fed with onsets, impulses and strobes, a little work per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
@@ -348,6 +236,8 @@ pub struct Section {
     quarter: Option<(u32, u32)>,
     /// Closings to let pass: the period under way is not whole.
     skip: [u8; 2],
+    /// One more of them after a start: the observer does not know the cart yet.
+    fresh: bool,
 }
 
 impl Default for Section {
@@ -357,6 +247,7 @@ impl Default for Section {
             at_half: Book::NEW,
             quarter: None,
             skip: [1; 2],
+            fresh: true,
         }
     }
 }
@@ -364,7 +255,10 @@ impl Default for Section {
 impl Section {
     /// Forgets what it saw; the period under way does not count.
     pub fn restart(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            fresh: false,
+            ..Self::default()
+        };
     }
 
     /// A contact began at drive phase `phase` (2⁻³² turns) of period `cycle`.
@@ -401,7 +295,8 @@ impl Section {
             self.quarter = Some(now);
             if first {
                 // A start in the quarter before a closing: that one's period is over already.
-                self.skip = [1 + u8::from(now.1 == 0), 1 + u8::from(now.1 == 2)];
+                let least = 1 + u8::from(self.fresh);
+                self.skip = [least + u8::from(now.1 == 0), least + u8::from(now.1 == 2)];
             } else {
                 self.turn(now);
             }
@@ -450,3 +345,6 @@ fn half_later(cycle: u32, phase: u32) -> (u32, u32) {
 fn turns(phase: u32) -> f32 {
     phase as f32 * (1.0 / 4_294_967_296.0)
 }
+
+#[cfg(test)]
+mod tests;

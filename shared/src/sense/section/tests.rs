@@ -1,0 +1,151 @@
+//! The measured regime on made-up periods.
+
+use super::*;
+
+const TICKS: u32 = 400;
+
+/// Noise between −1 and 1.
+struct Dice(u32);
+
+impl Dice {
+    fn roll(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+}
+
+/// Runs periods, each a list of contacts (phase in turns, impulse) and a displacement on the section;
+/// answers after each.
+fn run(
+    section: &mut Section,
+    from: u32,
+    periods: impl IntoIterator<Item = Drawn>,
+) -> std::vec::Vec<Measured> {
+    let mut answers = std::vec::Vec::new();
+    for (cycle, (contacts, displacement)) in (from..).zip(periods) {
+        section.strobe(cycle, displacement, 0.0);
+        for tick in 0..TICKS {
+            let phase = tick * (u32::MAX / TICKS);
+            section.tick(cycle, phase);
+            for (turns, impulse) in &contacts {
+                if (turns * TICKS as f32) as u32 == tick {
+                    let onset = (turns * 4_294_967_296.0) as u32;
+                    section.onset(cycle, onset);
+                    section.impulse(cycle, onset, *impulse);
+                }
+            }
+        }
+        answers.push(section.measured());
+    }
+    answers
+}
+
+type Drawn = (std::vec::Vec<(f32, f32)>, f32);
+
+/// `count` periods of a pattern with 2 % noise on impulses and 0.001 turns on onsets.
+fn noisy(pattern: &[&[(f32, f32)]], count: usize, dice: &mut Dice) -> std::vec::Vec<Drawn> {
+    let mut periods = std::vec![(std::vec::Vec::new(), 0.0); count];
+    for (k, contacts) in pattern.iter().cycle().take(count).enumerate() {
+        for (turns, impulse) in *contacts {
+            let turns = turns + 0.001 * dice.roll();
+            let impulse = impulse * (1.0 + 0.04 * dice.roll());
+            // Before phase 0 is in the period before.
+            if turns >= 0.0 {
+                periods[k].0.push((turns, impulse));
+            } else if k > 0 {
+                periods[k - 1].0.push((turns + 1.0, impulse));
+            }
+        }
+        periods[k].1 = 0.02 * dice.roll();
+    }
+    periods
+}
+
+fn settled(pattern: &[&[(f32, f32)]]) -> Regime {
+    let mut section = Section::default();
+    let answers = run(&mut section, 7, noisy(pattern, 40, &mut Dice(3)));
+    let last = answers[39];
+    assert_eq!(last.periods, 16);
+    assert!(
+        answers[25..].iter().all(|a| a.regime == last.regime),
+        "{answers:?}"
+    );
+    last.regime
+}
+
+#[test]
+fn regimes_are_told() {
+    assert!(settled(&[&[(0.3, 1.0)]]).is(1, 1));
+    assert!(settled(&[&[(0.3, 1.0), (0.5, 0.2)]]).is(2, 1));
+    assert!(settled(&[&[(0.3, 1.1)], &[(0.3, 0.9)]]).is(2, 2));
+    assert!(settled(&[&[(0.305, 1.0)], &[(0.295, 1.0)]]).is(2, 2));
+    assert!(settled(&[&[(0.3, 1.0)], &[]]).is(1, 2));
+    assert!(settled(&[&[(0.3, 1.0)], &[], &[]]).is(1, 3));
+    assert!(settled(&[&[(0.3, 1.3)], &[(0.3, 0.9)], &[(0.3, 1.1)], &[(0.3, 0.7)]]).is(4, 4));
+    assert_eq!(settled(&[&[]]), Regime::None);
+}
+
+#[test]
+fn an_onset_on_the_cut_does_not_matter() {
+    assert!(settled(&[&[(0.0, 1.0)]]).is(1, 1));
+    assert!(settled(&[&[(0.5, 1.0)]]).is(1, 1));
+    assert!(settled(&[&[(0.0, 1.15)], &[(0.0, 0.85)]]).is(2, 2));
+}
+
+#[test]
+fn wandering_contacts_are_aperiodic() {
+    let mut section = Section::default();
+    let mut dice = Dice(5);
+    let periods = (0..40).map(|_| (std::vec![(0.4 + 0.1 * dice.roll(), 1.0)], dice.roll()));
+    let answers = run(&mut section, 0, periods);
+    assert_eq!(answers[39].regime, Regime::Aperiodic { impacts: 16 });
+}
+
+#[test]
+fn one_missed_contact_changes_nothing_and_two_do() {
+    let mut dice = Dice(3);
+    let mut section = Section::default();
+    let mut periods = noisy(&[&[(0.3, 1.0)]], 60, &mut dice);
+    periods[30].0.clear();
+    let answers = run(&mut section, 0, periods.clone());
+    assert!(
+        answers[20..].iter().all(|a| a.regime.is(1, 1)),
+        "{answers:?}"
+    );
+    periods[33].0.clear();
+    let mut section = Section::default();
+    let answers = run(&mut section, 0, periods);
+    assert!(!answers[35].regime.is(1, 1));
+}
+
+#[test]
+fn a_change_is_told_within_nine_periods_and_silence_within_five() {
+    let mut section = Section::default();
+    let mut dice = Dice(3);
+    run(&mut section, 0, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
+    let answers = run(
+        &mut section,
+        30,
+        noisy(&[&[(0.3, 1.2)], &[(0.3, 0.8)]], 30, &mut dice),
+    );
+    let told = answers.iter().position(|a| a.regime.is(2, 2)).unwrap();
+    assert!(told <= 9, "{told}");
+    assert!(answers[told..].iter().all(|a| a.regime.is(2, 2)));
+    let answers = run(&mut section, 60, noisy(&[&[]], 30, &mut dice));
+    let told = answers
+        .iter()
+        .position(|a| a.regime == Regime::None)
+        .unwrap();
+    assert!(told <= 5, "{told}");
+}
+
+#[test]
+fn the_first_answer_after_a_change_of_frequency_needs_five_or_six_periods() {
+    let mut section = Section::default();
+    let mut dice = Dice(3);
+    run(&mut section, 0, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
+    section.restart();
+    let answers = run(&mut section, 30, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
+    let told = answers.iter().position(|a| a.regime.is(1, 1)).unwrap();
+    assert!(told <= 5, "{told}");
+}
