@@ -97,6 +97,8 @@ where
 #[derive(Debug)]
 pub struct Staged {
     file: NamedTempFile,
+    /// As it was asked for, and where that is once links are followed.
+    path: PathBuf,
     target: PathBuf,
 }
 
@@ -129,24 +131,28 @@ impl Staged {
         if let Ok(mut staged) = STAGED.lock() {
             staged.push(file.path().to_owned());
         }
-        Ok(Self { file, target })
+        Ok(Self {
+            file,
+            path: path.to_owned(),
+            target,
+        })
     }
 
-    /// Where the file will be.
-    pub fn target(&self) -> &Path {
-        &self.target
+    /// The path it will have, as it was asked for.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
-    /// Gives the file its name, replacing what was there; returns where it is.
+    /// Gives the file its name, replacing what was there; returns its path as it was asked for.
     ///
     /// # Errors
     /// [`WriteError`]; an older file stays as it was then.
     pub fn commit(self) -> Result<PathBuf, WriteError> {
-        let Self { file, target } = self;
+        let Self { file, path, target } = self;
         let synced = file.as_file().sync_all();
         synced.map_err(|source| failed(&target, source))?;
         match file.persist(&target) {
-            Ok(_) => Ok(target),
+            Ok(_) => Ok(path),
             Err(refused) => Err(failed(&target, refused.error)),
         }
     }

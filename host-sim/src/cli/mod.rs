@@ -1,9 +1,11 @@
 //! The command line.
 
 mod common;
+mod emulate;
 mod pick;
 mod replay;
 mod rigs;
+mod scenarios;
 mod simulate;
 mod sweep;
 
@@ -34,6 +36,10 @@ enum Command {
     Simulate(simulate::Args),
     /// The force curve over frequency, from rest or carried up or down
     Sweep(sweep::Args),
+    /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
+    Emulate(emulate::Args),
+    /// List the built-in scenarios, or print one as a TOML file to start from
+    Scenarios(scenarios::Args),
     /// Run a log through the desktop's controller: same decisions, bit for bit, or the first tick that differs
     Replay(replay::Args),
     /// List the rigs, or print one as a TOML file to start from
@@ -64,6 +70,8 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Pick(args) => pick::run(&args).map(|()| 0),
         Command::Simulate(args) => simulate::run(&args).map(|()| 0),
         Command::Sweep(args) => sweep::run(&args).map(|()| 0),
+        Command::Emulate(args) => emulate::run(&args),
+        Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Replay(args) => replay::run(&args),
         Command::Rigs(args) => rigs::run(&args).map(|()| 0),
     };

@@ -3,7 +3,7 @@
 use shared::control::State;
 
 use super::log::state_name;
-use super::record::{BlockRow, Event, Observer, TickRow, What};
+use super::record::{BlockRow, Contact, Event, Observer, TickRow, What};
 use crate::picture::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
 /// Time between two points of a curve, s.
@@ -82,6 +82,11 @@ impl Observer for Trace {
         self.commanded.push(point(millimetres(status.amplitude_m)));
         self.measured
             .push(point(millimetres(status.measured_amplitude_m)));
+    }
+
+    fn contact(&mut self, contact: &Contact) {
+        // Between ticks the force is larger than at them.
+        self.peak_n = self.peak_n.max(contact.peak_force_n);
     }
 
     fn event(&mut self, event: &Event) {

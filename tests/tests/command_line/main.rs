@@ -3,6 +3,7 @@
 //! One test binary for all commands: the program is built once, and long answers are asked for once.
 
 mod bad_input;
+mod emulate;
 mod pick;
 mod pick_limits;
 mod pipes;

@@ -128,7 +128,7 @@ pub(super) fn properties() -> WriterPropertiesBuilder {
     for spec in COLUMNS {
         let path = ColumnPath::from(spec.name);
         let encoding = match (spec.kind, spec.fill) {
-            (Kind::Int | Kind::Long, Fill::Tick) => Encoding::DELTA_BINARY_PACKED,
+            (Kind::Int | Kind::Long, Fill::Tick) | (Kind::Long, _) => Encoding::DELTA_BINARY_PACKED,
             (Kind::Float, Fill::Truth) => Encoding::BYTE_STREAM_SPLIT,
             _ => continue,
         };

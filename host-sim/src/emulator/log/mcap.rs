@@ -2,9 +2,9 @@
 //!
 //! | channel | what | how often |
 //! |---|---|---|
-//! | `/status` | the controller's status | every [`STATUS_TICKS`], and when its state changes |
-//! | `/force` | contact force, sensor and true, N | one of every [`WINDOW_TICKS`]: the largest |
-//! | `/displacement` | hammer and cart, sensors and true, mm | one of every [`WINDOW_TICKS`]: the farthest |
+//! | `/status` | the controller's status | when its state changes; every [`STATUS_TICKS`] when anything else has; every [`STILL_TICKS`] |
+//! | `/force` | contact force, sensor and true, N | one of every [`FORCE_TICKS`]: the largest |
+//! | `/displacement` | hammer and cart, sensors and true, mm | one of every [`DISPLACEMENT_TICKS`]: the farthest |
 //! | `/contacts` | every contact as it truly was | each, at its onset |
 //! | `/events` | what happened, in words | each |
 //! | `/faults` | faults that tripped | each |
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use shared::control::State;
+use shared::control::Status;
 use shared::fault::{Fault, Origin};
 use shared::settings::Settings;
 
@@ -29,11 +29,17 @@ use crate::emulator::record::Contact;
 use crate::error::UserError;
 use crate::files::Staged;
 
-/// Ticks between two messages on `/status`: 100 a second.
+/// Ticks between two messages on `/status`: at most 100 a second.
 pub const STATUS_TICKS: u64 = 200;
 
-/// Ticks that one message on `/force` and on `/displacement` stands for: 200 a second.
-pub const WINDOW_TICKS: u64 = 100;
+/// Ticks between two messages on `/status` while nothing changes: 10 a second.
+pub const STILL_TICKS: u64 = 2000;
+
+/// Ticks that one message on `/force` stands for: 100 a second, more than a rig strikes.
+pub const FORCE_TICKS: u64 = 200;
+
+/// Ticks that one message on `/displacement` stands for: 200 a second.
+pub const DISPLACEMENT_TICKS: u64 = 100;
 
 /// A field of a message: its name (with the unit), its JSON type, what it is.
 type Field = (&'static str, &'static str, &'static str);
@@ -50,7 +56,6 @@ const STATUS: Channel = Channel {
     schema: "status",
     fields: &[
         ("state", "string", "What the controller is doing"),
-        ("status_tick", "integer", "The controller's tick counter"),
         ("fault", "string", "The fault that is or was"),
         ("fault_origin", "string", "The sensor the fault is about"),
         (
@@ -186,8 +191,8 @@ pub struct Writer {
     settings: Settings,
     channels: Vec<u16>,
     sequence: [u32; CHANNELS.len()],
-    state: Option<State>,
-    status_from: u64,
+    /// The status written last, and when.
+    last: Option<(Status, u64)>,
     force: Window,
     displacement: Window,
     next: u64,
@@ -215,7 +220,7 @@ impl Writer {
     /// One line that says why the file cannot be written.
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
-        let target = staged.target().to_owned();
+        let target = staged.path().to_owned();
         let options = mcap::WriteOptions::new().compression(None).library(PROGRAM);
         let begin = || -> mcap::McapResult<_> {
             let mut file = options.create(BufWriter::new(staged))?;
@@ -246,8 +251,7 @@ impl Writer {
             settings: header.settings,
             channels,
             sequence: [0; CHANNELS.len()],
-            state: None,
-            status_from: 0,
+            last: None,
             force: Window::default(),
             displacement: Window::default(),
             next: 0,
@@ -265,16 +269,31 @@ impl Writer {
         let Some(status) = &block.status else {
             return Ok(());
         };
-        if self.state == Some(status.state) && self.next < self.status_from {
+        if !self.is_due(status) {
             return Ok(());
         }
-        self.state = Some(status.state);
-        self.status_from = self.next - self.next % STATUS_TICKS + STATUS_TICKS;
+        self.last = Some((*status, self.next));
         let fields = names().into_iter().zip(cells(status));
         let message: Map<String, Value> = fields
+            .filter(|(name, _)| *name != "status_tick")
             .filter_map(|(name, cell)| Some((name.to_owned(), to_json(cell)?)))
             .collect();
         self.write(&STATUS, self.next * NS_PER_TICK, &message)
+    }
+
+    fn is_due(&self, status: &Status) -> bool {
+        let Some((last, at)) = &self.last else {
+            return true;
+        };
+        // Whatever the blocks, messages fall on a grid of ticks.
+        let passed = |grid: u64| self.next / grid > at / grid;
+        let same_tick = Status {
+            tick: status.tick,
+            ..*last
+        };
+        status.state != last.state
+            || passed(STILL_TICKS)
+            || passed(STATUS_TICKS) && *status != same_tick
     }
 
     /// A contact.
@@ -318,7 +337,8 @@ impl Writer {
     /// # Errors
     /// One line when the disk refuses; nothing is left then.
     pub fn finish(mut self) -> Result<PathBuf, UserError> {
-        self.close_windows()?;
+        self.close_force()?;
+        self.close_displacement()?;
         let target = self.target;
         self.file.finish().map_err(|e| failed(&target, &e))?;
         let staged = self.file.into_inner().into_inner();
@@ -327,8 +347,11 @@ impl Writer {
     }
 
     fn tick(&mut self, tick: &Tick) -> Result<(), UserError> {
-        if self.next.is_multiple_of(WINDOW_TICKS) {
-            self.close_windows()?;
+        if self.next.is_multiple_of(FORCE_TICKS) {
+            self.close_force()?;
+        }
+        if self.next.is_multiple_of(DISPLACEMENT_TICKS) {
+            self.close_displacement()?;
         }
         let (force_n, _, _, relative_m) = self.sensed(tick);
         let (force_n, relative_m) = match &tick.truth {
@@ -350,32 +373,36 @@ impl Writer {
         (force_n, hammer_m, cart_m, hammer_m - cart_m)
     }
 
-    fn close_windows(&mut self) -> Result<(), UserError> {
-        if let Some((number, _, tick)) = self.force.best.take() {
-            let mut message = Map::new();
-            message.insert("sensor_n".into(), rounded(self.sensed(&tick).0));
-            if let Some(truth) = tick.truth {
-                message.insert("true_n".into(), rounded(truth.force_n));
-            }
-            self.write(&FORCE, number * NS_PER_TICK, &message)?;
+    fn close_force(&mut self) -> Result<(), UserError> {
+        let Some((number, _, tick)) = self.force.best.take() else {
+            return Ok(());
+        };
+        let mut message = Map::new();
+        message.insert("sensor_n".into(), rounded(self.sensed(&tick).0));
+        if let Some(truth) = tick.truth {
+            message.insert("true_n".into(), rounded(truth.force_n));
         }
-        if let Some((number, _, tick)) = self.displacement.best.take() {
-            let (_, hammer_m, cart_m, relative_m) = self.sensed(&tick);
-            let mut message = Map::new();
-            let mut put = |name: &str, metres: f64| {
-                message.insert(name.into(), rounded(metres * 1e3));
-            };
-            put("hammer_mm", hammer_m);
-            put("cart_mm", cart_m);
-            put("relative_mm", relative_m);
-            if let Some(truth) = tick.truth {
-                put("true_hammer_mm", truth.hammer_m);
-                put("true_cart_mm", truth.cart_m);
-                put("true_relative_mm", truth.hammer_m - truth.cart_m);
-            }
-            self.write(&DISPLACEMENT, number * NS_PER_TICK, &message)?;
+        self.write(&FORCE, number * NS_PER_TICK, &message)
+    }
+
+    fn close_displacement(&mut self) -> Result<(), UserError> {
+        let Some((number, _, tick)) = self.displacement.best.take() else {
+            return Ok(());
+        };
+        let (_, hammer_m, cart_m, relative_m) = self.sensed(&tick);
+        let mut message = Map::new();
+        let mut put = |name: &str, metres: f64| {
+            message.insert(name.into(), rounded(metres * 1e3));
+        };
+        put("hammer_mm", hammer_m);
+        put("cart_mm", cart_m);
+        put("relative_mm", relative_m);
+        if let Some(truth) = tick.truth {
+            put("true_hammer_mm", truth.hammer_m);
+            put("true_cart_mm", truth.cart_m);
+            put("true_relative_mm", truth.hammer_m - truth.cart_m);
         }
-        Ok(())
+        self.write(&DISPLACEMENT, number * NS_PER_TICK, &message)
     }
 
     fn write(
@@ -405,9 +432,9 @@ fn nanoseconds(time_s: f64) -> u64 {
     (time_s * 1e9).round() as u64
 }
 
-/// A number with four decimals; what is not finite is null.
+/// A number with three decimals (mN, µm); what is not finite is null.
 fn rounded(value: f64) -> Value {
-    json!((value * 1e4).round() / 1e4)
+    json!((value * 1e3).round() / 1e3)
 }
 
 fn to_json(cell: Cell) -> Option<Value> {

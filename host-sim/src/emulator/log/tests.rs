@@ -289,7 +289,7 @@ fn foxglove_gets_every_channel_and_the_peak() {
         ("/displacement", 40),
         ("/events", 1),
         ("/faults", 1),
-        ("/force", 40),
+        ("/force", 20),
         // Every 200 ticks, the first block's, and the change of state in block 7.
         ("/status", 20 + 2),
     ];
@@ -297,4 +297,25 @@ fn foxglove_gets_every_channel_and_the_peak() {
     assert_eq!(counts, BTreeMap::from(expected));
     // The spike of tick 134, at 6.7 ms, has kept its height and time.
     assert_eq!(strongest, (96.0, 134 * 50_000));
+}
+
+#[test]
+fn a_status_that_stays_is_told_ten_times_a_second() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("still.mcap");
+    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
+    for k in 0..2000 {
+        let mut still = block(0);
+        still.status = Some(Status {
+            tick: k,
+            measured_amplitude_m: 0.0,
+            ..status(0)
+        });
+        writer.block(&still).unwrap(); // a second in all
+    }
+    writer.finish().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let messages = ::mcap::MessageStream::new(&bytes).unwrap();
+    let told = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
+    assert_eq!(told.count(), 1 + 10);
 }

@@ -39,7 +39,7 @@ impl Writer {
     /// One line that says why the file cannot be written.
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
-        let target = staged.target().to_owned();
+        let target = staged.path().to_owned();
         let broken = |e: parquet::errors::ParquetError| failed(&target, &e);
         let schema = Arc::new(parse_message_type(&schema()).map_err(broken)?);
         let properties = properties()

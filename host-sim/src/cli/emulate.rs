@@ -1,0 +1,322 @@
+//! `host-sim emulate`.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use shared::control::Birth;
+use shared::settings::{Settings, TICK_RATE_HZ};
+
+use super::common::{Format, pictures};
+use crate::emulator::local::Local;
+use crate::emulator::log::{Header, Logs};
+use crate::emulator::picture::{About, Trace, figure};
+use crate::emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
+use crate::emulator::run::run as emulate;
+use crate::emulator::scenario::{self, BUILTIN, Scenario};
+use crate::emulator::timeline::Timeline;
+use crate::emulator::under_test::Reset;
+use crate::emulator::verdict::{Verdict, judge};
+use crate::error::UserError;
+use crate::files;
+use crate::table::to_csv;
+use crate::terminal::Progress;
+
+/// Exit code: 0 what the scenario expects came out, 1 it did not, 2 the input cannot be used.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A built-in scenario (`host-sim scenarios` lists them) or a scenario file
+    #[arg(value_name = "NAME|FILE.toml", conflicts_with = "scenario")]
+    name: Option<String>,
+
+    /// The same [default: field]
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    scenario: Option<String>,
+
+    /// How to answer on standard output: timeline and verdict, the verdict, or the timeline
+    #[arg(long, value_enum, default_value = "text")]
+    format: Format,
+
+    /// Folder for the log (Parquet, and MCAP for Foxglove), the picture (SVG, PNG), verdict and timeline
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// With --out: no log
+    #[arg(long, requires = "out")]
+    no_log: bool,
+
+    /// No progress, no notes on standard error
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub fn run(args: &Args) -> Result<i32, UserError> {
+    check_out(args.out.as_deref())?;
+    let name = args.name.as_ref().or(args.scenario.as_ref());
+    let name = name.map_or("field", String::as_str);
+    let scenario = scenario::load(name)?;
+    let mut control = Local::new(&scenario.settings)?;
+    let mut watch = Watch::new(args, &scenario, name)?;
+    let tally = emulate(&scenario, &mut control, &mut watch)?;
+    watch.progress.finish();
+    let verdict = judge(&scenario, &tally);
+    if let Some(dir) = &args.out {
+        write(args, dir, &scenario, &verdict, &mut watch)?;
+    }
+    match args.format {
+        Format::Json => super::print(&super::to_json(&verdict)?),
+        Format::Csv => super::print(&String::from_utf8_lossy(&timeline_csv(&watch.timeline))),
+        Format::Text => super::print(&text(&scenario, &watch.timeline, &verdict)),
+    }
+    Ok(i32::from(!passed(&verdict)))
+}
+
+fn check_out(out: Option<&Path>) -> Result<(), UserError> {
+    match out {
+        Some(dir) if dir.exists() && !dir.is_dir() => Err(UserError::new(format!(
+            "--out {} is a file; choose another folder",
+            dir.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Everything that watches the run.
+struct Watch {
+    timeline: Timeline,
+    trace: Trace,
+    logs: Option<Logs>,
+    progress: Progress,
+    ticks: u64,
+}
+
+impl Watch {
+    fn new(args: &Args, scenario: &Scenario, name: &str) -> Result<Self, UserError> {
+        let logs = match &args.out {
+            Some(dir) if !args.no_log => {
+                // Whoever interrupts the run finds no half log.
+                let _ = ctrlc::set_handler(|| {
+                    files::remove_staged();
+                    std::process::exit(130);
+                });
+                let header = Header {
+                    source: "emulator".into(),
+                    settings: scenario.settings,
+                    birth: Birth::default(),
+                    block_ticks: u32::try_from(scenario.block_ticks).unwrap_or(u32::MAX),
+                    scenario: Some(scenario_text(name)?),
+                };
+                Some(Logs::create(dir, &file_name(scenario), &header)?)
+            }
+            _ => None,
+        };
+        Ok(Self {
+            timeline: Timeline::default(),
+            trace: Trace::default(),
+            logs,
+            progress: Progress::new("s of rig time", scenario.duration_s as u64, args.quiet),
+            ticks: 0,
+        })
+    }
+}
+
+impl Observer for Watch {
+    fn born(&mut self, tick: u64, reset: Reset, settings: &Settings) {
+        if let Some(logs) = &mut self.logs {
+            logs.born(tick, reset, settings);
+        }
+    }
+
+    fn tick(&mut self, row: &TickRow) {
+        self.trace.tick(row);
+        if let Some(logs) = &mut self.logs {
+            logs.tick(row);
+        }
+        self.ticks += 1;
+        if self.ticks.is_multiple_of(u64::from(TICK_RATE_HZ)) {
+            self.progress.inc(1);
+        }
+    }
+
+    fn block(&mut self, row: &BlockRow) {
+        self.trace.block(row);
+        if let Some(logs) = &mut self.logs {
+            logs.block(row);
+        }
+    }
+
+    fn contact(&mut self, contact: &Contact) {
+        self.trace.contact(contact);
+        if let Some(logs) = &mut self.logs {
+            logs.contact(contact);
+        }
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.timeline.event(event);
+        self.trace.event(event);
+        if let Some(logs) = &mut self.logs {
+            logs.event(event);
+        }
+    }
+}
+
+fn scenario_text(name: &str) -> Result<String, UserError> {
+    if let Some((_, text)) = BUILTIN.iter().find(|(known, _)| *known == name) {
+        return Ok((*text).to_owned());
+    }
+    std::fs::read_to_string(name)
+        .map_err(|e| UserError::new(format!("cannot read {name}: {e}; check the path")))
+}
+
+/// The scenario's name as a file's.
+fn file_name(scenario: &Scenario) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || c == '-' || c == '_' {
+            c
+        } else {
+            '-'
+        }
+    };
+    let name: String = scenario.name.chars().map(plain).collect();
+    if name.is_empty() { "run".into() } else { name }
+}
+
+fn write(
+    args: &Args,
+    dir: &Path,
+    scenario: &Scenario,
+    verdict: &Verdict,
+    watch: &mut Watch,
+) -> Result<(), UserError> {
+    let mut paths = Vec::new();
+    if let Some(logs) = watch.logs.take() {
+        paths.extend(logs.finish()?);
+    }
+    let name = file_name(scenario);
+    let mut contents = pictures(&name, &figure(&watch.trace, &about(scenario, verdict)))?;
+    contents.push((
+        format!("{name}.json"),
+        super::to_json(verdict)?.into_bytes(),
+    ));
+    contents.push((
+        format!("{name}-timeline.csv"),
+        timeline_csv(&watch.timeline),
+    ));
+    paths.extend(files::write_all(dir, &contents)?);
+    if !args.quiet {
+        let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
+        super::say(&format!("wrote {}", names.join(", ")));
+    }
+    Ok(())
+}
+
+fn passed(verdict: &Verdict) -> bool {
+    verdict.verdict == "pass"
+}
+
+fn about(scenario: &Scenario, verdict: &Verdict) -> About {
+    let weight_n = scenario.true_rig.weight_n();
+    let best = verdict
+        .optimum_frequency_hz
+        .zip(verdict.optimum_force_ratio);
+    About {
+        title: title(verdict),
+        subtitle: scenario.description.clone(),
+        weight_n,
+        optimum: best.map(|(hz, ratio)| (hz, ratio * weight_n)),
+    }
+}
+
+fn title(verdict: &Verdict) -> String {
+    let outcome = if passed(verdict) {
+        "as expected"
+    } else {
+        "NOT as expected"
+    };
+    let share = verdict.force_share.map_or(String::new(), |share| {
+        format!(", held {:.1} % of the optimum's force", 100.0 * share)
+    });
+    format!(
+        "Emulated run {}: {outcome}; ends in {}{share}",
+        verdict.scenario, verdict.final_state
+    )
+}
+
+/// A line of the timeline.
+#[derive(Serialize)]
+struct Line {
+    time_s: f64,
+    tick: u64,
+    what: String,
+}
+
+fn timeline_csv(timeline: &Timeline) -> Vec<u8> {
+    let lines = timeline.events.iter().map(|event| Line {
+        time_s: event.time_s,
+        tick: event.tick,
+        what: event.what.to_string(),
+    });
+    to_csv(&lines.collect::<Vec<_>>())
+}
+
+fn text(scenario: &Scenario, timeline: &Timeline, verdict: &Verdict) -> String {
+    let told = verdict_lines(verdict);
+    format!(
+        "{}: {}\n\n{timeline}\n{told}",
+        scenario.name, scenario.description
+    )
+}
+
+/// The verdict for a person.
+fn verdict_lines(verdict: &Verdict) -> String {
+    let number = |value: Option<f64>, digits: usize, unit: &str| {
+        value.map_or("none".to_owned(), |value| format!("{value:.digits$}{unit}"))
+    };
+    let mut text = format!("verdict        {}\n", verdict.verdict);
+    for why in &verdict.why {
+        text += &format!("               {why}\n");
+    }
+    text += &format!("final state    {}\n", verdict.final_state);
+    text += &format!(
+        "time to hold   {}\n",
+        number(verdict.time_to_hold_s, 1, " s after the start")
+    );
+    text += &format!(
+        "frequency      {} in hold; optimum of the true rig {}\n",
+        number(verdict.frequency_hz, 4, " Hz"),
+        number(verdict.optimum_frequency_hz, 4, " Hz")
+    );
+    text += &format!(
+        "force          {} times the weight in hold; optimum {}\n",
+        number(verdict.force_ratio_mean, 2, ""),
+        number(verdict.optimum_force_ratio, 2, "")
+    );
+    text += &format!(
+        "force share    {}\n",
+        number(verdict.force_share.map(|share| 100.0 * share), 2, " %")
+    );
+    if verdict.faults.is_empty() {
+        text += "faults         none\n";
+    }
+    for fault in &verdict.faults {
+        let off = fault
+            .drive_off_after_ticks
+            .map_or("the drive did not go off".to_owned(), |ticks| {
+                format!("drive off after {ticks} ticks")
+            });
+        text += &format!(
+            "fault          {} {} at {:.4} s, {off}\n",
+            fault.code, fault.name, fault.at_s
+        );
+    }
+    text += &format!(
+        "also           {} contacts, {} reseeks, {} overruns; basin {}; largest force {:.1} times the weight, travel {:.3} mm\n",
+        verdict.contacts,
+        verdict.reseeks,
+        verdict.overruns,
+        verdict.basin,
+        verdict.largest_force_ratio,
+        verdict.largest_travel_mm
+    );
+    text
+}

@@ -1,0 +1,290 @@
+//! `emulate`, `scenarios` and `replay`: a run, its verdict and files, and its log through the controller again.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::support::{Folder, assert_svg_shows, csv_rows, finish, keys, number, png_size, wait};
+
+/// Two seconds: start, and an emergency stop that must trip and switch off.
+const STOPPED: &str = r#"
+description = "The chain opens while the amplitude rises."
+duration_s = 2.0
+slices_per_block = 1000
+
+[true_rig]
+preset = "wires"
+
+[[events]]
+at_s = 0.1
+kind = "start"
+
+[[events]]
+at_s = 1.5
+kind = "emergency-stop"
+
+[expect]
+final_state = "fault"
+faults = ["emergency-stop"]
+drive_off_within_ticks = 40
+"#;
+
+const TICKS: usize = 40_000;
+
+/// The amplitude of the preset `wires`, m.
+const AMPLITUDE_M: f64 = 0.89 / 1e3;
+
+#[test]
+fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
+    let folder = Folder::new().with("stopped.toml", STOPPED);
+    let ran = folder.run("emulate stopped.toml --out out").well();
+    for line in [
+        "stopped: The chain opens",
+        "scenario: start",
+        "fault 1 emergency-stop",
+        "drive off",
+        "verdict        pass",
+        "final state    fault",
+    ] {
+        assert!(ran.out.contains(line), "{line} is not in: {}", ran.out);
+    }
+    assert!(ran.err.contains("wrote"), "{}", ran.err);
+    let names = folder.names();
+    let expected = [
+        "out/stopped-timeline.csv",
+        "out/stopped.json",
+        "out/stopped.mcap",
+        "out/stopped.parquet",
+        "out/stopped.png",
+        "out/stopped.svg",
+        "stopped.toml",
+    ];
+    assert_eq!(names, expected);
+
+    let verdict: Value = serde_json::from_str(&folder.read("out/stopped.json")).unwrap();
+    for key in [
+        "verdict",
+        "final_state",
+        "time_to_hold_s",
+        "frequency_hz",
+        "force_ratio_mean",
+        "optimum_frequency_hz",
+        "optimum_force_ratio",
+        "force_share",
+        "faults",
+        "overruns",
+    ] {
+        assert!(keys(&verdict).contains(&key), "{key} is not in {verdict}");
+    }
+    let fault = &verdict["faults"][0];
+    assert_eq!(
+        (&fault["code"], &fault["name"]),
+        (&1.into(), &"emergency-stop".into())
+    );
+    assert!(number(fault, "drive_off_after_ticks") <= 40.0);
+
+    let timeline = csv_rows(&folder.read("out/stopped-timeline.csv"));
+    let what = |row: &Value| row["what"].as_str().unwrap().to_owned();
+    let started = timeline
+        .iter()
+        .position(|row| what(row) == "scenario: start");
+    let stopped = timeline
+        .iter()
+        .position(|row| what(row).starts_with("fault 1 "));
+    assert!(started.unwrap() < stopped.unwrap());
+
+    assert_eq!(
+        png_size(&fs::read(folder.path("out/stopped.png")).unwrap()),
+        (2200, 1960)
+    );
+    assert_svg_shows(
+        &folder.read("out/stopped.svg"),
+        &[
+            "stopped",
+            "frequency, Hz",
+            "F/(m g)",
+            "amplitude, mm",
+            "ramp",
+            "emergency-stop",
+        ],
+    );
+
+    let same = folder.run("replay out/stopped.parquet").well();
+    assert_eq!(
+        same.out,
+        format!("same decisions over {TICKS} ticks (2.000 s)\n")
+    );
+    let same = folder
+        .run("replay out/stopped.parquet --format json")
+        .well()
+        .json();
+    assert_eq!(
+        (&same["same"], &same["source"]),
+        (&true.into(), &"emulator".into())
+    );
+}
+
+#[test]
+fn the_same_scenario_is_the_same_run() {
+    let folder = Folder::new().with("stopped.toml", STOPPED);
+    let first = folder
+        .run("emulate --scenario stopped.toml --out a --format json")
+        .well();
+    let second = folder
+        .run("emulate stopped.toml --out b --format json --quiet")
+        .well();
+    assert_eq!(second.err, "");
+    assert_eq!(first.json(), second.json());
+    for name in ["parquet", "mcap", "svg", "json"] {
+        let bytes = |dir| fs::read(folder.path(&format!("{dir}/stopped.{name}"))).unwrap();
+        assert!(bytes("a") == bytes("b"), "{name} differs");
+    }
+}
+
+#[test]
+fn what_was_expected_and_did_not_come_is_exit_code_1() {
+    let other = STOPPED.replace("[\"emergency-stop\"]", "[]");
+    let folder = Folder::new().with("other.toml", other);
+    let ran = folder.run("emulate other.toml --format json");
+    assert_eq!((ran.code, ran.err.as_str()), (Some(1), ""));
+    assert_eq!(folder.names(), ["other.toml"]);
+    let verdict = ran.json();
+    assert_eq!(verdict["verdict"], "fail");
+    assert!(
+        verdict["why"][0]
+            .as_str()
+            .unwrap()
+            .contains("emergency-stop")
+    );
+}
+
+#[test]
+fn no_log_leaves_the_picture() {
+    let folder = Folder::new().with("stopped.toml", STOPPED);
+    folder.run("emulate stopped.toml --out out --no-log").well();
+    let names = folder.names();
+    assert!(names.contains(&"out/stopped.png".to_owned()), "{names:?}");
+    assert!(
+        !names
+            .iter()
+            .any(|n| n.ends_with("parquet") || n.ends_with("mcap")),
+        "{names:?}"
+    );
+}
+
+#[test]
+fn scenarios_are_listed_and_printed_as_files_to_start_from() {
+    let folder = Folder::new();
+    let list = folder.run("scenarios").well().out;
+    assert!(
+        list.lines().any(|line| line.starts_with("field ")),
+        "{list}"
+    );
+    let text = folder.run("scenarios field").well().out;
+    assert!(
+        text.contains("[true_rig]") && text.contains("[expect]"),
+        "{text}"
+    );
+    let ran = folder.run("scenarios feild");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("did you mean 'field'"), "{}", ran.err);
+}
+
+#[test]
+fn input_that_cannot_be_used_gets_one_line() {
+    let folder = Folder::new()
+        .with("key.toml", STOPPED.replace("duration_s", "duration"))
+        .with("late.toml", STOPPED.replace("at_s = 1.5", "at_s = 15"))
+        .with("taken", "")
+        .with(
+            "notes.parquet",
+            "not a log at all, but some text of a length",
+        );
+    for (line, says) in [
+        ("emulate key.toml", "key.toml"),
+        ("emulate late.toml", "late.toml"),
+        ("emulate nowhere", "nowhere"),
+        ("emulate nowhere.toml", "nowhere.toml"),
+        ("emulate field --out taken", "taken"),
+        ("emulate field --no-log", "--out"),
+        ("emulate field --scenario field", "--scenario"),
+        ("replay nowhere.parquet", "nowhere.parquet"),
+        ("replay notes.parquet", "notes.parquet"),
+        ("replay .", "."),
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (Some(2), ""),
+            "{line}: {ran:?}"
+        );
+        assert_eq!(ran.err.lines().count(), 1, "{line}: {ran:?}");
+        assert!(ran.err.contains(says), "{line}: {ran:?}");
+    }
+}
+
+#[test]
+fn a_log_that_is_cut_short_is_refused_and_one_that_differs_is_exit_code_1() {
+    let folder = Folder::new().with("stopped.toml", STOPPED);
+    folder.run("emulate stopped.toml --out out").well();
+    let log = folder.path("out/stopped.parquet");
+    let whole = fs::read(&log).unwrap();
+    fs::write(&log, &whole[..whole.len() / 2]).unwrap();
+    let ran = folder.run("replay out/stopped.parquet");
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
+    assert!(
+        ran.err.contains("stopped.parquet") && ran.err.contains("cut short"),
+        "{}",
+        ran.err
+    );
+
+    // Another amplitude in the settings the log was made with: other decisions.
+    let hex = |metres: f64| -> String {
+        let bytes = metres.to_le_bytes();
+        bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    };
+    let (held, other) = (hex(AMPLITUDE_M), hex(1.01 * AMPLITUDE_M));
+    let mut changed = whole.clone();
+    let at = (0..whole.len() - held.len()).find(|i| whole[*i..].starts_with(held.as_bytes()));
+    let at = at.expect("the amplitude is in the settings");
+    changed[at..at + other.len()].copy_from_slice(other.as_bytes());
+    fs::write(&log, &changed).unwrap();
+    let ran = folder.run("replay out/stopped.parquet");
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert!(
+        ran.out.starts_with("first difference at tick "),
+        "{}",
+        ran.out
+    );
+    let ran = folder.run("replay out/stopped.parquet --format json");
+    let answer = ran.json();
+    assert_eq!((ran.code, &answer["same"]), (Some(1), &false.into()));
+    assert_ne!(answer["recorded"], answer["here"]);
+}
+
+/// Interrupted, a run leaves neither a log nor a piece of one.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let long = STOPPED.replace("duration_s = 2.0", "duration_s = 20000.0");
+    let folder = Folder::new().with("long.toml", long);
+    let mut command = folder.command(&["emulate", "long.toml", "--out", "out"]);
+    let child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    while folder.names().len() < 3 {
+        assert!(began.elapsed() < Duration::from_secs(60), "no log is begun");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let mut interrupt = Command::new("kill");
+    interrupt.args(["-INT", &child.id().to_string()]);
+    assert_eq!(finish(interrupt).code, Some(0));
+    assert_eq!(wait(child).code(), Some(130));
+    assert_eq!(folder.names(), ["long.toml"]);
+}
