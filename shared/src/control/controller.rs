@@ -2,6 +2,7 @@
 
 use super::event::{Event, Events, What};
 use super::family::Family;
+use super::free::FreeSwing;
 use super::guard::{Guard, Trip};
 use super::oscillator::Oscillator;
 use super::outlook::Outlook;
@@ -313,8 +314,9 @@ impl Controller {
         self.events
             .push(self.tick, What::Forecast { target_hz, force_n });
         let range_hz = self.range_hz();
+        self.forecast.free = FreeSwing::new(&self.believed);
         if let (Some(search), Some(target)) = (&mut self.search, &forecast.target) {
-            search.retarget(target, range_hz);
+            search.retarget(&self.forecast.entered(target), range_hz);
             self.oscillator.aim(search.goal_hz());
         }
     }

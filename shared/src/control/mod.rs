@@ -18,6 +18,7 @@ mod climb;
 mod controller;
 mod event;
 mod family;
+mod free;
 mod guard;
 mod lockstep;
 mod oscillator;

@@ -1,5 +1,6 @@
 //! What is known of the future: the forecast as far as control needs it.
 
+use super::free::FreeSwing;
 use crate::forecast::{MAX_ROWS, Request, Target};
 
 /// What is known of the future.
@@ -15,13 +16,19 @@ pub struct Outlook {
     pub target: Option<Target>,
     /// Whether a forecast has come at all.
     pub come: bool,
+    /// The swing of a hammer that does not touch.
+    pub free: FreeSwing,
     /// Frequency and whether a start from rest strikes there.
     pub strikes: heapless::Vec<(f32, bool), MAX_ROWS>,
 }
 
 impl Outlook {
-    /// Whether the forecast has contact from rest on both sides of `hz`.
-    pub fn strikes_at(&self, hz: f32) -> bool {
+    /// Whether there must be contact at `hz`: the forecast has it from rest on both sides, and a free swing
+    /// would touch.
+    pub fn must_strike_at(&self, hz: f32) -> bool {
+        if !self.free.must_touch(hz) {
+            return false;
+        }
         let mut below = None;
         for &(row_hz, strikes) in &self.strikes {
             if row_hz > hz {
@@ -30,5 +37,15 @@ impl Outlook {
             below = Some(strikes);
         }
         below.unwrap_or(false)
+    }
+
+    /// The forecast's target, entered where the hammer must strike. (The forecast starts from rest at full
+    /// amplitude; the amplitude of a real start rises slowly, and its swing follows the free one.)
+    pub fn entered(&self, target: &Target) -> Target {
+        let certain_hz = self.free.certain_up_to(target.entry_hz);
+        Target {
+            entry_hz: certain_hz.min(target.entry_hz),
+            ..*target
+        }
     }
 }

@@ -24,6 +24,8 @@ const BAD_WEIGHT: u8 = 2;
 const LOST_AT: u8 = 16;
 /// A climb that moves less than this many steps has found the top.
 const FOUND_STEPS: f32 = 0.5;
+/// Drive periods a doubling must be seen before it is believed: noise alternates for a while, too.
+const DOUBLED_PERIODS: u8 = 16;
 /// Climbs in Seek at most: a hill that flees is followed in Hold.
 const MAX_CLIMBS: u8 = 6;
 
@@ -75,6 +77,7 @@ pub struct Search {
     goal_hz: f32,
     bad: u8,
     lost_at_rest: u8,
+    doubled: u8,
     climbs: u8,
 }
 
@@ -93,6 +96,7 @@ impl Search {
             goal_hz: target.entry_hz,
             bad: 0,
             lost_at_rest: 0,
+            doubled: 0,
             climbs: 0,
         };
         search.bound(target, range_hz);
@@ -122,7 +126,10 @@ impl Search {
         let near = libm::fabsf(target_hz - self.best_hz) <= Probe::SEEK.step * target_hz;
         match self.leg {
             Leg::Climb(_) if near => {}
-            Leg::Entry { .. } => self.best_hz = target_hz,
+            Leg::Entry { .. } => {
+                self.best_hz = target_hz;
+                self.goal_hz = self.entry_hz;
+            }
             _ => {
                 self.best_hz = target_hz;
                 self.leg = Leg::Target { periods: 0 };
@@ -288,13 +295,21 @@ impl Search {
     }
 
     fn doubled(&mut self, regime: Regime) -> Option<Step> {
-        let Regime::Periodic { impacts, periods } = regime else {
-            return None;
+        let doubled = match regime {
+            Regime::Periodic { impacts, periods } => {
+                periods >= 2 && periods % 2 == 0 && impacts == u16::from(periods)
+            }
+            _ => false,
         };
-        let doubled = periods >= 2 && periods % 2 == 0 && impacts == u16::from(periods);
-        if !doubled {
+        self.doubled = if doubled {
+            self.doubled.saturating_add(1)
+        } else {
+            0
+        };
+        if self.doubled < DOUBLED_PERIODS {
             return None;
         }
+        self.doubled = 0;
         let seen_hz = self.goal_hz;
         if seen_hz >= self.best_hz {
             self.met_ceiling_hz = seen_hz * (1.0 - CLEARANCE);

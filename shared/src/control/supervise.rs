@@ -47,7 +47,7 @@ impl Controller {
     pub(super) fn watch(&mut self, ticks: u32) {
         let trips = self.settings.trips;
         let hz = self.oscillator.frequency_hz();
-        if self.forecast.strikes_at(hz) {
+        if self.forecast.must_strike_at(hz) {
             self.timers.since_contact = self.timers.since_contact.saturating_add(ticks);
         }
         if self.timers.since_contact > ticks_of(trips.no_contact_s) {
@@ -77,6 +77,7 @@ impl Controller {
                 self.change(State::Idle);
                 return;
             };
+            let target = self.forecast.entered(&target);
             let search = Search::new(&target, self.range_hz());
             self.oscillator.jump(search.goal_hz());
             self.search = Some(search);
