@@ -147,6 +147,28 @@ impl<R: Real> Drive<R> {
         Ok(())
     }
 
+    /// The same drive in other numbers.
+    pub fn map<S: Real>(&self, number: impl Fn(R) -> S) -> Drive<S> {
+        let sum = |x: &Compensated<R>| Compensated {
+            hi: number(x.hi),
+            lo: number(x.lo),
+        };
+        let rotor = |x: &Rotor<R>| Rotor {
+            sin: number(x.sin),
+            versin: number(x.versin),
+        };
+        Drive {
+            now: self.now,
+            increment: self.increment,
+            sin: sum(&self.sin),
+            cos: sum(&self.cos),
+            angle: number(self.angle),
+            full: rotor(&self.full),
+            half: rotor(&self.half),
+            tick_s: number(self.tick_s),
+        }
+    }
+
     /// Goes back to phase 0 of period 0.
     pub fn restart(&mut self) {
         self.now = Stamp::default();

@@ -8,7 +8,7 @@ use crate::{
     command::{self, cargo, run_tee},
     debian,
     firmware::{self, Board},
-    qemu,
+    forecast, qemu,
 };
 
 /// The host tests take minutes; a quarter of an hour is a test that hangs.
@@ -49,6 +49,7 @@ const STEPS: &[Step] = &[
     ("firmware, nucleo", || board(Board::Nucleo)),
     ("firmware, qemu", || board(Board::Qemu)),
     ("firmware run in QEMU", || silent(qemu::run())),
+    ("forecast in QEMU", || silent(forecast::run())),
 ];
 
 fn silent(outcome: Outcome) -> Outcome<String> {

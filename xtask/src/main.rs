@@ -4,7 +4,7 @@
 //! cargo xtask test          everything that must hold before a change is done
 //! cargo xtask firmware      builds the firmware
 //! cargo xtask qemu          runs it in QEMU
-//! cargo xtask bench-ticks   counts instructions per control tick
+//! cargo xtask bench-ticks   counts instructions per control tick and of a forecast
 //! cargo xtask size          flash and RAM of the images
 //! ```
 
@@ -12,6 +12,7 @@ mod checks;
 mod command;
 mod debian;
 mod firmware;
+mod forecast;
 mod qemu;
 mod size;
 mod ticks;
@@ -31,7 +32,8 @@ cargo xtask COMMAND
                               installs what it lacks on Debian as root, else says what to install
   firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
   qemu                        run the firmware in QEMU; its verdict is the exit code
-  bench-ticks                 count the instructions of each control tick, under QEMU
+  bench-ticks                 count the instructions of each control tick and of a
+                              forecast, under QEMU; the forecast must be this machine's
   size                        flash and RAM of the images
 ";
 
@@ -76,7 +78,10 @@ fn run(job: Job) -> Outcome {
             }
         }
         Job::Qemu => qemu::run()?,
-        Job::BenchTicks => ticks::run()?,
+        Job::BenchTicks => {
+            ticks::run()?;
+            forecast::run()?;
+        }
         Job::Size => size::run()?,
     }
     Ok(())

@@ -4,10 +4,12 @@
 //! the rows before. A second pass, downwards, looks for orbits that rest does not lead to, from the row
 //! above. Then the strongest stretch of stable 1/1 is followed to its ends, and its strongest orbit found.
 
-use super::refine::{Edge, Known, Peak, is_neighbour, on_line};
+use super::march::Model;
+use super::refine::{Edge, Known, Peak, on_line};
 use super::settle::{Settle, Settled};
 use super::shoot::{Progress, Shoot, Solution};
-use super::{Forecast, MAX_ROWS, Request, Row, Target};
+use super::stretch::Stretch;
+use super::{Forecast, MAX_ROWS, Request, Row};
 use crate::regime::Regime;
 
 /// A run that ends this close to a stable 1/1 (in A0 and A0 Ω) is settling on it, however slowly.
@@ -17,13 +19,17 @@ const NEAR_THE_ORBIT: f32 = 0.05;
 #[derive(Clone, Copy, Debug)]
 enum Run {
     Nothing,
+    /// From rest at a frequency, to be set up in the next slice.
+    ToSettle(f32),
+    /// Shooting at a frequency from a guess, to be set up in the next slice.
+    ToShoot(f32, [f32; 2]),
     Settle(Settle),
     Shoot(Shoot, f32),
 }
 
 /// What the run is for.
 #[derive(Clone, Copy, Debug)]
-enum Stage {
+pub(super) enum Stage {
     Done,
     /// From rest at a row.
     Rest(usize),
@@ -41,26 +47,17 @@ enum Stage {
     Entry,
 }
 
-/// The stretch of stable 1/1 that holds the target.
-#[derive(Clone, Copy, Debug, Default)]
-struct Stretch {
-    /// First, strongest and last row.
-    rows: (usize, usize, usize),
-    low: Option<Known>,
-    high: Option<Known>,
-    doubling_hz: Option<f32>,
-}
-
 /// Computes a [`Forecast`] in slices of bounded work.
 #[derive(Clone, Debug)]
 pub struct Forecaster {
     request: Option<Request>,
-    forecast: Forecast,
+    pub(super) model: Option<Model>,
+    pub(super) forecast: Forecast,
     /// Section points of the rows' orbits, where there is one.
     sections: [[f32; 2]; MAX_ROWS],
     settled: Option<Settled>,
-    stretch: Stretch,
-    stage: Stage,
+    pub(super) stretch: Stretch,
+    pub(super) stage: Stage,
     run: Run,
 }
 
@@ -75,6 +72,7 @@ impl Forecaster {
     pub fn new() -> Self {
         Self {
             request: None,
+            model: None,
             forecast: Forecast::default(),
             sections: [[0.0; 2]; MAX_ROWS],
             settled: None,
@@ -94,7 +92,8 @@ impl Forecaster {
         self.stretch = Stretch::default();
         let (low, high) = request.range_hz;
         let good = low > 0.0 && high > low && high.is_finite();
-        if good && request.rig.check().is_ok() {
+        self.model = Model::new(&request.rig).ok();
+        if good && self.model.is_some() {
             self.rest(0);
         } else {
             self.finish();
@@ -103,7 +102,7 @@ impl Forecaster {
 
     /// The request being worked on, or answered last.
     pub fn request_id(&self) -> Option<u32> {
-        self.request.map(|request| request.id)
+        self.request.as_ref().map(|request| request.id)
     }
 
     /// The forecast, once it is done.
@@ -116,6 +115,20 @@ impl Forecaster {
     pub fn slice(&mut self) -> bool {
         match &mut self.run {
             Run::Nothing => {}
+            Run::ToSettle(hz) => {
+                let hz = *hz;
+                match self.model.as_ref().and_then(|m| Settle::new(m, hz)) {
+                    Some(run) => self.run = Run::Settle(run),
+                    None => self.finish(),
+                }
+            }
+            Run::ToShoot(hz, guess) => {
+                let (hz, guess) = (*hz, *guess);
+                match self.model.as_ref().and_then(|m| Shoot::new(m, hz, guess)) {
+                    Some(run) => self.run = Run::Shoot(run, hz),
+                    None => self.finish(),
+                }
+            }
             Run::Settle(run) => {
                 if let Some(settled) = run.step() {
                     self.settled(settled);
@@ -134,12 +147,12 @@ impl Forecaster {
     }
 
     fn rows(&self) -> usize {
-        let asked = self.request.map_or(0, |r| usize::from(r.rows));
+        let asked = self.request.as_ref().map_or(0, |r| usize::from(r.rows));
         asked.clamp(2, MAX_ROWS)
     }
 
-    fn row_hz(&self, row: usize) -> f32 {
-        let (low, high) = self.request.map_or((0.0, 0.0), |r| r.range_hz);
+    pub(super) fn row_hz(&self, row: usize) -> f32 {
+        let (low, high) = self.request.as_ref().map_or((0.0, 0.0), |r| r.range_hz);
         let last = self.rows() - 1;
         if row >= last {
             return high;
@@ -148,7 +161,7 @@ impl Forecaster {
     }
 
     /// The 1/1 of a row.
-    fn known(&self, row: usize) -> Option<Known> {
+    pub(super) fn known(&self, row: usize) -> Option<Known> {
         let found = self.forecast.rows.get(row)?;
         Some(Known {
             hz: found.frequency_hz,
@@ -160,7 +173,7 @@ impl Forecaster {
         })
     }
 
-    fn stable(&self, row: usize) -> Option<Known> {
+    pub(super) fn stable(&self, row: usize) -> Option<Known> {
         self.known(row)
             .filter(|known| known.solution.is_stable_one_one())
     }
@@ -171,23 +184,15 @@ impl Forecaster {
         self.settle_at(self.row_hz(row));
     }
 
-    fn settle_at(&mut self, hz: f32) {
-        let run = self.request.and_then(|r| Settle::new(&r.rig, hz));
-        match run {
-            Some(run) => self.run = Run::Settle(run),
-            None => self.finish(),
-        }
+    pub(super) fn settle_at(&mut self, hz: f32) {
+        self.run = Run::ToSettle(hz);
     }
 
-    fn shoot_at(&mut self, hz: f32, guess: [f32; 2]) {
-        let run = self.request.and_then(|r| Shoot::new(&r.rig, hz, guess));
-        match run {
-            Some(run) => self.run = Run::Shoot(run, hz),
-            None => self.finish(),
-        }
+    pub(super) fn shoot_at(&mut self, hz: f32, guess: [f32; 2]) {
+        self.run = Run::ToShoot(hz, guess);
     }
 
-    fn finish(&mut self) {
+    pub(super) fn finish(&mut self) {
         self.stage = Stage::Done;
         self.run = Run::Nothing;
     }
@@ -330,159 +335,13 @@ impl Forecaster {
 
     /// Whether a run ended close to an orbit.
     fn is_near(&self, settled: &Settled, solution: &Solution, row: usize) -> bool {
-        let Some(request) = self.request else {
+        let Some(model) = &self.model else {
             return false;
         };
         let omega = core::f32::consts::TAU * self.row_hz(row);
-        let Ok(rig) = crate::rig::Rig::<f32>::new(&request.rig) else {
-            return false;
-        };
-        let scale = rig.coordinate_scale();
+        let scale = model.rig.coordinate_scale();
         let ([q0, v0], [q1, v1]) = (settled.section, solution.section);
         libm::fabsf(q1 - q0) < NEAR_THE_ORBIT * scale
             && libm::fabsf(v1 - v0) < NEAR_THE_ORBIT * scale * omega
-    }
-
-    /// Chooses the strongest stable row and the stretch around it, and goes for its upper end.
-    fn begin_stretch(&mut self) {
-        let rows = self.forecast.rows.len();
-        let force = |known: &Known| known.solution.orbit.force_n;
-        let mut top: Option<(usize, f32)> = None;
-        for row in 0..rows {
-            let Some(known) = self.stable(row) else {
-                continue;
-            };
-            if top.is_none_or(|(_, strongest)| force(&known) > strongest) {
-                top = Some((row, force(&known)));
-            }
-        }
-        let Some((top, _)) = top else {
-            return self.finish();
-        };
-        let (mut first, mut last) = (top, top);
-        while first > 0 && self.joined(first - 1) {
-            first -= 1;
-        }
-        while last + 1 < rows && self.joined(last) {
-            last += 1;
-        }
-        self.stretch = Stretch {
-            rows: (first, top, last),
-            ..Stretch::default()
-        };
-        let Some(inside) = self.known(last) else {
-            return self.finish();
-        };
-        if last + 1 == rows {
-            self.stretch.high = Some(inside);
-            return self.begin_low();
-        }
-        let behind = last.checked_sub(1).filter(|row| *row >= first);
-        let behind = behind.and_then(|row| self.known(row));
-        let beyond = self.known(last + 1).map(|known| known.solution);
-        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
-        let edge = Edge::new(inside, behind, self.row_hz(last + 1), beyond);
-        self.follow_high(edge);
-    }
-
-    /// Whether a row and the next are of one stable stretch.
-    fn joined(&self, row: usize) -> bool {
-        self.stable(row)
-            .zip(self.stable(row + 1))
-            .is_some_and(|(a, b)| is_neighbour(&a.solution, &b.solution))
-    }
-
-    fn follow_high(&mut self, edge: Edge) {
-        if let Some(hz) = edge.wanted() {
-            self.stage = Stage::High(edge);
-            return self.shoot_at(hz, edge.guess(hz));
-        }
-        self.stretch.high = Some(edge.inside());
-        self.stretch.doubling_hz = edge.doubling_hz();
-        self.begin_low();
-    }
-
-    fn begin_low(&mut self) {
-        let (first, _, last) = self.stretch.rows;
-        let Some(inside) = self.known(first) else {
-            return self.finish();
-        };
-        if first == 0 {
-            self.stretch.low = Some(inside);
-            return self.begin_peak();
-        }
-        let behind = (first < last).then(|| self.known(first + 1)).flatten();
-        let beyond = self.known(first - 1).map(|known| known.solution);
-        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
-        let edge = Edge::new(inside, behind, self.row_hz(first - 1), beyond);
-        self.follow_low(edge);
-    }
-
-    fn follow_low(&mut self, edge: Edge) {
-        if let Some(hz) = edge.wanted() {
-            self.stage = Stage::Low(edge);
-            return self.shoot_at(hz, edge.guess(hz));
-        }
-        self.stretch.low = Some(edge.inside());
-        self.begin_peak();
-    }
-
-    fn begin_peak(&mut self) {
-        let (first, top, last) = self.stretch.rows;
-        let low = if top > first {
-            self.known(top - 1)
-        } else {
-            self.stretch.low
-        };
-        let high = if top < last {
-            self.known(top + 1)
-        } else {
-            self.stretch.high
-        };
-        match (low, self.known(top), high) {
-            (Some(low), Some(top), Some(high)) => self.follow_peak(Peak::new(low, top, high)),
-            _ => self.finish(),
-        }
-    }
-
-    fn follow_peak(&mut self, peak: Peak) {
-        if let Some(hz) = peak.wanted() {
-            self.stage = Stage::Peak(peak);
-            return self.shoot_at(hz, peak.guess(hz));
-        }
-        let best = peak.best();
-        let (low, high) = (self.stretch.low, self.stretch.high);
-        self.forecast.target = Some(Target {
-            frequency_hz: best.hz,
-            orbit: best.solution.orbit,
-            band_hz: (
-                low.map_or(best.hz, |known| known.hz),
-                high.map_or(best.hz, |known| known.hz),
-            ),
-            doubling_hz: self.stretch.doubling_hz,
-            entry_hz: best.hz,
-        });
-        self.stage = Stage::Entry;
-        self.settle_at(best.hz);
-    }
-
-    /// The run from rest at the target has ended: enter there, or at the nearest row of the stretch that
-    /// rest leads to 1/1, or at least to strike.
-    fn enter(&mut self, settled: &Settled) {
-        let (first, top, last) = self.stretch.rows;
-        if !settled.regime.is(1, 1) {
-            let nearest = |wanted: &dyn Fn(Regime) -> bool| {
-                let rows = self.forecast.rows.iter().enumerate();
-                rows.filter(|(i, row)| (first..=last).contains(i) && wanted(row.regime))
-                    .min_by_key(|(i, _)| i.abs_diff(top))
-                    .map(|(_, row)| row.frequency_hz)
-            };
-            let entry = nearest(&|regime| regime.is(1, 1))
-                .or_else(|| nearest(&|regime| regime != Regime::None));
-            if let (Some(hz), Some(target)) = (entry, &mut self.forecast.target) {
-                target.entry_hz = hz;
-            }
-        }
-        self.finish();
     }
 }

@@ -8,21 +8,25 @@
 //! fraction of the contact's own time scale; it doubles from step to step once the hammer is free again,
 //! and grows slowly in a contact that lasts, up to what Runge–Kutta keeps stable.
 
+use core::f32::consts::TAU;
+
 use crate::contacts::{Ledger, Period};
 use crate::drive::{Drive, Stamp};
 use crate::params::{ParamError, RigParams};
 use crate::rig::{Mode, Rig};
+use crate::scalar::Real;
 use crate::step::{Corrected, Location, Span, State, piece};
+use crate::tangent::Tangent;
 
 /// Steps per drive period in flight.
 pub const STEPS_PER_PERIOD: u32 = 32;
 
 /// Steps in contact, in units of the contact's time scale 1/λ ([`contact_rate`]): 47 µs for Table 3.1 on
 /// 0.298 kg.
-const CONTACT_STEP: f64 = 0.2;
+const CONTACT_STEP: f32 = 0.2;
 
 /// The longest step in a contact that lasts, in the same unit.
-const LONGEST_CONTACT_STEP: f64 = 1.0;
+const LONGEST_CONTACT_STEP: f32 = 1.0;
 
 /// Steps of unchanged length at the beginning of a contact: longer than a blow lasts.
 const STEPS_OF_A_BLOW: u16 = 40;
@@ -45,10 +49,34 @@ fn contact_rate(params: &RigParams) -> f64 {
     let energy = 0.5 * params.mass_kg * speed * speed;
     let deepest = libm::pow((n + 1.0) * energy / stiffness, 1.0 / (n + 1.0));
     let (_, damping) = params.contact.gradient(deepest, 0.0, speed);
-    (speed / deepest).max(damping / params.mass_kg)
+    Real::max(speed / deepest, damping / params.mass_kg)
 }
 
-/// A rig at a drive frequency, with the step lengths that suit it.
+/// A rig in the numbers the forecast needs: worked out once, since that takes `f64`.
+#[derive(Clone, Copy, Debug)]
+pub struct Model {
+    /// The rig.
+    pub rig: Rig<f32>,
+    /// The same, to be differentiated.
+    pub tangent: Rig<Tangent>,
+    contact_rate: f32,
+}
+
+impl Model {
+    /// The model of `params`.
+    ///
+    /// # Errors
+    /// A parameter that no rig can have.
+    pub fn new(params: &RigParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            rig: Rig::new(params)?,
+            tangent: Rig::new(params)?,
+            contact_rate: contact_rate(params) as f32,
+        })
+    }
+}
+
+/// A drive frequency, with the step lengths that suit it.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     /// The rig.
@@ -64,31 +92,25 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// `params` driven at `frequency_hz`. `None` if no drive can run at that frequency.
-    ///
-    /// # Errors
-    /// A parameter that no rig can have.
-    pub fn new(params: &RigParams, frequency_hz: f32) -> Result<Option<Self>, ParamError> {
-        let rig = Rig::<f32>::new(params)?;
+    /// `model` driven at `frequency_hz`. `None` if no drive can run at that frequency.
+    pub fn new(model: &Model, frequency_hz: f32) -> Option<Self> {
+        let rig = model.rig;
         let hz = f64::from(frequency_hz);
-        let tick_s = 1.0 / (hz * f64::from(STEPS_PER_PERIOD));
-        let Ok(drive) = Drive::<f32>::new(hz, tick_s) else {
-            return Ok(None);
-        };
-        let omega = drive.angular_frequency();
-        let unit = 1.0 / (contact_rate(params) * tick_s);
-        let limit = |x: f64| if x < 0.5 { x as f32 } else { 0.5 };
+        let drive = Drive::new(hz, 1.0 / (hz * f64::from(STEPS_PER_PERIOD))).ok()?;
+        let omega = TAU * frequency_hz;
+        let unit = 1.0 / (model.contact_rate * drive.tick_s());
+        let limit = |x: f32| if x < 0.5 { x } else { 0.5 };
         let scale = rig.coordinate_scale();
-        Ok(Some(Self {
+        Some(Self {
             rig,
             drive,
-            drive_acceleration: rig.amplitude() * (omega * omega) as f32,
-            units: [scale, scale * omega as f32],
+            drive_acceleration: rig.amplitude() * (omega * omega),
+            units: [scale, scale * omega],
             contact_steps: (
                 limit(CONTACT_STEP * unit),
                 limit(LONGEST_CONTACT_STEP * unit),
             ),
-        }))
+        })
     }
 }
 
@@ -239,11 +261,11 @@ impl March {
             self.stride = first;
             self.steps_in_contact = 0;
         } else if self.state.mode == Mode::Flight {
-            self.stride = (2.0 * self.stride).min(1.0);
+            self.stride = Real::min(2.0 * self.stride, 1.0);
         } else {
             self.steps_in_contact = self.steps_in_contact.saturating_add(1);
             if self.steps_in_contact > STEPS_OF_A_BLOW {
-                self.stride = (1.25 * self.stride).min(longest);
+                self.stride = Real::min(1.25 * self.stride, longest);
             }
         }
     }

@@ -10,6 +10,7 @@ pub mod march;
 pub mod refine;
 pub mod settle;
 pub mod shoot;
+mod stretch;
 pub mod variation;
 
 pub use forecaster::Forecaster;

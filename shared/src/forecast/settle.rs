@@ -1,9 +1,9 @@
 //! What a start from rest settles to at a frequency: the march until the section repeats, or until the
 //! work set aside for it is done.
 
-use super::march::{March, Setup, Stretch};
-use crate::params::RigParams;
+use super::march::{March, Model, Setup, Stretch};
 use crate::regime::{Detector, Regime};
+use crate::scalar::Real;
 
 /// The detector starts anew after these periods: what a transient left in its window would hide a
 /// repetition for good.
@@ -44,9 +44,9 @@ pub struct Settle {
 }
 
 impl Settle {
-    /// From rest. `None` for a rig or frequency that cannot be.
-    pub fn new(params: &RigParams, frequency_hz: f32) -> Option<Self> {
-        let setup = Setup::new(params, frequency_hz).ok()??;
+    /// From rest. `None` if no drive can run at that frequency.
+    pub fn new(model: &Model, frequency_hz: f32) -> Option<Self> {
+        let setup = Setup::new(model, frequency_hz)?;
         let rest = [setup.rig.rest(), 0.0];
         Some(Self {
             march: March::new(&setup, rest),
@@ -82,7 +82,7 @@ impl Settle {
             self.detector = detector(self.march.setup());
             self.force_n = 0.0;
         } else {
-            self.force_n = self.force_n.max(period.peak_force);
+            self.force_n = Real::max(self.force_n, period.peak_force);
         }
         self.detector.push(q, v, &period);
         self.periods >= MOST_PERIODS || (self.periods > WINDOWS[0] && self.repeats())

@@ -2,11 +2,10 @@
 //! monodromy matrix that the [`Variation`] carries along.
 
 use super::Orbit;
-use super::march::{March, Setup};
+use super::march::{March, Model, Setup, Stretch};
 use super::variation::Variation;
 use crate::contacts::Period;
 use crate::drive::TURN;
-use crate::params::RigParams;
 
 /// Newton's steps before giving up.
 const ITERATIONS: u8 = 8;
@@ -72,31 +71,36 @@ pub struct Shoot {
     start: [f32; 2],
     iteration: u8,
     steps: u16,
+    /// A step of the march that the derivative has not followed yet.
+    ahead: Option<Stretch>,
 }
 
 impl Shoot {
-    /// Starts at `guess`. `None` for a rig or frequency that cannot be.
-    pub fn new(params: &RigParams, frequency_hz: f32, guess: [f32; 2]) -> Option<Self> {
-        let setup = Setup::new(params, frequency_hz).ok()??;
-        let variation = Variation::new(params, frequency_hz, &setup, guess)?;
+    /// Starts at `guess`. `None` if no drive can run at that frequency.
+    pub fn new(model: &Model, frequency_hz: f32, guess: [f32; 2]) -> Option<Self> {
+        let setup = Setup::new(model, frequency_hz)?;
         Some(Self {
             march: March::new(&setup, guess),
+            variation: Variation::new(model, &setup, guess),
             setup,
-            variation,
             start: guess,
             iteration: 0,
             steps: 0,
+            ahead: None,
         })
     }
 
-    /// One step of the march and of the derivative beside it.
+    /// One step of the march, or of the derivative that follows it.
     pub fn step(&mut self) -> Progress {
-        if self.steps == 0 && !self.plausible() {
-            return Progress::Lost;
-        }
-        let stretch = self.march.step();
+        let Some(stretch) = self.ahead.take() else {
+            if self.steps == 0 && !self.plausible() {
+                return Progress::Lost;
+            }
+            self.ahead = Some(self.march.step());
+            self.steps = self.steps.saturating_add(1);
+            return Progress::Working;
+        };
         self.variation.follow(&stretch);
-        self.steps = self.steps.saturating_add(1);
         if stretch.period_ended {
             self.close()
         } else if self.steps >= MOST_STEPS {

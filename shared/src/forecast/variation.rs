@@ -5,9 +5,8 @@
 //! started: t_e′ = −h′/ḣ. Up to t_e the old field acts, after it the new one, so that at a fixed time just
 //! after the switch the rate has v′ + (a⁻ − a⁺) t_e′; the coordinate, whose rate does not jump, keeps q′.
 
-use super::march::{Setup, Stretch};
+use super::march::{Model, Setup, Stretch};
 use crate::drive::Drive;
-use crate::params::RigParams;
 use crate::rig::{Mode, Rig};
 use crate::scalar::Real;
 use crate::step::{Corrected, Span, State};
@@ -24,27 +23,17 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// Starts at `section`, with derivatives in units of A0 and A0 Ω. `None` where the march has no setup
-    /// either.
-    pub fn new(
-        params: &RigParams,
-        frequency_hz: f32,
-        setup: &Setup,
-        section: [f32; 2],
-    ) -> Option<Self> {
-        let rig = Rig::<Tangent>::new(params).ok()?;
-        let hz = f64::from(frequency_hz);
-        let tick_s = 1.0 / (hz * f64::from(super::march::STEPS_PER_PERIOD));
-        let drive = Drive::<Tangent>::new(hz, tick_s).ok()?;
+    /// Starts at `section`, with derivatives in units of A0 and A0 Ω.
+    pub fn new(model: &Model, setup: &Setup, section: [f32; 2]) -> Self {
         let mut variation = Self {
-            rig,
-            drive,
+            rig: model.tangent,
+            drive: setup.drive.map(Tangent::constant),
             drive_acceleration: Tangent::constant(setup.drive_acceleration),
             units: setup.units,
             state: State::default(),
         };
         variation.restart(section);
-        Some(variation)
+        variation
     }
 
     /// Starts anew from another `section` at phase 0.

@@ -1,0 +1,163 @@
+//! The second half of the forecast: the strongest stretch of stable 1/1, its ends, its strongest orbit, and
+//! where to enter it.
+
+use super::Target;
+use super::forecaster::{Forecaster, Stage};
+use super::refine::{Edge, Known, Peak, is_neighbour};
+use super::settle::Settled;
+use crate::regime::Regime;
+
+/// The stretch of stable 1/1 that holds the target.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stretch {
+    /// First, strongest and last row.
+    rows: (usize, usize, usize),
+    low: Option<Known>,
+    high: Option<Known>,
+    doubling_hz: Option<f32>,
+}
+
+impl Forecaster {
+    /// Chooses the strongest stable row and the stretch around it, and goes for its upper end.
+    pub(super) fn begin_stretch(&mut self) {
+        let rows = self.forecast.rows.len();
+        let force = |known: &Known| known.solution.orbit.force_n;
+        let mut top: Option<(usize, f32)> = None;
+        for row in 0..rows {
+            let Some(known) = self.stable(row) else {
+                continue;
+            };
+            if top.is_none_or(|(_, strongest)| force(&known) > strongest) {
+                top = Some((row, force(&known)));
+            }
+        }
+        let Some((top, _)) = top else {
+            return self.finish();
+        };
+        let (mut first, mut last) = (top, top);
+        while first > 0 && self.joined(first - 1) {
+            first -= 1;
+        }
+        while last + 1 < rows && self.joined(last) {
+            last += 1;
+        }
+        self.stretch = Stretch {
+            rows: (first, top, last),
+            ..Stretch::default()
+        };
+        let Some(inside) = self.known(last) else {
+            return self.finish();
+        };
+        if last + 1 == rows {
+            self.stretch.high = Some(inside);
+            return self.begin_low();
+        }
+        let behind = last.checked_sub(1).filter(|row| *row >= first);
+        let behind = behind.and_then(|row| self.known(row));
+        let beyond = self.known(last + 1).map(|known| known.solution);
+        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
+        let edge = Edge::new(inside, behind, self.row_hz(last + 1), beyond);
+        self.follow_high(edge);
+    }
+
+    /// Whether a row and the next are of one stable stretch.
+    fn joined(&self, row: usize) -> bool {
+        self.stable(row)
+            .zip(self.stable(row + 1))
+            .is_some_and(|(a, b)| is_neighbour(&a.solution, &b.solution))
+    }
+
+    pub(super) fn follow_high(&mut self, edge: Edge) {
+        if let Some(hz) = edge.wanted() {
+            self.stage = Stage::High(edge);
+            return self.shoot_at(hz, edge.guess(hz));
+        }
+        self.stretch.high = Some(edge.inside());
+        self.stretch.doubling_hz = edge.doubling_hz();
+        self.begin_low();
+    }
+
+    fn begin_low(&mut self) {
+        let (first, _, last) = self.stretch.rows;
+        let Some(inside) = self.known(first) else {
+            return self.finish();
+        };
+        if first == 0 {
+            self.stretch.low = Some(inside);
+            return self.begin_peak();
+        }
+        let behind = (first < last).then(|| self.known(first + 1)).flatten();
+        let beyond = self.known(first - 1).map(|known| known.solution);
+        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
+        let edge = Edge::new(inside, behind, self.row_hz(first - 1), beyond);
+        self.follow_low(edge);
+    }
+
+    pub(super) fn follow_low(&mut self, edge: Edge) {
+        if let Some(hz) = edge.wanted() {
+            self.stage = Stage::Low(edge);
+            return self.shoot_at(hz, edge.guess(hz));
+        }
+        self.stretch.low = Some(edge.inside());
+        self.begin_peak();
+    }
+
+    fn begin_peak(&mut self) {
+        let (first, top, last) = self.stretch.rows;
+        let low = if top > first {
+            self.known(top - 1)
+        } else {
+            self.stretch.low
+        };
+        let high = if top < last {
+            self.known(top + 1)
+        } else {
+            self.stretch.high
+        };
+        match (low, self.known(top), high) {
+            (Some(low), Some(top), Some(high)) => self.follow_peak(Peak::new(low, top, high)),
+            _ => self.finish(),
+        }
+    }
+
+    pub(super) fn follow_peak(&mut self, peak: Peak) {
+        if let Some(hz) = peak.wanted() {
+            self.stage = Stage::Peak(peak);
+            return self.shoot_at(hz, peak.guess(hz));
+        }
+        let best = peak.best();
+        let (low, high) = (self.stretch.low, self.stretch.high);
+        self.forecast.target = Some(Target {
+            frequency_hz: best.hz,
+            orbit: best.solution.orbit,
+            band_hz: (
+                low.map_or(best.hz, |known| known.hz),
+                high.map_or(best.hz, |known| known.hz),
+            ),
+            doubling_hz: self.stretch.doubling_hz,
+            entry_hz: best.hz,
+        });
+        self.stage = Stage::Entry;
+        self.settle_at(best.hz);
+    }
+
+    /// The run from rest at the target has ended: enter there, or at the nearest row of the stretch that
+    /// rest leads to 1/1, or at least to strike.
+    pub(super) fn enter(&mut self, settled: &Settled) {
+        let (first, top, last) = self.stretch.rows;
+        if !settled.regime.is(1, 1) {
+            let nearest = |wanted: &dyn Fn(Regime) -> bool| {
+                let rows = self.forecast.rows.iter().enumerate();
+                rows.filter(|(i, row)| (first..=last).contains(i) && wanted(row.regime))
+                    .min_by_key(|(i, _)| i.abs_diff(top))
+                    .map(|(_, row)| row.frequency_hz)
+            };
+            let entry = nearest(&|regime| regime.is(1, 1))
+                .or_else(|| nearest(&|regime| regime != Regime::None));
+            if let (Some(hz), Some(target)) = (entry, &mut self.forecast.target) {
+                target.entry_hz = hz;
+            }
+        }
+        self.finish();
+    }
+}

@@ -1,0 +1,107 @@
+//! A whole forecast on the microcontroller's instruction set: what it costs, and that it finds, bit for
+//! bit, what the same code finds here.
+
+use std::collections::BTreeMap;
+
+use shared::{
+    forecast::{Forecast, Forecaster, Request},
+    params::WIRES,
+};
+
+use crate::{Outcome, firmware, qemu};
+
+/// Instructions the forecast may cost in all.
+const BUDGET: u64 = 200_000_000;
+
+/// What the program said: a word and a number per line.
+#[derive(Debug)]
+struct Said(BTreeMap<String, u64>);
+
+impl Said {
+    fn read(lines: &[String]) -> Outcome<Self> {
+        if !lines.iter().any(|line| line == "end") {
+            return Err("the forecast did not get to its end".into());
+        }
+        let pairs = lines.iter().filter_map(|line| line.split_once(' '));
+        let numbers =
+            pairs.filter_map(|(word, number)| Some((word.to_owned(), number.parse().ok()?)));
+        Ok(Self(numbers.collect()))
+    }
+
+    fn number(&self, word: &str) -> Outcome<u64> {
+        let number = self.0.get(word).copied();
+        number.ok_or_else(|| format!("the forecast did not say `{word}`").into())
+    }
+
+    fn instructions(&self, word: &str) -> Outcome<u64> {
+        Ok(self.number(word)? * self.number("nanoseconds")?)
+    }
+}
+
+/// The same forecast on this machine.
+fn here() -> Outcome<Forecast> {
+    let mut forecaster = Forecaster::new();
+    forecaster.start(&Request::bench(&WIRES));
+    while forecaster.slice() {}
+    let found = forecaster.result();
+    found.cloned().ok_or_else(|| "no forecast here".into())
+}
+
+/// Runs the forecast in QEMU, prints what it cost, and compares what it found. The firmware is built.
+pub fn run() -> Outcome {
+    let lines = qemu::start(&firmware::image("forecast"), &["-icount", "shift=0"], false)?;
+    let said = Said::read(&lines)?;
+    let (total, worst) = (said.instructions("total")?, said.instructions("worst")?);
+    println!("\na forecast of 40 rows, wires at 0.0 mm, 0.75 to 2.9 times the natural frequency:");
+    println!(
+        "{} slices, {total} instructions; longest slice {worst}, mean {}; {} bytes",
+        said.number("slices")?,
+        total / said.number("slices")?.max(1),
+        said.number("bytes")?
+    );
+    let found = here()?;
+    let target = found.target.ok_or("no target here")?;
+    println!(
+        "target {} Hz, {} N, digest {:#010x}",
+        target.frequency_hz,
+        target.orbit.force_n,
+        found.digest()
+    );
+    let same = said.number("digest")? == u64::from(found.digest())
+        && said.number("target")? == u64::from(target.frequency_hz.to_bits())
+        && said.number("force")? == u64::from(target.orbit.force_n.to_bits());
+    if !same {
+        return Err("the microcontroller's forecast differs from this machine's".into());
+    }
+    println!("the microcontroller's forecast and this machine's agree bit for bit");
+    if total > BUDGET {
+        return Err(format!("more than {BUDGET} instructions").into());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(text: &str) -> Outcome<Said> {
+        Said::read(&text.lines().map(str::to_owned).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn counts_become_instructions_and_what_is_missing_is_named() {
+        let said = said("nanoseconds 40\ntotal 5\nhello there\nend").unwrap();
+        assert_eq!(said.instructions("total").unwrap(), 200);
+        assert!(
+            said.number("worst")
+                .unwrap_err()
+                .to_string()
+                .contains("worst")
+        );
+    }
+
+    #[test]
+    fn a_run_cut_short_is_an_error() {
+        assert!(said("nanoseconds 40").is_err());
+    }
+}
