@@ -41,6 +41,10 @@ pub const LONGEST: usize = 8;
 /// Periods that decide while a change of regime passes through the window.
 pub const RECENT: usize = 8;
 
+/// Ticks between two parts of the work: one part is up to 11,000 instructions (counted in QEMU), an answer takes 17, and
+/// books close half a period apart (385 ticks at 26 Hz).
+const PAUSE: u8 = 19;
+
 /// Fewest periods an answer rests on.
 const FEWEST: usize = 4;
 
@@ -238,6 +242,8 @@ pub struct Section {
     skip: [u8; 2],
     /// One more of them after a start: the observer does not know the cart yet.
     fresh: bool,
+    /// Ticks until the next part of the work.
+    wait: u8,
 }
 
 impl Default for Section {
@@ -248,6 +254,7 @@ impl Default for Section {
             quarter: None,
             skip: [1; 2],
             fresh: true,
+            wait: 0,
         }
     }
 }
@@ -300,9 +307,13 @@ impl Section {
             } else {
                 self.turn(now);
             }
+        } else if self.wait > 0 {
+            self.wait -= 1;
         } else if self.at_zero.next != usize::MAX {
+            self.wait = PAUSE;
             self.at_zero.work();
         } else if self.at_half.next != usize::MAX {
+            self.wait = PAUSE;
             self.at_half.work();
         }
     }

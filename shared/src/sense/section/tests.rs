@@ -2,7 +2,7 @@
 
 use super::*;
 
-const TICKS: u32 = 400;
+const TICKS: u32 = 1_600;
 
 /// Noise between −1 and 1.
 struct Dice(u32);
