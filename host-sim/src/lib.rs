@@ -12,6 +12,7 @@
 //! | engine | [`mod@reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
 //! | analysis | [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
 //! | emulator | [`emulator`]: shaker, two bodies and sensors around the controller, and scenarios to run them by; [`replay`]: a log through the controller again |
+//! | link | [`mod@link`]: talking to a board, or an emulated one, over a serial port |
 //! | table, picture | [`table`], [`picture`], [`terminal`], [`files`] |
 //! | command line | [`cli`] |
 
@@ -24,6 +25,7 @@ pub mod engine;
 pub mod error;
 pub mod files;
 pub mod golden;
+pub mod link;
 pub mod orbit;
 pub mod pick;
 pub mod picture;

@@ -18,8 +18,14 @@ use crate::emulator::under_test::Reset;
 use crate::emulator::verdict::{Verdict, judge};
 use crate::error::UserError;
 use crate::files;
+#[cfg(unix)]
+use crate::link::live::Live;
 use crate::table::to_csv;
 use crate::terminal::Progress;
+
+/// A scenario behind a pseudo-terminal ends when it is interrupted; this is thirty years, s.
+#[cfg(unix)]
+const ENDLESS_S: f64 = 1e9;
 
 /// Exit code: 0 what the scenario expects came out, 1 it did not, 2 the input cannot be used.
 #[derive(Debug, clap::Args)]
@@ -44,6 +50,17 @@ pub struct Args {
     #[arg(long, requires = "out")]
     no_log: bool,
 
+    /// Behind a pseudo-terminal for `host-sim link`, in real time, until interrupted: the scenario's rig and
+    /// settings, but whoever is at the terminal gives the commands
+    #[cfg(unix)]
+    #[arg(long, conflicts_with_all = ["out", "format"])]
+    pty: bool,
+
+    /// With --pty: so many times faster than real time
+    #[cfg(unix)]
+    #[arg(long, value_name = "N", default_value_t = 1.0, requires = "pty")]
+    speed: f64,
+
     /// No progress, no notes on standard error
     #[arg(long)]
     quiet: bool,
@@ -54,6 +71,10 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     let name = args.name.as_ref().or(args.scenario.as_ref());
     let name = name.map_or("field", String::as_str);
     let scenario = scenario::load(name)?;
+    #[cfg(unix)]
+    if args.pty {
+        return live(args, scenario);
+    }
     let mut control = Local::new(&scenario.settings)?;
     let mut watch = Watch::new(args, &scenario, name)?;
     let tally = emulate(&scenario, &mut control, &mut watch)?;
@@ -68,6 +89,24 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         Format::Text => super::print(&text(&scenario, &watch.timeline, &verdict)),
     }
     Ok(i32::from(!passed(&verdict)))
+}
+
+/// Until interrupted.
+#[cfg(unix)]
+fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
+    if !(args.speed > 0.0 && args.speed.is_finite()) {
+        return Err(UserError::new(format!(
+            "--speed is {}, must be a positive number",
+            args.speed
+        )));
+    }
+    scenario.events.clear();
+    scenario.duration_s = ENDLESS_S;
+    let block_ticks = u8::try_from(scenario.block_ticks).unwrap_or(u8::MAX);
+    let mut control = Live::new(&scenario.settings, block_ticks, args.speed)?;
+    super::print(&format!("{}\n", control.path()));
+    emulate(&scenario, &mut control, &mut ())?;
+    Ok(0)
 }
 
 fn check_out(out: Option<&Path>) -> Result<(), UserError> {

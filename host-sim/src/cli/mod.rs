@@ -2,6 +2,7 @@
 
 mod common;
 mod emulate;
+mod link;
 mod pick;
 mod replay;
 mod rigs;
@@ -42,6 +43,8 @@ enum Command {
     Scenarios(scenarios::Args),
     /// Run a log through the desktop's controller: same decisions, bit for bit, or the first tick that differs
     Replay(replay::Args),
+    /// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
+    Link(link::Args),
     /// List the rigs, or print one as a TOML file to start from
     Rigs(rigs::Args),
 }
@@ -72,6 +75,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Sweep(args) => sweep::run(&args).map(|()| 0),
         Command::Emulate(args) => emulate::run(&args),
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
+        Command::Link(args) => link::run(&args).map(|()| 0),
         Command::Replay(args) => replay::run(&args),
         Command::Rigs(args) => rigs::run(&args).map(|()| 0),
     };

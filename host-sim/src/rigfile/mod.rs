@@ -10,7 +10,8 @@ use toml::Value;
 
 use crate::error::UserError;
 pub use table::Table;
-use table::{as_number, from_table, overlay, to_table};
+pub(crate) use table::as_number;
+use table::{from_table, overlay, to_table};
 
 /// A rig and what to call it.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,6 +110,26 @@ pub fn with_number(params: &RigParams, key: &str, value: f64) -> Result<RigParam
     from_table(&table)
 }
 
+/// Parameters with those of a table on top, keys as in a rig file: a rig that stands in another file.
+///
+/// # Errors
+/// As [`load`].
+pub fn with_table(params: &RigParams, changes: toml::Table) -> Result<RigParams, UserError> {
+    let mut table = to_table(params);
+    overlay(&mut table, changes.into_iter().collect())?;
+    from_table(&table)
+}
+
+/// The lines of a rig file: every parameter with its meaning.
+pub fn lines(params: &RigParams) -> String {
+    let table = to_table(params);
+    let present = KEYS.iter().filter_map(|(key, meaning)| {
+        let value = table.get(*key)?;
+        Some(format!("{key} = {value}  # {meaning}\n"))
+    });
+    present.collect()
+}
+
 /// A number of `params` by its key, if this rig has it.
 pub fn number(params: &RigParams, key: &str) -> Option<f64> {
     to_table(params).get(key).and_then(as_number)
@@ -116,17 +137,12 @@ pub fn number(params: &RigParams, key: &str) -> Option<f64> {
 
 /// A rig as a TOML file to start from, every parameter with its meaning.
 pub fn to_toml(rig: &NamedRig) -> String {
-    let table = to_table(&rig.params);
-    let mut text = format!(
-        "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n# A file may also begin with preset = \"{}\" and name only what differs.\n\n",
-        rig.name, rig.name
-    );
-    for (key, meaning) in KEYS {
-        if let Some(value) = table.get(key) {
-            text.push_str(&format!("{key} = {value}  # {meaning}\n"));
-        }
-    }
-    text
+    format!(
+        "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n# A file may also begin with preset = \"{}\" and name only what differs.\n\n{}",
+        rig.name,
+        rig.name,
+        lines(&rig.params)
+    )
 }
 
 fn read(path: &Path) -> Result<NamedRig, UserError> {

@@ -1,7 +1,7 @@
 //! The controller and its forecast where time stands still between blocks.
 
 use super::{Birth, Controller};
-use crate::forecast::Forecaster;
+use crate::forecast::{Forecast, Forecaster};
 use crate::io::{Frame, Output};
 use crate::params::ParamError;
 use crate::settings::Settings;
@@ -63,6 +63,11 @@ impl Lockstep {
         let delivered = self.deliver();
         self.controller.blind_block(outputs);
         Exchanged { delivered }
+    }
+
+    /// The last forecast that is done, for the reader; none while one is being made.
+    pub fn forecast(&self) -> Option<&Forecast> {
+        self.forecaster.result()
     }
 
     fn deliver(&mut self) -> bool {

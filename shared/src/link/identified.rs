@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::identify::Identify;
+
 /// What the controller has learned of its rig. `None`: not told yet, or never plausibly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
@@ -13,8 +15,23 @@ pub struct Identified {
     pub natural_frequency_hz: Option<f32>,
     /// Clearance at rest, m.
     pub gap_m: Option<f32>,
-    /// Pulses that were used.
-    pub accepted: u32,
-    /// Pulses that were not plausible and were left out.
+    /// Contacts that stiffness and damping rest on.
+    pub contacts: u32,
+    /// Pulses and results that were not plausible and were left out.
     pub refused: u32,
+}
+
+impl Identified {
+    /// What was identified so far.
+    pub fn of(identify: &Identify) -> Self {
+        let estimates = identify.estimates();
+        Self {
+            stiffness_n_per_m: estimates.stiffness.map(|e| e.value),
+            damping_n_s_per_m: estimates.damping.map(|e| e.value),
+            natural_frequency_hz: estimates.natural_hz.map(|e| e.value),
+            gap_m: estimates.gap_m.map(|e| e.value),
+            contacts: estimates.stiffness.map_or(0, |e| e.samples),
+            refused: identify.refused(),
+        }
+    }
 }

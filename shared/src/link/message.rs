@@ -20,7 +20,8 @@ pub struct Packet<M> {
 /// What a computer asks of the controller. Every one gets exactly one [`Answer`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToBoard {
-    /// Who are you? Answered with [`Answer::Hello`].
+    /// Who are you? Begins a conversation, so it ends every stream of the one before. Answered with
+    /// [`Answer::Hello`].
     Hello,
     /// Answered with [`Answer::Status`].
     GetStatus,
@@ -28,8 +29,9 @@ pub enum ToBoard {
     Command(Command),
     /// Answered with [`Answer::Settings`].
     GetSettings,
-    /// New settings, checked and taken as a whole, in Idle only, and stored in flash. Answered with
-    /// [`Answer::Done`] or [`Answer::Refused`].
+    /// New settings, checked and taken as a whole, in Idle only, and stored in flash if they are not the same
+    /// as those there. The controller is made anew with them. Answered with [`Answer::Done`] or
+    /// [`Answer::Refused`].
     SetSettings(Settings),
     /// A page of the forecast, from 0. Answered with [`Answer::Forecast`]; beyond the last, a page without rows.
     GetForecast {

@@ -30,7 +30,7 @@ pub struct Notes {
     pub forecast_delivered: bool,
     /// The controller was told that it overran.
     pub overrun: bool,
-    /// The controller was told that its samples are stale.
+    /// The block's samples did not arrive and the controller ran without; its frames are not to be looked at.
     pub stale: bool,
     /// What it was doing after the block.
     pub state: State,

@@ -167,7 +167,14 @@ impl<const N: usize> Session<N> {
 
     fn answer(&mut self, request: ToBoard, device: &mut impl Device) -> Answer {
         match request {
-            ToBoard::Hello => Answer::Hello(device.hello()),
+            ToBoard::Hello => {
+                self.decimation = 0;
+                if self.recording {
+                    self.recording = false;
+                    let _ = device.record(false);
+                }
+                Answer::Hello(device.hello())
+            }
             ToBoard::GetStatus => Answer::Status(device.status()),
             ToBoard::Command(command) => done(self.command(command, device).map_err(Refusal::from)),
             ToBoard::GetSettings => Answer::Settings(device.settings()),

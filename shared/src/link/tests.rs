@@ -110,7 +110,7 @@ fn longest_answers() -> Vec<Answer> {
             damping_n_s_per_m: Some(1.0),
             natural_frequency_hz: Some(1.0),
             gap_m: Some(1.0),
-            accepted: LONG,
+            contacts: LONG,
             refused: LONG,
         }),
     ];
@@ -443,4 +443,8 @@ fn a_full_queue_drops_recordings_whole_counts_them_and_still_answers() {
     let missing = heard.last().unwrap().sequence - 1 - heard.len() as u16;
     assert_eq!(u32::from(missing), dropped);
     assert_eq!(pair.session.queue().dropped(), dropped);
+    // Who says hello begins a conversation without it.
+    pair.ask(ToBoard::Hello);
+    pair.session.poll(&mut pair.device);
+    assert!(pair.heard().is_empty() && !pair.device.recorded);
 }

@@ -1,0 +1,327 @@
+//! `host-sim link PORT …`.
+
+mod show;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Subcommand;
+use serialport::SerialPort;
+use shared::control::{self, Mode, State};
+use shared::link::{Answer, ToBoard};
+use shared::settings::{Settings, TICK_RATE_HZ};
+
+use super::common::Format;
+use crate::error::UserError;
+use crate::files;
+use crate::link::by_hand::{self, Plan};
+use crate::link::client::{self, Client};
+use crate::link::{recording, settings_file};
+use crate::rigfile;
+use crate::table::to_csv;
+use show::line;
+
+type Port = Client<Box<dyn SerialPort>>;
+
+/// Between signs of life while in command.
+const PACE: Duration = Duration::from_millis(200);
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The serial port, or an emulated board's pseudo-terminal: /dev/ttyACM0, COM3, /dev/pts/4
+    #[arg(value_name = "PORT")]
+    port: String,
+
+    /// Bits per second (a pseudo-terminal does not care)
+    #[arg(long, value_name = "N", default_value_t = shared::link::BAUD)]
+    baud: u32,
+
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// What the controller is doing
+    Status {
+        /// How to answer: text or json
+        #[arg(long, value_enum, default_value = "text")]
+        format: Format,
+    },
+    /// Start: seek the operating frequency and hold it; or steer by hand
+    Start(Start),
+    /// Ramp down and go idle
+    Stop,
+    /// Clear the fault once its cause has gone
+    ClearFault,
+    /// Print the settings as a TOML file
+    Get,
+    /// Send settings; they are checked and taken as a whole, in idle, and stored
+    Set(Set),
+    /// What the online twin forecasts over frequency
+    Forecast {
+        /// How to answer
+        #[arg(long, value_enum, default_value = "text")]
+        format: Format,
+    },
+    /// Record every tick into a Parquet log that `host-sim replay` reads
+    Record(Recording),
+    /// Measure the force curve by hand; its CSV is what `host-sim sweep --measured` reads
+    Sweep(Sweep),
+    /// A line of status again and again
+    Monitor {
+        /// How long, s of the controller's time [default: until interrupted]
+        #[arg(long = "for", value_name = "S")]
+        duration_s: Option<f64>,
+        /// Lines per second
+        #[arg(long, value_name = "HZ", default_value_t = 2.0)]
+        rate: f64,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+struct Start {
+    /// Steer by hand: this program stays in command, and its end trips the board's link timeout
+    #[arg(long)]
+    manual: bool,
+    /// Drive frequency by hand, Hz [default: where the controller starts]
+    #[arg(long, value_name = "HZ", requires = "manual")]
+    frequency: Option<f64>,
+    /// Cart amplitude by hand, mm [default: the rig's]
+    #[arg(long, value_name = "MM", requires = "manual")]
+    amplitude: Option<f64>,
+    /// Stop after so long, s of the controller's time [default: until interrupted]
+    #[arg(long = "for", value_name = "S", requires = "manual")]
+    duration_s: Option<f64>,
+}
+
+#[derive(Debug, clap::Args)]
+#[group(required = true, multiple = true)]
+struct Set {
+    /// Settings that differ, as `get` prints them
+    #[arg(value_name = "FILE.toml")]
+    file: Option<PathBuf>,
+    /// Begin from the usual settings of this rig, not from the board's present ones
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    rig: Option<String>,
+}
+
+#[derive(Debug, clap::Args)]
+struct Recording {
+    /// Where to
+    #[arg(value_name = "OUT.parquet")]
+    out: PathBuf,
+    /// How long, s of the controller's time
+    #[arg(long = "for", value_name = "S", default_value_t = 60.0)]
+    duration_s: f64,
+    /// Start the controller once the recording runs, and stop it at the end
+    #[arg(long)]
+    start: bool,
+}
+
+#[derive(Debug, clap::Args)]
+struct Sweep {
+    /// Lowest frequency, Hz
+    #[arg(long, value_name = "HZ")]
+    from: f64,
+    /// Highest frequency, Hz
+    #[arg(long, value_name = "HZ")]
+    to: f64,
+    /// From one frequency to the next, Hz
+    #[arg(long, value_name = "HZ")]
+    step: f64,
+    /// Time to settle at each, s
+    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    settle: f64,
+    /// Time to watch the force at each, s
+    #[arg(long, value_name = "S", default_value_t = 5.0)]
+    measure: f64,
+    /// Cart amplitude, mm [default: the rig's]
+    #[arg(long, value_name = "MM")]
+    amplitude: Option<f64>,
+    /// From the highest to the lowest
+    #[arg(long)]
+    down: bool,
+    /// Where to; what was measured until something fails is written, too
+    #[arg(long, value_name = "FILE.csv")]
+    out: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    // Before anything is asked of a board.
+    check(&args.what)?;
+    let (mut port, hello) = client::open(&args.port, args.baud)?;
+    let port = &mut port;
+    match &args.what {
+        What::Status { format } => show::status(port, &hello, *format),
+        What::Start(start) if start.manual => steer(port, start),
+        What::Start(_) => command(port, control::Command::Start(Mode::Automatic)),
+        What::Stop => command(port, control::Command::Stop),
+        What::ClearFault => command(port, control::Command::ClearFault),
+        What::Get => {
+            super::print(&settings_file::to_toml(&settings(port)?));
+            Ok(())
+        }
+        What::Set(set) => send_settings(port, set),
+        What::Forecast { format } => show::forecast(port, *format),
+        What::Record(record) => {
+            let given = record
+                .start
+                .then_some(control::Command::Start(Mode::Automatic));
+            let ticks = (record.duration_s * f64::from(TICK_RATE_HZ)) as u64;
+            let written = recording::record(port, &hello, &record.out, ticks, given)?;
+            super::say(&format!("wrote {}", written.display()));
+            Ok(())
+        }
+        What::Sweep(plan) => sweep(port, plan),
+        What::Monitor { duration_s, rate } => show::monitor(port, *duration_s, *rate),
+    }
+}
+
+fn check(what: &What) -> Result<(), UserError> {
+    let positive = |option: &str, value: f64| {
+        if value > 0.0 && value.is_finite() {
+            return Ok(());
+        }
+        Err(UserError::new(format!(
+            "{option} is {value}, must be a positive number"
+        )))
+    };
+    let given = |option: &str, value: Option<f64>| value.map_or(Ok(()), |v| positive(option, v));
+    match what {
+        What::Start(start) => {
+            given("--frequency", start.frequency)?;
+            given("--amplitude", start.amplitude)?;
+            given("--for", start.duration_s)
+        }
+        What::Record(record) => positive("--for", record.duration_s),
+        What::Sweep(plan) => {
+            positive("--from", plan.from)?;
+            positive("--step", plan.step)?;
+            positive("--settle", plan.settle)?;
+            positive("--measure", plan.measure)?;
+            given("--amplitude", plan.amplitude)?;
+            frequencies(plan).map(|_| ())
+        }
+        What::Monitor { duration_s, rate } => {
+            positive("--rate", *rate)?;
+            given("--for", *duration_s)
+        }
+        What::Status {
+            format: Format::Csv,
+        } => Err(UserError::new(
+            "a status is no table; use --format text or json",
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn command(port: &mut Port, command: control::Command) -> Result<(), UserError> {
+    port.tell(ToBoard::Command(command))?;
+    let status = port.status()?;
+    super::print(&format!("{}\n", line(&status)));
+    Ok(())
+}
+
+fn settings(port: &mut Port) -> Result<Settings, UserError> {
+    match port.ask(ToBoard::GetSettings)? {
+        Answer::Settings(settings) => Ok(settings),
+        other => Err(port.odd(&other)),
+    }
+}
+
+fn send_settings(port: &mut Port, set: &Set) -> Result<(), UserError> {
+    let mut new = match &set.rig {
+        Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params),
+        None => settings(port)?,
+    };
+    if let Some(path) = &set.file {
+        let place = path.display();
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| UserError::new(format!("cannot read {place}: {e}; check the path")))?;
+        new = settings_file::overlay(&new, &text).map_err(|e| e.at(place))?;
+    }
+    port.tell(ToBoard::SetSettings(new))?;
+    super::print("the settings are in use and stored\n");
+    Ok(())
+}
+
+/// In command until the time is over.
+fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
+    let amplitude_m = match start.amplitude {
+        Some(mm) => 1e-3 * mm,
+        None => settings(port)?.rig.amplitude_m,
+    };
+    port.tell(ToBoard::Command(control::Command::Start(Mode::Manual)))?;
+    let mut told = start.frequency.is_none() && start.amplitude.is_none();
+    let mut begun = None;
+    loop {
+        let status = port.status()?;
+        super::print(&format!("{}\n", line(&status)));
+        match status.state {
+            State::Manual => {
+                let begun = *begun.get_or_insert(status.tick);
+                let passed = f64::from(status.tick.wrapping_sub(begun)) / f64::from(TICK_RATE_HZ);
+                if start.duration_s.is_some_and(|limit_s| passed >= limit_s) {
+                    return command(port, control::Command::Stop);
+                }
+                if !told {
+                    told = true;
+                    let frequency_hz = start.frequency.map_or(status.frequency_hz, |hz| hz as f32);
+                    let amplitude_m = amplitude_m as f32;
+                    port.tell(ToBoard::Command(control::Command::SetPoint {
+                        frequency_hz,
+                        amplitude_m,
+                    }))?;
+                }
+            }
+            State::Fault => return Err(port.complaint("a fault has switched the drive off")),
+            State::Idle | State::Stop if begun.is_some() => {
+                return Err(port.complaint("somebody else has stopped it"));
+            }
+            _ => {}
+        }
+        std::thread::sleep(PACE);
+    }
+}
+
+fn frequencies(plan: &Sweep) -> Result<Vec<f64>, UserError> {
+    let range = format!("{}:{}:{}", plan.from, plan.to, plan.step);
+    let parsed = super::common::parse_range(&range);
+    let mut list = parsed.map_err(|e| UserError::new(format!("--from, --to, --step: {e}")))?;
+    if plan.down {
+        list.reverse();
+    }
+    Ok(list)
+}
+
+fn sweep(port: &mut Port, plan: &Sweep) -> Result<(), UserError> {
+    let amplitude_m = match plan.amplitude {
+        Some(mm) => 1e-3 * mm,
+        None => settings(port)?.rig.amplitude_m,
+    };
+    let by_hand = Plan {
+        frequencies_hz: frequencies(plan)?,
+        amplitude_m,
+        settle_s: plan.settle,
+        measure_s: plan.measure,
+    };
+    let mut points = Vec::new();
+    let measured = by_hand::measure(port, &by_hand, |point| {
+        super::say(&format!(
+            "{:8.4} Hz  {:8.2} N  {:>9}  {:.3} mm",
+            point.frequency_hz, point.force_n, point.regime, point.amplitude_mm
+        ));
+        points.push(point.clone());
+    });
+    if !points.is_empty() {
+        write_points(&plan.out, &points)?;
+    }
+    measured
+}
+
+fn write_points(path: &Path, points: &[by_hand::Point]) -> Result<(), UserError> {
+    files::write(path, to_csv(points))?;
+    super::say(&format!("wrote {}", path.display()));
+    Ok(())
+}

@@ -1,0 +1,212 @@
+//! What `host-sim link` shows.
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use shared::control::Status;
+use shared::fault::Record;
+use shared::link::{Answer, ForecastPage, FromBoard, Hello, ToBoard};
+use shared::settings::TICK_RATE_HZ;
+
+use super::super::{common::Format, print, to_json};
+use super::Port;
+use crate::error::UserError;
+use crate::link::client::state_name;
+use crate::table::to_csv;
+
+/// One line: what a person wants to know at a glance.
+pub fn line(status: &Status) -> String {
+    let time_s = f64::from(status.tick) / f64::from(TICK_RATE_HZ);
+    let mut text = format!(
+        "{time_s:10.2} s  {:<9} {:7.3} Hz  {:6.3} mm  {:>9}  {:7.1} N",
+        state_name(status.state),
+        status.frequency_hz,
+        1e3 * status.measured_amplitude_m,
+        status.regime.to_string(),
+        status.peak_n,
+    );
+    if status.target_hz > 0.0 {
+        text.push_str(&format!(
+            "  target {:.3} Hz, {:.1} N",
+            status.target_hz, status.target_n
+        ));
+    }
+    if status.limits != 0 {
+        text.push_str(&format!("  limited: {}", limits(status.limits)));
+    }
+    if let Some(record) = &status.fault {
+        text.push_str(&format!("  fault: {}", fault(record)));
+    }
+    text
+}
+
+fn limits(bits: u8) -> String {
+    let names = ["force", "travel", "frequency", "amplitude"];
+    let set = names.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1);
+    set.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
+}
+
+fn fault(record: &Record) -> String {
+    format!(
+        "{} {} (value {:.4}, at tick {}, {:.3} Hz)",
+        record.fault.code(),
+        record.fault.name(),
+        record.value,
+        record.tick,
+        record.frequency_hz
+    )
+}
+
+#[derive(Serialize)]
+struct FaultAnswer {
+    code: u8,
+    name: &'static str,
+    value: f32,
+    tick: u32,
+    frequency_hz: f32,
+}
+
+pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), UserError> {
+    let status = port.status()?;
+    if format == Format::Json {
+        let mut answer = serde_json::to_value(status)
+            .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        let fault = status.fault.map(|record| FaultAnswer {
+            code: record.fault.code(),
+            name: record.fault.name(),
+            value: record.value,
+            tick: record.tick,
+            frequency_hz: record.frequency_hz,
+        });
+        answer["board"] = hello.board.as_str().into();
+        answer["firmware"] = hello.firmware.as_str().into();
+        answer["state"] = state_name(status.state).into();
+        answer["regime"] = status.regime.to_string().into();
+        answer["fault"] = serde_json::to_value(fault)
+            .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        print(&to_json(&answer)?);
+        return Ok(());
+    }
+    print(&format!(
+        "{}, firmware {}, {} ticks/s in blocks of {}\n{}\n",
+        hello.board,
+        hello.firmware,
+        hello.tick_rate_hz,
+        hello.block_ticks,
+        line(&status)
+    ));
+    Ok(())
+}
+
+/// How often the monitor looks whether it should give up.
+const LOOK: Duration = Duration::from_millis(200);
+
+pub fn monitor(port: &mut Port, duration_s: Option<f64>, rate: f64) -> Result<(), UserError> {
+    let decimation = (f64::from(TICK_RATE_HZ) / rate).clamp(1.0, 1e9) as u32;
+    port.tell(ToBoard::StreamTelemetry { decimation })?;
+    let mut begun = None;
+    let mut heard = Instant::now();
+    let silence = Duration::from_secs_f64(3.0 + 3.0 / rate);
+    loop {
+        if let Some(FromBoard::Telemetry(telemetry)) = port.streamed(LOOK)? {
+            heard = Instant::now();
+            let status = telemetry.status;
+            let begun = *begun.get_or_insert(status.tick);
+            print(&format!("{}\n", line(&status)));
+            let passed = f64::from(status.tick.wrapping_sub(begun)) / f64::from(TICK_RATE_HZ);
+            if duration_s.is_some_and(|limit_s| passed >= limit_s) {
+                return port.tell(ToBoard::StreamTelemetry { decimation: 0 });
+            }
+        } else if heard.elapsed() > silence {
+            return Err(port.complaint("the board has fallen silent; check the cable"));
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct ForecastLine {
+    frequency_hz: f32,
+    regime: String,
+    force_n: f32,
+    orbit_force_n: Option<f32>,
+    orbit_multiplier: Option<f32>,
+    stable: Option<bool>,
+}
+
+pub fn forecast(port: &mut Port, format: Format) -> Result<(), UserError> {
+    let (rows, target) = pages(port)?;
+    let lines: Vec<_> = rows
+        .iter()
+        .map(|row| ForecastLine {
+            frequency_hz: row.frequency_hz,
+            regime: row.regime.to_string(),
+            force_n: row.force_n,
+            orbit_force_n: row.orbit.map(|orbit| orbit.force_n),
+            orbit_multiplier: row.orbit.map(|orbit| orbit.multiplier()),
+            stable: row.orbit.map(|orbit| orbit.is_stable()),
+        })
+        .collect();
+    match format {
+        Format::Json => {
+            let answer = serde_json::json!({ "rows": lines, "target": target });
+            print(&to_json(&answer)?);
+        }
+        Format::Csv => print(&String::from_utf8_lossy(&to_csv(&lines))),
+        Format::Text => {
+            let mut text =
+                String::from("       Hz  from rest        N  1/1 orbit, N  multiplier\n");
+            for line in &lines {
+                let number =
+                    |x: Option<f32>, places| x.map_or("-".to_owned(), |x| format!("{x:.places$}"));
+                text.push_str(&format!(
+                    "{:9.4}  {:>9} {:8.2}  {:>12}  {:>10}\n",
+                    line.frequency_hz,
+                    line.regime,
+                    line.force_n,
+                    number(line.orbit_force_n, 2),
+                    number(line.orbit_multiplier, 3),
+                ));
+            }
+            text.push_str(&match target {
+                Some(t) => format!(
+                    "target {:.4} Hz, {:.2} N; stable 1/1 from {:.4} to {:.4} Hz\n",
+                    t.frequency_hz, t.orbit.force_n, t.band_hz.0, t.band_hz.1
+                ),
+                None => "no stable 1/1 was found\n".to_owned(),
+            });
+            print(&text);
+        }
+    }
+    Ok(())
+}
+
+type Pages = (Vec<shared::forecast::Row>, Option<shared::forecast::Target>);
+
+/// Every page of one forecast; begins again when a newer one comes between.
+fn pages(port: &mut Port) -> Result<Pages, UserError> {
+    let mut whole: Option<ForecastPage> = None;
+    let mut rows = Vec::new();
+    let mut page = 0;
+    loop {
+        let part = match port.ask(ToBoard::GetForecast { page })? {
+            Answer::Forecast(part) => part,
+            other => return Err(port.odd(&other)),
+        };
+        if part.rows_in_all == 0 {
+            return Err(
+                port.complaint("there is no forecast yet; it takes some seconds, ask again")
+            );
+        }
+        if whole.as_ref().is_some_and(|first| first.id != part.id) {
+            (whole, page) = (None, 0);
+            rows.clear();
+            continue;
+        }
+        rows.extend(part.rows.iter().copied());
+        if part.rows.is_empty() || rows.len() >= usize::from(part.rows_in_all) {
+            return Ok((rows, part.target));
+        }
+        whole = Some(part);
+        page += 1;
+    }
+}

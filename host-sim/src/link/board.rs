@@ -1,0 +1,172 @@
+//! An emulated board as the link sees it: the controller in lock-step, and the blocks kept for a recording.
+
+use std::collections::VecDeque;
+
+use shared::control::{Birth, Command, Lockstep, Refused, Status};
+use shared::fault::Record;
+use shared::io::{Frame, Output};
+use shared::link::{
+    Device, Exchange, ForecastPage, Given, Hello, Identified, Name, Notes, PROTOCOL_VERSION,
+    Refusal,
+};
+use shared::params::ParamError;
+use shared::settings::{Settings, TICK_RATE_HZ};
+
+/// Blocks kept while nobody takes them: two seconds of blocks of ten.
+const KEPT: usize = 4000;
+
+/// An emulated board.
+#[derive(Clone, Debug)]
+pub struct Board {
+    lockstep: Lockstep,
+    block_ticks: u8,
+    /// What came before the next block.
+    notes: Notes,
+    /// More commands came before the next block than a recording holds: it is left out, which shows.
+    too_many: bool,
+    recording: bool,
+    kept: VecDeque<Exchange>,
+}
+
+impl Board {
+    /// After power-on, with blocks of `block_ticks` ticks.
+    ///
+    /// # Errors
+    /// The first setting out of range.
+    pub fn new(settings: &Settings, block_ticks: u8) -> Result<Self, ParamError> {
+        Ok(Self {
+            lockstep: Lockstep::new(settings, &Birth::default())?,
+            block_ticks,
+            notes: Notes::default(),
+            too_many: false,
+            recording: false,
+            kept: VecDeque::new(),
+        })
+    }
+
+    /// Controller and forecast.
+    pub fn lockstep(&mut self) -> &mut Lockstep {
+        &mut self.lockstep
+    }
+
+    /// A block of frames in, a block of outputs back, then `slices` slices of the forecast.
+    pub fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32) {
+        let tick = self.status().tick;
+        let done = self.lockstep.exchange(frames, outputs, slices);
+        self.notes.forecast_delivered = done.delivered;
+        self.keep(tick, frames, outputs);
+    }
+
+    /// A block whose samples did not come.
+    pub fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32) {
+        let tick = self.status().tick;
+        let done = self.lockstep.exchange_blind(outputs, slices);
+        self.notes.forecast_delivered = done.delivered;
+        self.notes.stale = true;
+        let none = vec![Frame::default(); outputs.len()];
+        self.keep(tick, &none, outputs);
+    }
+
+    /// The control task overran.
+    pub fn note_overrun(&mut self) {
+        self.notes.overrun = true;
+        self.lockstep.controller.note_overrun();
+    }
+
+    /// Makes the controller anew. A recording that runs shows a gap.
+    ///
+    /// # Errors
+    /// The first setting out of range.
+    pub fn reset(&mut self, settings: &Settings, birth: &Birth) -> Result<(), ParamError> {
+        self.lockstep = Lockstep::new(settings, birth)?;
+        self.notes = Notes::default();
+        self.too_many = true;
+        Ok(())
+    }
+
+    fn keep(&mut self, tick: u32, frames: &[Frame], outputs: &[Output]) {
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.state = self.lockstep.controller.state();
+        let too_many = std::mem::take(&mut self.too_many);
+        if !self.recording || too_many || self.kept.len() >= KEPT {
+            return;
+        }
+        self.kept.push_back(Exchange {
+            tick,
+            frames: frames.iter().copied().collect(),
+            outputs: outputs.iter().copied().collect(),
+            notes,
+        });
+    }
+}
+
+impl Device for Board {
+    fn hello(&mut self) -> Hello {
+        Hello {
+            protocol: PROTOCOL_VERSION,
+            firmware: Name::try_from(env!("CARGO_PKG_VERSION")).unwrap_or_default(),
+            board: Name::try_from("emulator").unwrap_or_default(),
+            tick_rate_hz: TICK_RATE_HZ,
+            block_ticks: self.block_ticks,
+        }
+    }
+
+    fn status(&mut self) -> Status {
+        self.lockstep.controller.status()
+    }
+
+    fn command(&mut self, command: Command) -> Result<(), Refused> {
+        let result = self.lockstep.controller.command(command);
+        let given = Given {
+            command,
+            refused: result.err(),
+        };
+        // Twice alive before one block is once alive.
+        let again = command == Command::Alive && self.notes.given.contains(&given);
+        if !again {
+            self.too_many |= self.notes.given.push(given).is_err();
+        }
+        result
+    }
+
+    fn settings(&mut self) -> Settings {
+        *self.lockstep.controller.settings()
+    }
+
+    fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
+        self.lockstep.controller.replace_settings(settings)?;
+        // What came before is of no account to who was made after it.
+        self.notes = Notes {
+            restarted: true,
+            ..Notes::default()
+        };
+        Ok(())
+    }
+
+    fn store_settings(&mut self) -> Result<(), Refusal> {
+        // The memory of a process is its flash.
+        Ok(())
+    }
+
+    fn forecast(&mut self, page: u8) -> ForecastPage {
+        ForecastPage::of(self.lockstep.forecast(), page)
+    }
+
+    fn fault_record(&mut self) -> Option<Record> {
+        self.status().fault
+    }
+
+    fn identified(&mut self) -> Identified {
+        Identified::of(self.lockstep.controller.identified())
+    }
+
+    fn record(&mut self, on: bool) -> Result<(), Refusal> {
+        self.recording = on;
+        self.kept.clear();
+        Ok(())
+    }
+
+    fn take_exchange(&mut self) -> Option<Exchange> {
+        self.kept.pop_front()
+    }
+}

@@ -1,0 +1,129 @@
+//! What a board streams, as a log that `host-sim replay` reads.
+
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use shared::control::{Birth, Command, State};
+use shared::link::{Answer, Exchange, FromBoard, Hello, ToBoard};
+
+use super::client::{Client, state_name};
+use crate::emulator::log::{Block, Header, Input, Samples, Tick, Writer};
+use crate::error::UserError;
+
+/// A board that streams nothing for so long has stopped.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Records from an idle controller, made anew with its own settings, until `ticks` ticks have come. `given`
+/// is told once the recording runs: it may start the controller. Afterwards the controller is stopped if
+/// `given` was a start.
+///
+/// # Errors
+/// The link fails, the controller is not idle, or something was lost on the way; no file is left then.
+pub fn record<P: Read + Write>(
+    client: &mut Client<P>,
+    hello: &Hello,
+    path: &Path,
+    ticks: u64,
+    given: Option<Command>,
+) -> Result<PathBuf, UserError> {
+    let settings = match client.ask(ToBoard::GetSettings)? {
+        Answer::Settings(settings) => settings,
+        other => return Err(client.odd(&other)),
+    };
+    let status = client.status()?;
+    if status.state != State::Idle {
+        return Err(client.complaint(format!(
+            "a recording begins in idle, so that it can be replayed, and the controller is in {}; `host-sim link {} stop` first",
+            state_name(status.state),
+            client.name()
+        )));
+    }
+    let header = Header {
+        source: hello.board.to_string(),
+        settings,
+        birth: Birth::default(),
+        block_ticks: u32::from(hello.block_ticks),
+        scenario: None,
+    };
+    let mut writer = Writer::create(path, &header)?;
+    client.tell(ToBoard::StreamFrames { on: true })?;
+    // The same settings again: the controller is made anew, and a replay can begin where it did.
+    client.tell(ToBoard::SetSettings(settings))?;
+    if let Some(command) = given {
+        client.tell(ToBoard::Command(command))?;
+    }
+    let done = stream(client, &mut writer, ticks);
+    // Whatever happened, the board is left in peace.
+    let quiet = client.tell(ToBoard::StreamFrames { on: false });
+    if given.is_some() {
+        client.tell(ToBoard::Command(Command::Stop))?;
+    }
+    done?;
+    quiet?;
+    writer.finish()
+}
+
+fn stream<P: Read + Write>(
+    client: &mut Client<P>,
+    writer: &mut Writer,
+    ticks: u64,
+) -> Result<(), UserError> {
+    let mut expected = None;
+    let mut heard = Instant::now();
+    while writer.ticks() < ticks {
+        let Some(FromBoard::Recording(recording)) = client.streamed(PATIENCE)? else {
+            if heard.elapsed() > PATIENCE {
+                return Err(client.complaint(
+                    "the board streams nothing; is it held in a debugger? Reset it and try again",
+                ));
+            }
+            continue;
+        };
+        heard = Instant::now();
+        let exchange = recording.unpack();
+        if expected.is_none() && !exchange.notes.restarted {
+            continue;
+        }
+        let next = expected.unwrap_or(exchange.tick);
+        if exchange.tick != next {
+            return Err(client.complaint(format!(
+                "{} ticks were lost after {} were recorded, so the recording cannot be replayed; use a faster port, or a computer with less to do",
+                exchange.tick.wrapping_sub(next),
+                writer.ticks()
+            )));
+        }
+        expected = Some(next.wrapping_add(exchange.frames.len() as u32));
+        writer.block(&block(&exchange))?;
+    }
+    Ok(())
+}
+
+/// A block as the log has it.
+fn block(exchange: &Exchange) -> Block {
+    let notes = &exchange.notes;
+    // A command that was refused changed nothing.
+    let obeyed = notes.given.iter().filter(|given| given.refused.is_none());
+    let commands = obeyed.map(|given| Input::Command(given.command));
+    let overrun = notes.overrun.then_some(Input::Overrun);
+    let pairs = exchange.frames.iter().zip(&exchange.outputs);
+    Block {
+        inputs: commands.chain(overrun).collect(),
+        samples: if notes.stale {
+            Samples::Blind
+        } else {
+            Samples::Came
+        },
+        forecast: Some(notes.forecast_delivered),
+        slices: None,
+        ticks: pairs
+            .map(|(frame, output)| Tick {
+                frame: *frame,
+                output: *output,
+                truth: None,
+            })
+            .collect(),
+        status: None,
+        state: Some(notes.state),
+    }
+}

@@ -1,0 +1,64 @@
+//! The board's end of the link behind a stream, for a board that is emulated.
+
+use std::io::{self, Read, Write};
+
+use shared::link::{Device, Session};
+
+use super::client::is_patience;
+
+/// Bytes of the emulated board's queue: more than a second of recording, for a computer with much to do.
+const QUEUE: usize = 1 << 18;
+
+/// A session behind a stream whose reads and writes do not wait long.
+#[derive(Debug, Default)]
+pub struct Server {
+    session: Box<Session<QUEUE>>,
+    /// Taken from the queue, not yet taken by the stream.
+    unsent: Vec<u8>,
+}
+
+impl Server {
+    /// Nothing heard yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes in what the stream brings, carries it out on `device`, and sends what is due. Call it at least
+    /// once per block while recording. A stream that takes nothing more fills the session's queue, which
+    /// then drops telemetry.
+    ///
+    /// # Errors
+    /// The stream's, except that it had nothing or took nothing.
+    pub fn step(
+        &mut self,
+        device: &mut impl Device,
+        stream: &mut (impl Read + Write),
+    ) -> io::Result<()> {
+        let mut bytes = [0; 1024];
+        match stream.read(&mut bytes) {
+            Ok(count) => {
+                for byte in &bytes[..count] {
+                    self.session.receive(*byte, device);
+                }
+            }
+            Err(e) if is_patience(&e) => {}
+            Err(e) => return Err(e),
+        }
+        self.session.poll(device);
+        if self.unsent.is_empty() {
+            let count = self.session.queue().drain(&mut bytes);
+            self.unsent.extend(&bytes[..count]);
+        }
+        if self.unsent.is_empty() {
+            return Ok(());
+        }
+        match stream.write(&self.unsent) {
+            Ok(count) => {
+                self.unsent.drain(..count);
+                Ok(())
+            }
+            Err(e) if is_patience(&e) => Ok(()),
+            Err(e) => Err(e),
+        }
+    }
+}

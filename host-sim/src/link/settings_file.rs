@@ -1,0 +1,237 @@
+//! The controller's settings as a TOML file: units in the keys, and only what differs need be named.
+
+use shared::settings::{DriveKind, Settings};
+use toml::{Table, Value};
+
+use crate::error::UserError;
+use crate::rigfile::{self, nearest};
+
+/// Every number: section, key, meaning.
+const NUMBERS: [(&str, &str, &str); 23] = [
+    ("force", "zero_code", "ADC code at 0 N"),
+    ("force", "n_per_code", "newtons per ADC code"),
+    ("hammer", "zero_code", "ADC code at rest"),
+    ("hammer", "m_per_code", "metres per ADC code"),
+    ("cart", "zero_code", "ADC code at rest"),
+    ("cart", "m_per_code", "metres per ADC code"),
+    ("drive", "m_per_code", "cart metres per DAC code"),
+    ("drive", "frequency_slew_hz_per_s", "fastest change"),
+    ("drive", "amplitude_slew_m_per_s", "fastest change"),
+    ("limits", "force_n", "largest contact force held"),
+    ("limits", "travel_m", "largest travel on the cart held"),
+    ("limits", "min_frequency_hz", "lowest drive frequency"),
+    ("limits", "max_frequency_hz", "highest drive frequency"),
+    ("limits", "amplitude_m", "largest cart amplitude"),
+    ("trips", "force_n", "contact force that switches off"),
+    ("trips", "travel_m", "travel on the cart that does"),
+    ("trips", "cart_m", "cart displacement that does"),
+    ("trips", "no_contact_s", "time without a forecast contact"),
+    ("trips", "regime_lost_s", "time the regime may be lost"),
+    (
+        "trips",
+        "link_timeout_s",
+        "silence of a link in command; 0: any",
+    ),
+    ("detection", "on_n", "a contact begins above"),
+    ("detection", "off_n", "and may end below"),
+    ("detection", "refractory_s", "having stayed there so long"),
+];
+
+const SECTIONS: [&str; 8] = [
+    "rig",
+    "force",
+    "hammer",
+    "cart",
+    "drive",
+    "limits",
+    "trips",
+    "detection",
+];
+
+fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut f32> {
+    let Settings {
+        rig: _,
+        force,
+        hammer,
+        cart,
+        drive,
+        limits,
+        trips,
+        detection,
+    } = settings;
+    Some(match (section, key) {
+        ("force", "zero_code") => &mut force.zero_code,
+        ("force", "n_per_code") => &mut force.unit_per_code,
+        ("hammer", "zero_code") => &mut hammer.zero_code,
+        ("hammer", "m_per_code") => &mut hammer.unit_per_code,
+        ("cart", "zero_code") => &mut cart.zero_code,
+        ("cart", "m_per_code") => &mut cart.unit_per_code,
+        ("drive", "m_per_code") => &mut drive.m_per_code,
+        ("drive", "frequency_slew_hz_per_s") => &mut drive.frequency_slew_hz_per_s,
+        ("drive", "amplitude_slew_m_per_s") => &mut drive.amplitude_slew_m_per_s,
+        ("limits", "force_n") => &mut limits.force_n,
+        ("limits", "travel_m") => &mut limits.travel_m,
+        ("limits", "min_frequency_hz") => &mut limits.min_frequency_hz,
+        ("limits", "max_frequency_hz") => &mut limits.max_frequency_hz,
+        ("limits", "amplitude_m") => &mut limits.amplitude_m,
+        ("trips", "force_n") => &mut trips.force_n,
+        ("trips", "travel_m") => &mut trips.travel_m,
+        ("trips", "cart_m") => &mut trips.cart_m,
+        ("trips", "no_contact_s") => &mut trips.no_contact_s,
+        ("trips", "regime_lost_s") => &mut trips.regime_lost_s,
+        ("trips", "link_timeout_s") => &mut trips.link_timeout_s,
+        ("detection", "on_n") => &mut detection.on_n,
+        ("detection", "off_n") => &mut detection.off_n,
+        ("detection", "refractory_s") => &mut detection.refractory_s,
+        _ => return None,
+    })
+}
+
+/// Settings as a file, every value with its meaning.
+pub fn to_toml(settings: &Settings) -> String {
+    let mut settings = *settings;
+    let mut text = String::from(
+        "# Settings of the controller. A file may name only what differs.\n# Send them with: host-sim link PORT set FILE.toml\n",
+    );
+    for section in SECTIONS {
+        text.push_str(&format!("\n[{section}]\n"));
+        match section {
+            "rig" => text.push_str(&rigfile::lines(&settings.rig)),
+            "drive" => {
+                let kind = kind_name(settings.drive.kind);
+                text.push_str(&format!("kind = \"{kind}\"  # shaker or motor\n"));
+            }
+            _ => {}
+        }
+        for (_, key, meaning) in NUMBERS.iter().filter(|(s, _, _)| *s == section) {
+            if let Some(value) = number(&mut settings, section, key) {
+                // As few digits as make the same f32; a point makes it a TOML float.
+                text.push_str(&format!("{key} = {value:?}  # {meaning}\n"));
+            }
+        }
+    }
+    text
+}
+
+/// `base` with the file `text` on top, checked as a whole.
+///
+/// # Errors
+/// One line: no TOML, an unknown key, or a value out of range.
+pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
+    let file: Table = toml::from_str(text).map_err(|e| {
+        let start = e.span().map_or(0, |s| s.start.min(text.len()));
+        let line = text[..start].lines().count().max(1);
+        let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
+        UserError::new(format!(
+            "line {line}: {what}; settings have sections like [trips] and lines like force_n = 300.0"
+        ))
+    })?;
+    let mut settings = *base;
+    for (section, value) in file {
+        if !SECTIONS.contains(&section.as_str()) {
+            let hint = nearest(&section, SECTIONS.into_iter());
+            return Err(UserError::new(format!(
+                "there is no section [{section}]{hint}; `host-sim link PORT get` prints them all"
+            )));
+        }
+        let Value::Table(entries) = value else {
+            return Err(UserError::new(format!(
+                "{section} must be a section: write [{section}] on a line of its own"
+            )));
+        };
+        if section == "rig" {
+            let rig = rigfile::with_table(&settings.rig, entries);
+            settings.rig = rig.map_err(|e| e.at("[rig]"))?;
+            continue;
+        }
+        for (key, value) in entries {
+            set(&mut settings, &section, &key, &value)?;
+        }
+    }
+    settings.check()?;
+    Ok(settings)
+}
+
+fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Result<(), UserError> {
+    if (section, key) == ("drive", "kind") {
+        let kinds = [DriveKind::Shaker, DriveKind::Motor];
+        let named = kinds
+            .into_iter()
+            .find(|k| value.as_str() == Some(kind_name(*k)));
+        settings.drive.kind = named.ok_or_else(|| {
+            UserError::new(format!(
+                "drive.kind is {value}, must be \"shaker\" or \"motor\""
+            ))
+        })?;
+        return Ok(());
+    }
+    let Some(place) = number(settings, section, key) else {
+        let keys = NUMBERS.iter().filter(|(s, _, _)| *s == section);
+        let hint = nearest(key, keys.map(|(_, key, _)| *key));
+        return Err(UserError::new(format!(
+            "there is no setting {section}.{key}{hint}; `host-sim link PORT get` prints them all"
+        )));
+    };
+    let given = rigfile::as_number(value);
+    *place = given
+        .ok_or_else(|| UserError::new(format!("{section}.{key} is {value}, must be a number")))?
+        as f32;
+    Ok(())
+}
+
+fn kind_name(kind: DriveKind) -> &'static str {
+    match kind {
+        DriveKind::Shaker => "shaker",
+        DriveKind::Motor => "motor",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::params::{BEAM_150, PRESETS, WIRES};
+
+    #[test]
+    fn what_is_written_reads_back_the_same_onto_any_base() {
+        let base = Settings::for_rig(&BEAM_150);
+        for (name, rig) in PRESETS {
+            let settings = Settings::for_rig(&rig);
+            let text = to_toml(&settings);
+            // The other rig's wires or beams do not stand beside this one's: they are replaced.
+            let onto_its_kind = Settings { rig, ..base };
+            assert_eq!(overlay(&onto_its_kind, &text).unwrap(), settings, "{name}");
+        }
+    }
+
+    #[test]
+    fn every_number_has_a_place_and_a_place_of_its_own() {
+        let mut settings = Settings::for_rig(&WIRES);
+        for (i, (section, key, _)) in NUMBERS.iter().enumerate() {
+            *number(&mut settings, section, key).expect(key) = i as f32;
+        }
+        for (i, (section, key, _)) in NUMBERS.iter().enumerate() {
+            assert_eq!(number(&mut settings, section, key), Some(&mut (i as f32)));
+        }
+    }
+
+    #[test]
+    fn a_file_names_only_what_differs_and_mistakes_are_told() {
+        let base = Settings::for_rig(&WIRES);
+        let new = overlay(&base, "[trips]\nforce_n = 450\n[rig]\ngap_mm = 1.0\n").unwrap();
+        assert_eq!((new.trips.force_n, new.rig.gap_m), (450.0, 1e-3));
+        assert_eq!(new.limits, base.limits);
+        let complaint = |text: &str| overlay(&base, text).unwrap_err().to_string();
+        assert!(
+            complaint("[trips]\nforce = 1\n").contains("trips.force (did you mean 'force_n'?)")
+        );
+        assert!(complaint("[trip]\n").contains("did you mean 'trips'"));
+        assert!(complaint("trips = 1\n").contains("must be a section"));
+        assert!(complaint("[rig]\nmas_kg = 1\n").contains("[rig]: there is no parameter"));
+        assert!(
+            complaint("[trips]\nforce_n = 1.0\n").contains("trips.force_n is 1, must be at least")
+        );
+        assert!(complaint("[trips]\nforce_n = \"x\"\n").contains("must be a number"));
+        assert!(complaint("[drive]\nkind = \"hand\"\n").contains("must be \"shaker\""));
+        assert!(complaint("[trips\n").contains("line 1"));
+    }
+}

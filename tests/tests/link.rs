@@ -1,0 +1,479 @@
+//! `host-sim link` against a board that is not there: a session behind a pseudo-terminal.
+#![cfg(unix)]
+
+#[path = "command_line/support.rs"]
+#[allow(dead_code, reason = "this part of the tests needs some of it")]
+mod support;
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use host_sim::emulator::log::Reader;
+use host_sim::link::{Board, Server, client};
+use serialport::{SerialPort, TTYPort};
+use shared::control::{Birth, Command, Controller, Mode, Refused, State, Status};
+use shared::fault::{Fault, Origin, Record};
+use shared::io::{AdcCode, Frame, Output};
+use shared::link::{
+    BAUD, Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
+    ToBoard,
+};
+use shared::params::{BEAM_150, WIRES};
+use shared::regime::Regime;
+use shared::settings::Settings;
+use support::{Folder, csv_rows, number};
+
+/// A device behind a pseudo-terminal until it is dropped.
+struct Behind {
+    path: String,
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Behind {
+    /// Runs `device`; `turn` lets its time go on between two looks at the wire.
+    fn run<D: Device + Send + 'static>(mut device: D, turn: fn(&mut D)) -> Self {
+        let (mut wire, far_end) = TTYPort::pair().expect("a pseudo-terminal");
+        wire.set_timeout(Duration::from_millis(1))
+            .expect("a timeout");
+        let path = far_end.name().expect("its name");
+        let over = Arc::new(AtomicBool::new(false));
+        let stop = Arc::clone(&over);
+        let thread = thread::spawn(move || {
+            // Held open: without an opener at the far end, the wire reads as broken.
+            let _far_end = far_end;
+            let mut server = Server::new();
+            while !stop.load(Ordering::Relaxed) {
+                turn(&mut device);
+                server
+                    .step(&mut device, &mut wire)
+                    .expect("a wire that works");
+            }
+        });
+        Self {
+            path,
+            over,
+            thread: Some(thread),
+        }
+    }
+
+    fn line(&self, rest: &str) -> String {
+        format!("link {} {rest}", self.path)
+    }
+
+    fn client(&self) -> client::Client<Box<dyn SerialPort>> {
+        client::open(&self.path, BAUD).expect("a board").0
+    }
+}
+
+impl Drop for Behind {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("the device ran well");
+        }
+    }
+}
+
+/// The real controller at a rig that stands still.
+fn still() -> Behind {
+    let mut board = Board::new(&Settings::for_rig(&WIRES), 10).expect("good settings");
+    // A forecast takes a while; it is there before the first question.
+    while board
+        .lockstep()
+        .forecast()
+        .is_none_or(|f| f.rows.is_empty())
+    {
+        quiet_block(&mut board);
+    }
+    Behind::run(board, quiet_block)
+}
+
+fn quiet_block(board: &mut Board) {
+    let settings = board.settings();
+    let code = |zero: f32| AdcCode(zero as u16);
+    let frame = Frame {
+        force: code(settings.force.zero_code),
+        hammer: code(settings.hammer.zero_code),
+        cart: code(settings.cart.zero_code),
+        emergency: false,
+    };
+    board.exchange(&[frame; 10], &mut [Output::SAFE; 10], 20);
+}
+
+/// A board whose force is its frequency, whose limits are 1 and 5 Hz, and whose time runs fast.
+struct Toy {
+    status: Status,
+    aim_hz: f32,
+    protocol: u16,
+    trips_above_hz: f32,
+}
+
+impl Toy {
+    fn new() -> Self {
+        let settings = Settings::for_rig(&WIRES);
+        let controller = Controller::new(&settings, &Birth::default()).expect("good settings");
+        Self {
+            status: controller.status(),
+            aim_hz: 2.0,
+            protocol: PROTOCOL_VERSION,
+            trips_above_hz: f32::INFINITY,
+        }
+    }
+
+    /// 5 ms, at 2 Hz/s.
+    fn turn(&mut self) {
+        let status = &mut self.status;
+        status.tick = status.tick.wrapping_add(100);
+        match status.state {
+            State::SelfTest => status.state = State::Manual,
+            State::Stop => status.state = State::Idle,
+            _ => {}
+        }
+        let step = (self.aim_hz - status.frequency_hz).clamp(-0.01, 0.01);
+        status.frequency_hz += step;
+        status.peak_n = status.frequency_hz;
+        if status.state == State::Manual && status.frequency_hz > self.trips_above_hz {
+            status.state = State::Fault;
+            status.fault = Some(Record {
+                fault: Fault::OverForce,
+                origin: Origin::Force,
+                tick: status.tick,
+                value: 500.0,
+                frequency_hz: status.frequency_hz,
+            });
+        }
+    }
+}
+
+impl Device for Toy {
+    fn hello(&mut self) -> Hello {
+        Hello {
+            protocol: self.protocol,
+            firmware: Name::try_from("9.9.9").expect("short"),
+            board: Name::try_from("toy").expect("short"),
+            tick_rate_hz: 20_000,
+            block_ticks: 10,
+        }
+    }
+    fn status(&mut self) -> Status {
+        self.status
+    }
+    fn command(&mut self, command: Command) -> Result<(), Refused> {
+        match (command, self.status.state) {
+            (Command::Start(Mode::Manual), State::Idle) => self.status.state = State::SelfTest,
+            (Command::Stop, State::Manual) => self.status.state = State::Stop,
+            (Command::SetPoint { frequency_hz, .. }, State::Manual) => {
+                self.aim_hz = frequency_hz.clamp(1.0, 5.0);
+            }
+            (Command::Alive, _) => {}
+            _ => return Err(Refused::WrongState),
+        }
+        Ok(())
+    }
+    fn settings(&mut self) -> Settings {
+        Settings::for_rig(&WIRES)
+    }
+    fn replace_settings(&mut self, _settings: &Settings) -> Result<(), Refused> {
+        Ok(())
+    }
+    fn store_settings(&mut self) -> Result<(), Refusal> {
+        Err(Refusal::NotStored)
+    }
+    fn forecast(&mut self, page: u8) -> ForecastPage {
+        ForecastPage::of(None, page)
+    }
+    fn fault_record(&mut self) -> Option<Record> {
+        self.status.fault
+    }
+    fn identified(&mut self) -> Identified {
+        Identified::default()
+    }
+    fn record(&mut self, _on: bool) -> Result<(), Refusal> {
+        Err(Refusal::NotAvailable)
+    }
+    fn take_exchange(&mut self) -> Option<Exchange> {
+        None
+    }
+}
+
+fn toy(toy: Toy) -> Behind {
+    Behind::run(toy, Toy::turn)
+}
+
+/// One line on standard error that contains `words`, exit code 2, nothing on standard output.
+fn refused(folder: &Folder, line: &str, words: &[&str]) {
+    let ran = folder.run(line);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{ran:?}");
+    assert_eq!(ran.err.trim_end().lines().count(), 1, "{ran:?}");
+    for word in words {
+        assert!(ran.err.contains(word), "{word} is not in {ran:?}");
+    }
+}
+
+#[test]
+fn status_settings_and_forecast_of_the_real_controller() {
+    let board = still();
+    let folder = Folder::new();
+    let ask = |rest: &str| folder.run(&board.line(rest));
+
+    let status = ask("status --format json").well().json();
+    assert_eq!(
+        (&status["state"], &status["board"]),
+        (&"idle".into(), &"emulator".into())
+    );
+    assert!(number(&status, "target_hz") > 3.0, "{status}");
+    assert!(ask("status").well().out.contains("idle"));
+
+    // What is got can be sent, and what is sent is got.
+    let text = ask("get").well().out;
+    assert!(text.contains("[trips]") && text.contains("wire_length_mm"));
+    let folder = folder.with(
+        "mine.toml",
+        text.replace("no_contact_s = 5.0", "no_contact_s = 7.5"),
+    );
+    let ask = |rest: &str| folder.run(&board.line(rest));
+    ask("set mine.toml").well();
+    assert!(ask("get").well().out.contains("no_contact_s = 7.5"));
+    ask("set --rig beam-150").well();
+    assert!(
+        ask("get")
+            .well()
+            .out
+            .contains("natural_frequency_hz = 5.25")
+    );
+    let expected = board.client().ask(ToBoard::GetSettings).expect("an answer");
+    let beams = Settings::for_rig(&BEAM_150);
+    assert_eq!(expected, shared::link::Answer::Settings(beams));
+}
+
+#[test]
+fn the_forecast_comes_whole_in_every_format() {
+    let board = still();
+    let folder = Folder::new();
+    let rows = csv_rows(&folder.run(&board.line("forecast --format csv")).well().out);
+    assert!(rows.len() > 10);
+    let rising = rows
+        .windows(2)
+        .all(|w| number(&w[0], "frequency_hz") < number(&w[1], "frequency_hz"));
+    assert!(rising, "{rows:?}");
+    let json = folder
+        .run(&board.line("forecast --format json"))
+        .well()
+        .json();
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(rows.len()));
+    let text = folder.run(&board.line("forecast")).well().out;
+    assert_eq!(text.lines().count(), rows.len() + 2);
+    assert!(text.contains("target"));
+}
+
+#[test]
+fn a_recording_is_a_log_without_a_gap_that_replays() {
+    let board = still();
+    let folder = Folder::new();
+    folder
+        .run(&board.line("record run.parquet --for 0.5"))
+        .well();
+    let mut log = Reader::open(folder.path("run.parquet")).expect("a log");
+    assert_eq!(log.header().source, "emulator");
+    assert_eq!(log.header().settings, Settings::for_rig(&WIRES));
+    assert!(log.ticks() >= 10_000);
+    let mut first = None;
+    while let Some(logged) = log.block().expect("a whole log") {
+        first = first.or(logged.ticks.first().copied());
+    }
+    assert_eq!(first.expect("ticks").frame.force, AdcCode(600));
+    let replayed = folder.run("replay run.parquet --quiet").well();
+    assert!(replayed.out.contains("same decisions"), "{replayed:?}");
+}
+
+/// `host-sim emulate --pty`, ended when dropped.
+struct Emulator(Child, String);
+
+impl Emulator {
+    fn start(folder: &Folder, scenario: &str) -> Self {
+        let mut command = folder.command(&["emulate", scenario, "--pty"]);
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
+        let out = child.stdout.take().expect("it is piped");
+        let mut path = String::new();
+        BufReader::new(out).read_line(&mut path).expect("a path");
+        Self(child, path.trim().to_owned())
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The whole way: plant, sensors, controller, session, wire, client, log, replay.
+#[test]
+fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
+    let folder = Folder::new();
+    let emulator = Emulator::start(&folder, "field");
+    let ask = |rest: &str| folder.run(&format!("link {} {rest}", emulator.1));
+    ask("set --rig wires").well();
+    ask("record run.parquet --for 4 --start").well();
+    // It is stopped at the end of the recording, and was driving during it.
+    let status = ask("status --format json").well().json();
+    let state = status["state"].as_str().expect("a state");
+    assert!(matches!(state, "stop" | "idle"), "{status}");
+    let mut log = Reader::open(folder.path("run.parquet")).expect("a log");
+    let mut driven = false;
+    while let Some(logged) = log.block().expect("a whole log") {
+        driven |= logged.ticks.iter().any(|tick| tick.output.enable);
+    }
+    assert!(driven);
+    let replayed = folder.run("replay run.parquet --quiet").well();
+    assert!(replayed.out.contains("same decisions"), "{replayed:?}");
+}
+
+#[test]
+fn a_sweep_by_hand_visits_every_frequency_within_the_limits_and_stops() {
+    let folder = Folder::new();
+    let board = toy(Toy::new());
+    let sweep = "sweep --from 4 --to 5.5 --step 0.5 --settle 0.2 --measure 0.3 --out";
+    folder.run(&board.line(&format!("{sweep} up.csv"))).well();
+    let column = |name: &str, key: &str| -> Vec<f64> {
+        let rows = csv_rows(&folder.read(name));
+        rows.iter().map(|row| number(row, key)).collect()
+    };
+    // The limit is 5 Hz: the point asked for beyond it is told as what it was.
+    assert_eq!(column("up.csv", "frequency_hz"), [4.0, 4.5, 5.0, 5.0]);
+    assert_eq!(column("up.csv", "force_n"), [4.0, 4.5, 5.0, 5.0]);
+    assert_eq!(
+        board.client().status().expect("an answer").state,
+        State::Idle
+    );
+    folder
+        .run(&board.line(&format!("{sweep} down.csv --down")))
+        .well();
+    assert_eq!(column("down.csv", "frequency_hz"), [5.0, 5.0, 4.5, 4.0]);
+    // What it wrote is what the other sweep reads.
+    let compared = "sweep --frequency 4:5:0.5 --cycles 20 --transient 10 --quiet --measured up.csv";
+    let ran = folder.run(compared).well();
+    assert!(ran.out.contains("4 points compared"), "{ran:?}");
+}
+
+#[test]
+fn a_fault_ends_a_sweep_and_leaves_what_was_measured() {
+    let folder = Folder::new();
+    let board = toy(Toy {
+        trips_above_hz: 4.2,
+        ..Toy::new()
+    });
+    let ran =
+        folder
+            .run(&board.line(
+                "sweep --from 4 --to 5 --step 0.5 --settle 0.2 --measure 0.2 --out part.csv",
+            ));
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    let last = ran.err.trim_end().lines().last().expect("a complaint");
+    assert!(
+        last.contains("fault 2 (over-force)") && last.contains("clear-fault"),
+        "{last}"
+    );
+    assert_eq!(csv_rows(&folder.read("part.csv")).len(), 1);
+}
+
+#[test]
+fn manual_mode_is_held_and_ended_and_the_monitor_shows_lines() {
+    let folder = Folder::new();
+    let board = toy(Toy::new());
+    let ran = folder
+        .run(&board.line("start --manual --frequency 3 --for 2"))
+        .well();
+    assert!(ran.out.contains("manual"), "{ran:?}");
+    let status = board.client().status().expect("an answer");
+    assert!((status.frequency_hz - 3.0).abs() < 0.01);
+    assert!(matches!(status.state, State::Stop | State::Idle));
+    let ran = folder.run(&board.line("monitor --for 3 --rate 10")).well();
+    let lines = ran.out.lines().count();
+    assert!((30..=32).contains(&lines), "{lines} lines of {ran:?}");
+}
+
+#[test]
+fn what_goes_wrong_is_told_in_one_line() {
+    let folder = Folder::new()
+        .with("odd.toml", "[trips]\nforce = 1\n")
+        .with("low.toml", "[trips]\nforce_n = 1\n");
+    refused(
+        &folder,
+        "link /dev/no-such-port status",
+        &["cannot open /dev/no-such-port"],
+    );
+    refused(
+        &folder,
+        "link /dev/no-such-port sweep --from 3 --to 2 --step 1 --out x.csv",
+        &["swap them"],
+    );
+    refused(
+        &folder,
+        "link /dev/no-such-port start --frequency 3",
+        &["--manual"],
+    );
+    refused(&folder, "link /dev/no-such-port set", &["--rig"]);
+
+    // A pseudo-terminal with nobody behind it.
+    let (_silent, far_end) = TTYPort::pair().expect("a pseudo-terminal");
+    let path = far_end.name().expect("its name");
+    refused(
+        &folder,
+        &format!("link {path} status"),
+        &["no answer within 2.1 s", "powered"],
+    );
+
+    let newer = toy(Toy {
+        protocol: PROTOCOL_VERSION + 1,
+        ..Toy::new()
+    });
+    refused(&folder, &newer.line("status"), &["protocol 2", "9.9.9"]);
+
+    let board = toy(Toy::new());
+    refused(&folder, &board.line("clear-fault"), &["not in this state"]);
+    refused(&folder, &board.line("start"), &["not in this state"]);
+    refused(
+        &folder,
+        &board.line("set odd.toml"),
+        &["odd.toml", "did you mean 'force_n'"],
+    );
+    refused(
+        &folder,
+        &board.line("set low.toml"),
+        &["low.toml", "trips.force_n is 1"],
+    );
+    refused(
+        &folder,
+        &board.line("set --rig wires"),
+        &["could not be stored"],
+    );
+    refused(&folder, &board.line("forecast"), &["no forecast yet"]);
+    refused(
+        &folder,
+        &board.line("record x.parquet"),
+        &["cannot do that"],
+    );
+    assert_eq!(folder.names(), ["low.toml", "odd.toml"]);
+}
+
+#[test]
+fn noise_on_the_wire_is_survived() {
+    let board = toy(Toy::new());
+    let mut port = serialport::new(&board.path, BAUD)
+        .timeout(Duration::from_millis(5))
+        .open()
+        .expect("the pseudo-terminal opens");
+    let noise: Vec<u8> = (0..5000_u32)
+        .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
+        .collect();
+    std::io::Write::write_all(&mut port, &noise).expect("it is taken");
+    drop(port);
+    let status = board.client().status().expect("an answer all the same");
+    assert_eq!(status.regime, Regime::None);
+}
