@@ -5,7 +5,7 @@
 //! of the integrator itself, to [`TIME_TOLERANCE_S`].
 
 use shared::params::{ParamError, RigParams};
-use shared::rig::{Mode, Rig};
+use shared::rig::{Kinematics, Mode, Rig};
 
 use super::bodies::{Bodies, State, Totals};
 use super::record::Contact;
@@ -38,6 +38,9 @@ pub struct Blow {
 pub struct Plant {
     bodies: Bodies,
     state: State,
+    /// Where `state` has the hammer, and the clearance that goes with it.
+    at: Kinematics<f64>,
+    gap_m: f64,
     tick_s: f64,
     ticks: u64,
     totals: Totals,
@@ -84,6 +87,8 @@ impl Plant {
                 approach: 0.0,
             },
             state,
+            at: rig.kinematics(state.q, state.v),
+            gap_m: params.gap_m,
             tick_s,
             ticks: 0,
             totals: Totals::default(),
@@ -120,6 +125,7 @@ impl Plant {
     /// Puts both bodies somewhere, out of contact.
     pub fn set_state(&mut self, state: State) {
         self.state = state;
+        self.at = self.bodies.kinematics(&state);
         self.bodies.mode = Mode::Flight;
         self.open = None;
         if self.bodies.indicator(&state) > 0.0 {
@@ -139,7 +145,7 @@ impl Plant {
 
     /// Hammer displacement in the fixed frame, x = y + l sin θ or y + Δ, m.
     pub fn hammer_m(&self) -> f64 {
-        self.state.y + self.bodies.rig.relative_displacement(self.state.q)
+        self.state.y + self.at.delta + self.gap_m
     }
 
     /// Cart displacement, y, m.
@@ -176,6 +182,7 @@ impl Plant {
     pub fn push(&mut self, change_m_per_s: f64) {
         let rig = &self.bodies.rig;
         self.state.v += rig.coordinate_rate_at(self.state.q, change_m_per_s);
+        self.at = self.bodies.kinematics(&self.state);
     }
 
     /// Makes it another rig where it stands and moves: a drift. Returns whether it was done; in contact it is
@@ -194,6 +201,8 @@ impl Plant {
         self.state.q = rig.coordinate_at(relative_m);
         self.state.v = rig.coordinate_rate_at(self.state.q, rate);
         self.bodies.rig = rig;
+        self.at = self.bodies.kinematics(&self.state);
+        self.gap_m = params.gap_m;
         Ok(true)
     }
 
@@ -210,6 +219,7 @@ impl Plant {
         }
         if self.bodies.mode == Mode::Contact || !self.fly() {
             self.careful_tick();
+            self.at = self.bodies.kinematics(&self.state);
         }
         self.ticks += 1;
     }
@@ -219,9 +229,12 @@ impl Plant {
     fn fly(&mut self) -> bool {
         let mut totals = self.totals;
         let end = self.bodies.step(&self.state, 0.0, self.tick_s, &mut totals);
-        let out_of_reach = out_of_reach(&self.bodies, &self.state, &end, self.tick_s);
+        let at = self.bodies.kinematics(&end);
+        let reach = self.tick_s * (self.at.rate.abs() + at.rate.abs());
+        let out_of_reach = self.at.delta.max(at.delta) + reach < 0.0;
         if out_of_reach {
             self.state = end;
+            self.at = at;
             self.totals = totals;
         }
         out_of_reach
@@ -377,13 +390,6 @@ impl Plant {
             ..Contact::default()
         });
     }
-}
-
-/// Whether the surface is too far away to be met between two states `h` apart.
-#[inline]
-fn out_of_reach(bodies: &Bodies, from: &State, end: &State, h: f64) -> bool {
-    let (a, b) = (bodies.kinematics(from), bodies.kinematics(end));
-    a.delta.max(b.delta) + h * (a.rate.abs() + b.rate.abs()) < 0.0
 }
 
 /// The first place in 0 … `h` at which `beyond` holds, given that it holds at `h` and has not before; never

@@ -58,6 +58,8 @@ pub struct Tally {
     pub status: Option<Status>,
     /// Contacts.
     pub contacts: u64,
+    /// When the last ended, s.
+    pub last_contact_s: Option<f64>,
     /// The largest force there was, N.
     pub largest_n: f64,
     /// Largest displacement of the hammer relative to the cart, m.
@@ -89,6 +91,7 @@ impl Tally {
             hold_s: None,
             status: None,
             contacts: 0,
+            last_contact_s: None,
             largest_n: 0.0,
             largest_travel_m: 0.0,
             held: Held::default(),
@@ -108,6 +111,11 @@ impl Tally {
     /// The controller's state at the end.
     pub fn final_state(&self) -> State {
         self.status.map_or(State::Idle, |status| status.state)
+    }
+
+    /// Rig time run, s.
+    pub fn end_s(&self) -> f64 {
+        self.ticks as f64 * self.tick_s
     }
 
     /// A tick is done.
@@ -167,6 +175,7 @@ impl Tally {
     /// A contact ended.
     pub fn contact(&mut self, contact: &Contact) {
         self.contacts += 1;
+        self.last_contact_s = Some(contact.onset_s + contact.duration_s);
         self.largest_n = self.largest_n.max(contact.peak_force_n);
         self.period_n = self.period_n.max(contact.peak_force_n);
     }
@@ -208,8 +217,8 @@ impl Tally {
         self.drifted = Some(Drifted {
             from: before.map_or(*rig, |d| d.from),
             to: change.apply(rig, 1.0),
-            began_s: before.map_or(self.ticks as f64 * self.tick_s, |d| d.began_s),
-            over_s: before.map_or(0.0, |d| self.ticks as f64 * self.tick_s - d.began_s) + over_s,
+            began_s: before.map_or(self.end_s(), |d| d.began_s),
+            over_s: before.map_or(0.0, |d| self.end_s() - d.began_s) + over_s,
         });
     }
 }

@@ -59,8 +59,10 @@ pub struct Verdict {
     pub overruns: u32,
     /// Times the regime was lost and sought again.
     pub reseeks: u16,
-    /// Which basin the last disturbance ended in.
+    /// Which basin the last disturbance ended in, as the controller says.
     pub basin: &'static str,
+    /// And as it truly is: contact in the last twenty drive periods, or none.
+    pub true_basin: &'static str,
     /// Contacts.
     pub contacts: u64,
     /// Largest true force, over the hammer's weight.
@@ -121,10 +123,32 @@ fn optimum_of_run(scenario: &Scenario, tally: &Tally) -> [Option<Optimum>; 2] {
     ]
 }
 
-/// Judges what a run of `scenario` came to. Searches the true rig's optimum: a second or two.
+/// Whether the hammer strikes at the end of the run.
+fn true_basin(tally: &Tally) -> Basin {
+    const PERIODS: f64 = 20.0;
+    let hz = tally.status.map_or(0.0, |s| f64::from(s.frequency_hz));
+    let strikes = tally
+        .last_contact_s
+        .is_some_and(|last| (tally.end_s() - last) * hz < PERIODS);
+    if strikes {
+        Basin::Impact
+    } else {
+        Basin::NoImpact
+    }
+}
+
+/// Judges what a run of `scenario` came to. Searches the true rig's optimum, which takes seconds.
 pub fn judge(scenario: &Scenario, tally: &Tally) -> Verdict {
+    judge_by(scenario, tally, optimum_of_run(scenario, tally))
+}
+
+/// Judges what a run of `scenario` came to by an optimum that is known, and one under prescribed motion.
+pub fn judge_by(
+    scenario: &Scenario,
+    tally: &Tally,
+    [best, prescribed]: [Option<Optimum>; 2],
+) -> Verdict {
     let weight = scenario.true_rig.weight_n();
-    let [best, prescribed] = optimum_of_run(scenario, tally);
     let mean = |sum: f64| (tally.held.periods > 0).then(|| sum / tally.held.periods as f64);
     let force_n = mean(tally.held.force_n);
     let status = tally.status;
@@ -159,10 +183,11 @@ pub fn judge(scenario: &Scenario, tally: &Tally) -> Verdict {
         overruns: status.map_or(0, |s| s.overruns),
         reseeks: status.map_or(0, |s| s.reseeks),
         basin: basin_name(status.map_or(Basin::Unknown, |s| s.basin)),
+        true_basin: basin_name(true_basin(tally)),
         contacts: tally.contacts,
         largest_force_ratio: tally.largest_n / weight,
         largest_travel_mm: 1e3 * tally.largest_travel_m,
-        duration_s: tidy(tally.ticks as f64 * tick_s),
+        duration_s: tidy(tally.end_s()),
     };
     verdict.why = complaints(scenario, tally, &verdict);
     if !verdict.why.is_empty() {
@@ -184,6 +209,7 @@ fn complaints(scenario: &Scenario, tally: &Tally, verdict: &Verdict) -> Vec<Stri
     };
     word("final state", &expect.final_state, verdict.final_state);
     word("basin", &expect.basin, verdict.basin);
+    word("true basin", &expect.basin, verdict.true_basin);
     let tripped: Vec<_> = verdict.faults.iter().map(|f| f.name).collect();
     if tripped != expect.faults {
         let list = |names: &[&str]| match names {

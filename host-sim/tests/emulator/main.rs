@@ -1,6 +1,9 @@
-//! The emulator: plant, sensors, scenarios.
+//! The emulator: plant, sensors, scenarios; and the controller in it.
 
 mod balances;
+mod builtin;
+mod faults;
+mod scenarios;
 mod sensors;
 mod stiff_limit;
 mod support;

@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 24] = scenarios![
+pub const BUILTIN: [(&str, &str); 25] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
@@ -16,6 +16,7 @@ pub const BUILTIN: [(&str, &str); 24] = scenarios![
     "held-beam-135",
     "jump",
     "push",
+    "push-stays",
     "drift",
     "emergency-stop",
     "over-force",

@@ -1,0 +1,64 @@
+//! Every scenario that comes with the program, run with the controller in this process: each must come to what
+//! it says it expects.
+
+use host_sim::emulator::local::Local;
+use host_sim::emulator::run::run;
+use host_sim::emulator::scenario::{BUILTIN, Scenario, load};
+use host_sim::emulator::tally::Tally;
+use host_sim::emulator::verdict::{Verdict, judge, judge_by};
+
+/// A run, unwatched.
+pub fn ran(scenario: &Scenario) -> Tally {
+    let mut control = Local::new(&scenario.settings).unwrap();
+    run(scenario, &mut control, &mut ()).unwrap()
+}
+
+/// The verdict, the optimum left out where nothing asks for it.
+pub fn verdict(scenario: &Scenario) -> Verdict {
+    let tally = ran(scenario);
+    if scenario.expect.min_force_share.is_some() {
+        judge(scenario, &tally)
+    } else {
+        judge_by(scenario, &tally, [None, None])
+    }
+}
+
+fn passes(name: &str) {
+    let scenario = load(name).unwrap();
+    let verdict = verdict(&scenario);
+    println!("{verdict:#?}");
+    assert_eq!(verdict.verdict, "pass", "{name}: {:?}", verdict.why);
+}
+
+macro_rules! scenarios {
+    ($($test:ident: $name:literal),* $(,)?) => {
+        $(
+            #[test]
+            fn $test() {
+                passes($name);
+            }
+        )*
+
+        /// Those that another file runs.
+        #[test]
+        fn none_is_forgotten() {
+            let here = [$($name),*];
+            let faults = super::faults::NAMES;
+            for (name, _) in BUILTIN {
+                assert!(here.contains(&name) || faults.contains(&name), "{name}");
+            }
+        }
+    };
+}
+
+scenarios! {
+    field: "field",
+    held_wires: "held-wires",
+    held_beam_170: "held-beam-170",
+    held_beam_150: "held-beam-150",
+    held_beam_135: "held-beam-135",
+    push: "push",
+    push_stays: "push-stays",
+    drift: "drift",
+    jump: "jump",
+}

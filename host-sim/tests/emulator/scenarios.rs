@@ -1,0 +1,172 @@
+//! Scenarios as people write them, and runs of them.
+
+use host_sim::emulator::local::Local;
+use host_sim::emulator::optimum::{held_force, prescribed};
+use host_sim::emulator::plant::Plant;
+use host_sim::emulator::record::{BlockRow, Event, Observer, TickRow, What};
+use host_sim::emulator::run::run;
+use host_sim::emulator::scenario::{BUILTIN, load, parse};
+use host_sim::emulator::under_test::FixedFrequency;
+use host_sim::emulator::verdict::judge_by;
+use shared::params::{BEAM_150, WIRES};
+
+use crate::support::TICK_S;
+
+const SHORT: &str = "duration_s = 12.0\n[true_rig]\npreset = \"wires\"\n";
+
+#[test]
+fn every_built_in_scenario_reads_and_says_what_it_is_for() {
+    for (name, _) in BUILTIN {
+        let scenario = load(name).unwrap();
+        assert_eq!(scenario.name, name);
+        assert!(scenario.description.len() > 20, "{name}");
+    }
+}
+
+#[test]
+fn every_mistake_gets_one_line_that_names_it() {
+    let complaint = |text: &str| {
+        let line = parse("mine", text, "mine.toml").unwrap_err().to_string();
+        assert!(line.starts_with("mine.toml"), "{line}");
+        assert!(!line.contains('\n'), "{line}");
+        line
+    };
+    let with = |more: &str| complaint(&format!("{SHORT}{more}"));
+    assert!(complaint("duration_s = ").contains("line 1"));
+    assert!(complaint("duraton_s = 3").contains("did you mean 'duration_s'"));
+    assert!(complaint("duration_s = 3.0").contains("true_rig"));
+    assert!(
+        complaint("duration_s = -3.0\n[true_rig]\npreset = \"wires\"").contains("duration_s is -3")
+    );
+    assert!(with("gap = 1.0").contains("did you mean 'gap_mm'"));
+    assert!(with("[believed]\npreset = \"wire\"").contains("did you mean 'wires'"));
+    assert!(with("[sensors]\nnoise_percnt = 1.0").contains("did you mean 'noise_percent'"));
+    assert!(with("[sensors]\nnoise_percent = -1.0").contains("noise_percent is -1"));
+    assert!(with("[shaker]\nlag_ms = 0.0").contains("lag_ms is 0"));
+    assert!(with("[limits]\nforce_n = -1.0").contains("limits.force_n"));
+    assert!(with("[[events]]\nkind = \"start\"").contains("at_s"));
+    assert!(with("[[events]]\nat_s = 13.0\nkind = \"start\"").contains("at_s is 13"));
+    assert!(with("[[events]]\nat_s = 1.0\nkind = \"strat\"").contains("did you mean 'start'"));
+    let push = with("[[events]]\nat_s = 1.0\nkind = \"push\"\nspeed = 1.0");
+    assert!(push.contains("did you mean 'speed_m_per_s'"), "{push}");
+    assert!(with("[[events]]\nat_s = 1.0\nkind = \"stop\"\nfor_s = 1.0").contains("for_s"));
+    assert!(with("[expect]\nfinal = \"hold\"").contains("did you mean 'final_state'"));
+    let lost = load("feild").unwrap_err().to_string();
+    assert!(lost.contains("did you mean 'field'"), "{lost}");
+}
+
+/// Keeps what a run told, as text.
+#[derive(Default)]
+struct Trace {
+    ticks: u64,
+    blocks: u64,
+    sum: u64,
+    events: Vec<Event>,
+}
+
+impl Observer for Trace {
+    fn tick(&mut self, row: &TickRow) {
+        assert_eq!(row.tick, self.ticks);
+        self.ticks += 1;
+        // A digest that any changed bit changes.
+        for x in [
+            u64::from(row.frame.force.0),
+            u64::from(row.frame.hammer.0),
+            u64::from(row.frame.cart.0),
+            u64::from(row.output.dac.0),
+            row.true_force_n.to_bits(),
+            row.hammer_m.to_bits(),
+        ] {
+            self.sum = (self.sum ^ x)
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .rotate_left(17);
+        }
+    }
+    fn block(&mut self, row: &BlockRow) {
+        self.blocks += 1;
+        assert_eq!(row.frames.len(), row.ticks);
+    }
+    fn event(&mut self, event: &Event) {
+        self.events.push(event.clone());
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run_bit_for_bit_and_another_does_not() {
+    let trace = |seed: u64| {
+        let text = format!(
+            "seed = {seed}\n{SHORT}[sensors]\nnoise_percent = 1.0\n[[events]]\nat_s = 0.5\nkind = \"start\"\n"
+        );
+        let scenario = parse("short", &text, "short.toml").unwrap();
+        let mut control = Local::new(&scenario.settings).unwrap();
+        let mut trace = Trace::default();
+        run(&scenario, &mut control, &mut trace).unwrap();
+        assert_eq!((trace.ticks, trace.blocks), (240_000, 24_000));
+        trace
+    };
+    let (a, b, other) = (trace(1), trace(1), trace(2));
+    assert_eq!(a.sum, b.sum);
+    assert_eq!(a.events, b.events);
+    assert_ne!(a.sum, other.sum);
+}
+
+#[test]
+fn a_controller_that_only_drives_is_stopped_by_its_emergency_chain_a_block_later() {
+    let text = format!(
+        "{SHORT}[[events]]\nat_s = 1.0\nkind = \"start\"\n[[events]]\nat_s = 10.0001\nkind = \"emergency-stop\"\n"
+    );
+    let scenario = parse("short", &text, "short.toml").unwrap();
+    let mut control = FixedFrequency::new(scenario.settings, 3.66);
+    let mut trace = Trace::default();
+    let tally = run(&scenario, &mut control, &mut trace).unwrap();
+    assert!(tally.contacts > 20, "{}", tally.contacts);
+    let drive: Vec<_> = trace
+        .events
+        .iter()
+        .filter_map(|e| match e.what {
+            What::Drive { on } => Some((e.tick, on)),
+            _ => None,
+        })
+        .collect();
+    // The start comes between blocks, its block's answer with the next; the chain opens at tick 200002.
+    assert_eq!(drive, [(20_010, true), (200_010, false)]);
+    let verdict = judge_by(&scenario, &tally, [None, None]);
+    assert_eq!(verdict.final_state, "fault");
+}
+
+#[test]
+fn a_clock_that_is_fast_makes_the_drive_fast() {
+    // Two hundred seconds' worth of phase would show 1000 ppm; the period of contacts shows it at once.
+    let period = |ppm: f64| {
+        let text =
+            format!("clock_ppm = {ppm:?}\n{SHORT}[[events]]\nat_s = 0.1\nkind = \"start\"\n");
+        let scenario = parse("short", &text, "short.toml").unwrap();
+        let mut control = FixedFrequency::new(scenario.settings, 4.0);
+        let mut onsets = Onsets::default();
+        run(&scenario, &mut control, &mut onsets).unwrap();
+        let (a, b) = (onsets.0[onsets.0.len() - 11], onsets.0[onsets.0.len() - 1]);
+        (b - a) / 10.0
+    };
+    let ratio = period(2000.0) / period(0.0);
+    assert!((ratio - 1.002).abs() < 5e-5, "{ratio}");
+}
+
+#[derive(Default)]
+struct Onsets(Vec<f64>);
+
+impl Observer for Onsets {
+    fn contact(&mut self, contact: &host_sim::emulator::record::Contact) {
+        self.0.push(contact.onset_s);
+    }
+}
+
+#[test]
+fn the_plants_own_force_search_gives_the_references_orbit_when_motion_is_prescribed() {
+    for rig in [WIRES, BEAM_150] {
+        let (_, top) = prescribed(&rig).unwrap();
+        let plant = Plant::prescribed(&rig, TICK_S).unwrap();
+        let force_n = held_force(plant, &rig, top.frequency_hz, top.section).unwrap();
+        let off = force_n / top.force_n - 1.0;
+        assert!(off.abs() < 1e-6, "{off:.1e}");
+    }
+}
