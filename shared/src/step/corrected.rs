@@ -106,6 +106,8 @@ impl Corrected {
         let at = rig.kinematics(state.q.hi, state.v.hi);
         let (law, approach) = (rig.law(), state.approach);
         let indicator = match state.mode {
+            // Coming in, every law pushes as soon as δ > 0; this is straight over a long step too.
+            Mode::Flight if at.rate > R::ZERO => law.stiffness() * at.delta,
             Mode::Flight => law.indicator(at.delta, at.rate, at.rate.max(R::ZERO)),
             Mode::Contact => law.release_indicator(at.delta, at.rate, approach),
         };
