@@ -20,7 +20,8 @@ pub struct Packet<M> {
 /// What a computer asks of the controller. Every one gets exactly one [`Answer`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToBoard {
-    /// Who are you? Begins a conversation, so it ends every stream of the one before. Answered with
+    /// Who are you? Begins a conversation, so it ends the streams and the command of the one before. Answered
+    /// with
     /// [`Answer::Hello`].
     Hello,
     /// Answered with [`Answer::Status`].

@@ -5,7 +5,7 @@ use super::{
     Identified, MAX_FRAME, Packet, Recording, Refusal, Telemetry, ToBoard, encode,
 };
 use crate::control::{Command, Mode, Refused, State, Status};
-use crate::fault::Record;
+use crate::fault::{Fault, Record};
 use crate::settings::Settings;
 
 /// What a board (or the emulator) lets the link do. Nothing here may wait.
@@ -98,7 +98,7 @@ impl<const N: usize> Session<N> {
     }
 
     /// Whether the computer steers: it has started in manual mode, given a set-point or said that it is
-    /// alive, and there was no stop and no fault since. Then each of its packets reaches the controller as
+    /// alive, and there was no stop, no hello and no fault but the link's own since. Then each of its packets reaches the controller as
     /// [`Command::Alive`].
     pub fn is_in_command(&self) -> bool {
         self.in_command
@@ -139,15 +139,15 @@ impl<const N: usize> Session<N> {
         }
     }
 
-    /// A packet that came is a sign of life of the computer that steers.
+    /// A packet that came is a sign of life of the computer that steers. It ends a fault for want of them; any
+    /// other fault ends its command.
     fn keep_alive(&mut self, device: &mut impl Device) {
-        if !self.in_command {
-            return;
-        }
-        if device.status().state == State::Fault {
-            // A sign of life may end a fault; this one must stay to be seen, and be cleared by request.
+        let status = device.status();
+        let fault = status.fault.map(|record| record.fault);
+        if status.state == State::Fault && fault != Some(Fault::LinkTimeout) {
             self.in_command = false;
-        } else {
+        }
+        if self.in_command {
             // Refused only where there is nothing to keep alive.
             let _ = device.command(Command::Alive);
         }
@@ -168,6 +168,9 @@ impl<const N: usize> Session<N> {
     fn answer(&mut self, request: ToBoard, device: &mut impl Device) -> Answer {
         match request {
             ToBoard::Hello => {
+                // Whoever it is now must take command anew; a fault that the silence before has tripped is
+                // there to be seen.
+                self.in_command = false;
                 self.decimation = 0;
                 if self.recording {
                     self.recording = false;

@@ -396,6 +396,25 @@ fn every_packet_is_a_sign_of_life_while_the_computer_steers_and_none_is_otherwis
     pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
     pair.device.status.state = State::Fault;
     pair.device.told.clear();
+    pair.device.status.fault = Some(longest_record());
+    pair.ask(ToBoard::GetStatus);
+    assert!(pair.device.told.is_empty() && !pair.session.is_in_command());
+}
+
+#[test]
+fn a_link_that_was_silent_and_speaks_again_is_alive_and_a_new_conversation_is_not() {
+    let mut pair = Pair::new();
+    pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
+    pair.device.status.state = State::Fault;
+    pair.device.status.fault = Some(Record {
+        fault: Fault::LinkTimeout,
+        ..longest_record()
+    });
+    pair.device.told.clear();
+    pair.ask(ToBoard::GetStatus);
+    assert_eq!(pair.device.told, [Command::Alive]);
+    pair.device.told.clear();
+    pair.ask(ToBoard::Hello);
     pair.ask(ToBoard::GetStatus);
     assert!(pair.device.told.is_empty() && !pair.session.is_in_command());
 }
