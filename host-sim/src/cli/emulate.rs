@@ -300,10 +300,13 @@ fn timeline_csv(timeline: &Timeline) -> Vec<u8> {
 
 fn text(scenario: &Scenario, timeline: &Timeline, verdict: &Verdict) -> String {
     let told = verdict_lines(verdict);
-    format!(
-        "{}: {}\n\n{timeline}\n{told}",
-        scenario.name, scenario.description
-    )
+    let colon = if scenario.description.is_empty() {
+        ""
+    } else {
+        ": "
+    };
+    let (name, what) = (&scenario.name, &scenario.description);
+    format!("{name}{colon}{what}\n\n{timeline}\n{told}")
 }
 
 /// The verdict for a person.

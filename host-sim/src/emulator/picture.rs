@@ -9,6 +9,9 @@ use crate::picture::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 /// Time between two points of a curve, s.
 const POINT_S: f64 = 0.05;
 
+/// How often the largest force is shown while there is no drive, Hz.
+const OFF_HZ: f64 = 4.0;
+
 /// Marks with a name, at most; more would not be read.
 const NAMED_MARKS: usize = 8;
 
@@ -55,17 +58,14 @@ impl Observer for Trace {
         if self.states.last().map(|(_, state)| *state) != Some(status.state) {
             self.states.push((self.time_s, status.state));
         }
-        if self.on {
-            self.period += row.ticks as f64 * shared::settings::TICK_S * frequency_hz;
-            if self.period >= 1.0 {
-                self.period = self.period.fract();
-                self.peaks.push((self.time_s, self.peak_n));
-                self.peak_n = 0.0;
-            }
-        } else if self.peak_n > 0.0 || self.peaks.last().is_some_and(|p| p.1.is_finite()) {
-            // What still struck is shown, then the curve is interrupted.
-            self.peaks.push((self.time_s, self.peak_n));
-            self.peaks.push((self.time_s, f64::NAN));
+        let hertz = if self.on { frequency_hz } else { OFF_HZ };
+        self.period += row.ticks as f64 * shared::settings::TICK_S * hertz;
+        if self.period >= 1.0 {
+            self.period = self.period.fract();
+            // With the drive off only what still strikes is shown.
+            let shown = self.on || self.peak_n > 0.0;
+            let peak_n = if shown { self.peak_n } else { f64::NAN };
+            self.peaks.push((self.time_s, peak_n));
             self.peak_n = 0.0;
         }
         if self.time_s < self.next_point_s {

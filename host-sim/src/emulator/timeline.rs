@@ -15,7 +15,8 @@ impl fmt::Display for What {
                 value,
             } => {
                 let (code, name) = (fault.code(), fault.name());
-                write!(f, "fault {code} {name} ({origin:?}, {value:.4})")
+                let origin = format!("{origin:?}").to_lowercase();
+                write!(f, "fault {code} {name} ({origin}, {value:.4})")
             }
             Self::Drive { on: true } => f.write_str("drive on"),
             Self::Drive { on: false } => f.write_str("drive off"),

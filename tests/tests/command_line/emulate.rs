@@ -124,6 +124,74 @@ fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
     );
 }
 
+/// Everything a log must tell a replay beside samples.
+const TROUBLED: &str = r#"
+duration_s = 4.0
+slices_per_block = 1000
+block_ticks = 7
+
+[true_rig]
+preset = "beam-150"
+
+[sensors]
+noise_percent = 1.0
+
+[[events]]
+at_s = 0.1
+kind = "start"
+
+[[events]]
+at_s = 1.6
+kind = "lost-block"
+blocks = 2
+every = 20
+
+[[events]]
+at_s = 1.7
+kind = "overrun"
+blocks = 2
+every = 50
+
+[[events]]
+at_s = 2.0
+kind = "reset"
+cause = "watchdog"
+
+[[events]]
+at_s = 2.2
+kind = "clear-fault"
+
+[[events]]
+at_s = 2.3
+kind = "start"
+mode = "manual"
+
+[[events]]
+at_s = 3.7
+kind = "set-point"
+frequency_hz = 9.0
+amplitude_mm = 0.5
+
+[expect]
+final_state = "manual"
+faults = ["watchdog-reset"]
+"#;
+
+#[test]
+fn a_reset_a_lost_block_and_commands_are_replayed() {
+    let folder = Folder::new().with("troubled.toml", TROUBLED);
+    let ran = folder.run("emulate troubled.toml --out .").well();
+    for line in ["reset: watchdog", "2 overruns", "2 blocks of samples lost"] {
+        assert!(ran.out.contains(line), "{line} is not in: {}", ran.out);
+    }
+    let same = folder.run("replay troubled.parquet").well();
+    assert!(
+        same.out.starts_with("same decisions over 8"),
+        "{}",
+        same.out
+    );
+}
+
 #[test]
 fn the_same_scenario_is_the_same_run() {
     let folder = Folder::new().with("stopped.toml", STOPPED);

@@ -73,7 +73,7 @@ fn block(k: usize) -> Block {
             output: Output {
                 dac: DacCode((n * 13 % 4096) as u16),
                 frequency_hz: 3.0 + n as f32 * 1e-3,
-                enable: n % 2 == 0,
+                enable: n.is_multiple_of(2),
             },
             truth: Some(Truth {
                 force_n: if spike { 96.0 } else { 0.0 },
