@@ -46,7 +46,7 @@ pub struct BlockRow<'a> {
     pub tick: u64,
     /// Ticks in the block.
     pub ticks: usize,
-    /// Commands given before the block.
+    /// Commands given before the block, and since the last reset.
     pub commands: &'a [Given],
     /// The block's frames as the controller got them (the same as in its ticks, unless stale).
     pub frames: &'a [Frame],

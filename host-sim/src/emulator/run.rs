@@ -223,6 +223,8 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
 
     fn reset(&mut self, cause: Reset) {
         self.control.reset(cause);
+        // What it was told before is gone with it.
+        self.given.clear();
         self.born = self.tick;
         self.outputs = [Output::SAFE; MAX_BLOCK];
         self.observer

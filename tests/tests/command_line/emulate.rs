@@ -154,6 +154,10 @@ every = 50
 
 [[events]]
 at_s = 2.0
+kind = "clear-fault" # before the reset: must not clear what the reset brings
+
+[[events]]
+at_s = 2.0
 kind = "reset"
 cause = "watchdog"
 

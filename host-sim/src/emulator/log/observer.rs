@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use shared::control::Controller;
 use shared::fault::{Persisted, Record};
 use shared::settings::Settings;
 
@@ -69,6 +70,9 @@ impl Observer for Logs {
                 .map_or(Persisted::EMPTY, Persisted::new);
             let birth = birth(reset, &kept);
             self.inputs.push(Input::Born(*settings, birth));
+            // Should the next reset come before a block tells.
+            let newborn = Controller::new(settings, &birth);
+            self.record = newborn.ok().and_then(|c| c.persisted().record());
         }
         self.born = true;
     }
