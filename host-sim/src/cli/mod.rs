@@ -4,6 +4,7 @@ mod common;
 mod emulate;
 mod link;
 mod pick;
+mod pil;
 mod replay;
 mod rigs;
 mod scenarios;
@@ -45,6 +46,9 @@ enum Command {
     Replay(replay::Args),
     /// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
     Link(link::Args),
+    /// The desktop's half of `cargo xtask pil`
+    #[command(hide = true)]
+    Pil(pil::Args),
     /// List the rigs, or print one as a TOML file to start from
     Rigs(rigs::Args),
 }
@@ -77,6 +81,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Link(args) => link::run(&args).map(|()| 0),
         Command::Replay(args) => replay::run(&args),
+        Command::Pil(args) => pil::run(&args),
         Command::Rigs(args) => rigs::run(&args).map(|()| 0),
     };
     match done {

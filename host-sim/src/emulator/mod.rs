@@ -14,6 +14,7 @@
 //! | [`scenario`], [`schedule`] | what happens when; TOML |
 //! | [`world`] | everything outside the controller |
 //! | [`under_test`], [`local`] | the controller, wherever it runs; in this process |
+//! | [`in_the_loop`] | in an emulated processor and in this process, compared |
 //! | [`run`] | world and controller, block by block |
 //! | [`optimum`] | the best the true rig can do |
 //! | [`tally`], [`verdict`] | what a run came to, by the true force |
@@ -23,6 +24,7 @@
 
 pub mod bodies;
 pub mod filter;
+pub mod in_the_loop;
 pub mod local;
 pub mod log;
 pub mod mock;
