@@ -18,6 +18,7 @@ pub mod hardware;
 pub mod lamp;
 pub mod model;
 pub mod reset;
+pub mod tally;
 pub mod watch;
 
 /// Ticks of a block: samples arrive and set-points are played 10 at a time, 500 µs.

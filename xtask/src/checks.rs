@@ -8,7 +8,7 @@ use crate::{
     command::{self, cargo, run_tee},
     debian,
     firmware::{self, Board},
-    forecast, qemu,
+    forecast, pil, size,
 };
 
 /// The host tests take minutes; a quarter of an hour is a test that hangs.
@@ -48,8 +48,11 @@ const STEPS: &[Step] = &[
     }),
     ("firmware, nucleo", || board(Board::Nucleo)),
     ("firmware, qemu", || board(Board::Qemu)),
-    ("firmware run in QEMU", || silent(qemu::run())),
+    ("firmware run in QEMU, budgets", || silent(size::run())),
     ("forecast in QEMU", || silent(forecast::run())),
+    ("processor in the loop", || {
+        silent(pil::run(&pil::Plan::check()))
+    }),
 ];
 
 fn silent(outcome: Outcome) -> Outcome<String> {

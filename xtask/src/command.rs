@@ -28,7 +28,7 @@ pub fn cargo() -> Command {
 }
 
 /// Prints the command as a person would type it.
-fn announce(command: &Command) {
+pub fn announce(command: &Command) {
     let quote = |word: &OsStr| {
         let word = word.to_string_lossy();
         if word.contains(' ') {

@@ -4,15 +4,20 @@
 //! cargo xtask test          everything that must hold before a change is done
 //! cargo xtask firmware      builds the firmware
 //! cargo xtask qemu          runs it in QEMU
-//! cargo xtask bench-ticks   counts instructions per control tick and of a forecast
-//! cargo xtask size          flash and RAM of the images
+//! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
+//! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
+//! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
+//! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
 //! ```
 
+mod budgets;
 mod checks;
 mod command;
 mod debian;
 mod firmware;
+mod flash;
 mod forecast;
+mod pil;
 mod qemu;
 mod size;
 mod ticks;
@@ -32,9 +37,14 @@ cargo xtask COMMAND
                               installs what it lacks on Debian as root, else says what to install
   firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
   qemu                        run the firmware in QEMU; its verdict is the exit code
-  bench-ticks                 count the instructions of each control tick and of a
+  pil [--scenario NAME] [--seconds S] [--runs N]
+                              run the firmware's image under QEMU in a closed loop with the emulator's plant,
+                              and compare its every output with the desktop's, bit for bit
+                              (default: the field scenario, once, as long as it is)
+  bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
-  size                        flash and RAM of the images
+  size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
+  flash                       build for the NUCLEO-F446RE, flash it and show its log
 ";
 
 /// A parsed command line.
@@ -44,8 +54,10 @@ enum Job {
     Test,
     Firmware(Vec<Board>),
     Qemu,
+    Pil(pil::Plan),
     BenchTicks,
     Size,
+    Flash,
 }
 
 fn parse(args: &[&str]) -> Result<Job, String> {
@@ -57,6 +69,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
             .map(|board| Job::Firmware(vec![board]))
             .ok_or_else(|| format!("no board `{name}`: choose nucleo or qemu")),
         ["qemu"] => Ok(Job::Qemu),
+        ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
+        ["flash"] => Ok(Job::Flash),
         ["bench-ticks"] => Ok(Job::BenchTicks),
         ["size"] => Ok(Job::Size),
         other => Err(format!(
@@ -77,7 +91,9 @@ fn run(job: Job) -> Outcome {
                 }
             }
         }
-        Job::Qemu => qemu::run()?,
+        Job::Qemu => drop(qemu::run()?),
+        Job::Pil(plan) => pil::run(&plan)?,
+        Job::Flash => flash::run()?,
         Job::BenchTicks => {
             ticks::run()?;
             forecast::run()?;
@@ -112,7 +128,15 @@ mod tests {
 
     #[test]
     fn every_command_of_the_help_is_understood() {
-        for word in ["test", "firmware", "qemu", "bench-ticks", "size"] {
+        for word in [
+            "test",
+            "firmware",
+            "qemu",
+            "pil",
+            "bench-ticks",
+            "size",
+            "flash",
+        ] {
             assert!(
                 HELP.contains(&format!("\n  {word}")),
                 "{word} is not in the help"

@@ -1,10 +1,13 @@
-//! How much flash and RAM the images take.
+//! How much flash, RAM, stack and how many instructions the images take, against their budgets.
 
 use object::{Object, ObjectSegment, ObjectSymbol, read::elf::ElfFile32};
 
 use crate::{
-    Outcome, command,
+    Outcome,
+    budgets::{Budgets, enforce},
+    command,
     firmware::{self, Board},
+    qemu,
 };
 
 /// Both boards have their RAM from here on.
@@ -42,9 +45,40 @@ fn measure(elf: &[u8]) -> Outcome<Size> {
     Ok(size)
 }
 
-/// Builds the images and prints the table.
+/// What the app says of itself under QEMU, in bench mode from the start to Hold.
+#[derive(Debug, Default, PartialEq)]
+struct Run {
+    stack: u64,
+    median: u64,
+    worst: u64,
+}
+
+/// Reads the app's last lines.
+fn parse(lines: &[String]) -> Outcome<Run> {
+    let numbers = |head: &str| -> Option<Vec<u64>> {
+        let line = lines.iter().find_map(|line| line.strip_prefix(head))?;
+        let words = line.split(|c: char| !c.is_ascii_digit());
+        words
+            .filter(|w| !w.is_empty())
+            .map(|w| w.parse().ok())
+            .collect()
+    };
+    let stack = numbers("stack ").ok_or("the app told no stack")?;
+    let instructions = numbers("instructions per tick").ok_or("the app told no instructions")?;
+    match (stack[..], instructions[..]) {
+        ([stack, _], [median, worst]) => Ok(Run {
+            stack,
+            median,
+            worst,
+        }),
+        _ => Err("the app's last lines are not as they were".into()),
+    }
+}
+
+/// Builds the images, runs the app, prints the table and holds it to the budgets.
 pub fn run() -> Outcome {
-    let mut rows = Vec::new();
+    let budgets = Budgets::read()?;
+    let mut lines = Vec::new();
     for board in Board::ALL {
         for image in firmware::build(board)? {
             let size = measure(&std::fs::read(command::root().join(&image))?)?;
@@ -53,20 +87,16 @@ pub fn run() -> Outcome {
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned();
-            rows.push((board.name(), name, size));
+            lines.push(budgets.line(&name, "flash_bytes", size.flash)?);
+            lines.push(budgets.line(&name, "ram_bytes", size.ram)?);
+            lines.push(budgets.line(&name, "stack_reserved_bytes", size.stack)?);
         }
     }
-    println!(
-        "\n{:<8} {:<8} {:>9} {:>9} {:>9}",
-        "board", "program", "flash", "variables", "stack"
-    );
-    for (board, program, size) in rows {
-        println!(
-            "{board:<8} {program:<8} {:>7} B {:>7} B {:>7} B",
-            size.flash, size.ram, size.stack
-        );
-    }
-    Ok(())
+    let run = parse(&qemu::run()?)?;
+    lines.push(budgets.line("run", "stack_used_bytes", run.stack)?);
+    lines.push(budgets.line("run", "instructions_median", run.median)?);
+    lines.push(budgets.line("run", "instructions_worst", run.worst)?);
+    enforce(&lines)
 }
 
 #[cfg(test)]
@@ -113,6 +143,22 @@ mod tests {
                 stack: 0
             }
         );
+    }
+
+    #[test]
+    fn the_apps_own_account_is_read() {
+        let lines = [
+            "Hold at 3.683 Hz",
+            "stack 20204 of 32768",
+            "instructions per tick, each block's mean: median 700, worst 4100",
+        ];
+        let run = Run {
+            stack: 20204,
+            median: 700,
+            worst: 4100,
+        };
+        assert_eq!(parse(&lines.map(String::from)).unwrap(), run);
+        assert!(parse(&["stack 1 of 2".into()]).is_err());
     }
 
     #[test]

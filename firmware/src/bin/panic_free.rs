@@ -26,7 +26,9 @@ fn main() -> ! {
         let frames = black_box([Frame::default(); MAX_BLOCK]);
         node.exchange(&frames, &mut outputs, black_box(3));
         black_box(&outputs);
-        let _ = node.controller.command(black_box(shared::control::Command::Alive));
+        let _ = node
+            .controller
+            .command(black_box(shared::control::Command::Alive));
         node.controller.note_overrun();
         node.exchange_blind(&mut outputs, black_box(3));
         let _ = node.controller.replace_settings(&black_box(settings));

@@ -140,7 +140,7 @@ mod app {
             status: lockstep.controller.status(),
             events,
             delivered: block.delivered,
-            instructions: block.counts * (1_000_000_000 / qemu::CLOCK_HZ),
+            instructions: block.counts * qemu::NANOSECONDS,
         }
     }
 

@@ -2,7 +2,9 @@
 //!
 //! Time here is lock-step: nothing ticks but `idle`, which pends the control interrupt as soon as the last block
 //! and its slices of the forecast are done. So a run is the same every time, and takes as long as the computing
-//! does. It ends with success if the controller has come to Hold by itself and has stayed there.
+//! does. It ends with success if the controller has come to Hold by itself and has stayed there, and tells how
+//! much stack and how many instructions that took (under `-icount shift=0`; `cargo xtask size` holds them to
+//! their budgets).
 #![no_main]
 #![no_std]
 
@@ -15,7 +17,11 @@ mod app {
     use firmware::{
         BLOCK_TICKS,
         bench::Bench,
-        hardware::{qemu, stack},
+        hardware::{
+            qemu::{self, Stopwatch},
+            stack,
+        },
+        tally::Tally,
     };
     use shared::{
         control::{Birth, Command, Lockstep, Mode, State},
@@ -34,16 +40,18 @@ mod app {
     #[shared]
     struct Shared {
         lockstep: Lockstep,
+        tally: Tally,
     }
 
     #[local]
     struct Local {
         bench: Bench,
         outputs: [Output; BLOCK_TICKS],
+        stopwatch: Stopwatch,
     }
 
     #[init]
-    fn init(_: init::Context) -> (Shared, Local) {
+    fn init(context: init::Context) -> (Shared, Local) {
         let settings = Settings::for_rig(&WIRES);
         let Ok(mut lockstep) = Lockstep::new(&settings, &Birth::default()) else {
             panic!("the preset's settings are refused by their own check");
@@ -53,12 +61,17 @@ mod app {
         let local = Local {
             bench: Bench::new(&settings),
             outputs: [Output::SAFE; BLOCK_TICKS],
+            stopwatch: Stopwatch::start(context.core.SYST),
         };
-        (Shared { lockstep }, local)
+        let shared = Shared {
+            lockstep,
+            tally: Tally::default(),
+        };
+        (shared, local)
     }
 
     /// Lets time pass, tells what happens, and ends the run.
-    #[idle(shared = [lockstep])]
+    #[idle(shared = [lockstep, tally])]
     fn idle(mut context: idle::Context) -> ! {
         let mut held_since = None;
         loop {
@@ -94,20 +107,31 @@ mod app {
                     status.target_n
                 );
                 hprintln!("stack {} of {}", used, reserved);
+                let (median, worst) = context.shared.tally.lock(|t| (t.median(), t.worst()));
+                hprintln!(
+                    "instructions per tick, each block's mean: median {}, worst {}",
+                    median,
+                    worst
+                );
                 qemu::exit(kept && used < reserved);
             }
         }
     }
 
     /// A block. Deadline: none, time waits for it here.
-    #[task(binds = SysTick, priority = 2, shared = [lockstep], local = [bench, outputs])]
+    #[task(binds = SysTick, priority = 2, shared = [lockstep, tally], local = [bench, outputs, stopwatch])]
     fn control(mut context: control::Context) {
         let outputs: &mut [Output; BLOCK_TICKS] = context.local.outputs;
         let mut frames = [Frame::default(); BLOCK_TICKS];
         context.local.bench.block(outputs, &mut frames);
+        let stopwatch: &Stopwatch = context.local.stopwatch;
+        let began = stopwatch.now();
         context
             .shared
             .lockstep
             .lock(|lockstep| lockstep.block(&frames, outputs));
+        let instructions = stopwatch.since(began) * qemu::NANOSECONDS;
+        let per_tick = instructions.div_ceil(BLOCK_TICKS as u32);
+        context.shared.tally.lock(|tally| tally.add(per_tick));
     }
 }

@@ -33,7 +33,7 @@ fn main() -> ! {
         periods += u32::from(model.tick());
     }
 
-    hprintln!("nanoseconds {}", 1_000_000_000 / qemu::CLOCK_HZ);
+    hprintln!("nanoseconds {}", qemu::NANOSECONDS);
     hprintln!("repeats {}", REPEATS);
     hprintln!("empty {}", counts(&stopwatch, &model, |_| ()));
     loop {

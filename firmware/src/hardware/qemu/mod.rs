@@ -17,6 +17,8 @@ use super::fault::Fault;
 
 /// The processor's clock, which also feeds SysTick.
 pub const CLOCK_HZ: u32 = 25_000_000;
+/// Nanoseconds per count of SysTick.
+pub const NANOSECONDS: u32 = 1_000_000_000 / CLOCK_HZ;
 
 /// What RTIC expects to find in a device crate.
 ///

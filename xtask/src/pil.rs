@@ -1,0 +1,228 @@
+//! The processor in the loop: the firmware's image under QEMU against the emulator's plant on the desktop.
+//!
+//! Two pipes join them. The desktop's half (`host-sim pil`) runs the plant and a controller of its own, and
+//! compares; QEMU runs the image. What either has to say is printed as it comes.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+use crate::{
+    Outcome,
+    command::{self, announce, cargo},
+    firmware::{self, Board},
+    qemu,
+};
+
+/// How long one side may go on after the other has ended.
+const AFTER: Duration = Duration::from_secs(20);
+
+/// What is run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Scenario, by name or file.
+    pub scenario: String,
+    /// Rig time of each run, s; `None`: the scenario's.
+    pub seconds: Option<String>,
+    /// Runs, each with the next seed.
+    pub runs: u32,
+}
+
+impl Default for Plan {
+    /// The field scenario, as long as it is.
+    fn default() -> Self {
+        Self {
+            scenario: "field".into(),
+            seconds: None,
+            runs: 1,
+        }
+    }
+}
+
+impl Plan {
+    /// What every change is checked with: ten runs of 10 s.
+    pub fn check() -> Self {
+        Self {
+            seconds: Some("10".into()),
+            runs: 10,
+            ..Self::default()
+        }
+    }
+
+    /// Reads the options behind `cargo xtask pil`.
+    pub fn parse(words: &[&str]) -> Result<Self, String> {
+        let mut plan = Self::default();
+        let mut rest = words.iter();
+        while let Some(option) = rest.next() {
+            let value = rest
+                .next()
+                .ok_or_else(|| format!("{option} wants a value"))?;
+            match *option {
+                "--scenario" => plan.scenario = (*value).into(),
+                "--seconds" => plan.seconds = Some((*value).into()),
+                "--runs" => {
+                    plan.runs = value
+                        .parse()
+                        .ok()
+                        .filter(|runs| *runs > 0)
+                        .ok_or_else(|| format!("--runs {value}: give a number from 1"))?;
+                }
+                _ => return Err(format!("no option `{option}`; see `cargo xtask help`")),
+            }
+        }
+        Ok(plan)
+    }
+
+    fn options(&self, pipes: &Pipes) -> Vec<String> {
+        let mut words: Vec<String> = ["pil", "--scenario", &self.scenario]
+            .map(String::from)
+            .into();
+        words.extend(["--runs".into(), self.runs.to_string()]);
+        if let Some(seconds) = &self.seconds {
+            words.extend(["--seconds".into(), seconds.clone()]);
+        }
+        words.extend(["--requests".into(), text(&pipes.requests)]);
+        words.extend(["--replies".into(), text(&pipes.replies)]);
+        words
+    }
+}
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Two named pipes in a folder of their own, removed in the end.
+struct Pipes {
+    folder: PathBuf,
+    requests: PathBuf,
+    replies: PathBuf,
+}
+
+impl Pipes {
+    fn new() -> Outcome<Self> {
+        let folder = std::env::temp_dir().join(format!("vibro-pil-{}", std::process::id()));
+        std::fs::create_dir_all(&folder)?;
+        let pipes = Self {
+            requests: folder.join("requests"),
+            replies: folder.join("replies"),
+            folder,
+        };
+        for pipe in [&pipes.requests, &pipes.replies] {
+            command::run(Command::new("mkfifo").arg(pipe)).map_err(|e| {
+                format!("{e}; pipes with names are needed, as Linux and macOS have")
+            })?;
+        }
+        Ok(pipes)
+    }
+}
+
+impl Drop for Pipes {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// Builds both halves and runs them.
+pub fn run(plan: &Plan) -> Outcome {
+    firmware::build(Board::Qemu)?;
+    command::run(cargo().args(["build", "--package", "host-sim"]))?;
+    let pipes = Pipes::new()?;
+    let arguments = format!(
+        "enable=on,target=native,arg=pil,arg={},arg={}",
+        text(&pipes.requests),
+        text(&pipes.replies)
+    );
+    let mut image = qemu::command(&firmware::image("pil"), &arguments, &["-icount", "shift=0"])?;
+    let mut desktop = cargo();
+    desktop.args([
+        "run",
+        "--quiet",
+        "--package",
+        "host-sim",
+        "--bin",
+        "host-sim",
+        "--",
+    ]);
+    desktop.args(plan.options(&pipes));
+    announce(&image);
+    announce(&desktop);
+    let start = |command: &mut Command| {
+        let child = command.stdin(Stdio::null()).spawn();
+        child.map_err(|e| format!("cannot start {}: {e}", command.get_program().display()))
+    };
+    let mut image = start(&mut image)?;
+    let mut desktop = match start(&mut desktop) {
+        Ok(desktop) => desktop,
+        Err(error) => {
+            image.kill()?;
+            return Err(error.into());
+        }
+    };
+    both(&mut image, &mut desktop)
+}
+
+/// Waits for both; a side that goes on long after the other has ended is ended.
+fn both(image: &mut Child, desktop: &mut Child) -> Outcome {
+    let mut first_ended = None;
+    loop {
+        let (image_ended, desktop_ended) = (image.try_wait()?, desktop.try_wait()?);
+        if let (Some(image), Some(desktop)) = (image_ended, desktop_ended) {
+            return match (desktop.success(), image.success()) {
+                (true, true) => Ok(()),
+                (false, _) => Err("the processor in the loop differs or broke off".into()),
+                (true, false) => Err(format!("QEMU ended with {image}").into()),
+            };
+        }
+        if image_ended.is_some() || desktop_ended.is_some() {
+            let since = *first_ended.get_or_insert_with(Instant::now);
+            if since.elapsed() > AFTER {
+                let _ = (image.kill(), desktop.kill());
+                let _ = (image.wait(), desktop.wait());
+                let which = if image_ended.is_some() {
+                    "QEMU"
+                } else {
+                    "the desktop"
+                };
+                return Err(format!("{which} ended and the other side did not").into());
+            }
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_and_passed_on() {
+        let plan =
+            Plan::parse(&["--scenario", "field", "--seconds", "2.5", "--runs", "3"]).unwrap();
+        assert_eq!(plan.runs, 3);
+        let pipes = Pipes {
+            folder: PathBuf::from("nowhere"),
+            requests: "a".into(),
+            replies: "b".into(),
+        };
+        let words = plan.options(&pipes).join(" ");
+        assert_eq!(
+            words,
+            "pil --scenario field --runs 3 --seconds 2.5 --requests a --replies b"
+        );
+        assert_eq!(Plan::parse(&[]).unwrap(), Plan::default());
+        assert!(
+            Plan::parse(&["--runs", "0"])
+                .unwrap_err()
+                .contains("--runs 0")
+        );
+        assert!(Plan::parse(&["--runs"]).is_err());
+        assert!(
+            Plan::parse(&["--speed", "9"])
+                .unwrap_err()
+                .contains("--speed")
+        );
+    }
+}
