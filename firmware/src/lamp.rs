@@ -8,7 +8,7 @@
 //! | Hold | on |
 //! | Manual | on, with a short gap in every second |
 //! | Stop | even blinking, 2 Hz |
-//! | Fault | as many flashes as the fault's number (docs/faults.md), then 2 s dark |
+//! | Fault | as many flashes as the fault's number (docs/controller.md), then 2 s dark |
 
 use shared::control::State;
 

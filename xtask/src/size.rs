@@ -65,8 +65,8 @@ fn parse(lines: &[String]) -> Outcome<Run> {
     };
     let stack = numbers("stack ").ok_or("the app told no stack")?;
     let instructions = numbers("instructions per tick").ok_or("the app told no instructions")?;
-    match (stack[..], instructions[..]) {
-        ([stack, _], [median, worst]) => Ok(Run {
+    match (&stack[..], &instructions[..]) {
+        (&[stack, _], &[median, worst]) => Ok(Run {
             stack,
             median,
             worst,
