@@ -6,8 +6,11 @@ use super::log::state_name;
 use super::record::{BlockRow, Contact, Event, Observer, TickRow, What};
 use crate::picture::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
-/// Time between two points of a curve, s.
+/// Time between two points of a curve at first, s.
 const POINT_S: f64 = 0.05;
+
+/// Points of a curve at most; then every other is dropped and the time between them doubled.
+const MOST_POINTS: usize = 20_000;
 
 /// How often the largest force is shown while there is no drive, Hz.
 const OFF_HZ: f64 = 4.0;
@@ -16,7 +19,7 @@ const OFF_HZ: f64 = 4.0;
 const NAMED_MARKS: usize = 8;
 
 /// What of a run is drawn. Watches it ([`Observer`]) and keeps a few thousand points.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Trace {
     /// What the controller did, and since when, s.
     states: Vec<(f64, State)>,
@@ -34,11 +37,48 @@ pub struct Trace {
     period: f64,
     peak_n: f64,
     next_point_s: f64,
+    point_s: f64,
     time_s: f64,
     on: bool,
 }
 
+impl Default for Trace {
+    fn default() -> Self {
+        Self {
+            states: Vec::new(),
+            frequency: Vec::new(),
+            target: Vec::new(),
+            commanded: Vec::new(),
+            measured: Vec::new(),
+            peaks: Vec::new(),
+            marks: Vec::new(),
+            period: 0.0,
+            peak_n: 0.0,
+            next_point_s: 0.0,
+            point_s: POINT_S,
+            time_s: 0.0,
+            on: false,
+        }
+    }
+}
+
 impl Trace {
+    /// Keeps a run of any length drawable.
+    fn thin(&mut self) {
+        if self.frequency.len() < MOST_POINTS {
+            return;
+        }
+        self.point_s *= 2.0;
+        for curve in [
+            &mut self.frequency,
+            &mut self.target,
+            &mut self.commanded,
+            &mut self.measured,
+        ] {
+            *curve = curve.iter().step_by(2).copied().collect();
+        }
+    }
+
     /// Rig time seen so far, s.
     pub fn time_s(&self) -> f64 {
         self.time_s
@@ -71,7 +111,8 @@ impl Observer for Trace {
         if self.time_s < self.next_point_s {
             return;
         }
-        self.next_point_s = self.time_s + POINT_S;
+        self.thin();
+        self.next_point_s = self.time_s + self.point_s;
         let while_on = |value: f64| if self.on { value } else { f64::NAN };
         let point = |value: f64| (self.time_s, value);
         let target_hz = f64::from(status.target_hz);
@@ -222,5 +263,123 @@ fn state_color(state: State) -> Option<Color> {
         State::Stop => Some(Color::GREY),
         State::Fault => Some(Color::RED),
         State::Manual => Some(Color::BLUE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::control::{Basin, Status};
+    use shared::io::{Frame, Output};
+    use shared::regime::Regime;
+
+    use super::*;
+    use crate::picture::render_svg;
+
+    /// Watches `seconds` of a run: idle, a start at 1 s, a blow every half second, a fault at the end.
+    fn watched(seconds: u32) -> Trace {
+        let mut trace = Trace::default();
+        // A block of 0.05 s, so that a long run is short to test.
+        for k in 1..=seconds * 20 {
+            let time_s = f64::from(k) * 0.05;
+            let on = time_s > 1.0;
+            let output = Output {
+                enable: on,
+                ..Output::SAFE
+            };
+            trace.tick(&TickRow {
+                tick: u64::from(k) * 1000,
+                time_s,
+                frame: Frame::default(),
+                output,
+                true_force_n: 0.0,
+                hammer_m: 0.0,
+                cart_m: 0.0,
+            });
+            if on && k.is_multiple_of(10) {
+                trace.contact(&Contact {
+                    peak_force_n: 96.0,
+                    ..Contact::default()
+                });
+            }
+            trace.block(&BlockRow {
+                tick: u64::from(k) * 1000,
+                ticks: 1000,
+                commands: &[],
+                frames: &[],
+                outputs: &[],
+                delivered: true,
+                overrun: false,
+                stale: false,
+                slices: 0,
+                status: &status(if on { State::Hold } else { State::Idle }),
+            });
+        }
+        trace.event(&Event {
+            tick: 0,
+            time_s: f64::from(seconds),
+            what: What::Fault {
+                fault: shared::fault::Fault::OverForce,
+                origin: shared::fault::Origin::Force,
+                value: 1.0,
+            },
+        });
+        trace
+    }
+
+    fn status(state: State) -> Status {
+        Status {
+            tick: 0,
+            state,
+            fault: None,
+            limits: 0,
+            frequency_hz: 2.0,
+            amplitude_m: 1e-3,
+            measured_amplitude_m: 1e-3,
+            lag_rad: 0.0,
+            regime: Regime::None,
+            peak_n: 0.0,
+            impulse_ns: 0.0,
+            target_hz: 2.1,
+            target_n: 0.0,
+            basin: Basin::Unknown,
+            reseeks: 0,
+            overruns: 0,
+        }
+    }
+
+    #[test]
+    fn every_period_shows_its_blow_and_the_picture_names_states_faults_and_units() {
+        let trace = watched(20);
+        assert_eq!(trace.states.len(), 2);
+        let whole = trace.peaks.iter().filter(|(t, _)| *t > 2.0);
+        assert!(whole.clone().count() >= 35);
+        assert!(whole.clone().all(|(_, n)| *n == 96.0), "{:?}", trace.peaks);
+        let about = About {
+            title: "a run".into(),
+            subtitle: String::new(),
+            weight_n: 3.0,
+            optimum: Some((2.2, 99.0)),
+        };
+        let svg = render_svg(&figure(&trace, &about)).unwrap();
+        for text in [
+            "hold",
+            "over-force",
+            "frequency, Hz",
+            "F/(m g)",
+            "amplitude, mm",
+            "optimum of the true rig 2.200 Hz",
+            "optimum of the true rig 33.0",
+        ] {
+            assert!(svg.contains(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_long_run_stays_drawable() {
+        let trace = watched(5000);
+        assert!(trace.frequency.len() <= MOST_POINTS);
+        let last = trace.frequency.last().unwrap();
+        assert!(last.0 > 4999.0, "{last:?}");
+        assert!(trace.frequency.windows(2).all(|w| w[0].0 < w[1].0));
     }
 }
