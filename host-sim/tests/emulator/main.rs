@@ -3,6 +3,7 @@
 mod balances;
 mod builtin;
 mod faults;
+mod random;
 mod scenarios;
 mod sensors;
 mod stiff_limit;
