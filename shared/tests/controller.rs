@@ -368,4 +368,10 @@ fn a_silent_link_in_command_stops_the_drive_and_a_link_heard_again_releases_it()
     assert!((40_000..=40_020).contains(&driven), "2 s: {driven}");
     bench.controller.command(Command::Alive).unwrap();
     assert_eq!(bench.controller.state(), State::Idle);
+
+    // Started again by hand at the board, nobody on the link need say anything.
+    let start = Command::Start(Mode::Manual);
+    bench.controller.command(start).unwrap();
+    assert!(bench.reaches(State::Manual, 60));
+    assert!(!bench.reaches(State::Fault, 5));
 }

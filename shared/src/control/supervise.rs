@@ -104,6 +104,8 @@ impl Controller {
 
     pub(super) fn start(&mut self, mode: Mode) {
         self.mode = mode;
+        // Whoever steers says so after the start.
+        self.timers.remote = false;
         self.self_test = SelfTest::new(&self.settings);
         self.timers.since_alive = 0;
         self.basin = Basin::Unknown;
