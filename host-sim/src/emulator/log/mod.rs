@@ -8,6 +8,7 @@
 //! Both files stand under a passing name until [`Writer::finish`]; a run that is broken off leaves nothing
 //! under the final one.
 
+mod channels;
 mod columns;
 pub mod mcap;
 mod observer;
