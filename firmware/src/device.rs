@@ -82,7 +82,8 @@ where
     }
 
     fn identified(&mut self) -> Identified {
-        Identified::default()
+        self.desk
+            .lock(|desk| Identified::of(desk.controller().identified()))
     }
 
     fn record(&mut self, on: bool) -> Result<(), Refusal> {

@@ -1,5 +1,5 @@
 //! A check, not to be run: links only if no panic can be reached from the
-//! control task's work.
+//! control task's work, from the forecast's slices, or from what the link makes of bytes.
 //!
 //! The panic handler calls a function that nobody defines. As long as a panic
 //! is left in the program after optimisation, so is the handler, and the linker
@@ -11,8 +11,10 @@
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
-use shared::control::{Birth, Lockstep, MAX_BLOCK};
+use firmware::{BLOCK_TICKS, bench::Bench, desk::Desk};
+use shared::control::{Birth, Controller, Lockstep, MAX_BLOCK};
 use shared::io::{Frame, Output};
+use shared::link::{Decoder, FromBoard, MAX_FRAME, Packet, Recording, ToBoard, encode};
 use shared::params::WIRES;
 use shared::settings::Settings;
 
@@ -34,6 +36,46 @@ fn main() -> ! {
         let _ = node.controller.replace_settings(&black_box(settings));
         black_box(node.controller.status());
         black_box(node.controller.take_event());
+        board(&settings);
+        link();
+    }
+}
+
+/// A block as the board runs it, in bench mode and recorded.
+#[inline(never)]
+fn board(settings: &Settings) {
+    let Ok(controller) = Controller::new(settings, &black_box(Birth::default())) else {
+        return;
+    };
+    let mut desk = Desk::new(controller);
+    let mut bench = Bench::new(settings);
+    let mut outputs = black_box([Output::SAFE; BLOCK_TICKS]);
+    let mut frames = [Frame::default(); BLOCK_TICKS];
+    desk.record(black_box(true));
+    for _ in 0..black_box(9) {
+        bench.block(&outputs, &mut frames);
+        let _ = desk.command(black_box(shared::control::Command::Stop));
+        desk.block(black_box(Some(&frames)), &mut outputs);
+        while let Some(exchange) = desk.take_exchange() {
+            black_box(Recording::pack(&exchange));
+        }
+    }
+}
+
+/// Bytes from the wire into a packet, and a packet into bytes.
+#[inline(never)]
+fn link() {
+    let mut decoder = Decoder::new();
+    let mut frame = [0; MAX_FRAME];
+    for byte in black_box([0_u8; 64]) {
+        if let Some(Packet { message, sequence }) = decoder.push::<ToBoard>(byte) {
+            black_box(message);
+            let packet = Packet {
+                sequence,
+                message: black_box(None::<FromBoard>),
+            };
+            black_box(encode(&packet, &mut frame));
+        }
     }
 }
 

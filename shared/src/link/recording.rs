@@ -141,9 +141,11 @@ impl Recording {
 fn steps(outputs: &[Output]) -> Vec<i32, MAX_BLOCK> {
     let bits = |output: &Output| output.frequency_hz.to_bits();
     let pairs = outputs.iter().zip(outputs.iter().skip(1));
-    let steps: Vec<i32, MAX_BLOCK> = pairs
-        .map(|(a, b)| bits(b).wrapping_sub(bits(a)) as i32)
-        .collect();
+    let mut steps = Vec::new();
+    for (a, b) in pairs {
+        // One fewer than outputs, which fit. (Collecting would panic if it did not.)
+        let _ = steps.push(bits(b).wrapping_sub(bits(a)) as i32);
+    }
     if steps.iter().all(|step| *step == 0) {
         return Vec::new();
     }
