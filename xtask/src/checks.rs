@@ -51,7 +51,7 @@ const STEPS: &[Step] = &[
     ("firmware run in QEMU, budgets", || silent(size::run())),
     ("forecast in QEMU", || silent(forecast::run())),
     ("processor in the loop", || {
-        silent(pil::run(&pil::Plan::check()))
+        silent(pil::Plan::checks().iter().try_for_each(pil::run))
     }),
 ];
 

@@ -43,13 +43,14 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// What every change is checked with: ten runs of 10 s.
-    pub fn check() -> Self {
-        Self {
-            seconds: Some("10".into()),
-            runs: 10,
+    /// What every change is checked with: the field scenario to Hold and on (180 s), and a crash with the reset
+    /// and the record after it (30 s).
+    pub fn checks() -> [Self; 2] {
+        let named = |scenario: &str| Self {
+            scenario: scenario.into(),
             ..Self::default()
-        }
+        };
+        ["field", "crash"].map(named)
     }
 
     /// Reads the options behind `cargo xtask pil`.
