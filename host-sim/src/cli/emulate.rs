@@ -28,7 +28,7 @@ use crate::terminal::Progress;
 const ENDLESS_S: f64 = 1e9;
 
 /// Exit code: 0 what the scenario expects came out, 1 it did not, 2 the input cannot be used.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// A built-in scenario (`host-sim scenarios` lists them) or a scenario file
     #[arg(value_name = "NAME|FILE.toml", conflicts_with = "scenario")]
@@ -43,11 +43,12 @@ pub struct Args {
     format: Format,
 
     /// Folder for the log (Parquet, and MCAP for Foxglove), the picture (SVG, PNG), verdict and timeline
+    /// [default: out with --format text, none otherwise]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// With --out: no log
-    #[arg(long, requires = "out")]
+    /// No log: picture, verdict and timeline alone
+    #[arg(long)]
     no_log: bool,
 
     /// Behind a pseudo-terminal for `host-sim link`, in real time, until interrupted: the scenario's rig and
@@ -67,6 +68,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
+    let mut args = args.clone();
+    if args.format == Format::Text {
+        args.out.get_or_insert_with(|| "out".into());
+    }
+    let args = &args;
     check_out(args.out.as_deref())?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
     let name = name.map_or("field", String::as_str);
