@@ -43,14 +43,19 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// What every change is checked with: the field scenario to Hold and on (180 s), and a crash with the reset
-    /// and the record after it (30 s).
-    pub fn checks() -> [Self; 2] {
+    /// What every change is checked with: the field scenario to Hold and on (180 s), a crash with the reset and
+    /// the record after it (30 s), and ten runs of 10 s of a beam rig, each with its own noise.
+    pub fn checks() -> [Self; 3] {
         let named = |scenario: &str| Self {
             scenario: scenario.into(),
             ..Self::default()
         };
-        ["field", "crash"].map(named)
+        let often = Self {
+            seconds: Some("10".into()),
+            runs: 10,
+            ..named("held-beam-135")
+        };
+        [named("field"), named("crash"), often]
     }
 
     /// Reads the options behind `cargo xtask pil`.
