@@ -278,7 +278,6 @@ fn input_that_cannot_be_used_gets_one_line() {
         ("emulate nowhere", "nowhere"),
         ("emulate nowhere.toml", "nowhere.toml"),
         ("emulate field --out taken", "taken"),
-        ("emulate field --no-log", "--out"),
         ("emulate field --scenario field", "--scenario"),
         ("replay nowhere.parquet", "nowhere.parquet"),
         ("replay notes.parquet", "notes.parquet"),
