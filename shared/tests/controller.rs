@@ -304,6 +304,21 @@ fn why_the_board_started_is_taken_account_of() {
 }
 
 #[test]
+fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
+    let settings = Settings::for_rig(&WIRES);
+    let birth = Birth {
+        settings_corrupt: true,
+        ..Birth::default()
+    };
+    let mut controller = Controller::new(&settings, &birth).unwrap();
+    let clear = Command::ClearFault;
+    assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
+    controller.replace_settings(&settings).unwrap();
+    assert_eq!(controller.state(), State::Fault);
+    assert_eq!(controller.command(clear), Ok(()));
+}
+
+#[test]
 fn a_fault_whose_cause_is_there_cannot_be_cleared() {
     let mut bench = Bench::new();
     bench.block(10, &Happening::Emergency);

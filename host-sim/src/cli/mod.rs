@@ -117,13 +117,19 @@ fn one_line(message: &str) -> String {
 
 /// Writes to standard output; a reader that has gone away is no error.
 fn print(text: &str) {
+    still_read(text);
+}
+
+/// The same, and tells whether somebody still reads.
+fn still_read(text: &str) -> bool {
     let mut out = std::io::stdout().lock();
-    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    if let Err(error) = written
-        && error.kind() != ErrorKind::BrokenPipe
-    {
-        complain(&format!("error: cannot write to standard output: {error}"));
-        std::process::exit(2);
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => true,
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => false,
+        Err(error) => {
+            complain(&format!("error: cannot write to standard output: {error}"));
+            std::process::exit(2);
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use shared::control::{Command, Event as Told, MAX_BLOCK, What as Saying};
+use shared::control::{Command, Event as Told, MAX_BLOCK, What as Saying, bits};
 use shared::io::{Frame, Output};
 
 use super::record::{BlockRow, Event, Given, Observer, TickRow, What};
@@ -10,6 +10,7 @@ use super::scenario::Scenario;
 use super::schedule::{Doing, Due, Spell, schedule, state_name};
 use super::tally::Tally;
 use super::under_test::{ControlUnderTest, Reset};
+use super::verdict::basin_name;
 use super::world::World;
 use crate::error::UserError;
 
@@ -276,7 +277,23 @@ fn in_words(what: &Saying) -> String {
         } => format!("best so far: {frequency_hz:.3} Hz, {impulse_ns:.4} N s per contact"),
         Saying::RegimeLost => "1/1 lost".into(),
         Saying::Doubling { frequency_hz } => format!("doubling at {frequency_hz:.3} Hz"),
-        Saying::Basin(basin) => format!("basin: {basin:?}"),
-        Saying::Limits(bits) => format!("limits: {bits:#06b}"),
+        Saying::Basin(basin) => format!("basin: {}", basin_name(*basin)),
+        Saying::Limits(0) => "no limit clamps any more".into(),
+        Saying::Limits(bits) => format!("limited by {}", limit_names(*bits)),
     }
+}
+
+/// Names of the limits whose bits are set.
+fn limit_names(set: u8) -> String {
+    let names = [
+        (bits::FORCE, "force"),
+        (bits::TRAVEL, "travel"),
+        (bits::FREQUENCY, "frequency"),
+        (bits::AMPLITUDE, "amplitude"),
+    ];
+    let clamping = names.iter().filter(|(bit, _)| set & bit != 0);
+    clamping
+        .map(|(_, name)| *name)
+        .collect::<Vec<_>>()
+        .join(", ")
 }

@@ -50,6 +50,8 @@ pub struct Controller {
     pub(super) forecast: Outlook,
     pub(super) timers: Timers,
     pub(super) record: Option<Record>,
+    /// Damaged settings were found, and none have been sent since: defaults stand in, fit for no rig.
+    pub(super) settings_corrupt: bool,
     /// A condition that trips was there in the last block.
     pub(super) condition: Option<Fault>,
     pub(super) events: Events,
@@ -63,6 +65,8 @@ pub struct Controller {
     pub(super) striking: u8,
     pub(super) silent: u8,
     pub(super) limits: u8,
+    /// Limits as last told in an event.
+    pub(super) told_limits: u8,
     pub(super) reseeks: u16,
     pub(super) overruns: u32,
 }
@@ -116,6 +120,7 @@ impl Controller {
             forecast: Outlook::default(),
             timers: Timers::default(),
             record: birth.record,
+            settings_corrupt: birth.settings_corrupt,
             condition: None,
             events: Events::default(),
             last: None,
@@ -126,6 +131,7 @@ impl Controller {
             striking: 0,
             silent: 0,
             limits: 0,
+            told_limits: 0,
             reseeks: 0,
             overruns: 0,
         };
@@ -219,7 +225,7 @@ impl Controller {
                 if self.state != State::Fault {
                     return Err(Refused::WrongState);
                 }
-                if self.condition.is_some() {
+                if self.condition.is_some() || self.settings_corrupt {
                     return Err(Refused::StillFaulty);
                 }
                 self.clear();
@@ -233,7 +239,8 @@ impl Controller {
         Ok(())
     }
 
-    /// Swaps the settings as a whole, in Idle (or after a fault, which stays); what was in force is lost.
+    /// Swaps the settings as a whole, in Idle (or after a fault, which stays); what was in force is lost. After
+    /// damaged settings, only this lets the fault be cleared.
     ///
     /// # Errors
     /// In any other state; settings out of range.

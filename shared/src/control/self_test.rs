@@ -25,7 +25,7 @@ pub struct Zero {
     pub force_n: f32,
     /// Hammer relative to the cart at rest, m; none if it would not come to rest.
     pub relative_m: Option<f32>,
-    /// Whether the force sensor's code varied.
+    /// Whether the force sensor's code varied with the hammer at rest.
     pub force_is_live: bool,
 }
 
@@ -71,6 +71,7 @@ impl SelfTest {
             self.force_sum = 0.0;
             self.relative_sum = 0.0;
             self.relative_squares = 0.0;
+            self.codes = (AdcCode(u16::MAX), AdcCode(0));
         }
         let relative =
             (sample.hammer_m - sample.cart_m) - (self.first.hammer_m - self.first.cart_m);
@@ -112,7 +113,8 @@ impl SelfTest {
             _ => Ok(Zero {
                 force_n,
                 relative_m,
-                force_is_live: self.codes.0 != self.codes.1,
+                // A hammer that swings may strike: that is no noise.
+                force_is_live: relative_m.is_some() && self.codes.0 != self.codes.1,
             }),
         }
     }

@@ -41,6 +41,10 @@ impl Controller {
             }
             _ => 0,
         };
+        if self.limits != self.told_limits {
+            self.told_limits = self.limits;
+            self.events.push(self.tick, What::Limits(self.limits));
+        }
     }
 
     /// The two faults of a hammer that does not do what it should.
@@ -87,6 +91,9 @@ impl Controller {
         self.guard.restart(self.sensed_drive.now());
         self.family.restart();
         self.trim = Trim::new(&self.settings);
+        if let (Mode::Automatic, Some(target)) = (self.mode, &self.forecast.target) {
+            self.trim.expect(target.orbit.force_n);
+        }
         let amplitude_m = self.trim.command();
         self.oscillator.aim_amplitude(amplitude_m);
         self.change(State::Ramp);

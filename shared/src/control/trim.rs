@@ -9,6 +9,8 @@ use crate::settings::Settings;
 const GAIN: f32 = 0.2;
 /// How far the loop may move the command from the amplitude wanted, either way.
 const RANGE: (f32, f32) = (0.6, 1.6);
+/// Drive periods between two cuts: a hammer takes some to answer to one.
+const ANSWER_PERIODS: u8 = 4;
 /// How much of what a limit has drawn back is given again per drive period.
 const RELEASE: f32 = 1.01;
 
@@ -35,6 +37,8 @@ pub struct Trim {
     gain: f32,
     /// Share of the amplitude wanted that the limits leave.
     draw: f32,
+    /// Drive periods until the next cut or release.
+    wait: u8,
     limits: u8,
 }
 
@@ -48,6 +52,7 @@ impl Trim {
             travel_m: settings.limits.travel_m,
             gain: 1.0,
             draw: 1.0,
+            wait: 0,
             limits: 0,
         }
     }
@@ -55,6 +60,15 @@ impl Trim {
     /// The amplitude wanted, m (clamped by [`Self::command`]).
     pub fn want(&mut self, amplitude_m: f32) {
         self.wanted_m = amplitude_m.max(0.0);
+    }
+
+    /// The forecast has `force_n` at the amplitude wanted: the amplitude starts as low as the force limit asks
+    /// (the force of a 1/1 at no gap is in proportion to it).
+    pub fn expect(&mut self, force_n: f32) {
+        if force_n > self.force_n {
+            self.draw = (0.9 * self.force_n / force_n).max(0.05);
+            self.limits |= bits::FORCE;
+        }
     }
 
     /// Limits that clamp, as [`bits`].
@@ -77,8 +91,11 @@ impl Trim {
         let over_force = strobe.peak_n / self.force_n;
         let over_travel = strobe.travel_m / self.travel_m;
         let over = over_force.max(over_travel);
-        if over > 1.0 {
+        if self.wait > 0 {
+            self.wait -= 1;
+        } else if over > 1.0 {
             self.draw = (self.draw / over.min(2.0)).max(0.05);
+            self.wait = ANSWER_PERIODS;
         } else if over < 0.95 {
             self.draw = (self.draw * RELEASE).min(1.0);
         }
@@ -136,6 +153,22 @@ mod tests {
         let command = run(&mut trim, 100, |_| Strobe::default());
         assert_eq!(command, settings.limits.amplitude_m);
         assert_eq!(trim.limits(), bits::AMPLITUDE);
+    }
+
+    #[test]
+    fn a_force_that_is_forecast_above_the_limit_is_never_reached() {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        trim.expect(1.5 * settings.limits.force_n);
+        let command = trim.command();
+        assert!((command / 0.89e-3 - 0.6).abs() < 1e-3, "{command}");
+        assert_eq!(trim.limits(), bits::FORCE);
+        trim.expect(0.5 * settings.limits.force_n);
+        assert_eq!(
+            trim.command(),
+            command,
+            "what the rig can do says nothing of it"
+        );
     }
 
     #[test]

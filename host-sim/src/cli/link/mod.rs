@@ -114,7 +114,8 @@ struct Recording {
     /// How long, s of the controller's time
     #[arg(long = "for", value_name = "S", default_value_t = 60.0)]
     duration_s: f64,
-    /// Start the controller once the recording runs, and stop it at the end
+    /// Start the controller once the recording runs, and stop it at the end (an interrupted recording is lost,
+    /// and leaves the controller running: `link PORT stop`)
     #[arg(long)]
     start: bool,
 }
@@ -142,7 +143,7 @@ struct Sweep {
     /// From the highest to the lowest
     #[arg(long)]
     down: bool,
-    /// Where to; what was measured until something fails is written, too
+    /// Where to; what was measured until something fails is written, too (not when you interrupt)
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
 }

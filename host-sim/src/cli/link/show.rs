@@ -8,7 +8,7 @@ use shared::fault::Record;
 use shared::link::{Answer, ForecastPage, FromBoard, Hello, ToBoard};
 use shared::settings::TICK_RATE_HZ;
 
-use super::super::{common::Format, print, to_json};
+use super::super::{common::Format, print, still_read, to_json};
 use super::Port;
 use crate::error::UserError;
 use crate::link::client::state_name;
@@ -112,9 +112,9 @@ pub fn monitor(port: &mut Port, duration_s: Option<f64>, rate: f64) -> Result<()
             heard = Instant::now();
             let status = telemetry.status;
             let begun = *begun.get_or_insert(status.tick);
-            print(&format!("{}\n", line(&status)));
+            let read = still_read(&format!("{}\n", line(&status)));
             let passed = f64::from(status.tick.wrapping_sub(begun)) / f64::from(TICK_RATE_HZ);
-            if duration_s.is_some_and(|limit_s| passed >= limit_s) {
+            if !read || duration_s.is_some_and(|limit_s| passed >= limit_s) {
                 return port.tell(ToBoard::StreamTelemetry { decimation: 0 });
             }
         } else if heard.elapsed() > silence {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use shared::fault::Fault;
 use shared::params::RigParams;
 use shared::settings::Settings;
 use toml::Value;
@@ -45,6 +46,18 @@ struct File {
     #[serde(default)]
     expect: Expect,
 }
+
+/// States by the names scenarios give them.
+const STATES: [&str; 8] = [
+    "idle",
+    "self-test",
+    "ramp",
+    "seek",
+    "hold",
+    "stop",
+    "fault",
+    "manual",
+];
 
 fn one() -> u64 {
     1
@@ -142,6 +155,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         complaint(e.message()).at(format!("{place}, line {line}"))
     })?;
     check(&file).map_err(|e| e.at(place))?;
+    expected(&file.expect).map_err(|e| e.at(format!("{place}, [expect]")))?;
     let (true_rig, plain) = true_rig(file.true_rig, place)?;
     let believed = match file.believed {
         Some(keys) => rigfile::from_keys(keys, &format!("{place}, [believed]"))?,
@@ -378,4 +392,32 @@ fn sensors(file: &Sensors, settings: &Settings) -> Result<SensorParams, UserErro
             d.ringing_decay_s,
         )?,
     })
+}
+
+/// Whether what is expected can come.
+fn expected(expect: &Expect) -> Result<(), UserError> {
+    let one_of = |key: &str, given: &str, known: &[&str]| {
+        if known.contains(&given) {
+            return Ok(());
+        }
+        let known = known.join(", ");
+        Err(UserError::new(format!(
+            "{key} is `{given}`, must be one of {known}"
+        )))
+    };
+    if let Some(state) = &expect.final_state {
+        one_of("final_state", state, &STATES)?;
+    }
+    if let Some(basin) = &expect.basin {
+        one_of("basin", basin, &["impact", "no-impact", "unknown"])?;
+    }
+    for fault in &expect.faults {
+        one_of("faults", fault, &Fault::ALL.map(Fault::name))?;
+    }
+    match expect.min_force_share {
+        Some(share) if !(0.0..=2.0).contains(&share) => Err(UserError::new(format!(
+            "min_force_share is {share}, must be 0 to 2"
+        ))),
+        _ => Ok(()),
+    }
 }
