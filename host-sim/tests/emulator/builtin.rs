@@ -43,7 +43,7 @@ macro_rules! scenarios {
         #[test]
         fn none_is_forgotten() {
             let here = [$($name),*];
-            let faults = super::faults::NAMES;
+            let faults = super::faults::names();
             for (name, _) in BUILTIN {
                 assert!(here.contains(&name) || faults.contains(&name), "{name}");
             }

@@ -2,28 +2,14 @@
 //! in which nothing trips.
 
 use host_sim::emulator::scenario::{Act, Scenario, load};
+use shared::fault::Fault;
 
 use crate::builtin::verdict;
 
-/// The scenarios run here.
-pub const NAMES: [&str; 16] = [
-    "emergency-stop",
-    "over-force",
-    "over-travel",
-    "sensor-saturated",
-    "sensor-open",
-    "sensor-frozen",
-    "sensor-out-of-family",
-    "no-contact",
-    "regime-lost",
-    "overrun",
-    "stale-samples",
-    "link-timeout",
-    "corrupt-settings",
-    "watchdog-reset",
-    "brown-out",
-    "crash",
-];
+/// The scenarios run here: each fault has one of its name.
+pub fn names() -> [&'static str; 16] {
+    Fault::ALL.map(Fault::name)
+}
 
 /// Ticks from a condition complete to the drive off: the rest of its block and one more.
 const BLOCKS: u64 = 20;

@@ -79,7 +79,7 @@ impl Writer {
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
         let target = staged.path().to_owned();
-        let options = mcap::WriteOptions::new().compression(None).library(PROGRAM);
+        let options = mcap::WriteOptions::new().compression(None);
         let begin = || -> mcap::McapResult<_> {
             let mut file = options.create(BufWriter::new(staged))?;
             let mut channels = Vec::with_capacity(CHANNELS.len());
