@@ -1,7 +1,7 @@
 //! Random rigs, beliefs, sensors and mishaps: whatever happens, what the sensors show above a trip level switches
 //! the drive off in time, nothing that is not a number comes out, and a stop is obeyed.
 //!
-//! `PROPTEST_CASES=5000 cargo test -p host-sim --test emulator random` for more than the few dozen run here.
+//! `PROPTEST_CASES=5000 cargo test -p host-sim --test emulator random` for more than the 250 run here.
 
 use host_sim::emulator::local::Local;
 use host_sim::emulator::record::{BlockRow, Observer, TickRow};
@@ -176,7 +176,7 @@ prop_compose! {
 
 fn cases() -> u32 {
     let asked = std::env::var("PROPTEST_CASES").ok();
-    asked.and_then(|n| n.parse().ok()).unwrap_or(32)
+    asked.and_then(|n| n.parse().ok()).unwrap_or(250)
 }
 
 proptest! {
