@@ -8,13 +8,15 @@ use super::{Machine, Recorder, Sample};
 use crate::error::UserError;
 use crate::reference::{Contact, Observer, Reference, Segment};
 
-/// The reference on `section`.
+/// The reference at coordinate and rate `section`, at drive `phase` (turns).
 pub fn machine(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
+    phase: f64,
 ) -> Result<Box<dyn Machine>, UserError> {
     let hammer = Reference::<f64>::new(params, frequency_hz, section[0], section[1])?;
+    let hammer = hammer.from_phase(phase);
     Ok(Box::new(Event {
         hammer,
         frequency_hz,

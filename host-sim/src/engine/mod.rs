@@ -96,11 +96,33 @@ pub fn machine(
     frequency_hz: f64,
     start: Start,
 ) -> Result<Box<dyn Machine>, UserError> {
+    machine_at(engine, params, frequency_hz, start, 0.0)
+}
+
+/// The same, starting at drive `phase` (turns, from 0 to below 1): the first period run is what is left of one.
+///
+/// # Errors
+/// As [`machine`]; also a phase outside its range, or other than 0 with the switch model.
+pub fn machine_at(
+    engine: Engine,
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+    phase: f64,
+) -> Result<Box<dyn Machine>, UserError> {
     check_frequency(frequency_hz, params)?;
+    if !(0.0..1.0).contains(&phase) {
+        return Err(UserError::new(format!(
+            "the drive phase at the start is {phase} turns, must be from 0 to below 1"
+        )));
+    }
     let rig = Rig::<f64>::new(params)?;
     let section = start.section(&rig, std::f64::consts::TAU * frequency_hz)?;
     match engine {
-        Engine::Event => event::machine(params, frequency_hz, section),
+        Engine::Event => event::machine(params, frequency_hz, section, phase),
+        Engine::Switch(_) if phase != 0.0 => Err(UserError::new(
+            "the switch engine starts at drive phase 0; use the event engine for other phases",
+        )),
         Engine::Switch(setting) => switch::machine(setting, params, frequency_hz, section),
     }
 }
@@ -191,7 +213,7 @@ pub fn observe(
 
 /// Whether the hammer is still where the model holds: on wires below the horizontal, on beams within a
 /// metre.
-fn within_reach(machine: &dyn Machine) -> Result<(), UserError> {
+pub(crate) fn within_reach(machine: &dyn Machine) -> Result<(), UserError> {
     const FARTHEST: f64 = 1.0;
     let [q, v] = machine.section();
     if q.abs() < FARTHEST && v.is_finite() {

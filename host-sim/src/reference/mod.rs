@@ -188,6 +188,18 @@ impl<R: Scalar> Reference<R> {
         Ok(hammer)
     }
 
+    /// The same state, at drive `phase` (turns, from 0 to below 1) instead of 0: the first period run is what is left
+    /// of one.
+    #[must_use]
+    pub fn from_phase(mut self, phase: f64) -> Self {
+        self.point.t = R::from_f64(phase * self.period_s);
+        if let Some(open) = &mut self.open {
+            open.onset_s = self.point.t.to_f64();
+            open.peak_at_s = open.onset_s;
+        }
+        self
+    }
+
     /// The rig in f64.
     pub fn rig(&self) -> &Rig<f64> {
         &self.plain
