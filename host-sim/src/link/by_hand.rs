@@ -36,6 +36,9 @@ pub struct Plan {
 /// A measured point. As a line of CSV it is what `host-sim sweep --measured` reads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
+    /// Drive frequency as it was asked, Hz; not part of the table.
+    #[serde(skip)]
+    pub asked_hz: f64,
     /// Drive frequency as it was, Hz: within the limits, as near as possible to what was asked.
     pub frequency_hz: f64,
     /// Largest force of a drive period while it was watched, N.
@@ -44,6 +47,13 @@ pub struct Point {
     pub regime: String,
     /// Measured cart amplitude at the end, mm.
     pub amplitude_mm: f64,
+}
+
+impl Point {
+    /// Whether the controller kept the drive within its limits instead of following what was asked.
+    pub fn was_limited(&self) -> bool {
+        (self.frequency_hz - self.asked_hz).abs() > 1e-4 * self.asked_hz
+    }
 }
 
 /// Starts in manual mode, measures the curve, and stops again. `seen` is told every point as it comes; what
@@ -100,6 +110,7 @@ fn point<P: Read + Write>(
         force_n = force_n.max(status.peak_n);
     })?;
     Ok(Point {
+        asked_hz: frequency_hz,
         frequency_hz: shortest(last.frequency_hz),
         force_n: shortest(force_n),
         regime: last.regime.to_string(),

@@ -33,8 +33,12 @@ pub fn record<P: Read + Write>(
     };
     let status = client.status()?;
     if status.state != State::Idle {
+        let first = match status.state {
+            State::Fault => "clear-fault",
+            _ => "stop",
+        };
         return Err(client.complaint(format!(
-            "a recording begins in idle, so that it can be replayed, and the controller is in {}; `host-sim link {} stop` first",
+            "a recording begins in idle, so that it can be replayed, and the controller is in {}; `host-sim link {} {first}` first",
             state_name(status.state),
             client.name()
         )));

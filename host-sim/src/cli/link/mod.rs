@@ -313,6 +313,12 @@ fn sweep(port: &mut Port, plan: &Sweep) -> Result<(), UserError> {
             "{:8.4} Hz  {:8.2} N  {:>9}  {:.3} mm",
             point.frequency_hz, point.force_n, point.regime, point.amplitude_mm
         ));
+        if point.was_limited() {
+            super::say(&format!(
+                "note: {} Hz was asked; the controller keeps within its frequency limits (`host-sim link PORT get` tells them)",
+                point.asked_hz
+            ));
+        }
         points.push(point.clone());
     });
     if !points.is_empty() {
