@@ -8,7 +8,7 @@ use crate::{
     command::{self, cargo, run_tee},
     debian,
     firmware::{self, Board},
-    forecast, pil, size,
+    flip_link, forecast, pil, size,
 };
 
 /// The host tests take minutes; a quarter of an hour is a test that hangs.
@@ -18,7 +18,10 @@ const TEST_LIMIT: Duration = Duration::from_secs(15 * 60);
 type Step = (&'static str, fn() -> Outcome<String>);
 
 const STEPS: &[Step] = &[
-    ("tools", || silent(debian::provide())),
+    ("tools", || {
+        debian::provide()?;
+        silent(flip_link::provide().map(drop))
+    }),
     ("format", || {
         silent(command::run(cargo().args(["fmt", "--all", "--check"])))
     }),

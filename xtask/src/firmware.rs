@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::{
-    Outcome, command, debian,
+    Outcome, command, debian, flip_link,
     toolchain::{self, TARGET, Toolchain},
 };
 
@@ -58,14 +58,34 @@ const FIRMWARE: [&str; 5] = ["--profile", "firmware", "--package", "firmware", "
 
 /// Builds all programs of a board and returns where they lie, relative to the root.
 pub fn build(board: Board) -> Outcome<Vec<PathBuf>> {
-    let mut cargo = toolchain()?.cargo("build");
-    cargo.args(FIRMWARE).args(["--features", board.feature()]);
-    command::run(&mut cargo)?;
+    match board {
+        Board::Nucleo => link_flipped(&toolchain()?)?,
+        Board::Qemu => {
+            let mut cargo = toolchain()?.cargo("build");
+            cargo.args(FIRMWARE).args(["--features", board.feature()]);
+            command::run(&mut cargo)?;
+        }
+    }
     Ok(board
         .programs()
         .iter()
         .map(|program| image(program))
         .collect())
+}
+
+/// Builds the board's program with flip-link as its linker. Only that one crate is told: to cargo, another
+/// linker for the target is a reason to build everything anew, `core` too.
+fn link_flipped(toolchain: &Toolchain) -> Outcome {
+    let flip_link = flip_link::provide()?;
+    let mut cargo = toolchain.cargo("rustc");
+    cargo
+        .env("PATH", flip_link::path(toolchain.linker())?)
+        .args(["--profile", "firmware", "--package", "firmware"])
+        .args(["--bin", "nucleo", "--features", Board::Nucleo.feature()])
+        .args(["--", "-C"])
+        .arg(format!("linker={}", flip_link.display()));
+    command::run(&mut cargo)?;
+    flip_link::check(&std::fs::read(command::root().join(image("nucleo")))?)
 }
 
 /// Where a program lies once it is built, relative to the root.

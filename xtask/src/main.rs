@@ -16,6 +16,7 @@ mod command;
 mod debian;
 mod firmware;
 mod flash;
+mod flip_link;
 mod forecast;
 mod pil;
 mod qemu;

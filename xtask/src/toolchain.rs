@@ -135,15 +135,15 @@ impl Toolchain {
     /// `cargo SUBCOMMAND` for the target, to be run in the root of the project,
     /// with a target folder of its own.
     pub fn cargo(&self, subcommand: &str) -> Command {
-        let (mut command, linker) = match self {
-            Self::InUse(linker) => {
+        let mut command = match self {
+            Self::InUse(_) => {
                 let mut command = command::cargo();
                 command.arg(subcommand);
-                (command, linker.as_ref())
+                command
             }
-            Self::Debian(linker) => (debian_cargo(subcommand), Some(linker)),
+            Self::Debian(_) => debian_cargo(subcommand),
         };
-        if let Some(linker) = linker {
+        if let Some(linker) = self.linker() {
             command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
         }
         // Flags in the environment are the host's (a `target-cpu`, say).
@@ -152,6 +152,14 @@ impl Toolchain {
             .env_remove("CARGO_ENCODED_RUSTFLAGS");
         command.args(["--target", TARGET, "--target-dir", "target/thumb"]);
         command
+    }
+
+    /// The linker that is named to rustc; `None` where it has its own.
+    pub fn linker(&self) -> Option<&Path> {
+        match self {
+            Self::InUse(linker) => linker.as_deref(),
+            Self::Debian(linker) => Some(linker),
+        }
     }
 
     /// Whether `cargo clippy` can be asked for the target.
