@@ -18,6 +18,7 @@
 //! | command line | [`cli`] |
 
 pub mod accuracy;
+pub mod basins;
 pub mod branch;
 pub mod cli;
 pub mod dual;

@@ -1,0 +1,195 @@
+//! Telling attractors apart: by regime, and two of the same p/n by where their section lies.
+
+use std::collections::{BTreeMap, HashMap};
+
+use shared::regime::Regime;
+
+use super::start::Fate;
+
+/// Two orbits of the same p/n are one attractor when a chain of orbits leads from one to the other whose sections' middles
+/// lie no farther apart than about this, in A0 and A0 Ω. A run that is told periodic may still be some
+/// [`shared::regime::SECTION_TOLERANCE`] per cycle away from where it is going, so this is much wider.
+const NEAR: f64 = 0.05;
+
+/// One way in which hammers end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attractor {
+    /// "p/n", with a letter when several share it; "no impact", "aperiodic", "chatter".
+    pub name: String,
+    /// The regime of the first start that ends here.
+    pub regime: Regime,
+    /// Middle of its section, in A0 and A0 Ω of the rig's coordinate, if it repeats: of the start that settled first.
+    pub middle: Option<[f64; 2]>,
+    /// Largest contact force of any start that ends here, N.
+    pub force_n: f64,
+    /// Starts that end here.
+    pub count: usize,
+}
+
+/// What a regime is called, whatever its number of contacts where nothing repeats.
+fn label(regime: Regime) -> String {
+    match regime {
+        Regime::None => "no impact".to_owned(),
+        Regime::Chatter {
+            impacts,
+            periods: Some(periods),
+        } => format!("chatter {impacts}/{periods}"),
+        other => other.to_string(),
+    }
+}
+
+/// The attractors that `fates` end in, largest first, and which one each ends in.
+///
+/// "No impact" and "aperiodic" are one each: without damping a motion that does not touch goes on as it began, and nothing
+/// tells two aperiodic ones apart after a few hundred cycles.
+pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
+    let mut by_label: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for (i, fate) in fates.iter().enumerate() {
+        by_label.entry(label(fate.regime)).or_default().push(i);
+    }
+    let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+    for (label, members) in by_label {
+        let mut clusters = near_together(fates, members);
+        clusters.sort_by_key(|members| (std::cmp::Reverse(members.len()), members[0]));
+        let several = clusters.len() > 1;
+        groups.extend(clusters.into_iter().enumerate().map(|(k, members)| {
+            let name = if several {
+                format!("{label} {}", letters(k))
+            } else {
+                label.clone()
+            };
+            (name, members)
+        }));
+    }
+    groups.sort_by_key(|(_, members)| (std::cmp::Reverse(members.len()), members[0]));
+    let mut which = vec![0; fates.len()];
+    let mut attractors = Vec::with_capacity(groups.len());
+    for (number, (name, members)) in (0_u16..).zip(groups) {
+        for i in &members {
+            which[*i] = number;
+        }
+        // Who settled first has had the most time since.
+        let first = members
+            .iter()
+            .min_by_key(|i| fates[**i].settled_after.unwrap_or(u32::MAX));
+        attractors.push(Attractor {
+            name,
+            regime: fates[members[0]].regime,
+            middle: first.and_then(|i| fates[*i].middle),
+            force_n: members
+                .iter()
+                .map(|i| fates[*i].force_n)
+                .fold(0.0, f64::max),
+            count: members.len(),
+        });
+    }
+    (attractors, which)
+}
+
+/// a, b, … z, aa, ab, …
+fn letters(k: usize) -> String {
+    let letter = char::from(b'a' + (k % 26) as u8);
+    match k / 26 {
+        0 => letter.to_string(),
+        more => format!("{}{letter}", letters(more - 1)),
+    }
+}
+
+/// `members` split into those whose sections lie near together. Middles are put into bins [`NEAR`] wide; bins that touch
+/// belong together.
+fn near_together(fates: &[Fate], members: Vec<usize>) -> Vec<Vec<usize>> {
+    let bin = |i: usize| {
+        let middle = fates[i].middle.unwrap_or_default();
+        middle.map(|x| (x / NEAR).floor() as i64)
+    };
+    let mut bins: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
+    let mut order = Vec::new();
+    for i in members {
+        let bin = bin(i);
+        bins.entry(bin).or_insert_with(|| {
+            order.push(bin);
+            Vec::new()
+        });
+        bins.get_mut(&bin).expect("just made").push(i);
+    }
+    let mut clusters = Vec::new();
+    for seed in order {
+        let Some(mut cluster) = bins.remove(&seed) else {
+            continue;
+        };
+        let mut open = vec![seed];
+        while let Some([x, y]) = open.pop() {
+            for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+                let beside = [x + dx, y + dy];
+                if let Some(more) = bins.remove(&beside) {
+                    cluster.extend(more);
+                    open.push(beside);
+                }
+            }
+        }
+        cluster.sort_unstable();
+        clusters.push(cluster);
+    }
+    clusters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fate(regime: Regime, middle: Option<[f64; 2]>) -> Fate {
+        Fate {
+            start: [0.0; 2],
+            regime,
+            middle,
+            force_n: 1.0,
+            settled_after: middle.map(|_| 10),
+            last_contact: None,
+            uncertain: false,
+        }
+    }
+
+    const ONE: Regime = Regime::Periodic {
+        impacts: 1,
+        periods: 1,
+    };
+
+    #[test]
+    fn orbits_of_the_same_p_n_far_apart_are_two_and_near_are_one() {
+        let at = |x: f64, y: f64| fate(ONE, Some([x, y]));
+        let fates = [at(0.0, 0.0), at(1.0, 1.0), at(0.01, -0.01), at(0.0, 0.02)];
+        let (attractors, which) = tell_apart(&fates);
+        let names: Vec<_> = attractors
+            .iter()
+            .map(|a| (a.name.as_str(), a.count))
+            .collect();
+        assert_eq!(names, [("1/1 a", 3), ("1/1 b", 1)]);
+        assert_eq!(which, [0, 1, 0, 0]);
+        assert_eq!(tell_apart(&fates[2..]).0[0].name, "1/1");
+    }
+
+    #[test]
+    fn what_never_repeats_is_one_whatever_its_contacts() {
+        let fates = [
+            fate(Regime::Aperiodic { impacts: 3 }, None),
+            fate(Regime::None, None),
+            fate(Regime::Aperiodic { impacts: 9 }, None),
+            fate(
+                Regime::Periodic {
+                    impacts: 1,
+                    periods: 2,
+                },
+                Some([0.0; 2]),
+            ),
+        ];
+        let (attractors, which) = tell_apart(&fates);
+        let names: Vec<_> = attractors.iter().map(|a| a.name.as_str()).collect();
+        assert_eq!(names, ["aperiodic", "no impact", "1/2"]);
+        assert_eq!(which, [0, 1, 0, 2]);
+    }
+
+    #[test]
+    fn letters_go_on_after_z() {
+        assert_eq!([0, 25, 26, 27].map(letters), ["a", "z", "aa", "ab"]);
+    }
+}
