@@ -7,7 +7,7 @@ use shared::params::RigParams;
 use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use crate::error::UserError;
 use crate::rigfile::NamedRig;
-use crate::table::Row;
+use crate::table::{Line, Row, read_columns};
 use crate::terminal::Progress;
 
 /// In which order the frequencies are visited and what is carried from one to the next.
@@ -121,68 +121,18 @@ impl Measured {
     /// # Errors
     /// One line naming file, line and mend.
     pub fn read(path: &std::path::Path) -> Result<Self, UserError> {
-        let place = path.display();
-        let bad =
-            |line: usize, what: String| UserError::new(format!("{place}, line {line}: {what}"));
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            let mend = match e.kind() {
-                std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
-                _ => "check the path",
-            };
-            UserError::new(format!("cannot read {place}: {e}; {mend}"))
-        })?;
-        // A record's position is where its search began: blank lines before it are passed over.
-        let line_of = |position: Option<&csv::Position>| {
-            let from = position.map_or(0, |p| p.byte() as usize).min(text.len());
-            let blank = text[from..]
-                .bytes()
-                .take_while(|b| b"\r\n".contains(b))
-                .count();
-            text[..from + blank].matches('\n').count() + 1
-        };
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
-        let column = |name: &str| {
-            headers
-                .iter()
-                .position(|h| h.trim() == name)
-                .ok_or_else(|| {
-                    bad(
-                        1,
-                        format!(
-                            "there is no column {name}; the first line must be frequency_hz,force_n"
-                        ),
-                    )
-                })
-        };
-        let (frequency, force) = (column("frequency_hz")?, column("force_n")?);
-        let mut points = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|e| bad(line_of(e.position()), short(&e)))?;
-            let line = line_of(record.position());
-            let number = |column: usize, name: &str| {
-                let text = record.get(column).unwrap_or("").trim();
-                let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
-                value.ok_or_else(|| bad(line, format!("{name} is '{text}', must be a number")))
-            };
-            let hz = number(frequency, "frequency_hz")?;
+        let point = |line: &Line| {
+            let (hz, newtons) = (line.number("frequency_hz")?, line.number("force_n")?);
             if hz <= 0.0 {
-                return Err(bad(line, format!("frequency_hz is {hz}, must be positive")));
+                return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
             }
-            let newtons = number(force, "force_n")?;
             if newtons < 0.0 {
-                return Err(bad(
-                    line,
-                    format!("force_n is {newtons}, must not be negative"),
-                ));
+                return Err(line.complaint(format!("force_n is {newtons}, must not be negative")));
             }
-            points.push((hz, newtons));
-        }
-        if points.is_empty() {
-            return Err(UserError::new(format!(
-                "{place}: there is no measurement below the first line"
-            )));
-        }
+            Ok((hz, newtons))
+        };
+        let lines = read_columns(path, &["frequency_hz", "force_n"])?;
+        let points = lines.iter().map(point).collect::<Result<_, _>>()?;
         Ok(Self { points })
     }
 
@@ -217,17 +167,6 @@ impl Measured {
             mean_percent: 100.0 * relative().sum::<f64>() / relative().count() as f64,
             largest_percent: 100.0 * relative().fold(0.0, |worst: f64, e| worst.max(e.abs())),
         }
-    }
-}
-
-fn short(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => {
-            format!("{len} fields where the first line has {expected_len}; give every line as many")
-        }
-        _ => error.to_string(),
     }
 }
 

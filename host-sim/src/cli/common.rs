@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
+use super::emit::check_format;
 use crate::engine::{Engine, Method, Plan, Precision, Setting, Start};
 use crate::error::UserError;
 use crate::files;
@@ -42,6 +43,8 @@ pub enum Format {
     Json,
     /// For a spreadsheet
     Csv,
+    /// For large tables: columns with their types, packed
+    Parquet,
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -174,8 +177,9 @@ impl Common {
         }
     }
 
-    /// Refuses an output folder that cannot be one, before any work is done.
+    /// Refuses an output folder that cannot be one, and Parquet on a terminal, before any work is done.
     pub fn check_out(&self) -> Result<(), UserError> {
+        check_format(self.format, self.out.is_some())?;
         match &self.out {
             Some(dir) if dir.exists() && !dir.is_dir() => Err(UserError::new(format!(
                 "--out {} is a file; choose another folder",

@@ -7,6 +7,7 @@ use shared::control::Birth;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::common::{Format, pictures};
+use super::emit::{check_format, emit};
 use crate::emulator::local::Local;
 use crate::emulator::log::{Header, Logs};
 use crate::emulator::picture::{About, Trace, figure};
@@ -20,7 +21,7 @@ use crate::error::UserError;
 use crate::files;
 #[cfg(unix)]
 use crate::link::live::Live;
-use crate::table::to_csv;
+use crate::table::{to_csv, to_parquet};
 use crate::terminal::Progress;
 
 /// A scenario behind a pseudo-terminal ends when it is interrupted; this is thirty years, s.
@@ -74,6 +75,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     }
     let args = &args;
     check_out(args.out.as_deref())?;
+    check_format(args.format, args.out.is_some())?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
     let name = name.map_or("field", String::as_str);
     let scenario = scenario::load(name)?;
@@ -89,11 +91,9 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     if let Some(dir) = &args.out {
         write(args, dir, &scenario, &verdict, &mut watch)?;
     }
-    match args.format {
-        Format::Json => super::print(&super::to_json(&verdict)?),
-        Format::Csv => super::print(&String::from_utf8_lossy(&timeline_csv(&watch.timeline))),
-        Format::Text => super::print(&text(&scenario, &watch.timeline, &verdict)),
-    }
+    emit(args.format, &verdict, &lines(&watch.timeline), || {
+        text(&scenario, &watch.timeline, &verdict)
+    })?;
     Ok(i32::from(!passed(&verdict)))
 }
 
@@ -245,8 +245,12 @@ fn write(
     ));
     contents.push((
         format!("{name}-timeline.csv"),
-        timeline_csv(&watch.timeline),
+        to_csv(&lines(&watch.timeline)),
     ));
+    if args.format == Format::Parquet {
+        let bytes = to_parquet(lines(&watch.timeline))?;
+        contents.push((format!("{name}-timeline.parquet"), bytes));
+    }
     paths.extend(files::write_all(dir, &contents)?);
     if !args.quiet {
         let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
@@ -295,13 +299,13 @@ struct Line {
     what: String,
 }
 
-fn timeline_csv(timeline: &Timeline) -> Vec<u8> {
+fn lines(timeline: &Timeline) -> Vec<Line> {
     let lines = timeline.events.iter().map(|event| Line {
         time_s: event.time_s,
         tick: event.tick,
         what: event.what.to_string(),
     });
-    to_csv(&lines.collect::<Vec<_>>())
+    lines.collect()
 }
 
 fn text(scenario: &Scenario, timeline: &Timeline, verdict: &Verdict) -> String {

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod common;
+mod emit;
 mod emulate;
 mod link;
 mod pick;
@@ -122,8 +123,12 @@ fn print(text: &str) {
 
 /// The same, and tells whether somebody still reads.
 fn still_read(text: &str) -> bool {
+    still_read_bytes(text.as_bytes())
+}
+
+fn still_read_bytes(bytes: &[u8]) -> bool {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Ok(()) => true,
         Err(error) if error.kind() == ErrorKind::BrokenPipe => false,
         Err(error) => {
@@ -134,7 +139,7 @@ fn still_read(text: &str) -> bool {
 }
 
 /// Pretty JSON with a final newline.
-fn to_json<T: serde::Serialize>(answer: &T) -> Result<String, UserError> {
+fn to_json<T: serde::Serialize + ?Sized>(answer: &T) -> Result<String, UserError> {
     let text = serde_json::to_string_pretty(answer);
     text.map(|text| text + "\n")
         .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::common::Format;
+use super::emit::{check_format, emit};
 use crate::emulator::log::{Reader, TICK_US};
 use crate::error::UserError;
 use crate::replay::{Replayed, replay};
-use crate::table::to_csv;
 use crate::terminal::Progress;
 
 /// Exit code: 0 the same decisions, 1 they differ, 2 the log cannot be used.
@@ -43,6 +43,7 @@ struct Answer {
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
+    check_format(args.format, false)?;
     let mut log = Reader::open(&args.log)?;
     let progress = Progress::new("ticks", log.ticks(), args.quiet);
     let done = replay(&mut log, &progress);
@@ -61,20 +62,16 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         recorded: difference.as_ref().map(|d| d.recorded.clone()),
         here: difference.as_ref().map(|d| d.here.clone()),
     };
-    match args.format {
-        Format::Json => super::print(&super::to_json(&answer)?),
-        Format::Csv => super::print(&String::from_utf8_lossy(&to_csv(&[answer]))),
-        Format::Text => super::print(&match &difference {
-            None => format!("same decisions over {ticks} ticks ({:.3} s)\n", at_s(ticks)),
-            Some(d) => format!(
-                "first difference at tick {} ({:.5} s): {} was {}, is {} here\n",
-                d.tick,
-                at_s(d.tick),
-                d.what,
-                d.recorded,
-                d.here
-            ),
-        }),
-    }
+    emit(args.format, &answer, &[&answer], || match &difference {
+        None => format!("same decisions over {ticks} ticks ({:.3} s)\n", at_s(ticks)),
+        Some(d) => format!(
+            "first difference at tick {} ({:.5} s): {} was {}, is {} here\n",
+            d.tick,
+            at_s(d.tick),
+            d.what,
+            d.recorded,
+            d.here
+        ),
+    })?;
     Ok(i32::from(!same))
 }

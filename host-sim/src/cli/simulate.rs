@@ -3,13 +3,14 @@
 use serde::Serialize;
 
 use super::common::{Common, Cycles, Format, parse_start, pictures};
+use super::emit::emit;
 use crate::engine::{
     Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
 };
 use crate::error::UserError;
 use crate::picture::{Axis, Color, Figure, Item, Panel, regime_color};
 use crate::rigfile::NamedRig;
-use crate::table::{Row, to_csv};
+use crate::table::{Row, to_csv, to_parquet};
 use crate::terminal::Chart;
 
 #[derive(Debug, clap::Args)]
@@ -139,17 +140,16 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             "simulate-contacts.csv".into(),
             to_csv(&contact_rows(&recorder)),
         ));
+        if common.format == Format::Parquet {
+            let row = std::slice::from_ref(&answer.row);
+            contents.push(("simulate.parquet".into(), to_parquet(row)?));
+            let history = to_parquet(&recorder.samples)?;
+            contents.push(("simulate-history.parquet".into(), history));
+        }
         common.write(dir, &contents)?;
     }
-    match common.format {
-        Format::Json => super::print(&super::to_json(&answer)?),
-        Format::Csv => {
-            let csv = to_csv(std::slice::from_ref(&answer.row));
-            super::print(&String::from_utf8_lossy(&csv));
-        }
-        Format::Text => super::print(&text(&answer, &recorder)),
-    }
-    Ok(())
+    let row = std::slice::from_ref(&answer.row);
+    emit(common.format, &answer, row, || text(&answer, &recorder))
 }
 
 fn section_rows(seen: &Observation, rig: &shared::rig::Rig<f64>) -> Vec<SectionRow> {

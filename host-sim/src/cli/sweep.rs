@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::common::{Common, Cycles, Format, parse_range, pictures};
+use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::pick::picture::by_regime;
 use crate::picture::{Axis, Color, Figure, Item, Panel};
@@ -67,8 +68,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             error,
         );
         let mut contents = pictures("sweep", &figure)?;
-        contents.push(("sweep.csv".into(), to_csv(&rows)));
-        contents.push(("sweep.json".into(), super::to_json(&rows)?.into_bytes()));
+        contents.extend(tables("sweep", common.format, &rows, &rows)?);
         if let (Some(others), Some(other)) = (&others, other) {
             contents.push((format!("sweep-{}.csv", name(other)), to_csv(others)));
         }
@@ -80,11 +80,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
         common.write(dir, &contents)?;
     }
-    match common.format {
-        Format::Json => super::print(&super::to_json(&rows)?),
-        Format::Csv => super::print(&String::from_utf8_lossy(&to_csv(&rows))),
-        Format::Text => super::print(&text(&rows)),
-    }
+    emit(common.format, &rows, &rows, || text(&rows))?;
     if let Some(error) = &error {
         let line = describe(error);
         if common.format == Format::Text {

@@ -12,6 +12,7 @@ use shared::link::{Answer, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::common::Format;
+use super::emit::check_format;
 use crate::error::UserError;
 use crate::files;
 use crate::link::by_hand::{self, Plan};
@@ -209,10 +210,11 @@ fn check(what: &What) -> Result<(), UserError> {
             given("--for", *duration_s)
         }
         What::Status {
-            format: Format::Csv,
+            format: Format::Csv | Format::Parquet,
         } => Err(UserError::new(
             "a status is no table; use --format text or json",
         )),
+        What::Forecast { format } => check_format(*format, false),
         _ => Ok(()),
     }
 }

@@ -8,11 +8,10 @@ use shared::fault::Record;
 use shared::link::{Answer, ForecastPage, FromBoard, Hello, ToBoard};
 use shared::settings::TICK_RATE_HZ;
 
-use super::super::{common::Format, print, still_read, to_json};
+use super::super::{common::Format, emit::emit, print, still_read, to_json};
 use super::Port;
 use crate::error::UserError;
 use crate::link::client::state_name;
-use crate::table::to_csv;
 
 /// One line: what a person wants to know at a glance.
 pub fn line(status: &Status) -> String {
@@ -146,38 +145,30 @@ pub fn forecast(port: &mut Port, format: Format) -> Result<(), UserError> {
             stable: row.orbit.map(|orbit| orbit.is_stable()),
         })
         .collect();
-    match format {
-        Format::Json => {
-            let answer = serde_json::json!({ "rows": lines, "target": target });
-            print(&to_json(&answer)?);
+    let answer = serde_json::json!({ "rows": lines, "target": target });
+    emit(format, &answer, &lines, || {
+        let mut text = String::from("       Hz  from rest        N  1/1 orbit, N  multiplier\n");
+        for line in &lines {
+            let number =
+                |x: Option<f32>, places| x.map_or("-".to_owned(), |x| format!("{x:.places$}"));
+            text.push_str(&format!(
+                "{:9.4}  {:>9} {:8.2}  {:>12}  {:>10}\n",
+                line.frequency_hz,
+                line.regime,
+                line.force_n,
+                number(line.orbit_force_n, 2),
+                number(line.orbit_multiplier, 3),
+            ));
         }
-        Format::Csv => print(&String::from_utf8_lossy(&to_csv(&lines))),
-        Format::Text => {
-            let mut text =
-                String::from("       Hz  from rest        N  1/1 orbit, N  multiplier\n");
-            for line in &lines {
-                let number =
-                    |x: Option<f32>, places| x.map_or("-".to_owned(), |x| format!("{x:.places$}"));
-                text.push_str(&format!(
-                    "{:9.4}  {:>9} {:8.2}  {:>12}  {:>10}\n",
-                    line.frequency_hz,
-                    line.regime,
-                    line.force_n,
-                    number(line.orbit_force_n, 2),
-                    number(line.orbit_multiplier, 3),
-                ));
-            }
-            text.push_str(&match target {
-                Some(t) => format!(
-                    "target {:.4} Hz, {:.2} N; stable 1/1 from {:.4} to {:.4} Hz\n",
-                    t.frequency_hz, t.orbit.force_n, t.band_hz.0, t.band_hz.1
-                ),
-                None => "no stable 1/1 was found\n".to_owned(),
-            });
-            print(&text);
-        }
-    }
-    Ok(())
+        text.push_str(&match target {
+            Some(t) => format!(
+                "target {:.4} Hz, {:.2} N; stable 1/1 from {:.4} to {:.4} Hz\n",
+                t.frequency_hz, t.orbit.force_n, t.band_hz.0, t.band_hz.1
+            ),
+            None => "no stable 1/1 was found\n".to_owned(),
+        });
+        text
+    })
 }
 
 type Pages = (Vec<shared::forecast::Row>, Option<shared::forecast::Target>);

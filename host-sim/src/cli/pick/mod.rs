@@ -8,12 +8,13 @@ use serde::Serialize;
 use shared::params::PRESETS;
 
 use super::common::{Common, EngineName, Format, pictures};
+use super::emit::emit;
 use crate::error::UserError;
 use crate::pick::picture::figure;
 use crate::pick::uncertainty::Uncertainty;
 use crate::pick::{Answer, Limits, Pick, pick, steps};
 use crate::rigfile::NamedRig;
-use crate::table::to_csv;
+use crate::table::{to_csv, to_parquet};
 use crate::terminal::Progress;
 
 #[derive(Debug, clap::Args)]
@@ -137,15 +138,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     if let Some(dir) = &common.out {
         write(common, dir, &picks)?;
     }
-    match common.format {
-        Format::Json => super::print(&json(&picks)?),
-        Format::Csv => {
-            let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
-            super::print(&String::from_utf8_lossy(&to_csv(&rows)));
-        }
-        Format::Text => {}
-    }
-    Ok(())
+    let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
+    emit(common.format, &json(&picks)?, &rows, String::new)
 }
 
 /// The rig at gap 0.0 mm unless the command line says otherwise: field use is at 0.0 mm.
@@ -225,18 +219,27 @@ fn write(common: &Common, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
         _ => "pick-all".to_owned(),
     };
     let mut contents = pictures(&name, &figure(picks))?;
-    contents.push((format!("{name}.json"), json(picks)?.into_bytes()));
+    contents.push((
+        format!("{name}.json"),
+        super::to_json(&json(picks)?)?.into_bytes(),
+    ));
     let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
     contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
+    if common.format == Format::Parquet {
+        let lines: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
+        contents.push((format!("{name}.parquet"), to_parquet(&lines)?));
+        contents.push((format!("{name}-curve.parquet"), to_parquet(&rows)?));
+    }
     common.write(dir, &contents)
 }
 
 /// One answer as an object, several as a list.
-fn json(picks: &[Pick]) -> Result<String, UserError> {
-    match picks {
-        [one] => super::to_json(&one.answer),
-        _ => super::to_json(&picks.iter().map(|p| &p.answer).collect::<Vec<_>>()),
-    }
+fn json(picks: &[Pick]) -> Result<serde_json::Value, UserError> {
+    let value = match picks {
+        [one] => serde_json::to_value(&one.answer),
+        _ => serde_json::to_value(picks.iter().map(|p| &p.answer).collect::<Vec<_>>()),
+    };
+    value.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
 }
 
 /// A point of the nominal stable 1/1.

@@ -1,8 +1,14 @@
-//! The row that `simulate`, `sweep` and `pick` share: what one run at one frequency showed.
+//! Tables: the row that `simulate`, `sweep` and `pick` share, and rows of any kind as CSV or Parquet, and back from CSV.
+
+mod columns;
+mod parquet;
+mod read;
 
 use serde::Serialize;
 use shared::params::RigParams;
 
+pub use self::parquet::to_parquet;
+pub use self::read::{Line, read_columns};
 use crate::engine::Observation;
 
 /// One run, as told to people and programs. Units are in the names.
