@@ -1,7 +1,10 @@
 //! The drawing surface: lines, shapes and letters in CSS px on an SVG.
 //!
 //! The SVG backend knows whole numbers only, so the canvas is [`UNIT`] times
-//! finer than the picture; the SVG's view box scales it back.
+//! finer than the picture; the SVG's view box scales it back. It knows no images either: where one goes a text is
+//! written that no other can be, and the element is put in its place when the SVG is whole.
+
+use std::cell::RefCell;
 
 use ab_glyph::{Font, FontRef};
 use plotters::coord::Shift;
@@ -131,6 +134,27 @@ impl Letters {
 /// Draws on an area in CSS px.
 pub(super) struct Canvas<'a, 'b> {
     pub area: &'b Area<'a>,
+    /// Elements of images, in the order of their markers.
+    pub images: &'b RefCell<Vec<String>>,
+}
+
+/// Stands around the number of an image in the text that is written in its place; never in another text.
+const MARKER: char = '\u{E000}';
+
+/// Puts `images` where their markers stand in `svg`.
+pub(super) fn place_images(svg: &str, images: &[String]) -> String {
+    let mut out = String::with_capacity(svg.len() + images.iter().map(String::len).sum::<usize>());
+    let mut rest = svg;
+    for (k, image) in images.iter().enumerate() {
+        let marker = format!("{MARKER}{k}{MARKER}");
+        let Some((before, after)) = rest.split_once(&marker) else {
+            continue;
+        };
+        out += before.rsplit_once("<text").map_or(before, |b| b.0);
+        out += image;
+        rest = after.split_once("</text>").map_or(after, |a| a.1);
+    }
+    out + rest
 }
 
 impl Canvas<'_, '_> {
@@ -143,6 +167,29 @@ impl Canvas<'_, '_> {
             .area
             .draw_text(&printable(text), &letters.style(), spot(at));
         drawn.map_err(library)
+    }
+
+    /// Writes `text` turned, with its middle at `at`.
+    pub fn turned_text(
+        &self,
+        text: &str,
+        at: (f64, f64),
+        letters: Letters,
+        turn: FontTransform,
+    ) -> Result<(), PictureError> {
+        let style = letters.style().transform(turn);
+        self.area.draw_text(text, &style, spot(at)).map_err(library)
+    }
+
+    /// Shows an image's `element` over what is drawn so far.
+    pub fn image(&self, element: String) -> Result<(), PictureError> {
+        let mut images = self.images.borrow_mut();
+        let marker = format!("{MARKER}{}{MARKER}", images.len());
+        images.push(element);
+        let written = self
+            .area
+            .draw_text(&marker, &Letters::new(1.0).style(), (0, 0));
+        written.map_err(library)
     }
 
     /// Joins spots; `width` in CSS px.
@@ -264,7 +311,7 @@ pub(super) fn library(error: impl std::fmt::Display) -> PictureError {
 /// Control characters have no place in an SVG; they become spaces.
 pub(super) fn printable(text: &str) -> String {
     let swap = |c: char| {
-        if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') {
+        if c.is_control() || matches!(c, MARKER | '\u{FFFE}' | '\u{FFFF}') {
             ' '
         } else {
             c

@@ -18,19 +18,61 @@
 //! assert!(svg.contains("peak force, N"));
 //! # Ok::<(), host_sim::picture::PictureError>(())
 //! ```
+//!
+//! # Maps and clouds of points
+//!
+//! What has too many parts to be drawn one by one is put into the picture as a small PNG, with crisp pixels, in the
+//! SVG as well:
+//!
+//! - [`Item::Raster`]: a grid of cells. [`Raster::regimes`] for a map of regimes, [`Raster::categories`] for any other
+//!   kinds (a basin's impact and no impact), [`Raster::values`] for a number per cell with a colour bar. Cells come row
+//!   by row from the lowest y, in each row by rising x; [`edges`] gives the outer edges from the first and last centre.
+//! - [`Item::Cloud`] (by [`Item::cloud`]): up to millions of points, a dot each: bifurcation diagrams, sections.
+//!
+//! ```
+//! use host_sim::picture::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges, render_svg};
+//!
+//! // Three frequencies by two gaps.
+//! let x = edges(1.0, 2.0, 3);
+//! let y = edges(0.0, 0.1, 2);
+//! let map = Raster::regimes(x, y, 3, ["1/1", "1/1", "2/2", "1/1", "none", "1/2"]);
+//! let force = [1.0, 2.0, f64::NAN, 1.5, f64::NAN, f64::NAN];
+//! let by_force = Raster::values(x, y, 3, &force, Bar::new("force ratio", 0.0, 2.0));
+//! let hz = || Axis::new("frequency, Hz");
+//! let dots = (0..50_000).map(|i| (1.0 + f64::from(i % 100) / 100.0, f64::from(i) * 2e-6));
+//! let figure = Figure::new("Two maps")
+//!     .columns(2)
+//!     .panel(Panel::new(hz(), Axis::new("gap, mm")).item(Item::Raster(map)))
+//!     .panel(
+//!         Panel::new(hz(), Axis::new("gap, mm"))
+//!             .item(Item::Raster(by_force))
+//!             .item(Item::cloud("", Color::INK, dots.collect())),
+//!     );
+//! assert_eq!(render_svg(&figure)?.matches("<image").count(), 3);
+//! # Ok::<(), host_sim::picture::PictureError>(())
+//! ```
 
 mod canvas;
+mod colorbar;
+mod data;
+mod item;
 mod layout;
 mod names;
 mod palette;
 mod panel;
+mod raster;
 mod render;
 mod series;
 #[cfg(test)]
 mod tests;
 pub(crate) mod ticks;
 
-pub use palette::{Color, Mark, OTHER_PERIODIC, RegimeStyle, Stroke, regime_color, regime_style};
+pub use item::Item;
+pub use palette::{
+    Color, Mark, OTHER_PERIODIC, REGIMES, RegimeStyle, Stroke, regime_color, regime_fill,
+    regime_group, regime_style,
+};
+pub use raster::{Bar, Raster, edges};
 pub use render::{PNG_SCALE, render_png, render_svg};
 
 /// A point in data coordinates: `(x, y)` in the units of the two axes.
@@ -158,13 +200,15 @@ impl Panel {
     }
 }
 
-/// A linear axis.
+/// An axis, even or logarithmic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Quantity and unit, e.g. `"impact force, N"`.
     pub label: String,
     /// What part of the number line it shows.
     pub range: Range,
+    /// Whether equal lengths are equal factors. What is not positive is left out then.
+    pub log: bool,
 }
 
 impl Axis {
@@ -173,7 +217,14 @@ impl Axis {
         Self {
             label: label.into(),
             range: Range::Auto,
+            log: false,
         }
+    }
+
+    /// Makes the axis logarithmic.
+    pub fn log(mut self) -> Self {
+        self.log = true;
+        self
     }
 
     /// Shows exactly `from..to`; what lies outside is cut off.
@@ -192,152 +243,10 @@ impl Axis {
 /// What part of the number line an axis shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
-    /// All finite data with a small margin.
+    /// All finite data with a small margin (none around a raster).
     Auto,
     /// All finite data and zero, with a small margin away from zero.
     WithZero,
     /// Exactly these ends. Ends that are equal or not finite fall back to `Auto`.
     Fixed(f64, f64),
-}
-
-/// Something drawn in a panel. An empty label keeps it out of the legend.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Item {
-    /// Joined points; a point that is not finite interrupts the line.
-    Line {
-        /// The points in drawing order.
-        points: Vec<Point>,
-        /// Colour of the line.
-        color: Color,
-        /// Name in the legend.
-        label: String,
-        /// Thickness, px.
-        width: f64,
-        /// Solid, dashed or dotted.
-        stroke: Stroke,
-    },
-    /// Separate points; those not finite are left out.
-    Points {
-        /// The points.
-        points: Vec<Point>,
-        /// Colour of the marks.
-        color: Color,
-        /// Name in the legend.
-        label: String,
-        /// Half the size of a mark, px.
-        radius: f64,
-        /// Shape of a mark.
-        mark: Mark,
-    },
-    /// A shaded vertical band, e.g. the safe operating band.
-    BandX {
-        /// One edge, in x units.
-        from: f64,
-        /// The other edge, in x units.
-        to: f64,
-        /// Colour, drawn thin enough to read curves over it.
-        color: Color,
-        /// Name in the legend.
-        label: String,
-    },
-    /// A vertical line with its name above the plot, e.g. a period doubling.
-    MarkX {
-        /// Where, in x units.
-        x: f64,
-        /// Name above the plot.
-        label: String,
-        /// Colour of line and name.
-        color: Color,
-        /// Solid, dashed or dotted.
-        stroke: Stroke,
-    },
-    /// A ringed point with its name beside it, e.g. the chosen operating point.
-    MarkPoint {
-        /// Where, in x units.
-        x: f64,
-        /// Where, in y units.
-        y: f64,
-        /// Name beside the point.
-        label: String,
-        /// Colour of ring and name.
-        color: Color,
-    },
-}
-
-impl Item {
-    /// A solid line, 1.6 px thick.
-    pub fn line(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
-        Self::Line {
-            points,
-            color,
-            label: label.into(),
-            width: 1.6,
-            stroke: Stroke::Solid,
-        }
-    }
-
-    /// A dashed line, 1.6 px thick.
-    pub fn dashed(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
-        Self::Line {
-            points,
-            color,
-            label: label.into(),
-            width: 1.6,
-            stroke: Stroke::Dashed,
-        }
-    }
-
-    /// Round points of 2.5 px radius.
-    pub fn points(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
-        Self::Points {
-            points,
-            color,
-            label: label.into(),
-            radius: 2.5,
-            mark: Mark::Circle,
-        }
-    }
-
-    /// Points of one regime in its own colour and shape ([`regime_style`]),
-    /// named by the regime.
-    pub fn regime_points(regime: &str, points: Vec<Point>) -> Self {
-        let style = regime_style(regime);
-        Self::Points {
-            points,
-            color: style.color,
-            label: regime.to_owned(),
-            radius: 3.0,
-            mark: style.mark,
-        }
-    }
-
-    /// A green band from one x to another.
-    pub fn band_x(label: impl Into<String>, from: f64, to: f64) -> Self {
-        Self::BandX {
-            from,
-            to,
-            color: Color::GREEN,
-            label: label.into(),
-        }
-    }
-
-    /// A dashed dark vertical line at `x`.
-    pub fn mark_x(label: impl Into<String>, x: f64) -> Self {
-        Self::MarkX {
-            x,
-            label: label.into(),
-            color: Color::INK,
-            stroke: Stroke::Dashed,
-        }
-    }
-
-    /// A dark ring around `(x, y)`.
-    pub fn mark_point(label: impl Into<String>, x: f64, y: f64) -> Self {
-        Self::MarkPoint {
-            x,
-            y,
-            label: label.into(),
-            color: Color::INK,
-        }
-    }
 }

@@ -3,7 +3,7 @@
 use super::canvas::{Canvas, Letters, Rect, Spot, px, spot};
 use super::layout::{Slot, beside, fit, stagger};
 use super::series::Window;
-use super::{Color, Item, Panel, PictureError, Stroke};
+use super::{Color, Item, Mark, Panel, PictureError, Stroke};
 
 const NAME_TEXT: f64 = 12.0;
 const LEGEND_ROW: f64 = 18.0;
@@ -13,60 +13,22 @@ pub(super) const MARKER_ROW: f64 = 16.0;
 /// Draws the names of labelled items in rows; returns where the plot may begin.
 pub(super) fn legend(canvas: &Canvas, frame: Rect, items: &[Item]) -> Result<f64, PictureError> {
     let letters = Letters::new(NAME_TEXT);
-    // Items of the same name share an entry.
-    let mut entries: Vec<(&str, Vec<&Item>)> = Vec::new();
-    for item in items {
-        let (Item::Line { label, .. } | Item::Points { label, .. } | Item::BandX { label, .. }) =
-            item
-        else {
-            continue;
-        };
-        match entries.iter_mut().find(|(name, _)| name == label) {
-            Some((_, same)) => same.push(item),
-            None if !label.is_empty() => entries.push((label, vec![item])),
-            None => {}
-        }
-    }
+    let entries = entries(items);
     let (mut x, mut y) = (frame.left, frame.top + LEGEND_ROW / 2.0);
-    for (name, items) in &entries {
-        let only_points = items.iter().all(|i| matches!(i, Item::Points { .. }));
+    for (name, samples) in &entries {
+        let small = |s: &Sample| match s {
+            Sample::Item(item) => matches!(item, Item::Points { .. } | Item::Cloud { .. }),
+            Sample::Cell(_) => true,
+        };
+        let only_points = samples.iter().all(small);
         let sample = if only_points { 8.0 } else { 24.0 };
         let name = fit(name, letters, frame.width() - sample - 6.0);
         let width = sample + 6.0 + letters.width(&name);
         if x > frame.left && x + width > frame.right {
             (x, y) = (frame.left, y + LEGEND_ROW);
         }
-        for item in items {
-            let middle = (x + sample / 2.0, y);
-            match item {
-                Item::Line {
-                    color,
-                    width,
-                    stroke,
-                    ..
-                } => {
-                    let ends = [(x, y), (x + sample, y)];
-                    canvas.line(ends, *color, width.max(1.2), *stroke)?;
-                }
-                Item::Points {
-                    color,
-                    radius,
-                    mark,
-                    ..
-                } => {
-                    canvas.mark(spot(middle), *mark, radius.max(2.5), *color)?;
-                }
-                Item::BandX { color, .. } => {
-                    let swatch = Rect {
-                        left: x,
-                        top: y - 6.0,
-                        right: x + sample,
-                        bottom: y + 6.0,
-                    };
-                    canvas.fill(swatch, *color, 0.25)?;
-                }
-                Item::MarkX { .. } | Item::MarkPoint { .. } => {}
-            }
+        for shown in samples {
+            shown.draw(canvas, (x, y), sample)?;
         }
         canvas.text(&name, (x + sample + 6.0, y), letters)?;
         x += width + 18.0;
@@ -77,6 +39,86 @@ pub(super) fn legend(canvas: &Canvas, frame: Rect, items: &[Item]) -> Result<f64
     } else {
         rows_end
     })
+}
+
+/// What stands before a name in the legend.
+enum Sample<'a> {
+    Item(&'a Item),
+    Cell(Color),
+}
+
+/// Names and what they stand for; items of the same name share an entry.
+fn entries(items: &[Item]) -> Vec<(&str, Vec<Sample<'_>>)> {
+    let mut entries: Vec<(&str, Vec<Sample>)> = Vec::new();
+    for item in items {
+        let named = match item {
+            Item::Line { label, .. }
+            | Item::Points { label, .. }
+            | Item::Cloud { label, .. }
+            | Item::BandX { label, .. } => vec![(label, Sample::Item(item))],
+            Item::Raster(raster) => {
+                let names = raster.names.iter();
+                names.map(|n| (&n.0, Sample::Cell(n.1))).collect()
+            }
+            Item::MarkX { .. } | Item::MarkPoint { .. } => Vec::new(),
+        };
+        for (label, sample) in named {
+            match entries.iter_mut().find(|(name, _)| name == label) {
+                Some((_, same)) => same.push(sample),
+                None if !label.is_empty() => entries.push((label, vec![sample])),
+                None => {}
+            }
+        }
+    }
+    entries
+}
+
+impl Sample<'_> {
+    /// Draws the sample `width` px wide from `(x, y)`, its left end at middle height.
+    fn draw(&self, canvas: &Canvas, (x, y): (f64, f64), width: f64) -> Result<(), PictureError> {
+        let middle = (x + width / 2.0, y);
+        let square = |half: f64| Rect {
+            left: middle.0 - half,
+            top: y - half,
+            right: middle.0 + half,
+            bottom: y + half,
+        };
+        match self {
+            Self::Cell(color) => {
+                let outline = Color(0x80, 0x80, 0x80);
+                canvas.fill(square(5.5), outline, 1.0)?;
+                canvas.fill(square(4.75), *color, 1.0)
+            }
+            Self::Item(Item::Line {
+                color,
+                width: thick,
+                stroke,
+                ..
+            }) => {
+                let ends = [(x, y), (x + width, y)];
+                canvas.line(ends, *color, thick.max(1.2), *stroke)
+            }
+            Self::Item(Item::Points {
+                color,
+                radius,
+                mark,
+                ..
+            }) => canvas.mark(spot(middle), *mark, radius.max(2.5), *color),
+            Self::Item(Item::Cloud { color, .. }) => {
+                canvas.mark(spot(middle), Mark::Circle, 2.5, *color)
+            }
+            Self::Item(Item::BandX { color, .. }) => {
+                let swatch = Rect {
+                    left: x,
+                    top: y - 6.0,
+                    right: x + width,
+                    bottom: y + 6.0,
+                };
+                canvas.fill(swatch, *color, 0.25)
+            }
+            Self::Item(_) => Ok(()),
+        }
+    }
 }
 
 /// A vertical marker line and its name above the plot.

@@ -5,12 +5,13 @@ use plotters::prelude::*;
 use plotters::style::Color as _;
 use plotters::style::text_anchor::HPos;
 
-use super::canvas::{Canvas, Letters, Rect, Spot, library, printable, px, rgb, spot, units};
+use super::canvas::{Canvas, Letters, Rect, library, printable, px, rgb, spot, units};
+use super::data::{self, along, band, window};
 use super::layout::fit;
 use super::names::{MARKER_ROW, legend, marked_points, markers};
-use super::series::{Window, stretches, thin};
-use super::ticks::{Ticks, axis_range, is_drawable};
-use super::{Axis, Color, Item, Panel, PictureError, Stroke};
+use super::series::Window;
+use super::ticks::Ticks;
+use super::{Axis, Color, Item, Panel, PictureError, Stroke, colorbar};
 
 const TICK: f64 = 4.0;
 const TICK_TEXT: f64 = 12.0;
@@ -23,7 +24,7 @@ const GRID: Color = Color(0xE4, 0xE4, 0xE4);
 /// What the axis label and the tick labels need left of the frame, px.
 pub(super) fn left_margin(panel: &Panel, cell: Rect) -> f64 {
     let (window, _) = window(panel);
-    widest(&y_ticks(window, cell)) + 2.0 * TICK + 26.0
+    widest(&y_ticks(panel, window, cell)) + 2.0 * TICK + 26.0
 }
 
 /// Draws `panel`, the `number`-th counted from 1, inside `cell` with its frame
@@ -39,20 +40,22 @@ pub(super) fn draw(
     let (window, has_data) = window(panel);
 
     // Sideways: the tick labels decide the margins.
-    let y_ticks = y_ticks(window, cell);
-    let room = cell.width() - left_margin;
+    let y_ticks = y_ticks(panel, window, cell);
+    let bar = colorbar::bar(panel);
+    let bar_room = bar.map_or(0.0, |bar| colorbar::room(bar, cell.height() - 90.0));
+    let room = cell.width() - left_margin - bar_room;
     if room < 60.0 {
         return Err(crowded);
     }
     let x_ticks = (2..=tick_count(room, 36.0))
         .rev()
-        .map(|most| Ticks::new(window.x.0, window.x.1, most))
+        .map(|most| ticks(&panel.x, window.x, most))
         .find(|t| t.values.len() as f64 * (widest(t) + 16.0) <= room)
-        .unwrap_or_else(|| Ticks::new(window.x.0, window.x.1, 2));
+        .unwrap_or_else(|| ticks(&panel.x, window.x, 2));
     let mut frame = Rect {
         left: cell.left + left_margin,
         top: cell.top,
-        right: cell.right - (widest(&x_ticks) / 2.0).max(8.0),
+        right: cell.right - (widest(&x_ticks) / 2.0).max(8.0).max(bar_room),
         bottom: cell.bottom - BOTTOM,
     };
 
@@ -134,17 +137,22 @@ pub(super) fn draw(
         .y_desc(y_label)
         .draw()
         .map_err(library)?;
-    let closing = [
-        (frame.left, frame.top),
-        (frame.right, frame.top),
-        (frame.right, frame.bottom),
-    ];
-    canvas.path(closing.map(spot).to_vec(), FRAME, 1.0, Stroke::Solid)?;
     let to_spot = |point: (f64, f64)| chart.backend_coord(&point);
 
     let mut dots = Vec::new();
     for item in &panel.items {
-        dots.extend(data(canvas, item, window, to_spot)?);
+        dots.extend(data::draw(canvas, item, (window, frame), to_spot)?);
+    }
+    let closing = [
+        (frame.left, frame.bottom),
+        (frame.left, frame.top),
+        (frame.right, frame.top),
+        (frame.right, frame.bottom),
+        (frame.left, frame.bottom),
+    ];
+    canvas.path(closing.map(spot).to_vec(), FRAME, 1.0, Stroke::Solid)?;
+    if let Some(bar) = bar {
+        colorbar::draw(canvas, bar, frame)?;
     }
     if !has_data {
         let middle = (
@@ -169,7 +177,7 @@ pub(super) fn draw(
     marked_points(canvas, panel, window, frame, &dots, to_spot)
 }
 
-/// A linear axis with its own round numbers, as the drawing library wants it.
+/// An even axis with its own round numbers, as the drawing library wants it.
 struct Scale {
     ends: (f64, f64),
     ticks: Ticks,
@@ -203,12 +211,17 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-fn y_ticks(window: Window, cell: Rect) -> Ticks {
-    Ticks::new(
-        window.y.0,
-        window.y.1,
-        tick_count(cell.height() - 90.0, 32.0),
-    )
+fn y_ticks(panel: &Panel, window: Window, cell: Rect) -> Ticks {
+    ticks(&panel.y, window.y, tick_count(cell.height() - 90.0, 32.0))
+}
+
+/// Ticks between two ends as the axis wants them.
+fn ticks(axis: &Axis, (lo, hi): (f64, f64), most: usize) -> Ticks {
+    if axis.log {
+        Ticks::logarithmic(lo, hi, most)
+    } else {
+        Ticks::new(lo, hi, most)
+    }
 }
 
 /// Width of the widest label, px.
@@ -221,100 +234,4 @@ fn widest(ticks: &Ticks) -> f64 {
 /// About how many labels of `each` px fit on `length` px.
 fn tick_count(length: f64, each: f64) -> usize {
     ((length / each) as usize).clamp(2, 10)
-}
-
-/// The visible part of the plane, and whether anything finite is in the items.
-fn window(panel: &Panel) -> (Window, bool) {
-    let mut points: Vec<(f64, f64)> = Vec::new();
-    let (mut marked_x, mut band_x) = (Vec::new(), Vec::new());
-    for item in &panel.items {
-        match item {
-            Item::Line { points: p, .. } | Item::Points { points: p, .. } => points.extend(p),
-            Item::MarkPoint { x, y, .. } => points.push((*x, *y)),
-            Item::MarkX { x, .. } => marked_x.push(*x),
-            Item::BandX { from, to, .. } => band_x.extend([*from, *to]),
-        }
-    }
-    points.retain(|(x, y)| is_drawable(*x) && is_drawable(*y));
-    // A band may reach far beyond the data, so it sets the range only alone.
-    let beside_data = if points.is_empty() { &band_x[..] } else { &[] };
-    let xs = points.iter().map(|p| p.0).chain(marked_x);
-    let xs = xs.chain(beside_data.iter().copied());
-    let window = Window {
-        x: axis_range(panel.x.range, xs, 0.02),
-        y: axis_range(panel.y.range, points.iter().map(|p| p.1), 0.06),
-    };
-    (window, !points.is_empty())
-}
-
-/// The visible part of a band.
-fn band(a: f64, b: f64, window: Window) -> Option<(f64, f64)> {
-    let from = a.min(b).max(window.x.0);
-    let to = a.max(b).min(window.x.1);
-    (from < to).then_some((from, to))
-}
-
-/// Places every few px along a line, px.
-fn along(line: &[Spot]) -> Vec<(f64, f64)> {
-    const EVERY: f64 = 5.0;
-    let mut places: Vec<_> = line.iter().take(1).map(|s| px(*s)).collect();
-    for pair in line.windows(2) {
-        let (from, to) = (px(pair[0]), px(pair[1]));
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let count = (dx.hypot(dy) / EVERY).ceil().max(1.0);
-        let place = |k: usize| {
-            let share = k as f64 / count;
-            (from.0 + share * dx, from.1 + share * dy)
-        };
-        places.extend((1..=count as usize).map(place));
-    }
-    places
-}
-
-/// Draws lines and points; returns where they are, in px.
-fn data(
-    canvas: &Canvas,
-    item: &Item,
-    window: Window,
-    to_spot: impl Fn((f64, f64)) -> Spot,
-) -> Result<Vec<(f64, f64)>, PictureError> {
-    let mut dots = Vec::new();
-    match item {
-        Item::Line {
-            points,
-            color,
-            width,
-            stroke,
-            ..
-        } => {
-            for stretch in stretches(points, window) {
-                let spots = thin(stretch.into_iter().map(&to_spot).collect());
-                dots.extend(along(&spots));
-                if let [only] = spots[..] {
-                    canvas.mark(only, super::Mark::Circle, width.max(2.5), *color)?;
-                } else {
-                    canvas.path(spots, *color, *width, *stroke)?;
-                }
-            }
-        }
-        Item::Points {
-            points,
-            color,
-            radius,
-            mark,
-            ..
-        } => {
-            let inside = points.iter().copied().filter(|p| window.contains(*p));
-            let mut spots: Vec<Spot> = inside.map(&to_spot).collect();
-            // Marks in the same place look like one.
-            spots.sort_unstable();
-            spots.dedup();
-            for at in spots {
-                canvas.mark(at, *mark, *radius, *color)?;
-                dots.push(px(at));
-            }
-        }
-        Item::BandX { .. } | Item::MarkX { .. } | Item::MarkPoint { .. } => {}
-    }
-    Ok(dots)
 }

@@ -1,9 +1,12 @@
 //! From a figure to the bytes of a file.
 
+use std::cell::RefCell;
+
 use plotters::prelude::*;
 use resvg::{tiny_skia, usvg};
 
-use super::canvas::{Canvas, Letters, Rect, UNIT, library};
+use super::canvas::{Canvas, Letters, Rect, UNIT, library, place_images};
+use super::data::on_even_axes;
 use super::layout::{grid, wrap};
 use super::{Color, Figure, PictureError, panel};
 
@@ -28,16 +31,22 @@ pub fn render_svg(figure: &Figure) -> Result<String, PictureError> {
     }
     let fine = (width * UNIT as u32, height * UNIT as u32);
     let mut svg = String::new();
+    let images = RefCell::new(Vec::new());
     {
         let area = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
         area.fill(&WHITE).map_err(library)?;
-        draw(&Canvas { area: &area }, figure)?;
+        let canvas = Canvas {
+            area: &area,
+            images: &images,
+        };
+        draw(&canvas, figure)?;
         area.present().map_err(library)?;
     }
     // The view box stays fine, the picture gets the size that was asked for.
     let drawn = format!("<svg width=\"{}\" height=\"{}\"", fine.0, fine.1);
     let wanted = format!("<svg width=\"{width}\" height=\"{height}\"");
-    Ok(svg.replacen(&drawn, &wanted, 1))
+    let svg = svg.replacen(&drawn, &wanted, 1);
+    Ok(place_images(&svg, &images.into_inner()))
 }
 
 /// Draws `figure` as the bytes of a PNG file, [`PNG_SCALE`] pixels per CSS px.
@@ -88,11 +97,12 @@ fn draw(canvas: &Canvas, figure: &Figure) -> Result<(), PictureError> {
     // Frames in a column begin at the same place.
     let columns = figure.columns.clamp(1, cells.len().max(1));
     let mut margins = vec![0.0_f64; columns];
-    for (i, (panel, cell)) in figure.panels.iter().zip(&cells).enumerate() {
+    let panels: Vec<_> = figure.panels.iter().map(on_even_axes).collect();
+    for (i, (panel, cell)) in panels.iter().zip(&cells).enumerate() {
         let margin = &mut margins[i % columns];
         *margin = margin.max(panel::left_margin(panel, *cell));
     }
-    for (i, (panel, cell)) in figure.panels.iter().zip(cells).enumerate() {
+    for (i, (panel, cell)) in panels.iter().zip(cells).enumerate() {
         panel::draw(canvas, cell, panel, i + 1, margins[i % columns])?;
     }
     Ok(())

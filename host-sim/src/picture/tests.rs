@@ -264,3 +264,84 @@ fn impossible_sizes_are_refused() {
     );
     assert_eq!(size(220, 200), Err(PictureError::Crowded { panel: 1 }));
 }
+
+#[test]
+fn a_raster_fills_its_part_of_the_frame_with_even_cells() {
+    let kinds = [
+        ("one".to_owned(), Color::RED),
+        ("two".to_owned(), Color::BLUE),
+        ("never".to_owned(), Color::GREEN),
+    ];
+    let cells = [Some(0), Some(0), Some(1), None];
+    let raster = Raster::categories((0.0, 2.0), (0.0, 2.0), 2, &kinds, &cells);
+    let png = render_png(&one(Item::Raster(raster.clone()))).unwrap();
+    let (red, blue) = (pixels_of(&png, Color::RED), pixels_of(&png, Color::BLUE));
+    // Two cells against one, less half the frame's line on two sides.
+    assert!(
+        blue > 50_000 && (red as f64 / blue as f64 - 2.0).abs() < 0.02,
+        "{red} {blue}"
+    );
+    // Seen from 1 to 2 in x, only the red cell below is left.
+    let mut figure = one(Item::Raster(raster));
+    figure.panels[0].legend = true;
+    let svg = render_svg(&figure).unwrap();
+    assert!(svg.contains("two") && !svg.contains("never"));
+    figure.panels[0].x = Axis::new("x").fixed(1.0, 2.0);
+    figure.panels[0].legend = false;
+    let png = render_png(&figure).unwrap();
+    assert!(pixels_of(&png, Color::RED) > 100_000 && pixels_of(&png, Color::BLUE) == 0);
+}
+
+#[test]
+fn a_scale_gets_a_bar_with_its_label() {
+    let bar = Bar::new("force ratio, F/(m g)", 0.0, 40.0);
+    let values = [0.0, 20.0, f64::NAN, 40.0];
+    let raster = Raster::values((0.0, 2.0), (0.0, 2.0), 2, &values, bar);
+    let svg = render_svg(&one(Item::Raster(raster))).unwrap();
+    assert!(svg.contains("force ratio, F/(m g)") && svg.contains("rotate(270"));
+}
+
+#[test]
+fn a_million_points_stay_a_small_file_and_none_is_lost() {
+    let wide = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / 16_777_216.0;
+    let points: Vec<Point> = (0..1_000_000)
+        .map(|k| (wide(k), wide(k + 7_777_777)))
+        .collect();
+    let svg = render_svg(&one(Item::cloud("", Color::BLUE, points))).unwrap();
+    assert!(
+        svg.len() < 300_000 && svg.matches("<circle").count() == 0,
+        "{}",
+        svg.len()
+    );
+    // 25 dots of 1 px: four pixels of the PNG each.
+    let few = (0..25)
+        .map(|k| (f64::from(k % 5), f64::from(k / 5)))
+        .collect();
+    let png = render_png(&one(Item::cloud("", Color::BLUE, few))).unwrap();
+    assert_eq!(pixels_of(&png, Color::BLUE), 100);
+}
+
+#[test]
+fn a_power_law_is_straight_on_logarithmic_axes() {
+    let law = (0..7).map(|k| 10f64.powi(k - 5)).map(|x| (x, 3.0 * x * x));
+    let points = law.chain([(0.0, 1.0), (-1.0, 1.0), (1.0, 0.0)]).collect();
+    let mut figure = one(Item::points("", Color::BLUE, points));
+    figure.panels[0].x = Axis::new("step, s").log();
+    figure.panels[0].y = Axis::new("error, m").log();
+    let svg = render_svg(&figure).unwrap();
+    let number = |line: &str, name: &str| -> f64 {
+        let rest = line.split(&format!(" {name}=\"")).nth(1).unwrap();
+        rest.split('"').next().unwrap().parse().unwrap()
+    };
+    let circles = svg.lines().filter(|l| l.starts_with("<circle"));
+    let at: Vec<_> = circles
+        .map(|l| (number(l, "cx"), number(l, "cy")))
+        .collect();
+    assert_eq!(at.len(), 7);
+    for pair in at.windows(2) {
+        // Whole canvas units.
+        assert!((pair[1].0 - pair[0].0 - (at[1].0 - at[0].0)).abs() <= 2.0);
+        assert!((pair[1].1 - pair[0].1 - (at[1].1 - at[0].1)).abs() <= 2.0);
+    }
+    assert!(svg.contains("1e−4") && svg.contains("0.01"));
+}

@@ -11,6 +11,8 @@ pub(crate) struct Ticks {
     decimals: usize,
     /// Power of ten taken out of the labels (0 or a multiple of 3).
     pub exponent: i32,
+    /// Whether a position is the decimal logarithm of the value written.
+    log: bool,
 }
 
 impl Ticks {
@@ -46,11 +48,43 @@ impl Ticks {
             values,
             decimals,
             exponent,
+            log: false,
+        }
+    }
+
+    /// The same for a logarithmic axis, whose positions are decimal logarithms: powers of ten, and over less than
+    /// two decades their double and fivefold too.
+    pub fn logarithmic(lo: f64, hi: f64, most: usize) -> Self {
+        let most = most.max(1);
+        let (first, last) = (lo.floor() as i32, hi.ceil() as i32);
+        let factors: &[f64] = if hi - lo < 2.0 && most >= 3 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let stride = ((hi - lo) / most as f64).ceil().max(1.0) as i32;
+        let powers = (first..=last).filter(|k| k.rem_euclid(stride) == 0);
+        let values = powers.flat_map(|k| factors.iter().map(move |f| f64::from(k) + f.log10()));
+        Self {
+            values: values.filter(|v| (lo..=hi).contains(v)).collect(),
+            decimals: 0,
+            exponent: 0,
+            log: true,
         }
     }
 
     /// How `value` is written; the power of ten is named by [`Ticks::factor`].
     pub fn label(&self, value: f64) -> String {
+        if self.log {
+            let power = (value + 1e-9).floor();
+            let text = match 10f64.powf(value - power).round() * 10f64.powf(power) {
+                v if (-3.0..=4.0).contains(&power) => {
+                    format!("{:.*}", (-power).max(0.0) as usize, v)
+                }
+                v => format!("{v:.0e}"),
+            };
+            return text.replace('-', "\u{2212}");
+        }
         let text = format!("{:.*}", self.decimals, value / 10f64.powi(self.exponent));
         let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
         let text = if is_zero {
@@ -149,6 +183,25 @@ mod tests {
         assert_eq!(ticks.label(ticks.values[1]), "10");
         assert_eq!(Ticks::new(0.0, 2.5e7, 5).factor(), " (×1e6)");
         assert_eq!(Ticks::new(0.0, 250.0, 5).factor(), "");
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_powers_of_ten() {
+        let labels = |lo: f64, hi: f64, most| {
+            let ticks = Ticks::logarithmic(lo, hi, most);
+            ticks
+                .values
+                .iter()
+                .map(|v| ticks.label(*v))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(labels(-5.2, -1.9, 8), ["1e−5", "1e−4", "0.001", "0.01"]);
+        assert_eq!(labels(-0.1, 1.1, 8), ["1", "2", "5", "10"]);
+        assert_eq!(
+            labels(-12.0, 0.0, 4),
+            ["1e−12", "1e−9", "1e−6", "0.001", "1"]
+        );
+        assert_eq!(labels(3.0, 6.0, 8), ["1000", "10000", "1e5", "1e6"]);
     }
 
     #[test]

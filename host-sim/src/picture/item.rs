@@ -1,0 +1,168 @@
+//! What can be drawn in a panel.
+
+use super::{Color, Mark, Point, Raster, Stroke, regime_style};
+
+/// Something drawn in a panel. An empty label keeps it out of the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item {
+    /// Joined points; a point that is not finite interrupts the line.
+    Line {
+        /// The points in drawing order.
+        points: Vec<Point>,
+        /// Colour of the line.
+        color: Color,
+        /// Name in the legend.
+        label: String,
+        /// Thickness, px.
+        width: f64,
+        /// Solid, dashed or dotted.
+        stroke: Stroke,
+    },
+    /// Separate points; those not finite are left out.
+    Points {
+        /// The points.
+        points: Vec<Point>,
+        /// Colour of the marks.
+        color: Color,
+        /// Name in the legend.
+        label: String,
+        /// Half the size of a mark, px.
+        radius: f64,
+        /// Shape of a mark.
+        mark: Mark,
+    },
+    /// Any number of points, a dot each, drawn as one image.
+    Cloud {
+        /// The points; those not finite are left out.
+        points: Vec<Point>,
+        /// Colour of the dots.
+        color: Color,
+        /// Name in the legend.
+        label: String,
+        /// Side of a dot, px; at least one pixel of the PNG.
+        dot: f64,
+    },
+    /// Cells of colour, drawn as one image.
+    Raster(Raster),
+    /// A shaded vertical band, e.g. the safe operating band.
+    BandX {
+        /// One edge, in x units.
+        from: f64,
+        /// The other edge, in x units.
+        to: f64,
+        /// Colour, drawn thin enough to read curves over it.
+        color: Color,
+        /// Name in the legend.
+        label: String,
+    },
+    /// A vertical line with its name above the plot, e.g. a period doubling.
+    MarkX {
+        /// Where, in x units.
+        x: f64,
+        /// Name above the plot.
+        label: String,
+        /// Colour of line and name.
+        color: Color,
+        /// Solid, dashed or dotted.
+        stroke: Stroke,
+    },
+    /// A ringed point with its name beside it, e.g. the chosen operating point.
+    MarkPoint {
+        /// Where, in x units.
+        x: f64,
+        /// Where, in y units.
+        y: f64,
+        /// Name beside the point.
+        label: String,
+        /// Colour of ring and name.
+        color: Color,
+    },
+}
+
+impl Item {
+    /// A solid line, 1.6 px thick.
+    pub fn line(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+        Self::Line {
+            points,
+            color,
+            label: label.into(),
+            width: 1.6,
+            stroke: Stroke::Solid,
+        }
+    }
+
+    /// A dashed line, 1.6 px thick.
+    pub fn dashed(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+        Self::Line {
+            points,
+            color,
+            label: label.into(),
+            width: 1.6,
+            stroke: Stroke::Dashed,
+        }
+    }
+
+    /// Round points of 2.5 px radius.
+    pub fn points(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+        Self::Points {
+            points,
+            color,
+            label: label.into(),
+            radius: 2.5,
+            mark: Mark::Circle,
+        }
+    }
+
+    /// Any number of points: dots of 1 px up to 50,000 of them, of half a px beyond.
+    pub fn cloud(label: impl Into<String>, color: Color, points: Vec<Point>) -> Self {
+        Self::Cloud {
+            dot: if points.len() > 50_000 { 0.5 } else { 1.0 },
+            points,
+            color,
+            label: label.into(),
+        }
+    }
+
+    /// Points of one regime in its own colour and shape ([`regime_style`]),
+    /// named by the regime.
+    pub fn regime_points(regime: &str, points: Vec<Point>) -> Self {
+        let style = regime_style(regime);
+        Self::Points {
+            points,
+            color: style.color,
+            label: regime.to_owned(),
+            radius: 3.0,
+            mark: style.mark,
+        }
+    }
+
+    /// A green band from one x to another.
+    pub fn band_x(label: impl Into<String>, from: f64, to: f64) -> Self {
+        Self::BandX {
+            from,
+            to,
+            color: Color::GREEN,
+            label: label.into(),
+        }
+    }
+
+    /// A dashed dark vertical line at `x`.
+    pub fn mark_x(label: impl Into<String>, x: f64) -> Self {
+        Self::MarkX {
+            x,
+            label: label.into(),
+            color: Color::INK,
+            stroke: Stroke::Dashed,
+        }
+    }
+
+    /// A dark ring around `(x, y)`.
+    pub fn mark_point(label: impl Into<String>, x: f64, y: f64) -> Self {
+        Self::MarkPoint {
+            x,
+            y,
+            label: label.into(),
+            color: Color::INK,
+        }
+    }
+}
