@@ -32,5 +32,9 @@ pub enum Effort {
 /// Makes the pages of one area.
 pub type Area = fn(Effort, &Progress) -> Result<Vec<Page>, UserError>;
 
-/// The areas, in the chapter's order.
-pub const AREAS: [(&str, Area); 0] = [];
+/// A part of the work that is done at once: its name, the figures it makes, and how. Keep parts small (what shares its
+/// runs): one figure asked for alone makes its part, and an interrupted part is begun again.
+pub type Part = (&'static str, &'static [&'static str], Area);
+
+/// Every part, in the chapter's order.
+pub const AREAS: &[Part] = &[];
