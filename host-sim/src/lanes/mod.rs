@@ -2,8 +2,21 @@
 //!
 //! A [`Cell`] is one simulation; [`run`] takes many and gives an [`Outcome`] each, in their order. Nothing is kept per
 //! step; what a cell showed is reduced as it runs.
+//!
+//! Cells run side by side in the lanes of vector registers: flight by Taylor steps ([`flight`]), contact in closed form
+//! ([`touch`], and [`stay`] where that does not fit), both switches located on the step's own polynomial ([`pool`] is the
+//! loop, [`reduce`] the end). What the lanes cannot run or find uncertain goes to the reference. `docs/lanes.md` has the
+//! figures.
 
+mod constants;
+mod fast;
+mod flight;
+mod number;
 mod one;
+mod pool;
+mod reduce;
+mod stay;
+mod touch;
 
 use rayon::prelude::*;
 use shared::params::RigParams;
@@ -12,7 +25,10 @@ use shared::regime::Regime;
 use crate::engine::Engine;
 use crate::error::UserError;
 
+pub use fast::{How, Instructions, Precision, Report, run_with};
 pub use one::run_one;
+pub use pool::Work;
+pub use reduce::SETTLED_WITHIN;
 
 /// One simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,12 +103,41 @@ pub struct Outcome {
     pub strobes: Vec<Strobe>,
 }
 
-/// Runs every cell.
+/// Cells per piece of work of a thread. Outcomes do not depend on it.
+const CHUNK: usize = 512;
+
+/// Runs every cell, on every thread there is.
 ///
 /// # Errors
 /// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
 pub fn run(cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, UserError> {
-    by_engine(Engine::Event, cells, plan)
+    run_reported(cells, plan).map(|(outcomes, _)| outcomes)
+}
+
+/// Runs every cell, on every thread there is, and tells what became of them.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_reported(cells: &[Cell], plan: &Plan) -> Result<(Vec<Outcome>, Report), UserError> {
+    let parts: Vec<_> = cells
+        .par_chunks(CHUNK)
+        .map(|chunk| run_with(How::default(), chunk, plan))
+        .collect::<Result<_, _>>()?;
+    let mut report = Report::default();
+    let mut outcomes = Vec::with_capacity(cells.len());
+    for (part, done) in parts {
+        outcomes.extend(part);
+        report += done;
+    }
+    Ok((outcomes, report))
+}
+
+/// Runs every cell in this thread: for work that is shared out by the caller. The same outcomes as [`run`].
+///
+/// # Errors
+/// As [`run`].
+pub fn run_serial(cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, UserError> {
+    run_with(How::default(), cells, plan).map(|(outcomes, _)| outcomes)
 }
 
 /// Runs every cell by `engine`, one after the other in every thread: the reference for an audit, or the switch model.

@@ -1,0 +1,477 @@
+//! Lanes of numbers: one vector register of f32 or f64, whatever the instruction set.
+//!
+//! Every operation used is correctly rounded by IEEE 754 (sum, product, fused multiply-add, quotient, square root) or
+//! exact (comparison, choice), so that a lane's result has the same bits on AVX-512, AVX2, NEON and without vectors.
+
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use pulp::Simd;
+
+/// Most lanes in one vector.
+pub const MAX_LANES: usize = 16;
+
+/// One number per lane, in memory.
+pub type Row<E> = [E; MAX_LANES];
+
+/// A lane's number.
+pub trait Element: Copy + Default + PartialOrd + Send + Sync + 'static {
+    /// Half the distance from 1 to the next number.
+    const GRAIN: f64;
+    /// Rounds.
+    fn from_f64(x: f64) -> Self;
+    /// Exact.
+    fn to_f64(self) -> f64;
+}
+
+impl Element for f32 {
+    const GRAIN: f64 = f32::EPSILON as f64 / 2.0;
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        x as f32
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Element for f64 {
+    const GRAIN: f64 = f64::EPSILON / 2.0;
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+/// An instruction set and a precision.
+pub trait Width: Copy {
+    /// A lane's number.
+    type E: Element;
+    /// A vector.
+    type V: Copy;
+    /// A truth per lane.
+    type M: Copy;
+    /// Lanes of a vector.
+    const LANES: usize;
+
+    /// The same number in every lane.
+    fn splat(self, x: f64) -> Self::V;
+    /// Reads the first [`Self::LANES`] of a row.
+    fn load(self, row: &Row<Self::E>) -> Self::V;
+    /// Writes the first [`Self::LANES`] of a row.
+    fn store(self, row: &mut Row<Self::E>, x: Self::V);
+    /// a + b.
+    fn add(self, a: Self::V, b: Self::V) -> Self::V;
+    /// a − b.
+    fn sub(self, a: Self::V, b: Self::V) -> Self::V;
+    /// a b.
+    fn mul(self, a: Self::V, b: Self::V) -> Self::V;
+    /// a / b.
+    fn div(self, a: Self::V, b: Self::V) -> Self::V;
+    /// a b + c, rounded once.
+    fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
+    /// c − a b, rounded once.
+    fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
+    /// −a.
+    fn neg(self, a: Self::V) -> Self::V;
+    /// |a|.
+    fn abs(self, a: Self::V) -> Self::V;
+    /// √a.
+    fn sqrt(self, a: Self::V) -> Self::V;
+    /// a < b.
+    fn lt(self, a: Self::V, b: Self::V) -> Self::M;
+    /// a where `m`, otherwise b.
+    fn select(self, m: Self::M, a: Self::V, b: Self::V) -> Self::V;
+    /// Both.
+    fn and(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Either.
+    fn or(self, a: Self::M, b: Self::M) -> Self::M;
+    /// Neither.
+    fn not(self, a: Self::M) -> Self::M;
+    /// Whether any lane's truth holds.
+    fn any(self, m: Self::M) -> bool;
+}
+
+/// f32 lanes.
+#[derive(Clone, Copy)]
+pub struct Single<S>(pub S);
+
+/// f64 lanes.
+#[derive(Clone, Copy)]
+pub struct Double<S>(pub S);
+
+macro_rules! width {
+    ($name:ident, $e:ty, $v:ident, $m:ident, $lanes:ident,
+     $splat:ident, $simd:ident, $simd_mut:ident, $add:ident, $sub:ident, $mul:ident, $div:ident,
+     $fma:ident, $fnma:ident, $neg:ident, $abs:ident, $sqrt:ident, $lt:ident, $select:ident,
+     $and:ident, $or:ident, $not:ident, $first:ident) => {
+        impl<S: Simd> Width for $name<S> {
+            type E = $e;
+            type V = S::$v;
+            type M = S::$m;
+            const LANES: usize = S::$lanes;
+
+            #[inline(always)]
+            fn splat(self, x: f64) -> Self::V {
+                self.0.$splat(x as $e)
+            }
+            #[inline(always)]
+            fn load(self, row: &Row<Self::E>) -> Self::V {
+                S::$simd(row).0[0]
+            }
+            #[inline(always)]
+            fn store(self, row: &mut Row<Self::E>, x: Self::V) {
+                S::$simd_mut(row).0[0] = x;
+            }
+            #[inline(always)]
+            fn add(self, a: Self::V, b: Self::V) -> Self::V {
+                self.0.$add(a, b)
+            }
+            #[inline(always)]
+            fn sub(self, a: Self::V, b: Self::V) -> Self::V {
+                self.0.$sub(a, b)
+            }
+            #[inline(always)]
+            fn mul(self, a: Self::V, b: Self::V) -> Self::V {
+                self.0.$mul(a, b)
+            }
+            #[inline(always)]
+            fn div(self, a: Self::V, b: Self::V) -> Self::V {
+                self.0.$div(a, b)
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+                self.0.$fma(a, b, c)
+            }
+            #[inline(always)]
+            fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+                self.0.$fnma(a, b, c)
+            }
+            #[inline(always)]
+            fn neg(self, a: Self::V) -> Self::V {
+                self.0.$neg(a)
+            }
+            #[inline(always)]
+            fn abs(self, a: Self::V) -> Self::V {
+                self.0.$abs(a)
+            }
+            #[inline(always)]
+            fn sqrt(self, a: Self::V) -> Self::V {
+                self.0.$sqrt(a)
+            }
+            #[inline(always)]
+            fn lt(self, a: Self::V, b: Self::V) -> Self::M {
+                self.0.$lt(a, b)
+            }
+            #[inline(always)]
+            fn select(self, m: Self::M, a: Self::V, b: Self::V) -> Self::V {
+                self.0.$select(m, a, b)
+            }
+            #[inline(always)]
+            fn and(self, a: Self::M, b: Self::M) -> Self::M {
+                self.0.$and(a, b)
+            }
+            #[inline(always)]
+            fn or(self, a: Self::M, b: Self::M) -> Self::M {
+                self.0.$or(a, b)
+            }
+            #[inline(always)]
+            fn not(self, a: Self::M) -> Self::M {
+                self.0.$not(a)
+            }
+            #[inline(always)]
+            fn any(self, m: Self::M) -> bool {
+                self.0.$first(m) < Self::LANES
+            }
+        }
+    };
+}
+
+width!(
+    Single,
+    f32,
+    f32s,
+    m32s,
+    F32_LANES,
+    splat_f32s,
+    as_simd_f32s,
+    as_mut_simd_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    div_f32s,
+    mul_add_f32s,
+    negate_mul_add_f32s,
+    neg_f32s,
+    abs_f32s,
+    sqrt_f32s,
+    less_than_f32s,
+    select_f32s,
+    and_m32s,
+    or_m32s,
+    not_m32s,
+    first_true_m32s
+);
+width!(
+    Double,
+    f64,
+    f64s,
+    m64s,
+    F64_LANES,
+    splat_f64s,
+    as_simd_f64s,
+    as_mut_simd_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    div_f64s,
+    mul_add_f64s,
+    negate_mul_add_f64s,
+    neg_f64s,
+    abs_f64s,
+    sqrt_f64s,
+    less_than_f64s,
+    select_f64s,
+    and_m64s,
+    or_m64s,
+    not_m64s,
+    first_true_m64s
+);
+
+/// A vector with its instruction set, so that formulas read as formulas.
+#[derive(Clone, Copy)]
+pub struct Num<W: Width> {
+    w: W,
+    v: W::V,
+}
+
+/// A truth per lane.
+#[derive(Clone, Copy)]
+pub struct Mask<W: Width> {
+    w: W,
+    m: W::M,
+}
+
+impl<W: Width> Num<W> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(w: W, x: f64) -> Self {
+        Self { w, v: w.splat(x) }
+    }
+    /// From a row.
+    #[inline(always)]
+    pub fn load(w: W, row: &Row<W::E>) -> Self {
+        Self { w, v: w.load(row) }
+    }
+    /// Into a row.
+    #[inline(always)]
+    pub fn store(self, row: &mut Row<W::E>) {
+        self.w.store(row, self.v);
+    }
+    /// The same constant beside this vector.
+    #[inline(always)]
+    pub fn of(self, x: f64) -> Self {
+        Self::splat(self.w, x)
+    }
+    /// self b + c.
+    #[inline(always)]
+    pub fn mul_add(self, b: Self, c: Self) -> Self {
+        let v = self.w.mul_add(self.v, b.v, c.v);
+        Self { w: self.w, v }
+    }
+    /// c − self b.
+    #[inline(always)]
+    pub fn mul_sub_from(self, b: Self, c: Self) -> Self {
+        let v = self.w.mul_sub_from(self.v, b.v, c.v);
+        Self { w: self.w, v }
+    }
+    /// |self|.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        let v = self.w.abs(self.v);
+        Self { w: self.w, v }
+    }
+    /// √self.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        let v = self.w.sqrt(self.v);
+        Self { w: self.w, v }
+    }
+    /// self < b.
+    #[inline(always)]
+    pub fn lt(self, b: Self) -> Mask<W> {
+        let m = self.w.lt(self.v, b.v);
+        Mask { w: self.w, m }
+    }
+    /// The smaller; `b` if either is no number.
+    #[inline(always)]
+    pub fn min(self, b: Self) -> Self {
+        self.lt(b).choose(self, b)
+    }
+    /// The larger; `b` if either is no number.
+    #[inline(always)]
+    pub fn max(self, b: Self) -> Self {
+        b.lt(self).choose(self, b)
+    }
+}
+
+impl<W: Width> Mask<W> {
+    /// a where true, otherwise b.
+    #[inline(always)]
+    pub fn choose(self, a: Num<W>, b: Num<W>) -> Num<W> {
+        let v = self.w.select(self.m, a.v, b.v);
+        Num { w: self.w, v }
+    }
+    /// Whether any lane's truth holds.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.w.any(self.m)
+    }
+    /// 1 where true, otherwise 0.
+    #[inline(always)]
+    pub fn one(self) -> Num<W> {
+        self.choose(Num::splat(self.w, 1.0), Num::splat(self.w, 0.0))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident) => {
+        impl<W: Width> $trait for Num<W> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, b: Self) -> Self {
+                let v = self.w.$method(self.v, b.v);
+                Self { w: self.w, v }
+            }
+        }
+        impl<W: Width> $trait<f64> for Num<W> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, b: f64) -> Self {
+                $trait::$method(self, self.of(b))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<W: Width> Neg for Num<W> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        let v = self.w.neg(self.v);
+        Self { w: self.w, v }
+    }
+}
+
+impl<W: Width> BitAnd for Mask<W> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, b: Self) -> Self {
+        let m = self.w.and(self.m, b.m);
+        Self { w: self.w, m }
+    }
+}
+
+impl<W: Width> BitOr for Mask<W> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, b: Self) -> Self {
+        let m = self.w.or(self.m, b.m);
+        Self { w: self.w, m }
+    }
+}
+
+impl<W: Width> Not for Mask<W> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        let m = self.w.not(self.m);
+        Self { w: self.w, m }
+    }
+}
+
+/// Value and slope of the polynomial Σ c_k s^k.
+#[inline(always)]
+pub fn horner<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> (Num<W>, Num<W>) {
+    let mut value = c[N - 1];
+    let mut slope = s.of(0.0);
+    for k in (0..N - 1).rev() {
+        slope = slope.mul_add(s, value);
+        value = value.mul_add(s, c[k]);
+    }
+    (value, slope)
+}
+
+/// Value alone of the polynomial Σ c_k s^k.
+#[inline(always)]
+pub fn polynomial<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> Num<W> {
+    let mut value = c[N - 1];
+    for k in (0..N - 1).rev() {
+        value = value.mul_add(s, c[k]);
+    }
+    value
+}
+
+/// Σ c_k x^k for constants known beforehand.
+#[inline(always)]
+pub fn series<W: Width, const N: usize>(c: [f64; N], x: Num<W>) -> Num<W> {
+    let mut value = x.of(c[N - 1]);
+    for k in (0..N - 1).rev() {
+        value = value.mul_add(x, x.of(c[k]));
+    }
+    value
+}
+
+/// (sin a, cos a) for 0 ≤ a ≤ 9, by quarter turns and Taylor's series (|remainder| < 1e-11).
+#[inline(always)]
+pub fn sin_cos<W: Width>(a: Num<W>) -> (Num<W>, Num<W>) {
+    use core::f64::consts::FRAC_PI_2;
+    // A number whose last bit is 1/1: adding and taking it away rounds.
+    let rounder = 0.75 / W::E::GRAIN;
+    let quarter = (a * (1.0 / FRAC_PI_2) + rounder) - rounder;
+    let high = W::E::from_f64(FRAC_PI_2).to_f64();
+    let r = quarter.mul_sub_from(a.of(high), a);
+    let r = quarter.mul_sub_from(a.of(FRAC_PI_2 - high), r);
+    let z = r * r;
+    let sin = r * series(SIN, z);
+    let cos = series(COS, z);
+    // Quarter 0 to 6: back to 0 to 3, then by its two bits.
+    let four = a.of(3.5).lt(quarter);
+    let quarter = quarter - four.choose(a.of(4.0), a.of(0.0));
+    let upper = a.of(1.5).lt(quarter);
+    let half = quarter - upper.choose(a.of(2.0), a.of(0.0));
+    let odd = a.of(0.5).lt(half);
+    let (s, c) = (odd.choose(cos, sin), odd.choose(-sin, cos));
+    (upper.choose(-s, s), upper.choose(-c, c))
+}
+
+/// sin x = x Σ SIN_k x^2k.
+pub const SIN: [f64; 7] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+];
+
+/// cos x = Σ COS_k x^2k.
+pub const COS: [f64; 7] = [
+    1.0,
+    -0.5,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+];

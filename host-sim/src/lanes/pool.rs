@@ -1,0 +1,501 @@
+//! The lanes at work: every iteration moves each lane by one step of flight and, where that met the surface, through the
+//! contact; a lane whose cell is done takes the next one.
+
+use std::f64::consts::TAU;
+
+use super::constants::Constants;
+use super::flight::{At, Field, Margins, meet, path};
+use super::number::{Element, MAX_LANES, Mask, Num, Row, Width, horner};
+use super::reduce::{Record, converged, outcome};
+use super::stay::{Event, Side, Stay};
+use super::touch::{Anchor, Surface, contact};
+use super::{Outcome, Plan};
+
+/// A cell ready for a lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    /// The cell without units.
+    pub constants: Constants,
+    /// Coordinate at the start.
+    pub x: f64,
+    /// Rate at the start.
+    pub v: f64,
+    /// Drive phase at the start, rad.
+    pub tau: f64,
+}
+
+/// How finely the lanes step and how sharply they tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// Step of flight, in radians of the faster of drive and hammer.
+    pub step: f64,
+    /// How sharply events are told.
+    pub margins: Margins,
+    /// Distance between strobes that rounding and truncation alone make.
+    pub grain: f64,
+}
+
+/// What the lanes were busy with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Iterations of all lanes together.
+    pub iterations: u64,
+    /// Lane steps done: iterations times lanes, less the idle ones.
+    pub steps: u64,
+    /// Lanes times iterations.
+    pub room: u64,
+    /// Iterations in which the contact was computed.
+    pub contact_rounds: u64,
+    /// Contacts done in the lanes.
+    pub contacts: u64,
+    /// Stays done one at a time.
+    pub stays: u64,
+    /// Drive cycles.
+    pub cycles: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.steps += other.steps;
+        self.room += other.room;
+        self.contact_rounds += other.contact_rounds;
+        self.contacts += other.contacts;
+        self.stays += other.stays;
+        self.cycles += other.cycles;
+    }
+}
+
+/// Everything the lanes hold, one row per quantity.
+#[derive(Default)]
+struct Rows<E> {
+    x: Row<E>,
+    v: Row<E>,
+    tau: Row<E>,
+    step: Row<E>,
+    peak: Row<E>,
+    onsets: Row<E>,
+    recent: [Row<E>; 3],
+    gap: Row<E>,
+    drive: Row<E>,
+    bend: Row<E>,
+    spring: Row<E>,
+    damping: Row<E>,
+    pull: Row<E>,
+    contact_spring: Row<E>,
+    contact_damper: Row<E>,
+    decay: Row<E>,
+    pulsation: Row<E>,
+    forced_sin: Row<E>,
+    forced_cos: Row<E>,
+    forced_mean: Row<E>,
+    release: [Row<E>; 3],
+    top: [Row<E>; 3],
+}
+
+/// What a lane holds beside its rows.
+#[derive(Default)]
+struct Lane {
+    job: Option<usize>,
+    /// In the surface; its row then rests.
+    stay: Option<Stay>,
+    /// In contact at the last section.
+    carried: bool,
+    chatter: bool,
+    /// Whether the first section is still to come (a start at another phase).
+    before_first: bool,
+    records: Vec<Record>,
+    finished: bool,
+}
+
+/// Farthest from the surface at a strobe (rad or m), and fastest (A0 Ω): beyond, the reference decides what it is.
+const FARTHEST: f64 = 0.5;
+const FASTEST: f64 = 1e4;
+
+/// Phase of an onset that never was.
+const NEVER: f64 = -1e6;
+
+/// The lanes of one thread.
+struct Pool<'a, W: Width> {
+    w: W,
+    jobs: &'a [Job],
+    next: usize,
+    plan: &'a Plan,
+    tuning: Tuning,
+    rows: Box<Rows<W::E>>,
+    lanes: Vec<Lane>,
+    out: Vec<Option<Outcome>>,
+    busy: usize,
+    work: Work,
+}
+
+/// Runs `jobs`, all of one kind; none where an event was uncertain.
+#[inline(always)]
+pub fn run<W: Width>(
+    w: W,
+    beams: bool,
+    jobs: &[Job],
+    plan: &Plan,
+    tuning: Tuning,
+) -> (Vec<Option<Outcome>>, Work) {
+    let mut pool = Pool {
+        w,
+        jobs,
+        next: 0,
+        plan,
+        tuning,
+        rows: Box::default(),
+        lanes: (0..W::LANES).map(|_| Lane::default()).collect(),
+        out: jobs.iter().map(|_| None).collect(),
+        busy: W::LANES,
+        work: Work::default(),
+    };
+    for lane in 0..W::LANES {
+        pool.refill(lane);
+    }
+    while pool.busy > 0 {
+        pool.work.iterations += 1;
+        pool.work.room += W::LANES as u64;
+        pool.work.steps += pool.busy as u64;
+        pool.iterate(beams);
+    }
+    (pool.out, pool.work)
+}
+
+impl<W: Width> Pool<'_, W> {
+    #[inline(always)]
+    fn iterate(&mut self, beams: bool) {
+        let w = self.w;
+        let load = |row: &Row<W::E>| Num::load(w, row);
+        let rows = &mut *self.rows;
+        let field = Field {
+            gap: load(&rows.gap),
+            drive: load(&rows.drive),
+            bend: load(&rows.bend),
+            spring: load(&rows.spring),
+            damping: load(&rows.damping),
+        };
+        let at = At {
+            x: load(&rows.x),
+            v: load(&rows.v),
+            tau: load(&rows.tau),
+        };
+        let h = load(&rows.step);
+        let turn = Num::splat(w, TAU);
+        let zero = Num::splat(w, 0.0);
+        let path = path(beams, &field, &at, h);
+        let met = meet(&path, self.tuning.margins);
+        let (x, slope) = horner(&path, met.at);
+        let per_step = Num::splat(w, 1.0) / h.max(Num::splat(w, 1e-30));
+        let v = slope * per_step;
+        let x = met.hit.choose(zero, x);
+        let tau = met.at.mul_add(h, at.tau);
+        let strobe = !tau.lt(turn);
+        let strobes = if strobe.any() {
+            let when = (turn - at.tau) * per_step;
+            let (x, slope) = horner(&path, when);
+            Some((strobe, x, slope * per_step))
+        } else {
+            None
+        };
+        x.store(&mut rows.x);
+        v.store(&mut rows.v);
+        tau.store(&mut rows.tau);
+        if let Some((strobe, x, v)) = strobes {
+            self.section(strobe, x, v);
+        }
+        let mut uncertain = met.uncertain;
+        if met.hit.any() {
+            uncertain = uncertain | self.touch(met.hit);
+        }
+        if uncertain.any() {
+            let mut row = [W::E::default(); MAX_LANES];
+            uncertain.one().store(&mut row);
+            for (lane, mark) in row.iter().enumerate().take(W::LANES) {
+                if mark.to_f64() != 0.0 && self.lanes[lane].job.is_some() {
+                    self.lanes[lane].finished = true;
+                    self.lanes[lane].records.clear();
+                }
+            }
+        }
+        for lane in 0..W::LANES {
+            if self.lanes[lane].stay.is_some() && !self.lanes[lane].finished {
+                self.stay(lane);
+            }
+            if self.lanes[lane].finished {
+                self.refill(lane);
+            }
+        }
+    }
+
+    /// Lanes that passed the section: their records, and their clocks put back.
+    #[inline(always)]
+    fn section(&mut self, strobe: Mask<W>, x: Num<W>, v: Num<W>) {
+        let w = self.w;
+        let (mut xs, mut vs, mut marks) = (
+            [W::E::default(); MAX_LANES],
+            [W::E::default(); MAX_LANES],
+            [W::E::default(); MAX_LANES],
+        );
+        x.store(&mut xs);
+        v.store(&mut vs);
+        strobe.one().store(&mut marks);
+        for lane in 0..W::LANES {
+            if marks[lane].to_f64() != 0.0 {
+                let onsets = self.rows.onsets[lane].to_f64();
+                let record = Record {
+                    x: xs[lane].to_f64(),
+                    v: vs[lane].to_f64(),
+                    force: self.rows.peak[lane].to_f64() as f32,
+                    onsets: onsets as u16,
+                    touched: onsets > 0.0 || self.lanes[lane].carried,
+                    chatter: self.lanes[lane].chatter,
+                };
+                self.lanes[lane].carried = false;
+                self.record(lane, record);
+            }
+        }
+        let zero = Num::splat(w, 0.0);
+        let back = strobe.choose(Num::splat(w, TAU), zero);
+        let rows = &mut *self.rows;
+        for row in [&mut rows.tau].into_iter().chain(&mut rows.recent) {
+            (Num::load(w, row) - back).store(row);
+        }
+        for row in [&mut rows.peak, &mut rows.onsets] {
+            strobe.choose(zero, Num::load(w, row)).store(row);
+        }
+    }
+
+    /// Lanes that met the surface: through the contact. Tells where that was uncertain.
+    #[inline(always)]
+    fn touch(&mut self, hit: Mask<W>) -> Mask<W> {
+        self.work.contact_rounds += 1;
+        let w = self.w;
+        let load = |row: &Row<W::E>| Num::load(w, row);
+        let rows = &mut *self.rows;
+        let anchor = |rows: &[Row<W::E>; 3]| Anchor {
+            phase: load(&rows[0]),
+            cos: load(&rows[1]),
+            sin: load(&rows[2]),
+        };
+        let surface = Surface {
+            drive: load(&rows.drive),
+            pull: load(&rows.pull),
+            damping: load(&rows.damping),
+            spring: load(&rows.contact_spring),
+            damper: load(&rows.contact_damper),
+            decay: load(&rows.decay),
+            pulsation: load(&rows.pulsation),
+            forced_sin: load(&rows.forced_sin),
+            forced_cos: load(&rows.forced_cos),
+            forced_mean: load(&rows.forced_mean),
+            release: anchor(&rows.release),
+            peak: anchor(&rows.top),
+        };
+        let (tau, v) = (load(&rows.tau), load(&rows.v));
+        let left = contact(&surface, tau, v, self.tuning.margins.grazing);
+        let good = hit & left.good & left.tau.lt(Num::splat(w, TAU));
+        let one = Num::splat(w, 1.0);
+        let onsets = load(&rows.onsets);
+        good.choose(onsets + one, onsets).store(&mut rows.onsets);
+        let recent = rows.recent.each_ref().map(load);
+        good.choose(recent[1], recent[2]).store(&mut rows.recent[2]);
+        good.choose(recent[0], recent[1]).store(&mut rows.recent[1]);
+        good.choose(tau, recent[0]).store(&mut rows.recent[0]);
+        let peak = load(&rows.peak);
+        good.choose(peak.max(left.force), peak)
+            .store(&mut rows.peak);
+        good.choose(left.tau, tau).store(&mut rows.tau);
+        good.choose(left.v, v).store(&mut rows.v);
+        let slow = hit & !good;
+        let mut marks = [W::E::default(); MAX_LANES];
+        (hit.one() + slow.one()).store(&mut marks);
+        for (lane, mark) in marks.iter().enumerate().take(W::LANES) {
+            let mark = mark.to_f64();
+            self.work.contacts += u64::from(mark == 1.0);
+            if mark == 2.0 && !self.lanes[lane].finished {
+                self.enter(lane);
+            }
+        }
+        hit & left.grazing
+    }
+
+    /// A lane leaves its row for a stay in the surface, beginning with an onset.
+    fn enter(&mut self, lane: usize) {
+        let rows = &mut *self.rows;
+        let recent = rows.recent.each_ref().map(|row| row[lane].to_f64());
+        let tau = rows.tau[lane].to_f64();
+        self.lanes[lane].stay = Some(Stay {
+            x: 0.0,
+            v: rows.v[lane].to_f64(),
+            tau,
+            side: Side::Contact,
+            peak: rows.peak[lane].to_f64(),
+            onsets: rows.onsets[lane].to_f64() as u32 + 1,
+            recent: [tau, recent[0], recent[1]],
+            chatter: self.lanes[lane].chatter,
+        });
+        rows.x[lane] = W::E::from_f64(-1.0);
+        rows.v[lane] = W::E::default();
+        rows.tau[lane] = W::E::default();
+        rows.step[lane] = W::E::default();
+    }
+
+    /// Runs a lane's stay to the section, or out and back into its row.
+    #[inline(never)]
+    fn stay(&mut self, lane: usize) {
+        self.work.stays += 1;
+        let held = &mut self.lanes[lane];
+        let (Some(mut stay), Some(job)) = (held.stay.take(), held.job) else {
+            return;
+        };
+        let constants = &self.jobs[job].constants;
+        match stay.run(constants) {
+            Event::Lost => {
+                held.finished = true;
+                held.records.clear();
+            }
+            Event::Section => {
+                let record = Record {
+                    x: stay.x,
+                    v: stay.v,
+                    force: stay.peak as f32,
+                    onsets: u16::try_from(stay.onsets).unwrap_or(u16::MAX),
+                    touched: true,
+                    chatter: stay.chatter,
+                };
+                held.carried = stay.side == Side::Contact;
+                stay.tau = 0.0;
+                stay.peak = 0.0;
+                stay.onsets = 0;
+                stay.chatter = false;
+                stay.recent = stay.recent.map(|t| t - TAU);
+                held.stay = Some(stay);
+                self.record(lane, record);
+            }
+            Event::Out => {
+                held.chatter = stay.chatter;
+                let step = self.tuning.step / constants.fastest;
+                let rows = &mut *self.rows;
+                let e = W::E::from_f64;
+                rows.x[lane] = e(0.0);
+                rows.v[lane] = e(stay.v);
+                rows.tau[lane] = e(stay.tau);
+                rows.step[lane] = e(step);
+                rows.peak[lane] = e(stay.peak);
+                rows.onsets[lane] = e(f64::from(stay.onsets));
+                for (row, t) in rows.recent.iter_mut().zip(stay.recent) {
+                    row[lane] = e(t);
+                }
+            }
+        }
+    }
+
+    /// A strobe of a lane; ends its cell where that was the last, or where it has converged.
+    #[inline(always)]
+    fn record(&mut self, lane: usize, mut record: Record) {
+        let held = &mut self.lanes[lane];
+        held.chatter = false;
+        let Some(job) = held.job else {
+            return;
+        };
+        let constants = &self.jobs[job].constants;
+        let rate = record.v.abs() < FASTEST;
+        if !(record.x.abs() * constants.scale < FARTHEST && rate) {
+            held.finished = true;
+            held.records.clear();
+            return;
+        }
+        if held.before_first {
+            held.before_first = false;
+            record = Record {
+                x: record.x,
+                v: record.v,
+                ..Record::default()
+            };
+            held.records.push(record);
+            return;
+        }
+        held.records.push(record);
+        let cycles = held.records.len() - 1;
+        self.work.cycles += 1;
+        let last = cycles >= self.plan.cycles as usize;
+        let test = self.plan.early && !last;
+        let settled = test
+            .then(|| converged(&held.records, self.tuning.grain))
+            .flatten();
+        if last || settled.is_some() {
+            self.out[job] = Some(outcome(constants, &held.records, self.plan, settled));
+            held.finished = true;
+        }
+    }
+
+    /// Puts the next cell into a lane; an idle one rests.
+    #[inline(never)]
+    fn refill(&mut self, lane: usize) {
+        let rows = &mut *self.rows;
+        let held = &mut self.lanes[lane];
+        held.finished = false;
+        held.stay = None;
+        held.chatter = false;
+        held.carried = false;
+        held.records.clear();
+        let e = W::E::from_f64;
+        let Some(job) = self.jobs.get(self.next) else {
+            held.job = None;
+            self.busy -= 1;
+            rows.x[lane] = e(-1.0);
+            rows.v[lane] = e(0.0);
+            rows.tau[lane] = e(0.0);
+            rows.step[lane] = e(0.0);
+            return;
+        };
+        held.job = Some(self.next);
+        self.next += 1;
+        let c = &job.constants;
+        held.before_first = job.tau > 0.0;
+        if !held.before_first {
+            held.records.push(Record {
+                x: job.x,
+                v: job.v,
+                ..Record::default()
+            });
+        }
+        for (row, value) in [
+            (&mut rows.x, job.x),
+            (&mut rows.v, job.v),
+            (&mut rows.tau, job.tau),
+            (&mut rows.step, self.tuning.step / c.fastest),
+            (&mut rows.peak, 0.0),
+            (&mut rows.onsets, 0.0),
+            (&mut rows.gap, c.gap),
+            (&mut rows.drive, c.drive),
+            (&mut rows.bend, c.bend),
+            (&mut rows.spring, c.spring),
+            (&mut rows.damping, c.damping),
+            (&mut rows.pull, c.pull),
+            (&mut rows.contact_spring, c.contact_spring),
+            (&mut rows.contact_damper, c.contact_damper),
+            (&mut rows.decay, c.decay),
+            (&mut rows.pulsation, c.pulsation),
+            (&mut rows.forced_sin, c.forced_sin),
+            (&mut rows.forced_cos, c.forced_cos),
+            (&mut rows.forced_mean, c.forced_mean),
+        ] {
+            row[lane] = e(value);
+        }
+        for row in &mut rows.recent {
+            row[lane] = e(NEVER);
+        }
+        for (rows, phase) in [
+            (&mut rows.release, c.release_phase),
+            (&mut rows.top, c.peak_phase),
+        ] {
+            let left = libm::exp(-c.decay / c.pulsation * phase);
+            let (sin, cos) = libm::sincos(phase);
+            for (row, value) in rows.iter_mut().zip([phase, left * cos, left * sin]) {
+                row[lane] = e(value);
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! From the strobes of a cell to its outcome, and when a cell may stop early.
+
+use shared::regime::{MAX_PERIODS, Regime, SECTION_TOLERANCE};
+
+use super::constants::Constants;
+use super::{Outcome, Plan, Strobe};
+
+/// A strobe, and what happened in the drive period that ended with it; without units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Coordinate.
+    pub x: f64,
+    /// Rate.
+    pub v: f64,
+    /// Largest force.
+    pub force: f32,
+    /// Contacts that began.
+    pub onsets: u16,
+    /// Whether the surface was touched.
+    pub touched: bool,
+    /// Whether a chatter ended in a long stay.
+    pub chatter: bool,
+}
+
+impl Record {
+    /// The larger difference of coordinate and rate, on the section's scales.
+    #[inline]
+    fn distance(&self, other: &Self) -> f64 {
+        (self.x - other.x).abs().max((self.v - other.v).abs())
+    }
+}
+
+/// Every so many cycles a cell is tested for having converged.
+const TEST_EVERY: usize = 8;
+
+/// What is left between a section and the orbit it converges on when a cell stops early, in cart amplitudes (and A0 Ω):
+/// a fiftieth of the section's tolerance.
+pub const SETTLED_WITHIN: f64 = SECTION_TOLERANCE / 50.0;
+
+/// Cycles that must have run before a cell may stop early.
+const FIRST_TEST: usize = 40;
+
+/// How many of the last cycles show it, if the section has converged: after some n ≤ 16 it repeats, with the same contacts, and ever closer, so that
+/// what a geometric series leaves is below [`SETTLED_WITHIN`]. `grain` is the distance that rounding alone makes.
+pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
+    let count = records.len() - 1;
+    if count < FIRST_TEST || !count.is_multiple_of(TEST_EVERY) {
+        return None;
+    }
+    let last = records[count];
+    let n = (1..=MAX_PERIODS).find(|n| last.distance(&records[count - n]) < SETTLED_WITHIN)?;
+    // Whole repetitions, and at least eight cycles, now and before.
+    let window = n * 8_usize.div_ceil(n);
+    if count < 2 * window + n {
+        return None;
+    }
+    let distance = |k: usize| records[k].distance(&records[k - n]);
+    let largest = |from: usize| (from..from + window).map(distance).fold(0.0, f64::max);
+    let even = |k: usize| {
+        let (a, b) = (&records[k], &records[k - n]);
+        a.onsets == b.onsets && a.chatter == b.chatter
+    };
+    let now = largest(count + 1 - window);
+    let before = largest(count + 1 - 2 * window);
+    let shrinks = now / before;
+    let left = now * shrinks / (1.0 - shrinks);
+    let still = before < grain || (shrinks < 0.95 && left < SETTLED_WITHIN);
+    (still && before < 0.5 * SECTION_TOLERANCE && (count + 1 - 2 * window..=count).all(even))
+        .then_some(2 * window)
+}
+
+/// What the records of a cell say. The first record is the section at the start.
+pub fn outcome(c: &Constants, records: &[Record], plan: &Plan, settled: Option<usize>) -> Outcome {
+    let cycles = records.len() - 1;
+    let recorded = settled.unwrap_or(plan.recorded as usize).min(cycles);
+    let window = &records[cycles - recorded..];
+    let regime = regime(window);
+    let force = window[1..].iter().fold(0.0_f32, |m, r| m.max(r.force));
+    let units = (c.scale, c.scale * c.omega);
+    let kept = cycles - (plan.strobes as usize).min(cycles);
+    let last = records[cycles];
+    Outcome {
+        regime,
+        force_n: f64::from(force) * c.force_unit_n,
+        settled_after: regime
+            .periods()
+            .map(|n| settled_after(records, usize::from(n))),
+        cycles: cycles as u32,
+        searched: MAX_PERIODS.min(plan.recorded as usize / 2) as u8,
+        last_contact: records[1..]
+            .iter()
+            .rposition(|r| r.touched)
+            .map(|i| i as u32 + 1),
+        uncertain: false,
+        section: [last.x * units.0, last.v * units.1],
+        strobes: records[kept + 1..]
+            .iter()
+            .map(|r| Strobe {
+                q: r.x * units.0,
+                v: r.v * units.1,
+                force_n: f64::from(r.force) * c.force_unit_n,
+                onsets: r.onsets,
+            })
+            .collect(),
+    }
+}
+
+/// The regime over a window, whose first record opens it, by the rule of [`shared::regime::Detector`].
+pub fn regime(window: &[Record]) -> Regime {
+    let periods = window.len() - 1;
+    if !window[1..].iter().any(|r| r.touched) {
+        return Regime::None;
+    }
+    let contacts = |end: usize, n: usize| {
+        let sum = window[end + 1 - n..=end]
+            .iter()
+            .map(|r| u32::from(r.onsets));
+        u16::try_from(sum.sum::<u32>()).unwrap_or(u16::MAX)
+    };
+    let repeats = |n: usize| {
+        window.len() >= 2 * n
+            && (n..=periods).all(|k| window[k].distance(&window[k - n]) <= SECTION_TOLERANCE)
+            && (n + 1..=periods).all(|k| window[k].onsets == window[k - n].onsets)
+    };
+    let found = (1..=MAX_PERIODS.min(periods))
+        .find(|n| repeats(*n))
+        .map(|n| (contacts(periods, n), n as u8));
+    let in_window = contacts(periods, MAX_PERIODS.min(periods));
+    let chatters = window[1..]
+        .iter()
+        .rev()
+        .take(MAX_PERIODS)
+        .any(|r| r.chatter);
+    match (chatters, found) {
+        (true, Some((impacts, n))) => Regime::Chatter {
+            impacts,
+            periods: Some(n),
+        },
+        (true, None) => Regime::Chatter {
+            impacts: in_window,
+            periods: None,
+        },
+        (false, Some((impacts, periods))) => Regime::Periodic { impacts, periods },
+        (false, None) => Regime::Aperiodic { impacts: in_window },
+    }
+}
+
+/// The first cycle from which on every strobe equals the one `n` cycles later, within the section's tolerance.
+fn settled_after(records: &[Record], n: usize) -> u32 {
+    let last = records.len().saturating_sub(n);
+    (0..last)
+        .rev()
+        .find(|k| records[k + n].distance(&records[*k]) > SECTION_TOLERANCE)
+        .map_or(0, |k| k as u32 + 1)
+}

@@ -1,0 +1,225 @@
+//! A contact of the spring-dashpot in all lanes at once, in closed form: from the onset to where the hammer, let go by
+//! the surface, passes x = 0 on its way out.
+//!
+//! In contact the motion is linear (to 1e-5 of the penetration): a damped oscillation plus the motion that drive and
+//! support force. The oscillation is expanded about the phases at which a contact without outer force peaks and
+//! releases, so that only short polynomials are left. What does not fit (long stays, contacts over the section, hops
+//! that come back before they have left) is told and done by [`super::stay`].
+
+use super::number::{Mask, Num, Width, horner, polynomial, sin_cos};
+
+/// Order of the expansions.
+const ORDER: usize = 8;
+
+/// Farthest the release may be from where it is expected, in transient phase.
+const REACH: f64 = 0.6;
+
+/// Longest contact, in drive phase, over which the drive is held to second order.
+const LONGEST: f64 = 0.15;
+
+/// What a contact needs of the cells, per lane.
+#[derive(Clone, Copy)]
+pub struct Surface<W: Width> {
+    /// [`super::constants::Constants::drive`].
+    pub drive: Num<W>,
+    /// [`super::constants::Constants::pull`].
+    pub pull: Num<W>,
+    /// [`super::constants::Constants::damping`].
+    pub damping: Num<W>,
+    /// [`super::constants::Constants::contact_spring`].
+    pub spring: Num<W>,
+    /// [`super::constants::Constants::contact_damper`].
+    pub damper: Num<W>,
+    /// [`super::constants::Constants::decay`].
+    pub decay: Num<W>,
+    /// [`super::constants::Constants::pulsation`].
+    pub pulsation: Num<W>,
+    /// [`super::constants::Constants::forced_sin`].
+    pub forced_sin: Num<W>,
+    /// [`super::constants::Constants::forced_cos`].
+    pub forced_cos: Num<W>,
+    /// [`super::constants::Constants::forced_mean`].
+    pub forced_mean: Num<W>,
+    /// Where a contact without outer force releases.
+    pub release: Anchor<W>,
+    /// Where its force peaks.
+    pub peak: Anchor<W>,
+}
+
+/// A phase of the transient: φ, e^(−ρφ) cos φ, e^(−ρφ) sin φ.
+#[derive(Clone, Copy)]
+pub struct Anchor<W: Width> {
+    /// φ.
+    pub phase: Num<W>,
+    /// e^(−ρφ) cos φ.
+    pub cos: Num<W>,
+    /// e^(−ρφ) sin φ.
+    pub sin: Num<W>,
+}
+
+/// What a contact did.
+#[derive(Clone, Copy)]
+pub struct Left<W: Width> {
+    /// Whether all of this holds.
+    pub good: Mask<W>,
+    /// Drive phase when x = 0 is passed outbound.
+    pub tau: Num<W>,
+    /// Rate then, negative.
+    pub v: Num<W>,
+    /// Largest force.
+    pub force: Num<W>,
+    /// Whether the meeting was so shallow that it may not have been one.
+    pub grazing: Mask<W>,
+}
+
+/// The transient e^(−ρφ)(a cos φ + b sin φ).
+#[derive(Clone, Copy)]
+struct Transient<W: Width> {
+    a: Num<W>,
+    b: Num<W>,
+}
+
+impl<W: Width> Transient<W> {
+    /// Taylor coefficients about an anchor, in φ.
+    #[inline(always)]
+    fn about<const N: usize>(&self, anchor: &Anchor<W>, rho: Num<W>) -> [Num<W>; N] {
+        let (a, b) = (self.a, self.b);
+        let mut c = [a; N];
+        c[0] = a.mul_add(anchor.cos, b * anchor.sin);
+        let rise = rho.mul_sub_from(a, b);
+        let fall = rho.mul_add(b, a);
+        c[1] = fall.mul_sub_from(anchor.sin, rise * anchor.cos);
+        let loss = rho * -2.0;
+        let pull = -(rho.mul_add(rho, rho.of(1.0)));
+        for k in 0..N - 2 {
+            let first = loss * (1.0 / (k + 2) as f64);
+            let second = pull * (1.0 / ((k + 1) * (k + 2)) as f64);
+            c[k + 2] = first.mul_add(c[k + 1], second * c[k]);
+        }
+        c
+    }
+}
+
+/// Runs a contact that begins at drive phase `tau` (0 to 2π) with rate `v` > 0. A meeting less than `grazing` deep is told
+/// as such.
+#[inline(always)]
+pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -> Left<W> {
+    let one = v.of(1.0);
+    let zero = v.of(0.0);
+    let (sin, cos) = sin_cos(tau);
+    let short = one / s.pulsation;
+    let rho = s.decay * short;
+    // The forced motion and its derivatives by τ.
+    let swing = s.forced_sin.mul_add(sin, s.forced_cos * cos);
+    let forced = swing + s.forced_mean;
+    let forced1 = s.forced_cos.mul_sub_from(sin, s.forced_sin * cos);
+    let moved = Transient {
+        a: -forced,
+        b: (s.decay.mul_sub_from(forced, v - forced1)) * short,
+    };
+    let (k, c) = (s.spring, s.damper);
+    let push = Transient {
+        a: k.mul_add(
+            moved.a,
+            c * s.decay.mul_sub_from(moved.a, s.pulsation * moved.b),
+        ),
+        b: k * moved.b - c * s.decay.mul_add(moved.b, s.pulsation * moved.a),
+    };
+    let force0 = k.mul_add(forced, c * forced1);
+    let force1 = c.mul_sub_from(swing, k * forced1);
+    let force2 = -(k.mul_add(swing, c * forced1));
+    let slow = [force0, force1, force2];
+    // Release: F falls through zero.
+    let mut f: [Num<W>; ORDER + 1] = push.about(&s.release, rho);
+    add_slow(&mut f, &slow, &s.release, short);
+    let mut d = -(f[0] / f[1]);
+    d = d.max(one * -REACH).min(one * REACH);
+    let mut falls = f[1].lt(zero);
+    for _ in 0..3 {
+        let (value, slope) = horner(&f, d);
+        falls = slope.lt(zero);
+        d = d - value / slope;
+    }
+    let near = d.abs().lt(one * REACH);
+    let z: [Num<W>; ORDER + 1] = moved.about(&s.release, rho);
+    let (z0, z1) = horner(&z, d);
+    let t = (s.release.phase + d) * short;
+    let x = z0 + taylor3([forced, forced1, -swing, -forced1], t);
+    let rate = s.pulsation.mul_add(z1, forced1) - t * t.mul_add(forced1 * 0.5, swing);
+    // Flight from there to x = 0.
+    let (push0, push1) = (s.drive * sin, s.drive * cos);
+    let e = s
+        .damping
+        .mul_sub_from(rate, taylor3([push0, push1, -push0, -push1], t) + s.pull);
+    let e1 = push1 - t * push0;
+    let inside = rate.mul_add(rate, -(e * x * 2.0));
+    let root = inside.max(zero).sqrt();
+    let mut out = (x + x) / (root - rate);
+    let height = x + out * (rate + out * (e * 0.5 + out * e1 * (1.0 / 6.0)));
+    let speed = rate + out * (e + out * e1 * 0.5);
+    out = out - height / speed;
+    let leaving = rate + out * (e + out * e1 * 0.5);
+    let whole = t + out;
+    let clear = (rate * rate * 0.02).lt(inside)
+        & leaving.lt(zero)
+        & rate.lt(zero)
+        & !(x.lt(v * short * -1e-4))
+        & whole.lt(one * LONGEST);
+    let (force, peaked) = peak(s, &push, (rho, short), &slow, s.damper * v);
+    Left {
+        good: near & falls & clear & peaked & zero.lt(v),
+        tau: tau + whole,
+        v: leaving,
+        force,
+        // A top v²/(2|e|) above the surface.
+        grazing: (v * v).lt((push0 + s.pull) * (-2.0 * grazing)),
+    }
+}
+
+/// Adds the slow force (value and two derivatives by τ at the onset) to an expansion about an anchor; `short` = 1/ν.
+#[inline(always)]
+fn add_slow<W: Width, const N: usize>(
+    f: &mut [Num<W>; N],
+    slow: &[Num<W>; 3],
+    anchor: &Anchor<W>,
+    short: Num<W>,
+) {
+    let t = anchor.phase * short;
+    let slope = t.mul_add(slow[2], slow[1]);
+    f[0] = f[0] + t.mul_add(t.mul_add(slow[2] * 0.5, slow[1]), slow[0]);
+    f[1] = slope.mul_add(short, f[1]);
+    f[2] = (slow[2] * short).mul_add(short * 0.5, f[2]);
+}
+
+/// c0 + c1 t + c2 t²/2 + c3 t³/6.
+#[inline(always)]
+fn taylor3<W: Width>(c: [Num<W>; 4], t: Num<W>) -> Num<W> {
+    let inner = t.mul_add(c[3] * (1.0 / 6.0), c[2] * 0.5);
+    t.mul_add(t.mul_add(inner, c[1]), c[0])
+}
+
+/// The largest force, and whether it was found: `at_onset` or the top of the expansion about the peak's anchor.
+#[inline(always)]
+fn peak<W: Width>(
+    s: &Surface<W>,
+    push: &Transient<W>,
+    (rho, short): (Num<W>, Num<W>),
+    slow: &[Num<W>; 3],
+    at_onset: Num<W>,
+) -> (Num<W>, Mask<W>) {
+    let zero = rho.of(0.0);
+    let mut f: [Num<W>; 6] = push.about(&s.peak, rho);
+    add_slow(&mut f, slow, &s.peak, short);
+    let first = -(f[1] / (f[2] * 2.0));
+    let slope = polynomial(
+        &[f[1], f[2] * 2.0, f[3] * 3.0, f[4] * 4.0, f[5] * 5.0],
+        first,
+    );
+    let bend = polynomial(&[f[2] * 2.0, f[3] * 6.0, f[4] * 12.0, f[5] * 20.0], first);
+    let d = (first - slope / bend).max(-s.peak.phase);
+    let top = polynomial(&f, d);
+    let falls_from_onset = !(zero.lt(s.peak.phase)) & !(zero.lt(f[1]));
+    let found = d.abs().lt(zero.of(REACH)) & f[2].lt(zero);
+    let force = falls_from_onset.choose(at_onset, top.max(at_onset));
+    (force, found | falls_from_onset)
+}
