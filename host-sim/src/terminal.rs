@@ -389,6 +389,11 @@ impl Progress {
         self.bar.inc(steps);
     }
 
+    /// Writes a line above the bar; silent when the bar is.
+    pub fn note(&self, line: &str) {
+        self.bar.println(line);
+    }
+
     /// Steps finished so far.
     pub fn done(&self) -> u64 {
         self.bar.position()

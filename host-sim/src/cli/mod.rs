@@ -3,6 +3,7 @@
 mod common;
 mod emit;
 mod emulate;
+mod figures;
 mod link;
 mod pick;
 mod pil;
@@ -50,6 +51,8 @@ enum Command {
     /// The desktop's half of `cargo xtask pil`
     #[command(hide = true)]
     Pil(pil::Args),
+    /// Make every figure of the chapter again: pictures, tables and one page to read
+    Figures(figures::Args),
     /// List the rigs, or print one as a TOML file to start from
     Rigs(rigs::Args),
 }
@@ -83,6 +86,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Link(args) => link::run(&args).map(|()| 0),
         Command::Replay(args) => replay::run(&args),
         Command::Pil(args) => pil::run(&args),
+        Command::Figures(args) => figures::run(&args).map(|()| 0),
         Command::Rigs(args) => rigs::run(&args).map(|()| 0),
     };
     match done {

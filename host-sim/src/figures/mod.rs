@@ -1,6 +1,10 @@
 //! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
 
+pub mod force;
+pub mod switch;
+
 use crate::error::UserError;
+use crate::picture::{Figure, render_png, render_svg};
 use crate::terminal::Progress;
 
 /// One figure of the chapter (or one beyond it), made again.
@@ -37,4 +41,44 @@ pub type Area = fn(Effort, &Progress) -> Result<Vec<Page>, UserError>;
 pub type Part = (&'static str, &'static [&'static str], Area);
 
 /// Every part, in the chapter's order.
-pub const AREAS: &[Part] = &[];
+pub const AREAS: &[Part] = &[
+    ("switch model", &["3.5", "3.6"], switch::pages),
+    ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
+    ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
+];
+
+/// Figures of the chapter that are no computations, and what they are.
+pub const DRAWINGS: [(&str, &str); 7] = [
+    ("3.1", "a drawing: where the energy of an impact goes"),
+    (
+        "3.2",
+        "a drawing: the force of the spring-dashpot over an impact",
+    ),
+    (
+        "3.7",
+        "a photograph: the steel hammer made for the identification",
+    ),
+    (
+        "3.8",
+        "a measurement: force and acceleration of a first impact",
+    ),
+    ("3.11", "a drawing: the hammer on wires"),
+    ("3.15", "a drawing: what a Poincaré map is"),
+    ("3.39", "a drawing: the hammer on beam springs"),
+];
+
+/// How the files of a figure begin: `figure-3-27` for "3.27".
+pub fn stem(figure: &str) -> String {
+    format!("figure-{}", figure.replace(['.', ' '], "-"))
+}
+
+/// `picture` as the files `NAME.svg` and `NAME.png`.
+///
+/// # Errors
+/// A picture too crowded to be drawn.
+pub fn drawn(name: &str, picture: &Figure) -> Result<Vec<(String, Vec<u8>)>, UserError> {
+    Ok(vec![
+        (format!("{name}.svg"), render_svg(picture)?.into_bytes()),
+        (format!("{name}.png"), render_png(picture)?),
+    ])
+}

@@ -3,6 +3,8 @@
 //! A [`Map`] is a [`Grid`] and a [`MapCell`] for each of its points. Its layers (p, n, regime, force, settling) are
 //! fields of the cells.
 
+pub mod picture;
+
 use serde::{Serialize, Serializer};
 use shared::regime::Regime;
 

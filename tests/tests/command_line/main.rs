@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod emulate;
+mod figures;
 mod pick;
 mod pick_limits;
 mod pipes;

@@ -1,0 +1,197 @@
+//! The page a person reads: every figure with its picture, what the chapter says, and what is found.
+
+use std::fmt::Write;
+
+use super::record::{PageRecord, Record};
+use crate::figures::{AREAS, DRAWINGS, Effort};
+
+const STYLE: &str = "\
+:root{color-scheme:light}\
+body{font:16px/1.5 'Noto Sans','Segoe UI',Helvetica,Arial,sans-serif;color:#222;background:#fff;\
+max-width:1120px;margin:0 auto;padding:1.5rem}\
+h1{font-size:1.7rem;margin:0 0 .5rem}h2{font-size:1.2rem;margin:0 0 .6rem}\
+section{border-top:1px solid #ccc;padding:1.4rem 0}\
+nav ol{columns:2;column-gap:2rem;padding-left:0;list-style:none;font-size:.92rem}\
+nav li{break-inside:avoid;padding:.1rem 0}nav b{display:inline-block;min-width:3.2rem}\
+a{color:#0072b2}img{max-width:100%;height:auto;border:1px solid #ddd;margin:.3rem 0}\
+dl{display:grid;grid-template-columns:9rem 1fr;gap:.35rem 1rem;margin:.6rem 0}\
+dt{font-weight:600;color:#555}dd{margin:0}\
+code{background:#f2f2f2;padding:.1rem .3rem;border-radius:3px;font-size:.9rem}\
+.later{color:#777}.rough{background:#fff4d6;border:1px solid #e6c25c;padding:.6rem 1rem}\
+@media(max-width:700px){nav ol{columns:1}dl{grid-template-columns:1fr}}";
+
+/// The whole page. `records` stand as the parts do, none for what is not made.
+pub fn page(effort: Effort, records: &[Option<Record>]) -> String {
+    let mut pages: Vec<&PageRecord> = records.iter().flatten().flat_map(|r| &r.pages).collect();
+    pages.sort_by_key(|page| order(&page.figure));
+    let mut out = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <title>The chapter's figures, made again</title>\n<style>{STYLE}</style></head><body>\n\
+         <h1>The chapter's figures, made again</h1>\n\
+         <p>Every computed figure of <i>Study of an embarked vibro-impact system: mathematical modeling and \
+         nonlinear analysis</i>, from its model and parameters alone. Nothing here was measured on a rig. \
+         Under each picture: what the chapter says, and what this run found.</p>\n"
+    );
+    if effort == Effort::Coarse {
+        out += "<p class=\"rough\">Made with <code>--coarse</code>: few points and few cycles, for a first \
+                look. Numbers below are rough; run without it for the real ones.</p>\n";
+    }
+    contents(&mut out, &pages, records);
+    for page in &pages {
+        section(&mut out, page);
+    }
+    times(&mut out, records);
+    out + "</body></html>\n"
+}
+
+/// The conclusion first, then the chapter's numbers, then what goes beyond.
+fn order(figure: &str) -> (u8, u32, u32) {
+    let number = figure.split_once('.').and_then(|(chapter, rest)| {
+        let (chapter, number) = (chapter.parse::<u32>(), rest.parse::<u32>());
+        chapter.ok().zip(number.ok())
+    });
+    match number {
+        Some((chapter, number)) => (1, chapter, number),
+        None if figure == "conclusion" => (0, 0, 0),
+        None => (2, 0, 0),
+    }
+}
+
+fn contents(out: &mut String, pages: &[&PageRecord], records: &[Option<Record>]) {
+    let mut lines: Vec<((u8, u32, u32), String)> = Vec::new();
+    for page in pages {
+        let (id, figure) = (anchor(&page.figure), escaped(&page.figure));
+        let title = escaped(&page.title);
+        let line = format!("<a href=\"#{id}\"><b>{figure}</b> {title}</a>");
+        lines.push((order(&page.figure), line));
+    }
+    for (figure, what) in DRAWINGS {
+        let line = format!(
+            "<span class=\"later\"><b>{figure}</b> {}; not computed</span>",
+            escaped(what)
+        );
+        lines.push((order(figure), line));
+    }
+    let absent = AREAS.iter().zip(records).filter(|(_, r)| r.is_none());
+    for figure in absent.flat_map(|(part, _)| part.1) {
+        let line = format!(
+            "<span class=\"later\"><b>{}</b> not made yet</span>",
+            escaped(figure)
+        );
+        lines.push((order(figure), line));
+    }
+    lines.sort_by_key(|line| line.0);
+    *out += "<nav><h2>Contents</h2><ol>\n";
+    for (_, line) in lines {
+        let _ = writeln!(out, "<li>{line}</li>");
+    }
+    *out += "</ol></nav>\n";
+}
+
+fn section(out: &mut String, page: &PageRecord) {
+    let figure = escaped(&page.figure);
+    let heading = if order(&page.figure).0 == 1 {
+        format!("Figure {figure}: {}", escaped(&page.title))
+    } else {
+        escaped(&page.title)
+    };
+    let _ = writeln!(
+        out,
+        "<section id=\"{}\"><h2>{heading}</h2>",
+        anchor(&page.figure)
+    );
+    let ends = |end: &str| {
+        let end = end.to_owned();
+        page.files.iter().filter(move |f| f.name.ends_with(&end))
+    };
+    // An SVG stands with a PNG of the same name.
+    for png in ends(".png") {
+        let svg = png.name.replace(".png", ".svg");
+        let has_svg = page.files.iter().any(|f| f.name == svg);
+        let large = if has_svg { &svg } else { &png.name };
+        let _ = writeln!(
+            out,
+            "<a href=\"{}\"><img loading=\"lazy\" src=\"{}\" alt=\"{}\"></a>",
+            escaped(large),
+            escaped(&png.name),
+            escaped(&page.title)
+        );
+    }
+    let links: Vec<String> = page
+        .files
+        .iter()
+        .map(|f| format!("<a href=\"{0}\">{0}</a>", escaped(&f.name)))
+        .collect();
+    let _ = writeln!(
+        out,
+        "<dl><dt>The chapter</dt><dd>{}</dd>\n<dt>Found here</dt><dd>{}</dd>\n\
+         <dt>Alone</dt><dd><code>{}</code></dd>\n<dt>Files</dt><dd>{}</dd></dl></section>",
+        escaped(&page.chapter),
+        escaped(&page.found),
+        escaped(&page.command),
+        links.join(", ")
+    );
+}
+
+fn times(out: &mut String, records: &[Option<Record>]) {
+    *out += "<section id=\"times\"><h2>What took how long</h2><ul>\n";
+    for record in records.iter().flatten() {
+        let _ = writeln!(
+            out,
+            "<li>{}: {:.1} s</li>",
+            escaped(&record.part),
+            record.seconds
+        );
+    }
+    let all: f64 = records.iter().flatten().map(|r| r.seconds).sum();
+    let _ = writeln!(
+        out,
+        "<li>in all: {all:.1} s</li></ul><p>Computed by {}.</p></section>",
+        escaped(records.iter().flatten().next().map_or("", |r| &r.key))
+    );
+}
+
+fn anchor(figure: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
+    format!("figure-{}", figure.chars().map(plain).collect::<String>())
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_stand_in_the_order_of_their_numbers() {
+        let mut names = ["orbits", "3.27", "3.4", "conclusion", "3.36"];
+        names.sort_by_key(|n| order(n));
+        assert_eq!(names, ["conclusion", "3.4", "3.27", "3.36", "orbits"]);
+    }
+
+    #[test]
+    fn text_cannot_break_the_page() {
+        let record = Record {
+            key: "k".into(),
+            part: "p".into(),
+            seconds: 1.0,
+            pages: vec![PageRecord {
+                figure: "3.24".into(),
+                title: "a < b".into(),
+                chapter: "<script>".into(),
+                found: "\"x\" & y".into(),
+                command: "host-sim".into(),
+                files: Vec::new(),
+            }],
+        };
+        let page = page(Effort::Full, &[Some(record)]);
+        assert!(page.contains("a &lt; b") && page.contains("&lt;script&gt;"));
+        assert!(!page.contains("<script") && !page.contains("http"));
+    }
+}

@@ -1,0 +1,161 @@
+//! `host-sim figures`.
+
+mod html;
+mod record;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use crate::error::UserError;
+use crate::figures::{AREAS, DRAWINGS, Effort, Part};
+use crate::files;
+use crate::terminal::Progress;
+use record::Record;
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder for the page (index.html), pictures and tables
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+
+    /// Only these, with commas between: 3.24,3.27 (what shares their runs is made along with them)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    only: Vec<String>,
+
+    /// Coarse grids and few cycles: a first look in seconds, with rough numbers
+    #[arg(long)]
+    coarse: bool,
+
+    /// No progress, no notes on standard error
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    if args.out.exists() && !args.out.is_dir() {
+        return Err(UserError::new(format!(
+            "--out {} is a file; choose another folder",
+            args.out.display()
+        )));
+    }
+    let wanted = wanted(&args.only)?;
+    let effort = if args.coarse {
+        Effort::Coarse
+    } else {
+        Effort::Full
+    };
+    let key = record::key(effort)?;
+    let total: usize = wanted.iter().map(|part| part.1.len()).sum();
+    let progress = Progress::new("figures", total as u64, args.quiet);
+    let (mut text, mut made) = (String::new(), 0.0);
+    for part in wanted {
+        let (name, figures, _) = part;
+        let line = match record::standing(&args.out, name, &key) {
+            Some(_) => format!("{name}: {} stand already, not made again", list(figures)),
+            None => {
+                let seconds = make(part, effort, &key, args)?;
+                made += seconds;
+                format!("{name}: {} made in {seconds:.1} s", list(figures))
+            }
+        };
+        progress.note(&line);
+        text += &format!("{line}\n");
+        progress.inc(figures.len() as u64);
+    }
+    progress.finish();
+    let records = AREAS
+        .iter()
+        .map(|part| record::standing(&args.out, part.0, &key));
+    let records: Vec<Option<Record>> = records.collect();
+    write_index(args, effort, &records)?;
+    let there = records.iter().flatten().map(|r| r.pages.len());
+    let there: usize = there.sum();
+    text += &format!(
+        "{there} pages, {made:.1} s in all: {}\n",
+        args.out.join("index.html").display()
+    );
+    super::print(&text);
+    Ok(())
+}
+
+/// The parts that make what is asked for; all when nothing is.
+fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
+    for name in only {
+        if let Some((_, what)) = DRAWINGS.iter().find(|(figure, _)| figure == name) {
+            return Err(UserError::new(format!(
+                "--only {name}: figure {name} is {what}; there is nothing to compute"
+            )));
+        }
+        if !AREAS.iter().any(|part| part.1.contains(&name.as_str())) {
+            let all: Vec<&str> = AREAS.iter().flat_map(|part| part.1).copied().collect();
+            return Err(UserError::new(format!(
+                "--only {name}: there is no such figure; choose from {}",
+                all.join(", ")
+            )));
+        }
+    }
+    let asked = |part: &&Part| only.is_empty() || only.iter().any(|o| part.1.contains(&o.as_str()));
+    Ok(AREAS.iter().filter(asked).collect())
+}
+
+/// Makes a part and writes its files and, last, its record. Returns the seconds it took.
+fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, UserError> {
+    let (name, figures, area) = part;
+    let begun = Instant::now();
+    let hidden = Progress::new(*name, 1, true);
+    let pages = area(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let given: Vec<&str> = pages.iter().map(|p| p.figure).collect();
+    if given != *figures {
+        return Err(UserError::new(format!(
+            "part '{name}' made {} where it promises {}; please report this as a bug",
+            given.join(", "),
+            figures.join(", ")
+        )));
+    }
+    let all: Vec<(&str, &[u8])> = pages
+        .iter()
+        .flat_map(|page| &page.files)
+        .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
+        .collect();
+    files::write_all(&args.out, &all)?;
+    let record = Record::new(key, name, seconds, &pages);
+    let text = super::to_json(&record)?;
+    files::write(args.out.join(record::file_name(name)), text)?;
+    Ok(seconds)
+}
+
+/// The page and its table of contents for programs.
+fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Result<(), UserError> {
+    let page = html::page(effort, records);
+    let there: Vec<&Record> = records.iter().flatten().collect();
+    let missing: Vec<&str> = AREAS
+        .iter()
+        .zip(records)
+        .filter(|(_, record)| record.is_none())
+        .flat_map(|(part, _)| part.1)
+        .copied()
+        .collect();
+    let index = serde_json::json!({
+        "effort": format!("{effort:?}").to_lowercase(),
+        "parts": there,
+        "not_made": missing,
+        "not_computations": DRAWINGS.map(|(figure, what)| serde_json::json!({"figure": figure, "what": what})),
+    });
+    let files = [
+        ("index.html", page),
+        ("index.json", super::to_json(&index)?),
+    ];
+    files::write_all(&args.out, &files)?;
+    Ok(())
+}
+
+/// Names with commas; the first and the last of many.
+fn list(figures: &[&str]) -> String {
+    match figures {
+        [first, .., last] if figures.len() > 4 => {
+            format!("{first} to {last} ({} figures)", figures.len())
+        }
+        _ => figures.join(", "),
+    }
+}

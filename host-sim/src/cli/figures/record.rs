@@ -1,0 +1,102 @@
+//! What of a part stands in the folder: written last, so that a record means complete files.
+
+use std::fs;
+use std::path::Path;
+
+use crc::{CRC_64_XZ, Crc};
+use serde::{Deserialize, Serialize};
+
+use crate::error::UserError;
+use crate::figures::{Effort, Page};
+
+/// A part of the figures as it was made.
+#[derive(Debug, Deserialize, Serialize)]
+pub struct Record {
+    /// The program and the effort it was made with.
+    pub key: String,
+    /// The part.
+    pub part: String,
+    /// How long it took, s.
+    pub seconds: f64,
+    pub pages: Vec<PageRecord>,
+}
+
+/// A page, its files by name.
+#[derive(Debug, Deserialize, Serialize)]
+pub struct PageRecord {
+    pub figure: String,
+    pub title: String,
+    pub chapter: String,
+    pub found: String,
+    pub command: String,
+    pub files: Vec<FileRecord>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+pub struct FileRecord {
+    pub name: String,
+    pub bytes: usize,
+    /// CRC-64/XZ, hexadecimal.
+    pub crc64: String,
+}
+
+impl Record {
+    pub fn new(key: &str, part: &str, seconds: f64, pages: &[Page]) -> Self {
+        let file = |(name, bytes): &(String, Vec<u8>)| FileRecord {
+            name: name.clone(),
+            bytes: bytes.len(),
+            crc64: checksum(bytes),
+        };
+        let page = |page: &Page| PageRecord {
+            figure: page.figure.to_owned(),
+            title: page.title.clone(),
+            chapter: page.chapter.to_owned(),
+            found: page.found.clone(),
+            command: page.command.clone(),
+            files: page.files.iter().map(file).collect(),
+        };
+        Self {
+            key: key.to_owned(),
+            part: part.to_owned(),
+            seconds,
+            pages: pages.iter().map(page).collect(),
+        }
+    }
+}
+
+/// What figures depend on: this very program and the effort.
+///
+/// # Errors
+/// The program cannot be read.
+pub fn key(effort: Effort) -> Result<String, UserError> {
+    let program = std::env::current_exe().and_then(fs::read);
+    let program = program.map_err(|e| {
+        UserError::new(format!(
+            "cannot read this program's own file to tell its version: {e}; start it by its path"
+        ))
+    })?;
+    let version = env!("CARGO_PKG_VERSION");
+    let program = checksum(&program);
+    Ok(format!("host-sim {version} {program} {effort:?}"))
+}
+
+/// Where the record of a part is kept.
+pub fn file_name(part: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
+    format!("part-{}.json", part.chars().map(plain).collect::<String>())
+}
+
+/// The record of `part`, if it was made with `key` and every file is still as it was written.
+pub fn standing(dir: &Path, part: &str, key: &str) -> Option<Record> {
+    let text = fs::read_to_string(dir.join(file_name(part))).ok()?;
+    let record: Record = serde_json::from_str(&text).ok()?;
+    let whole = |file: &FileRecord| {
+        fs::read(dir.join(&file.name)).is_ok_and(|bytes| checksum(&bytes) == file.crc64)
+    };
+    let mut files = record.pages.iter().flat_map(|page| &page.files);
+    (record.key == key && record.part == part && files.all(whole)).then_some(record)
+}
+
+fn checksum(bytes: &[u8]) -> String {
+    format!("{:016x}", Crc::<u64>::new(&CRC_64_XZ).checksum(bytes))
+}
