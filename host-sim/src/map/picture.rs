@@ -35,7 +35,11 @@ pub fn detail(
 pub fn by_force(map: &Map) -> Figure {
     let ratio = |i: usize| {
         let one_one = map.cells[i].regime.is(1, 1);
-        if one_one { map.force_ratio(i) } else { f64::NAN }
+        if one_one {
+            map.force_ratio(i)
+        } else {
+            f64::NAN
+        }
     };
     let forces: Vec<f64> = (0..map.cells.len()).map(ratio).collect();
     let largest = forces.iter().copied().fold(0.0, f64::max);
@@ -58,7 +62,12 @@ pub fn with_points(map: &Map, points: &[Seen]) -> Figure {
         mark: Mark::Circle,
     };
     let all = points.iter().map(at).collect();
-    let mut panel = regime_panel(map).item(dots("seen (dot in the colour of what was seen)", Color::INK, 6.0, all));
+    let mut panel = regime_panel(map).item(dots(
+        "seen (dot in the colour of what was seen)",
+        Color::INK,
+        6.0,
+        all,
+    ));
     for point in points {
         let name = point.2.to_string();
         panel = panel
@@ -217,7 +226,14 @@ mod tests {
         assert!(!svg.contains("\n2/2\n"));
         assert!(render_svg(&by_force(&map)).unwrap().contains("F/(m g)"));
         let other = Map {
-            cells: map.cells.iter().map(|c| MapCell { force_n: 31.0, ..*c }).collect(),
+            cells: map
+                .cells
+                .iter()
+                .map(|c| MapCell {
+                    force_n: 31.0,
+                    ..*c
+                })
+                .collect(),
             ..map.clone()
         };
         let svg = render_svg(&differences(&map, &other, "the other")).unwrap();
