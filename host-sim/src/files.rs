@@ -57,6 +57,21 @@ pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), Writ
     prepare(path.as_ref(), bytes.as_ref())?.commit().map(drop)
 }
 
+/// The same for what can be made again when a power failure damages it: nothing is forced to the disk's surface.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_unsynced(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
+    let mut staged = Staged::new(path)?;
+    let written = staged.write_all(bytes.as_ref());
+    written.map_err(|source| failed(&staged.target, source))?;
+    let Staged { file, target, .. } = staged;
+    match file.persist(&target) {
+        Ok(_) => Ok(()),
+        Err(refused) => Err(failed(&target, refused.error)),
+    }
+}
+
 /// Writes the files of one answer into `dir`: `(name, bytes)` each.
 ///
 /// All are written under other names before the first is renamed, so running
@@ -195,9 +210,12 @@ fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
     Ok(staged)
 }
 
+/// How the names of files begin that are not whole yet.
+pub const PASSING: &str = ".writing-";
+
 fn passing_file(dir: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".writing-");
+    builder.prefix(PASSING);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

@@ -57,9 +57,9 @@ pub struct Common {
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 
-    /// Clearance at rest, mm
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    pub gap: Option<f64>,
+    /// Clearance at rest, mm; where a command takes several gaps, also FROM:TO:STEP, or the option again
+    #[arg(long, value_name = "MM", value_parser = parse_gaps, allow_hyphen_values = true)]
+    pub gap: Option<Vec<Gaps>>,
 
     /// What integrates
     #[arg(long, value_enum, default_value = "event")]
@@ -106,11 +106,23 @@ impl Common {
     /// The rig called `name`, with this command's settings and gap on top.
     pub fn rig_named(&self, name: &str) -> Result<NamedRig, UserError> {
         let mut rig = rigfile::load(name, &self.set)?;
-        if let Some(gap) = self.gap {
+        if let Some(gaps) = self.gaps() {
+            let [gap] = gaps[..] else {
+                return Err(UserError::new(format!(
+                    "--gap gives {} gaps, and this command takes one",
+                    gaps.len()
+                )));
+            };
             rig.params =
                 rigfile::with_number(&rig.params, "gap_mm", gap).map_err(|e| e.at("--gap"))?;
         }
         Ok(rig)
+    }
+
+    /// The gaps asked for, mm, in the order given; none if the option was left out.
+    pub fn gaps(&self) -> Option<Vec<f64>> {
+        let gaps = self.gap.as_ref()?;
+        Some(gaps.iter().flat_map(|g| g.0.iter().copied()).collect())
     }
 
     pub fn engine(&self) -> Result<Engine, UserError> {
@@ -254,6 +266,20 @@ pub fn parse_start(text: &str) -> Result<Start, String> {
             Ok(Start::Moving(x * 1e-3, v))
         }
     }
+}
+
+/// The gaps of one `--gap`, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaps(Vec<f64>);
+
+/// `MM`, or `FROM:TO:STEP`.
+fn parse_gaps(text: &str) -> Result<Gaps, String> {
+    if text.contains(':') {
+        return parse_range(text).map(Gaps);
+    }
+    let number = text.trim().parse::<f64>();
+    let number = number.map_err(|_| "write a number of millimetres, or FROM:TO:STEP".to_owned())?;
+    Ok(Gaps(vec![number]))
 }
 
 /// `FROM:TO:STEP`, both ends included.

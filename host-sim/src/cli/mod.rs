@@ -5,6 +5,7 @@ mod emit;
 mod emulate;
 mod figures;
 mod link;
+mod map;
 mod pick;
 mod pil;
 mod replay;
@@ -40,6 +41,8 @@ enum Command {
     Simulate(simulate::Args),
     /// The force curve over frequency, from rest or carried up or down
     Sweep(sweep::Args),
+    /// The Peterka map: what the hammer does over gap and frequency
+    Map(map::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
@@ -81,6 +84,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Pick(args) => pick::run(&args).map(|()| 0),
         Command::Simulate(args) => simulate::run(&args).map(|()| 0),
         Command::Sweep(args) => sweep::run(&args).map(|()| 0),
+        Command::Map(args) => map::run(&args).map(|()| 0),
         Command::Emulate(args) => emulate::run(&args),
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Link(args) => link::run(&args).map(|()| 0),

@@ -3,11 +3,23 @@
 //! A [`Map`] is a [`Grid`] and a [`MapCell`] for each of its points. Its layers (p, n, regime, force, settling) are
 //! fields of the cells.
 
+pub mod agree;
+mod compute;
+pub mod measured;
 pub mod picture;
+pub mod request;
+mod run;
+mod store;
+pub mod summary;
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use shared::regime::Regime;
 
+pub use self::agree::{Agreement, Alikeness, alikeness, audit};
+pub use self::request::{Request, Runner};
+pub use self::run::{merge, run, run_tiles};
+pub use self::store::Store;
+pub use self::summary::Summary;
 use crate::lanes::Outcome;
 use crate::rigfile::NamedRig;
 use crate::table::tidy;
@@ -46,7 +58,7 @@ impl Grid {
 }
 
 /// What one cell showed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapCell {
     /// z = p/n over the recorded cycles.
     pub regime: Regime,

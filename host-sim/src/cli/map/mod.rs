@@ -1,0 +1,345 @@
+//! `host-sim map`.
+
+mod answer;
+mod requests;
+mod text;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use answer::Answer;
+use rayon::prelude::*;
+
+use super::common::{Common, Format, pictures};
+use super::emit::{emit, tables};
+use crate::error::UserError;
+use crate::files;
+use crate::map::{
+    self, Map, Request, Store, Summary, agree, alikeness, measured, measured::Measured, picture,
+};
+use crate::picture::Figure;
+use crate::sweep::Direction;
+use crate::terminal::Progress;
+
+/// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Drive frequencies, Hz [default: 1.41:7.28:0.01 on wires, the same Ω/ω for other rigs]
+    #[arg(
+        long,
+        value_name = "FROM:TO:STEP",
+        allow_hyphen_values = true,
+        conflicts_with = "ratio"
+    )]
+    frequency: Option<String>,
+
+    /// Drive frequencies over the natural frequency, Ω/ω
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
+    ratio: Option<String>,
+
+    /// Drive cycles of each cell
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    cycles: u32,
+
+    /// How many of the last cycles are recorded [default: 100, of fewer than 200 cycles half]
+    #[arg(long, value_name = "N")]
+    recorded: Option<u32>,
+
+    /// Cells that have not settled run on up to N cycles
+    #[arg(long, value_name = "N")]
+    settle: Option<u32>,
+
+    /// Each cell from rest, or at each gap the state carried up or down the frequencies
+    #[arg(long, value_enum, default_value = "rest")]
+    from: Direction,
+
+    /// Every cell by the event-located reference instead of the fast engine (hours, not seconds)
+    #[arg(long)]
+    reference: bool,
+
+    /// A second map, and where it differs from the first
+    #[arg(long, value_enum)]
+    against: Option<requests::Against>,
+
+    /// Another rig's map beside it, over the same Ω/ω and gap/A0, and how alike they are; may be repeated
+    #[arg(long, value_name = "NAME|FILE.toml")]
+    beside: Vec<String>,
+
+    /// The three beams side by side: --rig beam-170 --beside beam-150 --beside beam-135
+    #[arg(long, conflicts_with_all = ["rig", "beside"])]
+    beams: bool,
+
+    /// Measured points to lay over the map: CSV with the columns gap_mm, frequency_hz and regime
+    #[arg(long, value_name = "FILE.csv")]
+    measured: Option<PathBuf>,
+
+    /// Run N random cells again by the reference and tell how many agree
+    #[arg(long, value_name = "N")]
+    audit: Option<usize>,
+
+    /// Which cells an audit draws
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "audit")]
+    seed: u64,
+
+    /// Compute tiles A to B − 1 alone (A..B), or the I-th of N equal shares (I/N), and keep them beside the output
+    #[arg(long, value_name = "A..B|I/N", value_parser = requests::parse_tiles, conflicts_with = "merge")]
+    tiles: Option<requests::Tiles>,
+
+    /// Put tiles together that are all there; compute nothing
+    #[arg(long)]
+    merge: bool,
+
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let mut args = args.clone();
+    if args.common.format == Format::Text {
+        args.common.out.get_or_insert_with(|| "out".into());
+    }
+    let args = &args;
+    args.common.check_out()?;
+    let requests = requests::requests(args)?;
+    check(args, &requests)?;
+    let points = args.measured.as_deref().map(measured::read).transpose()?;
+    let work = || make(args, &requests, points.as_deref());
+    match args.threads {
+        None => work(),
+        Some(threads) => {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.map_err(|e| UserError::new(format!("--threads {threads}: {e}")))?;
+            pool.install(work)
+        }
+    }
+}
+
+/// What cannot be, before any work.
+fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
+    let common = &args.common;
+    for request in requests {
+        request.check()?;
+        if let Some(tiles) = args.tiles {
+            request.check_tiles(&tiles.range(request.tiles()))?;
+        }
+    }
+    if args.audit.is_some() {
+        agree::check_audit(&requests[0])?;
+    }
+    if args.audit == Some(0) {
+        return Err(UserError::new("--audit is 0, must be at least 1"));
+    }
+    if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
+        return Err(UserError::new("--threads must be from 1 to 1024"));
+    }
+    if common.out.is_none() && (args.tiles.is_some() || args.merge) {
+        return Err(UserError::new(
+            "--tiles and --merge need a folder for the tiles; add --out DIR",
+        ));
+    }
+    let table = matches!(common.format, Format::Csv | Format::Parquet);
+    if table && requests.len() > 1 && common.out.is_none() {
+        return Err(UserError::new(
+            "several maps are no one table; add --out DIR for a table each, or take --format json",
+        ));
+    }
+    Ok(())
+}
+
+fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Result<(), UserError> {
+    let common = &args.common;
+    let stores = stores(args, requests)?;
+    let progress = progress(args, requests);
+    if let Some(tiles) = args.tiles {
+        return share(args, tiles, requests, &stores, &progress);
+    }
+    let mut maps = Vec::with_capacity(requests.len());
+    for (i, request) in requests.iter().enumerate() {
+        maps.push(match stores.get(i) {
+            Some(store) if args.merge => map::merge(request, store)?,
+            store => map::run(request, store, &progress)?,
+        });
+    }
+    let answer = answer(args, requests, &maps, points, &progress)?;
+    progress.finish();
+    if let Some(dir) = &common.out {
+        write(common, dir, &answer, points)?;
+    }
+    for store in stores {
+        store.remove();
+    }
+    let alone = maps.len() == 1;
+    match common.format {
+        Format::Json => {
+            super::still_read_bytes(&answer.to_json()?);
+            Ok(())
+        }
+        Format::Csv | Format::Parquet if !alone => Ok(()),
+        format => emit(format, &(), &rows(format, &maps[0]), || {
+            text::text(&answer, &maps)
+        }),
+    }
+}
+
+/// The rows that a format needs.
+fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
+    match format {
+        Format::Csv | Format::Parquet => map.rows().collect(),
+        Format::Text | Format::Json => Vec::new(),
+    }
+}
+
+/// A folder of tiles beside the output for each map; none without an output.
+fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
+    let Some(dir) = &args.common.out else {
+        return Ok(Vec::new());
+    };
+    let open = |request: &Request| {
+        let dir = dir.join(format!("{}.tiles", requests::name(request)));
+        Store::open(&dir, request)
+    };
+    let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+    let told = format!(
+        "interrupted; what is done is kept in {}: the same command goes on from there",
+        dir.display()
+    );
+    let quiet = args.common.quiet;
+    let _ = ctrlc::set_handler(move || {
+        files::remove_staged();
+        if !quiet {
+            super::say(&told);
+        }
+        std::process::exit(130);
+    });
+    Ok(stores)
+}
+
+fn progress(args: &Args, requests: &[Request]) -> Progress {
+    let cells = |request: &Request| match args.tiles {
+        Some(tiles) => {
+            let tiles = tiles.range(request.tiles());
+            tiles.map(|t| request.tile(t).len()).sum::<usize>()
+        }
+        None => request.grid.len(),
+    };
+    let total: usize = requests.iter().map(cells).sum();
+    let total = total + args.audit.unwrap_or(0);
+    Progress::new("cells", total as u64, args.common.quiet)
+}
+
+/// Some tiles alone.
+fn share(
+    args: &Args,
+    tiles: requests::Tiles,
+    requests: &[Request],
+    stores: &[Store],
+    progress: &Progress,
+) -> Result<(), UserError> {
+    for (request, store) in requests.iter().zip(stores) {
+        let range: Range<usize> = tiles.range(request.tiles());
+        map::run_tiles(request, range.clone(), store, progress)?;
+        args.common.note(&format!(
+            "tiles {}..{} of {} are in {}; when all are there, the same command with --merge in place of --tiles writes the map",
+            range.start,
+            range.end,
+            request.tiles(),
+            store.dir().display()
+        ));
+    }
+    Ok(())
+}
+
+fn answer<'a>(
+    args: &Args,
+    requests: &'a [Request],
+    maps: &'a [Map],
+    points: Option<&[Measured]>,
+    progress: &Progress,
+) -> Result<Answer<'a>, UserError> {
+    let first = &maps[0];
+    let audit = args.audit.map(|count| {
+        let drawn = (count, args.seed);
+        agree::audit(&requests[0], first, drawn, progress)
+    });
+    // The map to compare with comes last.
+    let (beside, against) = match args.against {
+        Some(_) => (&maps[..maps.len() - 1], maps.last()),
+        None => (maps, None),
+    };
+    let mut alike = Vec::new();
+    for (i, a) in beside.iter().enumerate() {
+        alike.extend(beside[i + 1..].iter().map(|b| alikeness(a, b)));
+    }
+    Ok(Answer {
+        requests,
+        maps,
+        summaries: maps.iter().map(Summary::of).collect(),
+        audit: audit.transpose()?,
+        against: against.map(|other| map::Agreement::of(first.cells.iter().zip(&other.cells))),
+        alikeness: alike,
+        measured: points.map(|points| measured::hits(points, first)),
+    })
+}
+
+fn write(
+    common: &Common,
+    dir: &Path,
+    answer: &Answer,
+    points: Option<&[Measured]>,
+) -> Result<(), UserError> {
+    let first = requests::name(&answer.requests[0]);
+    let figures = figures(answer, points);
+    let drawn = figures.par_iter().map(|(n, f)| pictures(n, f));
+    let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
+    let mut contents: Vec<_> = drawn.into_iter().flatten().collect();
+    for (request, map) in answer.requests.iter().zip(answer.maps) {
+        let name = requests::name(request);
+        let rows: Vec<_> = map.rows().collect();
+        let made = tables(&name, common.format, &(), &rows)?;
+        contents.extend(
+            made.into_iter()
+                .filter(|(name, _)| !name.ends_with(".json")),
+        );
+    }
+    contents.push((format!("{first}.json"), answer.to_json()?));
+    common.write(dir, &contents)
+}
+
+/// The pictures and their names: of each map the regimes and the force of 1/1; how maps compare.
+fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)> {
+    let first = requests::name(&answer.requests[0]);
+    let mut figures = Vec::new();
+    for (i, (request, map)) in answer.requests.iter().zip(answer.maps).enumerate() {
+        let name = requests::name(request);
+        let regimes = match points {
+            Some(points) if i == 0 => {
+                let seen = points.iter().map(|p| (p.gap_mm, p.frequency_hz, p.regime));
+                picture::with_points(map, &seen.collect::<Vec<_>>())
+            }
+            _ => picture::regimes(map),
+        };
+        figures.push((format!("{name}-force"), picture::by_force(map)));
+        figures.push((name, regimes));
+    }
+    if let (Some(_), [map, .., other]) = (&answer.against, answer.maps) {
+        let request = answer.requests.last();
+        let what = request.map_or(String::new(), |r| {
+            let from = requests::direction(r.from);
+            format!("engine {}, from {from}", r.runner.name())
+        });
+        let figure = picture::differences(map, other, &what);
+        figures.push((format!("{first}-against"), figure));
+    }
+    if !answer.alikeness.is_empty() {
+        let beside = answer.maps.len() - usize::from(answer.against.is_some());
+        let maps: Vec<_> = answer.maps[..beside].iter().collect();
+        let lines: Vec<_> = answer.alikeness.iter().map(|a| a.line()).collect();
+        let figure = picture::side_by_side(&maps, &lines.join(". "));
+        figures.push((format!("{first}-beside"), figure));
+    }
+    figures
+}

@@ -1,0 +1,253 @@
+//! From the command line to what is asked of each map.
+
+use std::ops::Range;
+
+use clap::ValueEnum;
+
+use super::super::common::parse_range;
+use super::Args;
+use crate::engine::{Engine, Method, Precision, Setting};
+use crate::error::UserError;
+use crate::lanes::Plan;
+use crate::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
+use crate::map::{Grid, Request, Runner};
+use crate::rigfile::{self, NamedRig};
+use crate::sweep::Direction;
+use crate::table::tidy;
+
+/// What a second map is made by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Against {
+    /// The microcontroller's switch model, f32
+    Switch,
+    /// The event-located reference
+    Reference,
+    /// Each cell from rest
+    Rest,
+    /// The state carried up
+    Up,
+    /// The state carried down
+    Down,
+}
+
+/// Some of a map's tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tiles {
+    /// From the first number to before the second.
+    Range(usize, usize),
+    /// The first number counts shares from 1, the second says how many there are.
+    Share(usize, usize),
+}
+
+impl Tiles {
+    /// Of `count` tiles.
+    pub fn range(self, count: usize) -> Range<usize> {
+        match self {
+            Self::Range(from, to) => from..to,
+            Self::Share(i, n) => (i - 1) * count / n..i * count / n,
+        }
+    }
+}
+
+/// `A..B` or `I/N`.
+pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
+    let wrong = || "write A..B, for example 0..10, or I/N, for example 1/20".to_owned();
+    let numbers = |pair: Option<(&str, &str)>| {
+        let (a, b) = pair?;
+        Some((
+            a.trim().parse::<usize>().ok()?,
+            b.trim().parse::<usize>().ok()?,
+        ))
+    };
+    if let Some((from, to)) = numbers(text.split_once("..")) {
+        if from < to {
+            return Ok(Tiles::Range(from, to));
+        }
+        return Err(format!(
+            "{from}..{to} holds no tile; the second number is not included"
+        ));
+    }
+    let (i, n) = numbers(text.split_once('/')).ok_or_else(wrong)?;
+    if 1 <= i && i <= n && n <= 1_000_000 {
+        return Ok(Tiles::Share(i, n));
+    }
+    Err(format!(
+        "{i}/{n}: shares are counted from 1 to how many there are"
+    ))
+}
+
+/// The maps to make: the rig's, those beside it, and the one to compare with last.
+pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
+    let common = &args.common;
+    let names: Vec<&str> = if args.beams {
+        vec!["beam-170", "beam-150", "beam-135"]
+    } else {
+        let beside = args.beside.iter().map(String::as_str);
+        std::iter::once(common.rig.as_str()).chain(beside).collect()
+    };
+    let rigs = names.iter().map(|name| rigfile::load(name, &common.set));
+    let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
+    for (i, rig) in rigs.iter().enumerate() {
+        if rigs[..i].iter().any(|other| other.name == rig.name) {
+            return Err(UserError::new(format!(
+                "two rigs are called {}, and so would their files be; rename one",
+                rig.name
+            )));
+        }
+    }
+    let grid = grid(args, &rigs[0])?;
+    let runner = runner(args)?;
+    let request = |rig: &NamedRig| Request {
+        grid: over_same_ratios(&grid, &rigs[0], rig),
+        rig: rig.clone(),
+        runner,
+        plan: Plan {
+            cycles: args.cycles,
+            recorded: args.recorded.unwrap_or((args.cycles / 2).min(100)),
+            early: true,
+            strobes: 0,
+        },
+        settle: args.settle,
+        from: args.from,
+    };
+    let mut requests: Vec<Request> = rigs.iter().map(request).collect();
+    if let Some(against) = args.against {
+        let other = other(&requests[0], against);
+        if other == requests[0] {
+            return Err(UserError::new(
+                "--against names what the map itself is made by; choose another",
+            ));
+        }
+        requests.push(other);
+    }
+    Ok(requests)
+}
+
+fn runner(args: &Args) -> Result<Runner, UserError> {
+    match args.common.engine()? {
+        Engine::Switch(_) if args.reference => Err(UserError::new(
+            "--reference is an engine of its own; leave --engine switch out",
+        )),
+        Engine::Switch(setting) => Ok(Runner::Switch(setting)),
+        Engine::Event if args.reference => Ok(Runner::Reference),
+        Engine::Event => Ok(Runner::Lanes),
+    }
+}
+
+/// The same map, made otherwise.
+fn other(request: &Request, against: Against) -> Request {
+    let mut other = request.clone();
+    match against {
+        Against::Switch => {
+            other.runner = Runner::Switch(Setting {
+                method: Method::Corrected,
+                precision: Precision::F32,
+                tick_s: 50e-6,
+            });
+        }
+        Against::Reference => other.runner = Runner::Reference,
+        Against::Rest => other.from = Direction::Rest,
+        Against::Up => other.from = Direction::Up,
+        Against::Down => other.from = Direction::Down,
+    }
+    other
+}
+
+fn grid(args: &Args, rig: &NamedRig) -> Result<Grid, UserError> {
+    let natural = rig.params.natural_frequency_hz();
+    let parse = |option: &str, text: &str, unit: f64| {
+        let values = if text.contains(':') {
+            parse_range(text)
+        } else {
+            let value = text.trim().parse::<f64>();
+            value.map_or_else(
+                |_| Err("write FROM:TO:STEP, or one number".to_owned()),
+                |value| Ok(vec![value]),
+            )
+        };
+        let values = values.map_err(|e| UserError::new(format!("{option} {text}: {e}")))?;
+        match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
+            Some(bad) => Err(UserError::new(format!(
+                "{option} {text}: {bad} is not a positive value"
+            ))),
+            None => Ok(values.into_iter().map(|v| tidy(tidy(v) * unit)).collect()),
+        }
+    };
+    let frequencies_hz = match (&args.frequency, &args.ratio) {
+        (Some(text), _) => parse("--frequency", text, 1.0)?,
+        (None, Some(text)) => parse("--ratio", text, natural)?,
+        (None, None) => chapter_frequencies_hz(&rig.params),
+    };
+    let gaps_mm = match args.common.gaps() {
+        Some(gaps) => gaps.into_iter().map(tidy).collect(),
+        None => chapter_gaps_mm(&rig.params),
+    };
+    if let Some(pair) = gaps_mm.windows(2).find(|p| p[0] >= p[1]) {
+        return Err(UserError::new(format!(
+            "--gap: {:?} mm does not come after {:?} mm; give the gaps in rising order, each once",
+            pair[1], pair[0]
+        )));
+    }
+    for gap in [gaps_mm.first(), gaps_mm.last()].into_iter().flatten() {
+        rigfile::with_number(&rig.params, "gap_mm", *gap).map_err(|e| e.at("--gap"))?;
+    }
+    Ok(Grid {
+        gaps_mm,
+        frequencies_hz,
+    })
+}
+
+/// The grid of `first` for `rig`: the same Ω/ω and gap/A0.
+fn over_same_ratios(grid: &Grid, first: &NamedRig, rig: &NamedRig) -> Grid {
+    let in_frequency = rig.params.natural_frequency_hz() / first.params.natural_frequency_hz();
+    let in_gap = rig.params.amplitude_m / first.params.amplitude_m;
+    let scaled = |values: &[f64], by: f64| values.iter().map(|v| tidy(v * by)).collect();
+    Grid {
+        gaps_mm: scaled(&grid.gaps_mm, in_gap),
+        frequencies_hz: scaled(&grid.frequencies_hz, in_frequency),
+    }
+}
+
+/// As the command line calls it.
+pub fn direction(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Rest => "rest",
+        Direction::Up => "up",
+        Direction::Down => "down",
+    }
+}
+
+/// What the files of a map are called.
+pub fn name(request: &Request) -> String {
+    let from = match request.from {
+        Direction::Rest => "",
+        Direction::Up => "-up",
+        Direction::Down => "-down",
+    };
+    let runner = match request.runner {
+        Runner::Lanes => "",
+        Runner::Reference => "-reference",
+        Runner::Switch(_) => "-switch",
+    };
+    format!("map-{}{from}{runner}", request.rig.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_read_and_shares_cover_every_tile_once() {
+        assert_eq!(parse_tiles("3..7"), Ok(Tiles::Range(3, 7)));
+        assert_eq!(parse_tiles("2/20"), Ok(Tiles::Share(2, 20)));
+        for bad in ["", "3", "7..3", "3..3", "0/4", "5/4", "-1..2", "a/b", "1/0"] {
+            assert!(parse_tiles(bad).is_err(), "{bad}");
+        }
+        for (tiles, shares) in [(103, 20), (3, 5), (1, 1), (0, 2)] {
+            let all: Vec<usize> = (1..=shares)
+                .flat_map(|i| Tiles::Share(i, shares).range(tiles))
+                .collect();
+            assert_eq!(all, (0..tiles).collect::<Vec<_>>());
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The answer of `map` for a person.
+
+use std::fmt::Write;
+
+use shared::regime::Regime;
+
+use super::answer::Answer;
+use super::requests;
+use crate::map::agree::percent;
+use crate::map::{Map, Request, Summary};
+use crate::terminal::terminal_width;
+
+/// Regimes named one by one.
+const NAMED: usize = 8;
+
+pub fn text(answer: &Answer, maps: &[Map]) -> String {
+    let mut text = String::new();
+    let parts = answer.requests.iter().zip(maps).zip(&answer.summaries);
+    for ((request, map), summary) in parts {
+        text += &one(request, map, summary);
+        text.push('\n');
+    }
+    if let Some(against) = &answer.against {
+        let _ = writeln!(text, "against    {}", against.line());
+    }
+    for alike in &answer.alikeness {
+        let _ = writeln!(text, "alike      {}", alike.line());
+    }
+    if let Some(hits) = &answer.measured {
+        let _ = writeln!(
+            text,
+            "measured   {} of {} points have the regime of the cell they lie on ({} outside the map)",
+            hits.same, hits.points, hits.outside
+        );
+    }
+    if let Some(audit) = &answer.audit {
+        let _ = writeln!(
+            text,
+            "audit      {} cells again by the reference: {}",
+            audit.cells,
+            audit.line()
+        );
+    }
+    text
+}
+
+fn one(request: &Request, map: &Map, summary: &Summary) -> String {
+    let Request { plan, settle, .. } = request;
+    let ends = |values: &[f64], unit: &str| match values {
+        [first, .., last] => format!("{first:?} to {last:?} {unit}"),
+        [one] => format!("{one:?} {unit}"),
+        [] => String::new(),
+    };
+    let settle = settle.map_or(String::new(), |n| format!(" (unsettled: {n})"));
+    let mut text = format!(
+        "{}: {} gaps ({}) by {} frequencies ({}), {} cells\n{}, engine {}, {} cycles{settle}, last {} recorded\n\n",
+        map.rig.name,
+        map.grid.gaps_mm.len(),
+        ends(&map.grid.gaps_mm, "mm"),
+        map.grid.frequencies_hz.len(),
+        ends(&map.grid.frequencies_hz, "Hz"),
+        summary.cells,
+        match request.from {
+            crate::sweep::Direction::Rest => "from rest".to_owned(),
+            other => format!("carried {}", requests::direction(other)),
+        },
+        request.runner.name(),
+        plan.cycles,
+        plan.recorded,
+    );
+    text += &chart(map);
+    text.push('\n');
+    let shares = summary.regimes.iter().take(NAMED);
+    let shares: Vec<_> = shares
+        .map(|s| format!("{} {}", s.regime.0, percent(s.cells, summary.cells)))
+        .collect();
+    let more = summary.regimes.len().saturating_sub(NAMED);
+    let more = if more > 0 {
+        format!(", and {more} more")
+    } else {
+        String::new()
+    };
+    let _ = writeln!(text, "regimes    {}{more}", shares.join(", "));
+    if let Some(best) = &summary.strongest {
+        let _ = writeln!(
+            text,
+            "strongest  1/1 with {:.2} m g ({:.2} N) at {:?} mm, {:?} Hz, Ω/ω {:.3}",
+            best.force_ratio, best.force_n, best.gap_mm, best.frequency_hz, best.frequency_ratio
+        );
+    }
+    let _ = writeln!(
+        text,
+        "settled    {}; strikes and has not settled {}; flagged and run again {}",
+        percent(summary.settled, summary.cells),
+        percent(summary.open, summary.cells),
+        percent(summary.uncertain, summary.cells),
+    );
+    text
+}
+
+/// The map in letters, the largest gap on top: each letter shows the cell in the middle of what it covers.
+fn chart(map: &Map) -> String {
+    const ROWS: usize = 18;
+    const GUTTER: usize = 8;
+    let (gaps, frequencies) = (&map.grid.gaps_mm, &map.grid.frequencies_hz);
+    let rows = gaps.len().min(ROWS);
+    let columns = frequencies.len().min(terminal_width() - GUTTER - 1);
+    let middle = |i: usize, of: usize, all: usize| (2 * i + 1) * all / (2 * of);
+    let mut text = format!("{:>GUTTER$}\n", "gap, mm");
+    for row in (0..rows).rev() {
+        let at = middle(row, rows, gaps.len());
+        let letters: String = (0..columns)
+            .map(|column| {
+                letter(
+                    map.cell(at, middle(column, columns, frequencies.len()))
+                        .regime,
+                )
+            })
+            .collect();
+        let _ = writeln!(text, "{:>GUTTER$.2} {letters}", gaps[at]);
+    }
+    let first = frequencies
+        .first()
+        .map_or(String::new(), |f| format!("{f:.2}"));
+    let last = frequencies
+        .last()
+        .map_or(String::new(), |f| format!("{f:.2} Hz"));
+    let space = columns.saturating_sub(first.len()).max(last.len() + 1);
+    let _ = writeln!(text, "{:GUTTER$} {first}{last:>space$}", "");
+    text + "1: 1/1   2: 1/2   3: 1/3   d: 2/2   p: other p/n   ~: aperiodic   c: chatter   .: no contact\n"
+}
+
+fn letter(regime: Regime) -> char {
+    match regime {
+        Regime::None => '.',
+        Regime::Periodic {
+            impacts: 1,
+            periods: 1,
+        } => '1',
+        Regime::Periodic {
+            impacts: 1,
+            periods: 2,
+        } => '2',
+        Regime::Periodic {
+            impacts: 1,
+            periods: 3,
+        } => '3',
+        Regime::Periodic {
+            impacts: 2,
+            periods: 2,
+        } => 'd',
+        Regime::Periodic { .. } => 'p',
+        Regime::Aperiodic { .. } => '~',
+        Regime::Chatter { .. } => 'c',
+    }
+}
