@@ -1,9 +1,13 @@
 //! The command line.
 
 mod common;
+mod compare;
+mod contact;
+mod drop;
 mod emit;
 mod emulate;
 mod figures;
+mod identify;
 mod link;
 mod map;
 mod pick;
@@ -56,6 +60,14 @@ enum Command {
     Pil(pil::Args),
     /// Make every figure of the chapter again: pictures, tables and one page to read
     Figures(figures::Args),
+    /// One blow of a free mass on a wall under the four contact laws: force, restitution, energy, where each would pull
+    Contact(contact::Args),
+    /// Make a synthetic drop test: the hammer let go at rest falls back and strikes; noise, ringing, quantisation
+    Drop(drop::Args),
+    /// Contact parameters from a drop test (CSV), of any of the four laws, and how well the data fix them
+    Identify(identify::Args),
+    /// Measured displacement or force against simulation: laid over each other, errors printed
+    Compare(compare::Args),
     /// List the rigs, or print one as a TOML file to start from
     Rigs(rigs::Args),
 }
@@ -91,6 +103,10 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Replay(args) => replay::run(&args),
         Command::Pil(args) => pil::run(&args),
         Command::Figures(args) => figures::run(&args).map(|()| 0),
+        Command::Contact(args) => contact::run(&args).map(|()| 0),
+        Command::Drop(args) => drop::run(&args).map(|()| 0),
+        Command::Identify(args) => identify::run(&args).map(|()| 0),
+        Command::Compare(args) => compare::run(&args).map(|()| 0),
         Command::Rigs(args) => rigs::run(&args).map(|()| 0),
     };
     match done {

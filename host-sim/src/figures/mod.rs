@@ -1,5 +1,6 @@
 //! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
 
+pub mod contact;
 pub mod force;
 pub mod switch;
 
@@ -42,7 +43,9 @@ pub type Part = (&'static str, &'static [&'static str], Area);
 
 /// Every part, in the chapter's order.
 pub const AREAS: &[Part] = &[
+    ("contact laws", &["3.3", "contact laws"], contact::law_pages),
     ("switch model", &["3.5", "3.6"], switch::pages),
+    ("drop tests", &["3.9", "3.10"], contact::drop_pages),
     ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
     ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
 ];

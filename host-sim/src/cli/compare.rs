@@ -1,0 +1,182 @@
+//! `host-sim compare`.
+
+use std::path::PathBuf;
+
+use super::common::{Common, Cycles, pictures};
+use super::emit::{emit, tables};
+use crate::compare::{Comparison, Errors, Frame, Question, compare, picture};
+use crate::error::UserError;
+use crate::signal::Signal;
+use crate::terminal::Chart;
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+pub struct Args {
+    /// A record: CSV with the columns time_s and displacement_mm, force_n or both (and cart_mm, if measured), or a
+    /// log (Parquet) of `link record` or `emulate`
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    #[command(flatten)]
+    common: Common,
+
+    /// Drive frequency over the natural frequency, Ω/ω [default: found from the record]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    ratio: Option<f64>,
+
+    /// Drive frequency, Hz [default: found from the record]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    frequency: Option<f64>,
+
+    /// The frame of the measured displacement
+    #[arg(long, value_enum, default_value = "fixed")]
+    frame: Frame,
+
+    /// Compare from this time of the record, s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    from: Option<f64>,
+
+    /// Compare to this time of the record, s
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    to: Option<f64>,
+
+    #[command(flatten)]
+    cycles: Cycles,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    let rig = common.rig()?;
+    let question = Question {
+        params: rig.params,
+        engine: common.engine()?,
+        frequency_hz: args
+            .frequency
+            .or(args.ratio.map(|r| r * rig.params.natural_frequency_hz())),
+        plan: args.cycles.plan()?,
+        frame: args.frame,
+    };
+    let whole = Signal::read(&args.file)?;
+    let signal = whole.between(
+        args.from.unwrap_or(f64::NEG_INFINITY),
+        args.to.unwrap_or(f64::INFINITY),
+    )?;
+    let comparison = compare(&signal, &question)?;
+    if let Some(dir) = &common.out {
+        let title = format!(
+            "{} against {}, gap {:?} mm",
+            signal.name,
+            rig.name,
+            crate::table::tidy(rig.params.gap_m * 1e3)
+        );
+        let figure = picture::figure(title, &comparison, args.frame);
+        let mut contents = pictures("compare", &figure)?;
+        contents.extend(tables(
+            "compare",
+            common.format,
+            &comparison.errors,
+            &comparison.rows,
+        )?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &comparison.errors, &comparison.rows, || {
+        text(&signal, &rig.name, &comparison)
+    })
+}
+
+fn text(signal: &Signal, rig: &str, comparison: &Comparison) -> String {
+    let e = &comparison.errors;
+    let mut text = format!(
+        "{} against {rig}: drive {:.4} Hz ({}), {:.4} times the natural frequency; simulation: regime {}\n\n",
+        signal.name, e.frequency_hz, e.frequency_from, e.frequency_ratio, e.regime
+    );
+    text += &table(e);
+    for note in &e.notes {
+        text += &format!("  note: {note}\n");
+    }
+    let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);
+    let end = begin + 4.0 / e.frequency_hz;
+    let shown = || comparison.rows.iter().take_while(|r| r.time_s <= end);
+    let every = (shown().count() / 300).max(1);
+    let by_force = signal.displacement_mm.is_none();
+    let measured = shown().step_by(every).filter_map(|r| {
+        let value = if by_force {
+            r.measured_force_n
+        } else {
+            r.measured_displacement_mm
+        };
+        Some((r.time_s, value?))
+    });
+    let model = shown().step_by(every).map(|r| {
+        let value = if by_force {
+            r.simulated_force_n
+        } else {
+            r.simulated_displacement_mm
+        };
+        (r.time_s, value)
+    });
+    let label = if by_force {
+        "contact force, N"
+    } else {
+        "displacement, mm"
+    };
+    text.push('\n');
+    text += &Chart::new("record time, s", label)
+        .series("simulation", model.collect())
+        .series("measured", measured.collect())
+        .render();
+    text
+}
+
+fn table(e: &Errors) -> String {
+    let mut text = String::from("                               measured    simulated\n");
+    let mut line = |what: &str, measured: Option<f64>, simulated: Option<f64>, digits: usize| {
+        let cell = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+        if measured.is_some() {
+            text += &format!(
+                "  {what:<27} {:>9} {:>12}\n",
+                cell(measured),
+                cell(simulated)
+            );
+        }
+    };
+    line(
+        "peak to peak, mm",
+        e.measured_peak_to_peak_mm,
+        Some(e.simulated_peak_to_peak_mm),
+        4,
+    );
+    line(
+        "largest force, N",
+        e.measured_force_n,
+        Some(e.simulated_force_n),
+        2,
+    );
+    line("mean of the peaks, N", e.measured_peak_mean_n, None, 2);
+    line(
+        "contacts per drive period",
+        e.measured_contacts_per_period,
+        Some(e.simulated_contacts_per_period),
+        3,
+    );
+    line(
+        "contact time, ms",
+        e.measured_contact_time_ms,
+        e.simulated_contact_time_ms,
+        3,
+    );
+    if let (Some(rms), Some(percent), Some(mean)) = (
+        e.displacement_rms_mm,
+        e.displacement_rms_percent,
+        e.displacement_mean_mm,
+    ) {
+        text += &format!(
+            "  displacement apart by {rms:.4} mm rms ({percent:.2} % of the travel), {mean:+.4} mm on average\n"
+        );
+    }
+    if let (Some(rms), Some(percent)) = (e.force_rms_n, e.force_peak_percent) {
+        text += &format!("  force apart by {rms:.3} N rms, largest by {percent:+.2} %\n");
+    }
+    text
+}

@@ -1,0 +1,183 @@
+//! `host-sim contact`.
+
+use super::common::{Common, EngineName, parse_range, pictures};
+use super::emit::{emit, tables};
+use crate::contact_law::picture::{blows, grid, over_speed};
+use crate::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, law_name, rows};
+use crate::error::UserError;
+use shared::contact::Law;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Which {
+    /// All four: the rig's own law, the others made for the contact of Table 3.1
+    All,
+    /// The rig's own law alone
+    Own,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Approach speeds, m/s [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
+    speed: Option<String>,
+
+    /// Which laws
+    #[arg(long, value_enum, default_value = "all")]
+    law: Which,
+
+    /// The blow of figure 3.3: 2 kg, Hunt-Crossley, ki = 2.1e8, n = 1.6, lambda = 0.6
+    #[arg(long, conflicts_with_all = ["rig", "set", "law"])]
+    figure_3_3: bool,
+}
+
+/// What is struck with.
+struct Case {
+    title: String,
+    mass_kg: f64,
+    laws: Vec<(&'static str, Law<f64>)>,
+    speeds: Vec<f64>,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    if common.engine != EngineName::Event || common.gap.is_some() {
+        return Err(UserError::new(
+            "contact strikes a free mass on a fixed wall by the event engine; leave --engine and --gap out",
+        ));
+    }
+    common.engine()?;
+    let case = case(args)?;
+    let mut all = Vec::new();
+    for (name, law) in &case.laws {
+        all.extend(rows(name, *law, case.mass_kg, &case.speeds)?);
+    }
+    if let Some(dir) = &common.out {
+        let figure = figure(&case, &all)?;
+        let mut contents = pictures("contact", &figure)?;
+        contents.extend(tables("contact", common.format, &all, &all)?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &all, &all, || text(&case, &all))
+}
+
+fn case(args: &Args) -> Result<Case, UserError> {
+    let usual = if args.figure_3_3 {
+        "0.1:0.5:0.1"
+    } else {
+        "0.02:0.3:0.02"
+    };
+    let speeds = speeds(args.speed.as_deref().unwrap_or(usual))?;
+    if args.figure_3_3 {
+        return Ok(Case {
+            title: format!("{FIGURE_3_3_MASS_KG} kg against a wall, Hunt-Crossley (figure 3.3)"),
+            mass_kg: FIGURE_3_3_MASS_KG,
+            laws: vec![(law_name(&FIGURE_3_3), FIGURE_3_3)],
+            speeds,
+        });
+    }
+    let rig = args.common.rig()?;
+    let own = rig.params.contact;
+    Ok(Case {
+        title: format!(
+            "{} kg against a wall, contact of rig {}",
+            rig.params.mass_kg, rig.name
+        ),
+        mass_kg: rig.params.mass_kg,
+        laws: match args.law {
+            Which::All => four_laws(own),
+            Which::Own => vec![(law_name(&own), own)],
+        },
+        speeds,
+    })
+}
+
+fn speeds(text: &str) -> Result<Vec<f64>, UserError> {
+    const FASTEST: f64 = 100.0;
+    let bad = |what: String| UserError::new(format!("--speed {text}: {what}"));
+    let speeds = parse_range(text).map_err(bad)?;
+    match speeds.iter().find(|v| !(**v > 0.0 && **v <= FASTEST)) {
+        Some(v) => Err(bad(format!(
+            "{v} m/s is not a speed above 0 and up to {FASTEST}"
+        ))),
+        None if speeds.len() > 10_000 => Err(bad(format!(
+            "that is {} speeds, more than 10000; use a larger STEP",
+            speeds.len()
+        ))),
+        None => Ok(speeds),
+    }
+}
+
+/// At most five of the speeds, spread evenly, the last among them.
+fn some(speeds: &[f64]) -> Vec<f64> {
+    let every = speeds.len().div_ceil(5);
+    let mut kept: Vec<f64> = speeds.iter().rev().step_by(every).copied().collect();
+    kept.reverse();
+    kept
+}
+
+fn figure(case: &Case, all: &[Row]) -> Result<crate::picture::Figure, UserError> {
+    let drawn: Vec<_> = match case.laws.as_slice() {
+        [(_, law)] => some(&case.speeds)
+            .into_iter()
+            .map(|v| (format!("{v:.3} m/s"), *law, v))
+            .collect(),
+        laws => {
+            let v = middle(&case.speeds);
+            let named = |(name, law): &(&str, Law<f64>)| (format!("{name}, {v:.3} m/s"), *law, v);
+            laws.iter().map(named).collect()
+        }
+    };
+    let mut panels = blows(case.mass_kg, &drawn)?.to_vec();
+    if case.speeds.len() > 1 {
+        panels.extend(over_speed(all));
+    }
+    let note = "Nothing but the wall acts on the mass. A contact pushes, never pulls: it is let go where F falls to 0. Dashed: what the law would do if it could pull, to where the indentation is 0.";
+    Ok(grid(case.title.clone(), note.to_owned(), panels))
+}
+
+fn middle(speeds: &[f64]) -> f64 {
+    speeds[speeds.len() / 2]
+}
+
+fn text(case: &Case, all: &[Row]) -> String {
+    let mut text = format!(
+        "{}\n\n  law                  speed, m/s  time, ms  restitution    peak, N  lost, mJ  imbalance  would pull\n",
+        case.title
+    );
+    let every = case.speeds.len().div_ceil(8);
+    for (i, row) in all.iter().enumerate() {
+        if !(i % case.speeds.len()).is_multiple_of(every) {
+            continue;
+        }
+        let pull = if row.pull_share > 0.0 {
+            format!(
+                "{:.0} % of its contact, up to {:.1} N; restitution {:.3} then",
+                100.0 * row.pull_share,
+                row.pull_n,
+                row.pulling_restitution
+            )
+        } else {
+            "never".to_owned()
+        };
+        text += &format!(
+            "  {:<20} {:>10.4} {:>9.4} {:>12.4} {:>10.2} {:>9.4} {:>10.0e}  {pull}\n",
+            row.law,
+            row.approach_speed_m_per_s,
+            row.contact_time_ms,
+            row.restitution,
+            row.force_n,
+            row.energy_lost_j * 1e3,
+            row.energy_imbalance.abs(),
+        );
+    }
+    text += "\nImbalance: work of the contact force less the kinetic energy gone, over the energy at onset.\n";
+    text += "Would pull: what the law alone would do if a contact were not let go where its force falls to 0.\n";
+    if every > 1 {
+        text += "Some speeds are left out; --format csv gives all.\n";
+    }
+    text
+}

@@ -1,0 +1,201 @@
+//! `host-sim drop`.
+
+use super::common::{Common, EngineName, pictures};
+use super::emit::{emit, tables};
+use crate::drop_test::{DropTest, Row, record};
+use crate::error::UserError;
+use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::terminal::Chart;
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Where the hammer is let go at rest, mm from its rest position; negative: away from the surface
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = -3.0,
+        allow_negative_numbers = true
+    )]
+    release_mm: f64,
+
+    /// Impacts in the record
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    impacts: usize,
+
+    /// Samples per second
+    #[arg(
+        long,
+        value_name = "HZ",
+        default_value_t = 50e3,
+        allow_negative_numbers = true
+    )]
+    sampling_hz: f64,
+
+    /// Standard deviation of a force sample, N
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    noise_n: f64,
+
+    /// The surface's ringing: its first amplitude over the impact's peak (the emulator's surface: 0.5)
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    ringing: f64,
+
+    /// Frequency of the ringing, Hz
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, default_value_t = DropTest::default().ringing_hz)]
+    ringing_hz: f64,
+
+    /// Time constant of the ringing, ms
+    #[arg(long, value_name = "MS", allow_negative_numbers = true, default_value_t = DropTest::default().ringing_decay_s * 1e3)]
+    ringing_decay_ms: f64,
+
+    /// Bits of the force channel; 0: not quantised
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=24))]
+    bits: u32,
+
+    /// Range of the force channel, from minus to plus this many N
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 100.0,
+        allow_negative_numbers = true
+    )]
+    full_scale_n: f64,
+
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    if common.engine != EngineName::Event {
+        return Err(UserError::new(
+            "drop runs on the event engine; leave --engine out",
+        ));
+    }
+    common.engine()?;
+    let rig = common.rig()?;
+    let test = test(args)?;
+    let rows = record(&rig.params, &test)?;
+    if let Some(dir) = &common.out {
+        let mut contents = pictures("drop", &figure(&rig.name, &test, &rows))?;
+        contents.extend(tables("drop", common.format, &rows, &rows)?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &rows, &rows, || {
+        text(&rig.name, &test, &rows)
+    })
+}
+
+fn test(args: &Args) -> Result<DropTest, UserError> {
+    let within = |option: &str, value: f64, low: f64, high: f64| {
+        if value >= low && value <= high {
+            return Ok(value);
+        }
+        Err(UserError::new(format!(
+            "{option} is {value}, must be from {low} to {high}"
+        )))
+    };
+    if !(1..=100).contains(&args.impacts) {
+        return Err(UserError::new(format!(
+            "--impacts is {}, must be from 1 to 100",
+            args.impacts
+        )));
+    }
+    Ok(DropTest {
+        release_m: within("--release-mm", args.release_mm, -1000.0, 1000.0)? * 1e-3,
+        impacts: args.impacts,
+        sampling_hz: within("--sampling-hz", args.sampling_hz, 100.0, 10e6)?,
+        noise_n: within("--noise-n", args.noise_n, 0.0, 1e6)?,
+        ringing_share: within("--ringing", args.ringing, 0.0, 10.0)?,
+        ringing_hz: within("--ringing-hz", args.ringing_hz, 1.0, 1e6)?,
+        ringing_decay_s: within("--ringing-decay-ms", args.ringing_decay_ms, 1e-3, 1e4)? * 1e-3,
+        bits: args.bits,
+        full_scale_n: within("--full-scale-n", args.full_scale_n, 1e-6, 1e9)?,
+        seed: args.seed,
+    })
+}
+
+/// Half of what is shown about the first impact, s.
+const AROUND_S: f64 = 5e-3;
+
+/// The samples about the first impact: its largest force and what is within [`AROUND_S`] of it.
+fn first_impact(rows: &[Row]) -> impl Iterator<Item = &Row> {
+    let hardest = rows.iter().max_by(|a, b| a.force_n.total_cmp(&b.force_n));
+    let middle = hardest.map_or(0.0, |r| r.time_s);
+    rows.iter()
+        .filter(move |r| r.time_s > middle - 0.2 * AROUND_S && r.time_s < middle + AROUND_S)
+}
+
+fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
+    let force = || Axis::new("force, N").with_zero();
+    let first: Vec<_> = first_impact(rows).collect();
+    let began = first.first().map_or(0.0, |r| r.time_s);
+    let near = |f: fn(&Row) -> f64| {
+        first
+            .iter()
+            .map(|r| ((r.time_s - began) * 1e3, f(r)))
+            .collect::<Vec<_>>()
+    };
+    let all = |f: fn(&Row) -> f64| rows.iter().map(|r| (r.time_s, f(r))).collect::<Vec<_>>();
+    Figure::new(format!("Synthetic drop test: {rig}, let go at {:.2} mm", test.release_m * 1e3))
+        .subtitle(format!(
+            "{:.0} samples a second, noise {} N, ringing {:.2} of the peak at {:.0} Hz, {} bits, seed {}. Made from the model, not measured.",
+            test.sampling_hz, test.noise_n, test.ringing_share, test.ringing_hz, test.bits, test.seed
+        ))
+        .columns(2)
+        .size(1200, 860)
+        .panel(
+            Panel::new(Axis::new("time since release, s"), Axis::new("displacement, mm"))
+                .titled("Displacement from rest")
+                .without_legend()
+                .item(Item::line("displacement", Color::BLUE, all(|r| r.displacement_mm))),
+        )
+        .panel(
+            Panel::new(Axis::new("time since release, s"), force())
+                .titled("Force as the sensor has it")
+                .without_legend()
+                .item(Item::line("force", Color::RED, all(|r| r.force_n))),
+        )
+        .panel(
+            Panel::new(Axis::new("time, ms"), force())
+                .titled("First impact: force")
+                .without_legend()
+                .item(Item::line("force", Color::RED, near(|r| r.force_n))),
+        )
+        .panel(
+            Panel::new(Axis::new("time, ms"), Axis::new("deceleration, m/s²").with_zero())
+                .titled("First impact: the hammer's deceleration")
+                .without_legend()
+                .item(Item::line("deceleration", Color::BLUE, near(|r| -r.acceleration_m_per_s2))),
+        )
+}
+
+fn text(rig: &str, test: &DropTest, rows: &[Row]) -> String {
+    let peak = rows.iter().fold(0.0_f64, |m, r| m.max(r.force_n));
+    let mut text = format!(
+        "{rig}, let go at {:.3} mm: {} samples over {:.3} s, largest force {peak:.2} N\n\n",
+        test.release_m * 1e3,
+        rows.len(),
+        rows.last().map_or(0.0, |r| r.time_s)
+    );
+    let points = rows.iter().map(|r| (r.time_s, r.displacement_mm));
+    text += &Chart::new("time since release, s", "displacement, mm")
+        .series("displacement", points.collect())
+        .render();
+    text += "\n--format csv writes the samples: host-sim drop --format csv > drop.csv\n";
+    text
+}

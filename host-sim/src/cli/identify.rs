@@ -1,0 +1,311 @@
+//! `host-sim identify`.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::common::{Common, EngineName, pictures};
+use super::emit::{emit, tables};
+use crate::error::UserError;
+use crate::identify::ring::{self, Ring};
+use crate::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure, picture};
+use crate::rigfile::NamedRig;
+use crate::signal::Signal;
+use crate::table::to_csv;
+use crate::terminal::{Chart, Progress};
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if there, tells the release)
+    #[arg(value_name = "FILE.csv")]
+    file: PathBuf,
+
+    #[command(flatten)]
+    common: Common,
+
+    /// Which laws to seek (repeat it for several) [default: spring-dashpot]
+    #[arg(long, value_enum)]
+    law: Vec<Family>,
+
+    /// All four laws
+    #[arg(long, conflicts_with = "law")]
+    all_laws: bool,
+
+    /// What to make small [default: both, one after the other]
+    #[arg(long, value_enum)]
+    misfit: Option<Misfit>,
+
+    /// Where the hammer was let go at rest, mm from its rest position; negative: away from the surface [default: the
+    /// record's first displacement, or -3]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    release_mm: Option<f64>,
+
+    /// Seek the release, too
+    #[arg(long)]
+    seek_release: bool,
+
+    /// Seek the exponent n of the nonlinear laws, too (otherwise 1.5)
+    #[arg(long)]
+    seek_exponent: bool,
+
+    /// Impacts used, at most
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    impacts: usize,
+}
+
+/// What a program reads.
+#[derive(Serialize)]
+struct Answer<'a> {
+    file: &'a str,
+    rig: &'a str,
+    gap_mm: f64,
+    release_mm: f64,
+    impacts: usize,
+    sampling_hz: f64,
+    noise_n: f64,
+    offset_n: f64,
+    ring: Option<Ring>,
+    fits: &'a [Fit],
+}
+
+/// A line of the table.
+#[derive(Serialize)]
+struct Row {
+    law: &'static str,
+    misfit: &'static str,
+    parameter: &'static str,
+    value: f64,
+    low_95: Option<f64>,
+    high_95: Option<f64>,
+    rms_n: f64,
+    noise_n: f64,
+    widened: f64,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    if common.engine != EngineName::Event {
+        return Err(UserError::new(
+            "identify runs on the event engine; leave --engine out",
+        ));
+    }
+    common.engine()?;
+    let rig = common.rig()?;
+    let signal = Signal::read(&args.file)?;
+    let settings = settings(args, &signal)?;
+    let measured = measure(&signal, &settings)?;
+    let families = match (args.all_laws, args.law.as_slice()) {
+        (true, _) => Family::ALL.to_vec(),
+        (false, []) => vec![Family::SpringDashpot],
+        (false, some) => some.to_vec(),
+    };
+    let misfits = args
+        .misfit
+        .map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
+    let work = (families.len() * misfits.len()) as u64;
+    let progress = Progress::new("searches", work, common.quiet);
+    let mut fits = Vec::new();
+    for family in families {
+        for misfit in &misfits {
+            fits.push(fit(&measured, &rig.params, family, *misfit, &settings)?);
+            progress.inc(1);
+        }
+    }
+    progress.finish();
+    let ring = best(&fits).and_then(|fit| ring::of(&measured, &rig.params, fit));
+    let answer = Answer {
+        file: &measured.name,
+        rig: &rig.name,
+        gap_mm: crate::table::tidy(rig.params.gap_m * 1e3),
+        release_mm: crate::table::tidy(settings.release_m * 1e3),
+        impacts: measured.impacts.len(),
+        sampling_hz: crate::table::tidy(1.0 / measured.sample_s),
+        noise_n: measured.noise_n,
+        offset_n: measured.offset_n,
+        ring,
+        fits: &fits,
+    };
+    let rows = rows(&fits);
+    if let Some(dir) = &common.out {
+        let mut contents = pictures("identify", &figure(&rig, &measured, &fits, &settings))?;
+        contents.extend(tables("identify", common.format, &answer, &rows)?);
+        if let Some(fit) = fits.first() {
+            contents.push(("identify-impacts.csv".into(), to_csv(&fit.impacts)));
+        }
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &answer, &rows, || text(&answer))
+}
+
+/// The fit whose shape is closest to the record's.
+fn best(fits: &[Fit]) -> Option<&Fit> {
+    let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force.name());
+    let least = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
+    least.or(fits.first())
+}
+
+fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
+    if !(1..=50).contains(&args.impacts) {
+        return Err(UserError::new(format!(
+            "--impacts is {}, must be from 1 to 50",
+            args.impacts
+        )));
+    }
+    // A few samples, so that a noisy one does not decide.
+    let shown = signal.displacement_mm.as_ref().map(|d| {
+        let first = &d[..d.len().min(5)];
+        first.iter().sum::<f64>() / first.len() as f64
+    });
+    let release_mm = args.release_mm.or(shown).unwrap_or(-3.0);
+    if !release_mm.is_finite() {
+        return Err(UserError::new(format!(
+            "--release-mm is {release_mm}, must be a number"
+        )));
+    }
+    Ok(Settings {
+        release_m: release_mm * 1e-3,
+        seek_release: args.seek_release,
+        seek_exponent: args.seek_exponent,
+        impacts: args.impacts,
+    })
+}
+
+fn rows(fits: &[Fit]) -> Vec<Row> {
+    let of = |fit: &'_ Fit| -> Vec<Row> {
+        let row = |p: &crate::identify::Estimate| Row {
+            law: fit.law,
+            misfit: fit.misfit,
+            parameter: p.key,
+            value: p.value,
+            low_95: p.low,
+            high_95: p.high,
+            rms_n: fit.rms_n,
+            noise_n: fit.noise_n,
+            widened: fit.widened,
+        };
+        fit.parameters.iter().map(row).collect()
+    };
+    fits.iter().flat_map(of).collect()
+}
+
+/// Four significant digits.
+fn short(x: f64) -> String {
+    if x != 0.0 && !(1e-2..1e5).contains(&x.abs()) {
+        return format!("{x:.3e}");
+    }
+    let digits = 3 - x.abs().max(1e-9).log10().floor() as i32;
+    format!("{x:.*}", digits.max(0) as usize)
+}
+
+fn text(answer: &Answer) -> String {
+    let mut text = format!(
+        "{}: {} impacts at {} samples a second, noise {} N\n{}, gap {} mm, let go at {} mm\n",
+        answer.file,
+        answer.impacts,
+        short(answer.sampling_hz),
+        short(answer.noise_n),
+        answer.rig,
+        answer.gap_mm,
+        answer.release_mm
+    );
+    for fit in answer.fits {
+        text += &format!("\n{}, by {}\n", fit.law, fit.misfit);
+        for p in &fit.parameters {
+            let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
+            text += &format!(
+                "  {:<30} {:>10}   95 %: {} to {}\n",
+                p.key,
+                short(p.value),
+                end(p.low),
+                end(p.high)
+            );
+        }
+        text += &format!(
+            "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
+            short(fit.rms_n),
+            short(fit.noise_n),
+            fit.starts_agreeing,
+            fit.starts,
+            fit.simulations
+        );
+        text += "  impact   measured peak, N   model peak, N   residual, N\n";
+        for i in &fit.impacts {
+            text += &format!(
+                "  {:>6} {:>18} {:>15} {:>13}\n",
+                i.impact,
+                short(i.measured_peak_n),
+                short(i.model_peak_n),
+                if i.residual_n.is_finite() {
+                    short(i.residual_n)
+                } else {
+                    "-".into()
+                }
+            );
+        }
+        for warning in &fit.warnings {
+            text += &format!("  warning: {warning}\n");
+        }
+    }
+    text += &match &answer.ring {
+        Some(ring) => format!(
+            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is not part of the model.\n",
+            ring.frequency_hz,
+            ring.decay_ms,
+            ring.damping_ratio,
+            100.0 * ring.share_at_release
+        ),
+        None => "\nNo ringing is seen after release.\n".to_owned(),
+    };
+    if let Some(fit) = answer.fits.first() {
+        let seen = fit
+            .impacts
+            .iter()
+            .map(|i| (i.impact as f64, i.measured_peak_n));
+        let model = fit
+            .impacts
+            .iter()
+            .map(|i| (i.impact as f64, i.model_peak_n));
+        text.push('\n');
+        text += &Chart::new("impact", "force peak, N")
+            .size(crate::terminal::terminal_width(), 10)
+            .points("measured", seen.collect())
+            .points("model", model.collect())
+            .render();
+    }
+    text
+}
+
+fn figure(
+    rig: &NamedRig,
+    measured: &Measured,
+    fits: &[Fit],
+    settings: &Settings,
+) -> crate::picture::Figure {
+    let title = format!("Drop test {}: contact parameters", measured.name);
+    let found = fits.first().map_or(String::new(), |fit| {
+        let each = fit.parameters.iter().map(|p| {
+            let end = |e: Option<f64>| e.map_or("?".to_owned(), short);
+            format!(
+                "{} {} ({} to {})",
+                p.key,
+                short(p.value),
+                end(p.low),
+                end(p.high)
+            )
+        });
+        format!(
+            "{}, by {}: {}",
+            fit.law,
+            fit.misfit,
+            each.collect::<Vec<_>>().join(", ")
+        )
+    });
+    let subtitle = format!(
+        "{}, gap {:?} mm, let go at {:?} mm. {found}. In brackets 95 % profile likelihood intervals.",
+        rig.name,
+        crate::table::tidy(rig.params.gap_m * 1e3),
+        crate::table::tidy(settings.release_m * 1e3)
+    );
+    picture::figure(title, subtitle, measured, &rig.params, fits)
+}

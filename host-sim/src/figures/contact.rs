@@ -1,0 +1,253 @@
+//! Figures 3.3 (blows of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the four laws over
+//! approach speed.
+
+use shared::params::{RigParams, TABLE_3_1, WIRES};
+
+use super::{Effort, Page, drawn, stem};
+use crate::contact_law::picture::{blows, grid, over_speed};
+use crate::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
+use crate::drop_test::{DropTest, record};
+use crate::error::UserError;
+use crate::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure, picture};
+use crate::picture::Figure;
+use crate::signal::Signal;
+use crate::table::to_csv;
+use crate::terminal::Progress;
+
+/// Figure 3.3, and the four laws beside each other (beyond figure 3.2, which is a drawing).
+///
+/// # Errors
+/// A picture that cannot be drawn; the parameters are known to be sound.
+pub fn law_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let pages = vec![figure_3_3()?, laws()?];
+    progress.inc(1);
+    Ok(pages)
+}
+
+/// Figures 3.9 and 3.10: the drop tests.
+///
+/// # Errors
+/// As [`law_pages`].
+pub fn drop_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let pages = TESTS.iter().map(drop_page).collect();
+    progress.inc(1);
+    pages
+}
+
+fn files(name: &str, figure: &Figure, csv: Vec<u8>) -> Result<Vec<(String, Vec<u8>)>, UserError> {
+    let mut files = drawn(name, figure)?;
+    files.push((format!("{name}.csv"), csv));
+    Ok(files)
+}
+
+/// The chapter does not print the speeds of its curves.
+const SPEEDS_3_3: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
+
+fn figure_3_3() -> Result<Page, UserError> {
+    let seen = rows("hunt-crossley", FIGURE_3_3, FIGURE_3_3_MASS_KG, &SPEEDS_3_3)?;
+    let blows_drawn: Vec<_> = SPEEDS_3_3
+        .iter()
+        .map(|v| (format!("{v} m/s"), FIGURE_3_3, *v))
+        .collect();
+    let figure = grid(
+        "Rigid mass on a wall, Hunt-Crossley, several approach speeds".into(),
+        "m = 2 kg, ki = 2.1e8, n = 1.6, λ = 0.6 s/m. Onset is at the top of the phase plane, release at its bottom.".into(),
+        blows(FIGURE_3_3_MASS_KG, &blows_drawn)?,
+    );
+    let (slow, fast) = (&seen[0], &seen[seen.len() - 1]);
+    let starts_at_zero = seen.iter().all(|r| r.pull_n == 0.0);
+    Ok(Page {
+        figure: "3.3",
+        title: "Impact of a rigid mass on a rigid wall, Hunt-Crossley".into(),
+        chapter: "Phase plane of the indentation and force profile for several approach speeds: the force begins and ends at zero, and damping grows with the indentation.",
+        found: format!(
+            "{}: the force begins and ends at zero{}. From {} to {} m/s the peak rises from {:.0} to {:.0} N, the contact shortens from {:.3} to {:.3} ms and the restitution falls from {:.4} to {:.4}. The chapter prints no speeds, so the curves cannot be compared one by one. (It gives λ in s; the unit is s/m.)",
+            if starts_at_zero { "Agrees" } else { "Differs" },
+            if starts_at_zero {
+                " and the law never pulls"
+            } else {
+                ", but the law pulls"
+            },
+            slow.approach_speed_m_per_s,
+            fast.approach_speed_m_per_s,
+            slow.force_n,
+            fast.force_n,
+            slow.contact_time_ms,
+            fast.contact_time_ms,
+            slow.restitution,
+            fast.restitution,
+        ),
+        command: "host-sim contact --figure-3-3".into(),
+        files: files(&stem("3.3"), &figure, to_csv(&seen))?,
+    })
+}
+
+/// A speed at which the rig strikes.
+const USUAL_SPEED: f64 = 0.08;
+
+fn laws() -> Result<Page, UserError> {
+    let speeds: Vec<f64> = (1..=30).map(|i| f64::from(i) * 0.01).collect();
+    let laws = four_laws(TABLE_3_1);
+    let mut seen: Vec<Row> = Vec::new();
+    for (name, law) in &laws {
+        seen.extend(rows(name, *law, WIRES.mass_kg, &speeds)?);
+    }
+    let blows_drawn: Vec<_> = laws
+        .iter()
+        .map(|(name, law)| ((*name).to_owned(), *law, USUAL_SPEED))
+        .collect();
+    let mut panels = blows(WIRES.mass_kg, &blows_drawn)?.to_vec();
+    panels.extend(over_speed(&seen));
+    let figure = grid(
+        "The rig's hammer on a wall under the four laws".into(),
+        format!(
+            "0.298 kg; above at {USUAL_SPEED} m/s. The spring-dashpot is Table 3.1's, the others are made for the same contact as far as they can. Dashed: if the law could pull."
+        ),
+        panels,
+    );
+    let at = |name: &str| {
+        seen.iter()
+            .find(|r| r.law == name && (r.approach_speed_m_per_s - USUAL_SPEED).abs() < 1e-9)
+    };
+    let dashpot = at("spring-dashpot").ok_or_else(|| UserError::new("a law is missing"))?;
+    let pulling: Vec<&str> = laws
+        .iter()
+        .filter(|(name, _)| at(name).is_some_and(|r| r.pull_share > 0.0))
+        .map(|(name, _)| *name)
+        .collect();
+    Ok(Page {
+        figure: "contact laws",
+        title: "The four contact laws: force, pull, restitution over speed".into(),
+        chapter: "The spring-dashpot's force jumps at the onset, and as the bodies separate it turns negative and holds them; Hunt-Crossley and Lankarani-Nikravesh begin and end at zero; Hertz loses nothing.",
+        found: format!(
+            "{}: of the four, {} would pull. Not let go at F = 0 it pulls over the last {:.0} % of its contact, by up to {:.1} N after a peak of {:.1} N, and rebounds at {:.3} instead of {:.3}. Contact {:.3} ms and restitution {:.3} at {USUAL_SPEED} m/s, whatever the speed; work of the force and energy gone differ by {:.0e} of the energy at most.",
+            if pulling == ["spring-dashpot"] {
+                "Agrees"
+            } else {
+                "Differs"
+            },
+            if pulling.is_empty() {
+                "none".to_owned()
+            } else {
+                pulling.join(", ")
+            },
+            100.0 * dashpot.pull_share,
+            dashpot.pull_n,
+            dashpot.force_n,
+            dashpot.pulling_restitution,
+            dashpot.restitution,
+            dashpot.contact_time_ms,
+            dashpot.restitution,
+            seen.iter()
+                .fold(0.0_f64, |m, r| m.max(r.energy_imbalance.abs())),
+        ),
+        command: "host-sim contact --speed 0.01:0.3:0.01".into(),
+        files: files(&stem("contact laws"), &figure, to_csv(&seen))?,
+    })
+}
+
+/// Number, release in mm, seed of the two drop tests. The chapter lets go "3 mm (approximately)", and once more
+/// from elsewhere, which it does not print.
+const TESTS: [(&str, f64, u64); 2] = [("3.9", -3.0, 39), ("3.10", -2.0, 310)];
+
+/// The noise of the synthetic records, N.
+const NOISE_N: f64 = 0.1;
+
+fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<Page, UserError> {
+    let test = DropTest {
+        release_m: release_mm * 1e-3,
+        noise_n: NOISE_N,
+        ringing_share: 0.5,
+        seed,
+        ..DropTest::default()
+    };
+    let settings = Settings {
+        release_m: test.release_m,
+        seek_release: false,
+        seek_exponent: false,
+        impacts: test.impacts,
+    };
+    let measured = synthetic(&WIRES, &test, &settings)?;
+    let law = Family::SpringDashpot;
+    let peaks = fit(&measured, &WIRES, law, Misfit::Peaks, &settings)?;
+    let force = fit(&measured, &WIRES, law, Misfit::Force, &settings)?;
+    let found = found(&peaks, &force);
+    let name = stem(number);
+    let impacts = to_csv(&peaks.impacts);
+    let figure = picture::figure(
+        format!("Drop test from {release_mm} mm, spring-dashpot"),
+        format!(
+            "The \"measurement\" is synthetic: the model with Table 3.1, noise {NOISE_N} N, and the surface ringing at 3 kHz with half the peak. The chapter's raw data are not public."
+        ),
+        &measured,
+        &WIRES,
+        &[peaks, force],
+    );
+    Ok(Page {
+        figure: number,
+        title: format!("Contact parameters from a drop test, let go at {release_mm} mm"),
+        chapter: "Force of experiment and simulation for a release, spring-dashpot, parameters by fminsearch on the force peaks: ki = 5.5e6 N/m, ci = 1.2e3 N s/m (Table 3.1). The law cannot follow the force's shape over time, but gives the best results.",
+        found,
+        command: format!(
+            "host-sim drop --release-mm {release_mm} --noise-n {NOISE_N} --ringing 0.5 --seed {seed} --format csv > drop.csv; host-sim identify drop.csv"
+        ),
+        files: files(&name, &figure, impacts)?,
+    })
+}
+
+fn synthetic(
+    params: &RigParams,
+    test: &DropTest,
+    settings: &Settings,
+) -> Result<Measured, UserError> {
+    let rows = record(params, test)?;
+    let signal = Signal {
+        name: "synthetic drop test".into(),
+        time_s: rows.iter().map(|r| r.time_s).collect(),
+        force_n: Some(rows.iter().map(|r| r.force_n).collect()),
+        ..Signal::default()
+    };
+    measure(&signal, settings)
+}
+
+fn found(peaks: &Fit, force: &Fit) -> String {
+    let put_in = [5.5e6, 1.2e3];
+    let off = |fit: &Fit, i: usize| 100.0 * (fit.parameters[i].value / put_in[i] - 1.0);
+    let worst = (0..2).fold(0.0_f64, |m, i| m.max(off(peaks, i).abs()));
+    format!(
+        "Synthetic measurement (the chapter's raw data are not public). By the peaks, as the chapter: ki {:.3e} N/m ({:+.1} % of what was put in), ci {:.3e} N s/m ({:+.1} %): {}. By the whole force the ringing, which no law has, draws them to {:+.1} % and {:+.1} %, and the misfit is {:.0} times what noise explains: that the shape cannot be followed agrees with the chapter.",
+        peaks.parameters[0].value,
+        off(peaks, 0),
+        peaks.parameters[1].value,
+        off(peaks, 1),
+        if worst < 5.0 {
+            "the chapter's way gives its parameters back"
+        } else {
+            "the chapter's way does not give its parameters back under this ringing"
+        },
+        off(force, 0),
+        off(force, 1),
+        force.widened,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pages_say_what_their_runs_found() {
+        let quiet = Progress::new("", 2, true);
+        let mut pages = law_pages(Effort::Coarse, &quiet).unwrap();
+        pages.extend(drop_pages(Effort::Coarse, &quiet).unwrap());
+        let numbers: Vec<_> = pages.iter().map(|p| p.figure).collect();
+        assert_eq!(numbers, ["3.3", "contact laws", "3.9", "3.10"]);
+        for page in &pages {
+            println!("{}: {}", page.figure, page.found);
+            let prefix = stem(page.figure);
+            assert!(page.files.iter().all(|(name, _)| name.starts_with(&prefix)));
+        }
+        assert!(pages[0].found.starts_with("Agrees") && pages[1].found.starts_with("Agrees"));
+        assert!(pages[2].chapter.contains("5.5e6") && pages[2].found.contains("Synthetic"));
+    }
+}

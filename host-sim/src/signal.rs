@@ -1,0 +1,255 @@
+//! What a sensor recorded over time: CSV with the columns `time_s` and any of [`COLUMNS`], or a log (Parquet) of
+//! `host-sim link record` or `host-sim emulate`.
+
+use std::path::Path;
+
+use crate::emulator::log::Reader;
+use crate::error::UserError;
+
+/// The columns that are read beside `time_s`; others are passed over.
+pub const COLUMNS: [&str; 3] = ["force_n", "displacement_mm", "cart_mm"];
+
+/// A recording: as many values in each column as there are times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Signal {
+    /// The file's name.
+    pub name: String,
+    /// Times, rising, s.
+    pub time_s: Vec<f64>,
+    /// Contact force, N.
+    pub force_n: Option<Vec<f64>>,
+    /// Hammer displacement, mm.
+    pub displacement_mm: Option<Vec<f64>>,
+    /// Cart displacement, fixed frame, mm.
+    pub cart_mm: Option<Vec<f64>>,
+}
+
+impl Signal {
+    /// Reads `path`: a log if it ends in `.parquet`, else CSV.
+    ///
+    /// # Errors
+    /// One line naming file, line and mend.
+    pub fn read(path: &Path) -> Result<Self, UserError> {
+        let parquet = path.extension().is_some_and(|e| e == "parquet");
+        if parquet {
+            return Self::from_log(path);
+        }
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            let mend = match e.kind() {
+                std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
+                _ => "check the path",
+            };
+            UserError::new(format!("cannot read {}: {e}; {mend}", path.display()))
+        })?;
+        Self::parse(&path.display().to_string(), &text)
+    }
+
+    /// From the text of a CSV called `name`.
+    ///
+    /// # Errors
+    /// One line naming file, line and mend.
+    pub fn parse(name: &str, text: &str) -> Result<Self, UserError> {
+        let bad = |line: u64, what: String| UserError::new(format!("{name}, line {line}: {what}"));
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+        let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
+        let find = |wanted: &str| headers.iter().position(|h| h == wanted);
+        let Some(time) = find("time_s") else {
+            return Err(bad(
+                1,
+                format!(
+                    "there is no column time_s; the first line must name the columns: time_s and any of {}",
+                    COLUMNS.join(", ")
+                ),
+            ));
+        };
+        let places = COLUMNS.map(find);
+        if places.iter().all(Option::is_none) {
+            let any = COLUMNS.join(", ");
+            return Err(bad(1, format!("beside time_s there is none of {any}")));
+        }
+        let mut times: Vec<f64> = Vec::new();
+        let mut values = places.map(|place| place.map(|_| Vec::new()));
+        let mut record = csv::StringRecord::new();
+        loop {
+            match reader.read_record(&mut record) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(e) => {
+                    let line = e.position().map_or(0, csv::Position::line);
+                    return Err(bad(line, unequal(&e)));
+                }
+            }
+            // The reader's position is after the record; none of these has a line break within.
+            let line = line_of(&reader, &record);
+            let number = |column: usize| {
+                let cell = record.get(column).unwrap_or("");
+                let value = cell.parse::<f64>().ok().filter(|x| x.is_finite());
+                let what = headers.get(column).unwrap_or("");
+                value.ok_or_else(|| bad(line, format!("{what} is '{cell}', must be a number")))
+            };
+            let now = number(time)?;
+            if let Some(before) = times.last()
+                && now <= *before
+            {
+                return Err(bad(
+                    line,
+                    format!("time_s is {now} after {before}; times must rise from line to line"),
+                ));
+            }
+            times.push(now);
+            for (place, column) in places.iter().zip(&mut values) {
+                if let (Some(place), Some(column)) = (place, column) {
+                    column.push(number(*place)?);
+                }
+            }
+        }
+        if times.len() < 16 {
+            return Err(UserError::new(format!(
+                "{name}: there are {} samples below the first line, at least 16 are needed",
+                times.len()
+            )));
+        }
+        let [force_n, displacement_mm, cart_mm] = values;
+        Ok(Self {
+            name: name.to_owned(),
+            time_s: times,
+            force_n,
+            displacement_mm,
+            cart_mm,
+        })
+    }
+
+    /// What the controller's sensors showed, by the calibration the log begins with.
+    fn from_log(path: &Path) -> Result<Self, UserError> {
+        let mut reader = Reader::open(path)?;
+        let settings = reader.header().settings;
+        let (mut times, mut force, mut hammer, mut cart) = (vec![], vec![], vec![], vec![]);
+        while let Some(block) = reader.block()? {
+            for (i, tick) in block.ticks.iter().enumerate() {
+                times.push((block.first_tick + i as u64) as f64 * shared::settings::TICK_S);
+                force.push(f64::from(settings.force.value(tick.frame.force)));
+                hammer.push(f64::from(settings.hammer.value(tick.frame.hammer)) * 1e3);
+                cart.push(f64::from(settings.cart.value(tick.frame.cart)) * 1e3);
+            }
+        }
+        if times.len() < 16 {
+            return Err(UserError::new(format!(
+                "{}: there are {} ticks in it, at least 16 are needed",
+                path.display(),
+                times.len()
+            )));
+        }
+        Ok(Self {
+            name: path.display().to_string(),
+            time_s: times,
+            force_n: Some(force),
+            displacement_mm: Some(hammer),
+            cart_mm: Some(cart),
+        })
+    }
+
+    /// The median time from sample to sample, s.
+    pub fn sample_s(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time_s.windows(2).map(|w| w[1] - w[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(f64::NAN)
+    }
+
+    /// What was recorded from `from_s` to `to_s`.
+    ///
+    /// # Errors
+    /// Fewer than 16 samples are left.
+    pub fn between(&self, from_s: f64, to_s: f64) -> Result<Self, UserError> {
+        let first = self.time_s.partition_point(|t| *t < from_s);
+        let end = self.time_s.partition_point(|t| *t <= to_s).max(first);
+        if end - first < 16 {
+            return Err(UserError::new(format!(
+                "{}: {} samples lie from {from_s} to {to_s} s, at least 16 are needed; it goes from {} to {} s",
+                self.name,
+                end - first,
+                self.time_s.first().copied().unwrap_or(f64::NAN),
+                self.time_s.last().copied().unwrap_or(f64::NAN)
+            )));
+        }
+        let cut = |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[first..end].to_vec());
+        Ok(Self {
+            name: self.name.clone(),
+            time_s: self.time_s[first..end].to_vec(),
+            force_n: cut(&self.force_n),
+            displacement_mm: cut(&self.displacement_mm),
+            cart_mm: cut(&self.cart_mm),
+        })
+    }
+}
+
+/// The line a record stands on. A record's own position is where its search began, with the blank lines before it.
+fn line_of<R: std::io::Read>(reader: &csv::Reader<R>, record: &csv::StringRecord) -> u64 {
+    let after = reader.position().line();
+    let began = record.position().map_or(1, csv::Position::line);
+    if reader.is_done() {
+        after.max(began)
+    } else {
+        after.saturating_sub(1).max(began)
+    }
+}
+
+fn unequal(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => format!(
+            "{len} fields where the first line has {expected_len}; give every line as many (is the file cut short?)"
+        ),
+        _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(count: usize) -> String {
+        (0..count).map(|i| format!("{i}e-5,0.5\n")).collect()
+    }
+
+    #[test]
+    fn columns_come_in_any_order_and_others_are_passed_over() {
+        let text = format!(
+            "note,force_n, time_s\n{}",
+            (0..20)
+                .map(|i| format!("x,{}, 0.{i:03}\n", i * 2))
+                .collect::<String>()
+        );
+        let signal = Signal::parse("f", &text).unwrap();
+        assert_eq!(signal.time_s[3], 0.003);
+        assert_eq!(signal.force_n.as_ref().unwrap()[3], 6.0);
+        assert_eq!(signal.displacement_mm, None);
+        assert!((signal.sample_s() - 1e-3).abs() < 1e-12);
+        assert_eq!(signal.between(0.002, 0.0185).unwrap().time_s.len(), 17);
+        assert!(signal.between(0.5, 0.6).is_err());
+    }
+
+    #[test]
+    fn a_bad_line_is_named() {
+        let complaint = |text: String| Signal::parse("f.csv", &text).unwrap_err().to_string();
+        let good = rows(20);
+        assert!(
+            complaint(format!("time,force_n\n{good}"))
+                .contains("line 1: there is no column time_s")
+        );
+        assert!(complaint(format!("time_s,x\n{good}")).contains("line 1: beside time_s"));
+        for (bad, says) in [
+            ("1,abc\n", "line 22: force_n is 'abc'"),
+            ("\n\n1,nan\n", "line 24: force_n is 'nan'"),
+            ("1\n", "line 22: 1 fields"),
+            ("1e-5,2\n", "line 22: time_s is 0.00001 after"),
+            ("1,inf", "line 22: force_n is 'inf'"),
+        ] {
+            let said = complaint(format!("time_s,force_n\n{good}{bad}"));
+            assert!(said.starts_with("f.csv, ") && said.contains(says), "{said}");
+        }
+        assert!(complaint(format!("time_s,force_n\n{}", rows(3))).contains("3 samples"));
+    }
+}
