@@ -2,8 +2,9 @@
 
 use shared::params::RigParams;
 
+use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
-use crate::orbit::{Multipliers, Orbit, shoot};
+use crate::orbit::{Orbit, shoot};
 
 /// How a stable 1/1 ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -15,8 +16,6 @@ pub enum End {
     ExtraContact,
     /// A multiplier passes +1, or the orbit is no longer found: a fold, where the hammer jumps.
     Fold,
-    /// A complex pair passes the unit circle.
-    Torus,
     /// The search stopped here; the branch goes on.
     SearchLimit,
 }
@@ -41,18 +40,15 @@ pub struct Branch {
     pub high: Edge,
 }
 
-/// Largest step along a branch, as a share of the natural frequency.
-const STRIDE: f64 = 0.03;
-/// A step shorter than this share of the natural frequency ends the branch.
-const SHORTEST: f64 = 1e-5;
-/// Ends are located to this share of the natural frequency.
+/// Ends are told this far inside the branch, as a share of the natural frequency: there the orbit is still what the
+/// branch is of.
 const EDGE_TOLERANCE: f64 = 1e-7;
 
 impl Branch {
-    /// Follows the stable 1/1 from `seed` both ways, within `limits_hz`.
+    /// Follows the stable 1/1 from `seed` both ways, within `limits_hz`, by pseudo-arclength.
     pub fn follow(params: &RigParams, seed: Orbit, limits_hz: (f64, f64)) -> Self {
-        let (mut down, low) = march(params, &seed, limits_hz.0);
-        let (up, high) = march(params, &seed, limits_hz.1);
+        let (mut down, low) = march_to(params, &seed, limits_hz, -1.0);
+        let (up, high) = march_to(params, &seed, limits_hz, 1.0);
         down.reverse();
         down.push(seed);
         down.extend(up);
@@ -90,80 +86,51 @@ fn between(a: &Orbit, b: &Orbit, frequency_hz: f64) -> [f64; 2] {
     [0, 1].map(|i| a.section[i] + s * (b.section[i] - a.section[i]))
 }
 
-/// Stable 1/1 orbits from `seed` (not included) towards `limit_hz`, and how they end.
-fn march(params: &RigParams, seed: &Orbit, limit_hz: f64) -> (Vec<Orbit>, Edge) {
+/// Stable 1/1 orbits from `seed` (not included) up or down (`direction` 1 or −1) in frequency, and how they end.
+fn march_to(
+    params: &RigParams,
+    seed: &Orbit,
+    limits_hz: (f64, f64),
+    direction: f64,
+) -> (Vec<Orbit>, Edge) {
     let unit = params.natural_frequency_hz();
-    let direction = (limit_hz - seed.frequency_hz).signum();
-    let mut orbits: Vec<Orbit> = Vec::new();
-    let mut stride = STRIDE * unit;
-    let edge = |orbit: &Orbit, end| Edge {
-        frequency_hz: orbit.frequency_hz,
-        end,
+    let limits = (limits_hz.0 / unit, limits_hz.1 / unit);
+    let family = Family::new(params, Along::Frequency, 1).ok();
+    let started = family.and_then(|family| {
+        let node = family.node_at(seed.frequency_hz / unit, seed.section)?;
+        let along = node.tangent[2] * direction > 0.0;
+        Some((family, if along { node } else { node.turned() }))
+    });
+    let Some((family, start)) = started else {
+        let frequency_hz = seed.frequency_hz;
+        return (
+            Vec::new(),
+            Edge {
+                frequency_hz,
+                end: End::Fold,
+            },
+        );
     };
-    loop {
-        let last = orbits.last().unwrap_or(seed).clone();
-        let before = match orbits.len() {
-            0 => None,
-            1 => Some(seed),
-            n => Some(&orbits[n - 2]),
-        };
-        let to_go = (limit_hz - last.frequency_hz) * direction;
-        if to_go <= EDGE_TOLERANCE * unit {
-            return (orbits, edge(&last, End::SearchLimit));
-        }
-        let frequency_hz = last.frequency_hz + direction * stride.min(to_go);
-        let guess = before.map_or(last.section, |b| between(b, &last, frequency_hz));
-        let found = shoot(params, frequency_hz, guess).filter(|o| is_neighbour(o, &last));
-        match found {
-            Some(orbit) if orbit.is_stable_one_one() => {
-                orbits.push(orbit);
-                stride = (1.5 * stride).min(STRIDE * unit);
-            }
-            Some(beyond) => {
-                let (inside, beyond) = bisect(params, last, beyond);
-                let end = how(&inside, &beyond);
-                let at = edge(&inside, end);
-                if inside.frequency_hz != orbits.last().unwrap_or(seed).frequency_hz {
-                    orbits.push(inside);
-                }
-                return (orbits, at);
-            }
-            None if stride > SHORTEST * unit => stride *= 0.5,
-            None => return (orbits, edge(&last, End::Fold)),
-        }
-    }
-}
-
-/// Whether Newton's iteration stayed on the branch: the force of neighbours differs little.
-fn is_neighbour(orbit: &Orbit, last: &Orbit) -> bool {
-    orbit.impacts != 1 || (orbit.force_n / last.force_n).ln().abs() < 0.25
-}
-
-/// Narrows the step in which stability or admissibility is lost.
-fn bisect(params: &RigParams, mut inside: Orbit, mut beyond: Orbit) -> (Orbit, Orbit) {
-    let tolerance = EDGE_TOLERANCE * params.natural_frequency_hz();
-    while (beyond.frequency_hz - inside.frequency_hz).abs() > tolerance {
-        let middle = 0.5 * (inside.frequency_hz + beyond.frequency_hz);
-        let guess = between(&inside, &beyond, middle);
-        match shoot(params, middle, guess).or_else(|| shoot(params, middle, inside.section)) {
-            Some(orbit) if orbit.is_stable_one_one() => inside = orbit,
-            Some(orbit) => beyond = orbit,
-            None => break,
-        }
-    }
-    (inside, beyond)
-}
-
-/// How stability is lost between two neighbouring orbits.
-fn how(inside: &Orbit, beyond: &Orbit) -> End {
-    if beyond.impacts != 1 {
-        return End::ExtraContact;
-    }
-    match (beyond.multipliers(), inside.multipliers()) {
-        (Multipliers::Real(smallest, _), _) if smallest <= -1.0 => End::PeriodDoubling,
-        (Multipliers::Complex(_), _) => End::Torus,
+    let (nodes, ended) = march(&family, &start, limits, Until::Special);
+    let end = match ended {
+        continuation::End::Limit => End::SearchLimit,
+        continuation::End::Special(Special::PeriodDoubling) => End::PeriodDoubling,
+        continuation::End::Special(Special::GrazingGained) => End::ExtraContact,
         _ => End::Fold,
+    };
+    let mut orbits: Vec<Orbit> = nodes.into_iter().map(|n| n.orbit).collect();
+    if end != End::SearchLimit {
+        // The special orbit itself lies on the border.
+        let before = orbits.len().checked_sub(2).map_or(seed, |i| &orbits[i]);
+        let last = orbits.last().unwrap_or(seed);
+        let frequency_hz = last.frequency_hz - direction * EDGE_TOLERANCE * unit;
+        let inside = shoot(params, frequency_hz, between(before, last, frequency_hz))
+            .filter(Orbit::is_stable_one_one);
+        orbits.pop();
+        orbits.extend(inside);
     }
+    let frequency_hz = orbits.last().unwrap_or(seed).frequency_hz;
+    (orbits, Edge { frequency_hz, end })
 }
 
 /// Ratios to the natural frequency at which a stable 1/1 is looked for.

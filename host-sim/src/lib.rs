@@ -11,7 +11,7 @@
 //! | parameters | [`rigfile`]: presets, TOML files, `key=value` |
 //! | engine | [`mod@reference`]: event-located, f64, the truth; the switch model of `shared`, fixed tick, as on the microcontroller; [`engine`]: both behind one interface |
 //! | many cells | [`lanes`]: maps, basins and diagrams, cell by cell |
-//! | analysis | [`map`]: regimes over gap and frequency; [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
+//! | analysis | [`map`]: regimes over gap and frequency; [`sweep`]: the force curve; [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: stable 1/1 followed to its ends; [`continuation`]: curves of orbits, stable and not, with what is special on them; [`pick`]: the operating frequency; [`accuracy`]: the switch model held to the reference |
 //! | emulator | [`emulator`]: shaker, two bodies and sensors around the controller, and scenarios to run them by; [`replay`]: a log through the controller again |
 //! | link | [`mod@link`]: talking to a board, or an emulated one, over a serial port |
 //! | table, picture | [`table`], [`picture`], [`terminal`], [`files`] |
@@ -24,6 +24,7 @@ pub mod cli;
 pub mod compare;
 pub mod contact_law;
 pub mod drop_test;
+pub mod continuation;
 pub mod dual;
 pub mod emulator;
 pub mod engine;

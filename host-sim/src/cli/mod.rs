@@ -10,6 +10,7 @@ mod figures;
 mod identify;
 mod link;
 mod map;
+mod orbits;
 mod pick;
 mod pil;
 mod replay;
@@ -47,6 +48,8 @@ enum Command {
     Sweep(sweep::Args),
     /// The Peterka map: what the hammer does over gap and frequency
     Map(map::Args),
+    /// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
+    Orbits(orbits::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
@@ -97,6 +100,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Simulate(args) => simulate::run(&args).map(|()| 0),
         Command::Sweep(args) => sweep::run(&args).map(|()| 0),
         Command::Map(args) => map::run(&args).map(|()| 0),
+        Command::Orbits(args) => orbits::run(&args).map(|()| 0),
         Command::Emulate(args) => emulate::run(&args),
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Link(args) => link::run(&args).map(|()| 0),

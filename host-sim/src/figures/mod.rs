@@ -2,6 +2,7 @@
 
 pub mod contact;
 pub mod force;
+pub mod orbits;
 pub mod switch;
 
 use crate::error::UserError;
@@ -48,6 +49,16 @@ pub const AREAS: &[Part] = &[
     ("drop tests", &["3.9", "3.10"], contact::drop_pages),
     ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
     ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
+    (
+        "orbits",
+        &["orbits at 0.0 mm", "orbits at 1.0 mm", "orbits at 2.4 mm"],
+        orbits::branches,
+    ),
+    (
+        "orbits over the map",
+        &["orbits over the map"],
+        orbits::over_the_map,
+    ),
 ];
 
 /// Figures of the chapter that are no computations, and what they are.

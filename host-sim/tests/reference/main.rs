@@ -1,11 +1,13 @@
 //! Both engines against what is known independently of them.
 
 mod balances;
+mod bouncing;
 mod closed_form;
 mod events;
 mod laws;
 mod monodromy;
 mod orders;
 mod scipy;
+mod special_points;
 mod stiff_limit;
 mod support;

@@ -5,6 +5,7 @@
 mod bad_input;
 mod emulate;
 mod figures;
+mod orbits;
 mod pick;
 mod pick_limits;
 mod pipes;

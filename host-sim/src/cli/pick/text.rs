@@ -196,7 +196,6 @@ fn ending(end: End) -> &'static str {
         End::PeriodDoubling => "period doubling",
         End::ExtraContact => "another contact appears",
         End::Fold => "the orbit ends: fold or graze",
-        End::Torus => "torus",
         End::SearchLimit => "end of the search",
     }
 }

@@ -1,0 +1,348 @@
+//! `host-sim orbits`.
+
+use clap::ValueEnum;
+
+use super::common::{Common, parse_range, pictures};
+use super::emit::{emit, tables};
+use crate::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
+use crate::continuation::{Along, End, Request, Special, curves, diagram, picture};
+use crate::engine::Engine;
+use crate::error::UserError;
+use crate::rigfile::{self, NamedRig};
+use crate::terminal::{Chart, Progress};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Axis {
+    /// The drive frequency, at one gap
+    Frequency,
+    /// The gap, at one drive frequency
+    Gap,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// What is varied
+    #[arg(long, value_enum, default_value = "frequency")]
+    along: Axis,
+
+    /// Frequencies over the natural frequency, Ω/ω; one value with --along gap [default: 0.8:4]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    ratio: Option<String>,
+
+    /// Frequencies, Hz; one value with --along gap
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    frequency: Option<String>,
+
+    /// Gaps, mm: FROM:TO with --along gap, FROM:TO:STEP with --curves [default: 0:3.56:0.04]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    gaps: Option<String>,
+
+    /// Orbits of up to so many drive periods
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=8))]
+    periods: u8,
+
+    /// Orbits of up to so many contacts
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=16))]
+    impacts: u16,
+
+    /// Frequencies (or gaps) at which simulations look for orbits
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=2000))]
+    starts: u16,
+
+    /// Simulations drawn behind the orbits in the picture
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u16).range(0..=20000))]
+    behind: u16,
+
+    /// The special points of the 1/1 at many gaps, as lines over gap and frequency
+    #[arg(long)]
+    curves: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    if common.engine()? != Engine::Event {
+        return Err(UserError::new(
+            "orbits needs derivatives, which the event engine has; leave --engine out",
+        ));
+    }
+    let rig = common.rig()?;
+    if args.curves {
+        return run_curves(args, &rig);
+    }
+    let request = request(args, &rig)?;
+    let progress = Progress::new("orbits", u64::from(args.starts), common.quiet);
+    let found = diagram(&rig.params, &request, &progress)?;
+    progress.finish();
+    let answer = Answer::new(&rig.name, &found);
+    if let Some(dir) = &common.out {
+        let behind = picture::simulated(&found, usize::from(args.behind))?;
+        let figure = picture::figure(&rig.name, &found, &behind);
+        let mut contents = pictures("orbits", &figure)?;
+        contents.extend(tables("orbits", common.format, &answer, &answer.orbits)?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &answer, &answer.orbits, || text(&answer))
+}
+
+fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
+    let common = &args.common;
+    let misplaced = [
+        ("--gap", common.gap.is_some(), "--gaps"),
+        ("--along gap", args.along == Axis::Gap, "--gaps"),
+    ];
+    if let Some((option, _, mend)) = misplaced.iter().find(|(_, given, _)| *given) {
+        return Err(UserError::new(format!(
+            "{option} does not go with --curves, which takes many gaps; use {mend} FROM:TO:STEP"
+        )));
+    }
+    let gaps = args.gaps.as_deref().unwrap_or("0:3.56:0.04");
+    let gaps_m = parse_range(gaps).map_err(|e| UserError::new(format!("--gaps {gaps}: {e}")))?;
+    let gaps_m: Vec<f64> = gaps_m.into_iter().map(|mm| mm * 1e-3).collect();
+    for gap_m in [gaps_m.first(), gaps_m.last()].into_iter().flatten() {
+        rigfile::with_number(&rig.params, "gap_mm", gap_m * 1e3).map_err(|e| e.at("--gaps"))?;
+    }
+    let ratios = ratios(args, rig)?;
+    let progress = Progress::new("gaps", gaps_m.len() as u64, common.quiet);
+    let starts = usize::from(args.starts);
+    let lines = curves::lines(&rig.params, &gaps_m, ratios, starts, &progress)?;
+    progress.finish();
+    let rows = line_rows(&rig.params, &lines);
+    if let Some(dir) = &common.out {
+        let figure = picture::lines_figure(&rig.name, &rig.params, &lines);
+        let mut contents = pictures("orbits-curves", &figure)?;
+        contents.extend(tables("orbits-curves", common.format, &rows, &rows)?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &rows, &rows, || curves_text(&rows))
+}
+
+fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
+    let natural_hz = rig.params.natural_frequency_hz();
+    let (along, limits) = match args.along {
+        Axis::Frequency => {
+            if args.gaps.is_some() {
+                return Err(UserError::new(
+                    "--gaps goes with --along gap or --curves; use --gap for one gap",
+                ));
+            }
+            (Along::Frequency, ratios(args, rig)?)
+        }
+        Axis::Gap => {
+            if args.common.gap.is_some() {
+                return Err(UserError::new(
+                    "--gap does not go with --along gap; use --gaps FROM:TO",
+                ));
+            }
+            let one = |option: &str, text: &str| {
+                let value = text.trim().parse::<f64>().ok();
+                let value = value.filter(|x| *x > 0.0 && x.is_finite());
+                value.ok_or_else(|| {
+                    UserError::new(format!(
+                        "{option} {text}: with --along gap write one positive number"
+                    ))
+                })
+            };
+            let hz = match (&args.ratio, &args.frequency) {
+                (Some(text), _) => one("--ratio", text)? * natural_hz,
+                (None, Some(text)) => one("--frequency", text)?,
+                (None, None) => {
+                    return Err(UserError::new(
+                        "--along gap needs the drive frequency: --ratio or --frequency",
+                    ));
+                }
+            };
+            let gaps = args.gaps.as_deref().unwrap_or("0:3.56");
+            let (from, to) = ends("--gaps", gaps)?;
+            for mm in [from, to] {
+                rigfile::with_number(&rig.params, "gap_mm", mm).map_err(|e| e.at("--gaps"))?;
+            }
+            let unit = rig.params.amplitude_m * 1e3;
+            (Along::Gap(hz), (from / unit, to / unit))
+        }
+    };
+    Ok(Request {
+        along,
+        limits,
+        periods: args.periods,
+        impacts: args.impacts,
+        starts: usize::from(args.starts),
+    })
+}
+
+/// The range of Ω/ω asked for.
+fn ratios(args: &Args, rig: &NamedRig) -> Result<(f64, f64), UserError> {
+    let (option, text, unit) = match (&args.ratio, &args.frequency) {
+        (None, Some(text)) => (
+            "--frequency",
+            text.as_str(),
+            rig.params.natural_frequency_hz(),
+        ),
+        (Some(text), _) => ("--ratio", text.as_str(), 1.0),
+        (None, None) => ("--ratio", "0.8:4", 1.0),
+    };
+    let (from, to) = ends(option, text)?;
+    if from <= 0.0 {
+        return Err(UserError::new(format!(
+            "{option} {text}: {from} is not a positive value"
+        )));
+    }
+    Ok((from / unit, to / unit))
+}
+
+/// `FROM:TO`.
+fn ends(option: &str, text: &str) -> Result<(f64, f64), UserError> {
+    let parts: Vec<_> = text.split(':').map(|t| t.trim().parse::<f64>()).collect();
+    match parts.as_slice() {
+        [Ok(from), Ok(to)] if from.is_finite() && to.is_finite() && from < to => Ok((*from, *to)),
+        [Ok(from), Ok(to)] if from >= to => Err(UserError::new(format!(
+            "{option} {text}: FROM must be below TO; swap them or widen the range"
+        ))),
+        _ => Err(UserError::new(format!(
+            "{option} {text}: write FROM:TO, for example 0.8:4"
+        ))),
+    }
+}
+
+fn text(answer: &Answer) -> String {
+    if answer.branches.is_empty() {
+        return "no periodic orbit with contact was found; widen the range, raise --periods, --impacts or --starts\n"
+            .to_owned();
+    }
+    let parameter = if answer.along == "gap" {
+        "gap/A0"
+    } else {
+        "Ω/ω"
+    };
+    let mut text = format!(
+        "{:<8} {:>6} {:<19} {:<36} {:>9}  ends\n",
+        "branch",
+        "orbits",
+        parameter,
+        format!("stable in {parameter}"),
+        "F/mg to"
+    );
+    for branch in &answer.branches {
+        text += &branch_line(branch);
+    }
+    text += &format!(
+        "\n{:<8} {:<25} {:>10} {:>9} {:>9} {:>9} {:>12}\n",
+        "branch", "special point", "Hz", "Ω/ω", "gap, mm", "F/mg", "|multiplier|"
+    );
+    for point in &answer.special_points {
+        text += &special_line(point);
+    }
+    let stable = |stable: bool| {
+        let orbits = answer.orbits.iter();
+        let shown = orbits.filter(|o| o.strobe == 1 && o.stable == stable);
+        let x = |o: &crate::continuation::table::OrbitRow| match answer.along {
+            "gap" => o.gap_mm,
+            _ => o.frequency_ratio,
+        };
+        shown.map(|o| (x(o), o.force_ratio)).collect::<Vec<_>>()
+    };
+    let x = if answer.along == "gap" {
+        "gap, mm"
+    } else {
+        "frequency ratio"
+    };
+    text.push('\n');
+    text += &Chart::new(x, "force over weight")
+        .points("stable", stable(true))
+        .points("unstable", stable(false))
+        .render();
+    text
+}
+
+fn branch_line(branch: &BranchRow) -> String {
+    let range = |[from, to]: [f64; 2]| format!("{from:.4} to {to:.4}");
+    let stable: Vec<_> = branch.stable.iter().map(|s| range(*s)).collect();
+    let stable = if stable.is_empty() {
+        "nowhere".to_owned()
+    } else {
+        stable.join(", ")
+    };
+    let force = branch.largest_stable_force_ratio;
+    let from = branch.doubled_from.as_ref();
+    let ends = match from {
+        Some(from) => format!("doubled {from} | {}", end_words(branch.ends[1])),
+        None => format!(
+            "{} | {}",
+            end_words(branch.ends[0]),
+            end_words(branch.ends[1])
+        ),
+    };
+    format!(
+        "{:<8} {:>6} {:<19} {:<36} {:>9}  {}\n",
+        branch.branch,
+        branch.orbits,
+        range(branch.range),
+        stable,
+        force.map_or("-".to_owned(), |f| format!("{f:.3}")),
+        ends
+    )
+}
+
+fn end_words(end: End) -> &'static str {
+    match end {
+        End::Limit => "range ends",
+        End::Special(kind) => kind.label(),
+        End::Halved => "closes on half its period",
+        End::Closed => "closes on itself",
+        End::Lost => "not followed further",
+    }
+}
+
+fn special_line(point: &SpecialRow) -> String {
+    let kind = Special::ALL.into_iter().find(|k| k.name() == point.special);
+    format!(
+        "{:<8} {:<25} {:>10.6} {:>9.6} {:>9.4} {:>9.3} {:>12.4}\n",
+        point.branch,
+        kind.map_or(point.special, Special::label),
+        point.frequency_hz,
+        point.frequency_ratio,
+        point.gap_mm,
+        point.force_ratio,
+        point.multiplier_modulus
+    )
+}
+
+fn curves_text(rows: &[SpecialRow]) -> String {
+    let mut text = format!(
+        "{:<20} {:>6} {:>20} {:>24}\n",
+        "line of the 1/1", "points", "gaps, mm", "frequencies, Hz"
+    );
+    let mut from = 0;
+    while from < rows.len() {
+        let name = &rows[from].branch;
+        let count = rows[from..]
+            .iter()
+            .take_while(|r| r.branch == *name)
+            .count();
+        let line = &rows[from..from + count];
+        let (first, last) = (&line[0], &line[count - 1]);
+        text += &format!(
+            "{:<20} {:>6} {:>20} {:>24}\n",
+            name,
+            count,
+            format!("{:.3} to {:.3}", first.gap_mm, last.gap_mm),
+            format!("{:.5} to {:.5}", first.frequency_hz, last.frequency_hz)
+        );
+        from += count;
+    }
+    let mut chart = Chart::new("gap, mm", "drive frequency, Hz");
+    for kind in Special::ALL {
+        let points = rows.iter().filter(|r| r.special == kind.name());
+        let points: Vec<_> = points.map(|r| (r.gap_mm, r.frequency_hz)).collect();
+        if !points.is_empty() {
+            chart = chart.points(kind.label(), points);
+        }
+    }
+    text.push('\n');
+    text += &chart.render();
+    text
+}

@@ -1,0 +1,216 @@
+//! Steps along a curve of orbits, and what ends it.
+
+use super::Special;
+use super::family::{Family, Node, Place, between, dot, minus};
+use super::locate;
+
+/// What ends a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// The range asked for ends; the curve goes on.
+    Limit,
+    /// Its last orbit has this special, at which it was asked to stop or cannot go on as what it is.
+    Special(Special),
+    /// The doubled orbits have closed on orbits of half their period.
+    Halved,
+    /// The curve has come back to where it began.
+    Closed,
+    /// No further orbit of as many contacts was found, and none of its contacts grazes.
+    Lost,
+}
+
+/// How far to go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Until {
+    /// To the end of the curve.
+    End,
+    /// To the first special point.
+    Special,
+}
+
+/// Longest step, in units of [`Place`].
+const STRIDE: f64 = 0.04;
+/// A shorter step than this ends the curve.
+const SHORTEST: f64 = 1e-8;
+/// A graze is located when it is predicted nearer than this.
+const GRAZING_TOLERANCE: f64 = 1e-8;
+/// The curve may turn by this much per step: the cosine of 18°.
+const STRAIGHT: f64 = 0.95;
+/// More orbits than this on one curve are not followed.
+const MOST: usize = 4000;
+
+/// Follows the curve from `seed` along its tangent while the parameter stays within `limits`. The seed itself is not
+/// among the orbits returned.
+pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> (Vec<Node>, End) {
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut last = seed.clone();
+    let mut before: Option<Node> = None;
+    let mut stride = 0.5 * STRIDE;
+    while nodes.len() < MOST {
+        if let Some(graze) = before.as_ref().and_then(|b| Grazing::ahead(b, &last)) {
+            if graze.distance < GRAZING_TOLERANCE {
+                last.special = Some(graze.kind);
+                match nodes.last_mut() {
+                    Some(node) => node.special = last.special,
+                    None => nodes.push(last),
+                }
+                return (nodes, End::Special(graze.kind));
+            }
+            stride = stride.min(0.9 * graze.distance);
+        }
+        let Some(next) = step(family, &last, stride) else {
+            stride *= 0.5;
+            if stride < SHORTEST {
+                return ended(nodes, last);
+            }
+            continue;
+        };
+        if outside(&next, limits) {
+            return at_limit(family, nodes, &last, &next, limits, until);
+        }
+        if halves(&last, &next) {
+            return (nodes, End::Halved);
+        }
+        let found = locate::between(family, &last, &next);
+        let stop = until == Until::Special && !found.is_empty();
+        nodes.extend(found);
+        if stop {
+            nodes.truncate(1 + nodes.iter().position(|n| n.special.is_some()).unwrap_or(0));
+            let kind = nodes.last().and_then(|n| n.special);
+            return (nodes, kind.map_or(End::Lost, End::Special));
+        }
+        let closed = back_at(seed, &last, &next);
+        nodes.push(next.clone());
+        if closed {
+            return (nodes, End::Closed);
+        }
+        before = Some(std::mem::replace(&mut last, next));
+        stride = (1.5 * stride).min(STRIDE);
+    }
+    (nodes, End::Lost)
+}
+
+/// The next orbit, if it is one of the same curve: as many contacts, and no sharp turn.
+fn step(family: &Family, last: &Node, stride: f64) -> Option<Node> {
+    let guess = [0, 1, 2].map(|i| last.place[i] + stride * last.tangent[i]);
+    let next = family.correct(guess, last.tangent)?;
+    let moved = minus(next.place, last.place);
+    let near = dot(moved, moved) < 2.0 * stride * stride;
+    let straight = dot(next.tangent, last.tangent) > STRAIGHT;
+    let same = next.orbit.impacts == last.orbit.impacts;
+    (near && straight && same).then_some(next)
+}
+
+/// A graze that the last two orbits head for.
+struct Grazing {
+    kind: Special,
+    /// How far along the curve.
+    distance: f64,
+}
+
+impl Grazing {
+    /// The nearest, by the clearance of the nearest miss and the square of the slowest approach: both pass 0 linearly.
+    fn ahead(before: &Node, last: &Node) -> Option<Self> {
+        let moved = minus(last.place, before.place);
+        let length = dot(moved, moved).sqrt();
+        let distance = |from: f64, to: f64| {
+            let fall = from - to;
+            (fall > 0.0).then(|| length * to.max(0.0) / fall)
+        };
+        let (a, b) = (&before.orbit, &last.orbit);
+        let gained = a
+            .seen
+            .near_miss_m
+            .zip(b.seen.near_miss_m)
+            .and_then(|(from, to)| distance(from, to))
+            .map(|distance| Self {
+                kind: Special::GrazingGained,
+                distance,
+            });
+        let square = |o: &crate::orbit::Orbit| o.slowest_approach_m_per_s().powi(2);
+        let lost = distance(square(a), square(b)).map(|distance| Self {
+            kind: Special::GrazingLost,
+            distance,
+        });
+        let both = gained.into_iter().chain(lost);
+        both.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+}
+
+/// No further orbit was found: whether a contact grazes at the last.
+fn ended(mut nodes: Vec<Node>, last: Node) -> (Vec<Node>, End) {
+    /// A hammer this close is about to touch, m.
+    const CLOSE_M: f64 = 1e-8;
+    /// A contact this slow is about to be missed, m/s.
+    const SLOW_M_PER_S: f64 = 1e-5;
+    let orbit = &last.orbit;
+    let kind = if orbit.seen.near_miss_m.is_some_and(|m| m < CLOSE_M) {
+        Special::GrazingGained
+    } else if orbit.slowest_approach_m_per_s() < SLOW_M_PER_S {
+        Special::GrazingLost
+    } else {
+        return (nodes, End::Lost);
+    };
+    match nodes.last_mut() {
+        Some(node) => node.special = Some(kind),
+        None => nodes.push(Node {
+            special: Some(kind),
+            ..last
+        }),
+    }
+    (nodes, End::Special(kind))
+}
+
+fn outside(node: &Node, (low, high): (f64, f64)) -> bool {
+    !(low..=high).contains(&node.parameter())
+}
+
+/// The curve cut at the limit that lies between its last orbit and the next.
+fn at_limit(
+    family: &Family,
+    mut nodes: Vec<Node>,
+    last: &Node,
+    next: &Node,
+    (low, high): (f64, f64),
+    until: Until,
+) -> (Vec<Node>, End) {
+    let limit = if next.parameter() > high { high } else { low };
+    let s = (limit - last.parameter()) / (next.parameter() - last.parameter());
+    let up: Place = [0.0, 0.0, 1.0];
+    let mut guess = between(last.place, next.place, s);
+    guess[2] = limit;
+    if let Some(mut end) = family.correct(guess, up) {
+        if dot(end.tangent, last.tangent) < 0.0 {
+            end = end.turned();
+        }
+        let found = locate::between(family, last, &end);
+        let first = found.first().and_then(|n| n.special);
+        nodes.extend(found);
+        if let (Until::Special, Some(kind)) = (until, first) {
+            return (nodes, End::Special(kind));
+        }
+        nodes.push(end);
+    }
+    (nodes, End::Limit)
+}
+
+/// Whether the doubled orbit has passed through one of half its period: its two halves change places.
+fn halves(last: &Node, next: &Node) -> bool {
+    let apart = |node: &Node| node.orbit.asymmetry(2, [1.0; 2]);
+    let (a, b) = (apart(last), apart(next));
+    // Coordinate and rate have different units; each must change sign on its own.
+    a[0] * b[0] < 0.0 && a[1] * b[1] < 0.0
+}
+
+/// Whether the step from `last` to `next` has come back to `seed`.
+fn back_at(seed: &Node, last: &Node, next: &Node) -> bool {
+    let step = minus(next.place, last.place);
+    let to_seed = minus(seed.place, last.place);
+    let share = dot(to_seed, step) / dot(step, step);
+    if !(0.0..=1.0).contains(&share) || last.place == seed.place {
+        return false;
+    }
+    let off = minus(to_seed, step.map(|x| share * x));
+    dot(off, off) < 0.01 * dot(step, step) && dot(seed.tangent, next.tangent) > STRAIGHT
+}

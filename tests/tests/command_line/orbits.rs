@@ -1,0 +1,161 @@
+//! `host-sim orbits`.
+
+use serde_json::Value;
+
+use crate::support::{Folder, answer, assert_svg_shows, csv_rows, keys, number, png_size};
+
+/// The 1/1 on wires at 0.0 mm about its period doubling, and the 2/2 it doubles into.
+const SHORT: &str = "orbits --gap 0 --ratio 2.4:2.8 --starts 4";
+
+#[test]
+fn the_doubling_is_told_and_the_doubled_orbits_begin_there() {
+    let answer = answer(SHORT);
+    let branches = answer["branches"].as_array().unwrap();
+    let names: Vec<_> = branches
+        .iter()
+        .map(|b| b["branch"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["1/1", "2/2"]);
+    assert_eq!(branches[1]["doubled_from"], "1/1");
+    let special = &answer["special_points"][0];
+    assert_eq!(special["special"], "period_doubling");
+    assert!(
+        (number(special, "frequency_ratio") - 2.66068).abs() < 1e-4,
+        "{special}"
+    );
+    assert!((number(special, "multiplier_modulus") - 1.0).abs() < 1e-6);
+    // Stable below, unstable above; the doubled orbits stable, two strobes each.
+    for orbit in answer["orbits"].as_array().unwrap() {
+        let ratio = number(orbit, "frequency_ratio");
+        let single = orbit["branch"] == "1/1";
+        let stable = !single || ratio < number(special, "frequency_ratio");
+        if orbit["special"].is_null() {
+            assert_eq!(orbit["stable"], Value::Bool(stable), "{orbit}");
+        }
+        assert_eq!(orbit["periods"], if single { 1 } else { 2 });
+    }
+}
+
+#[test]
+fn csv_pictures_and_json_say_the_same() {
+    let folder = Folder::new();
+    let ran = folder
+        .run(&format!(
+            "{SHORT} --behind 5 --format csv --out out --quiet"
+        ))
+        .well();
+    let names = ["orbits.csv", "orbits.json", "orbits.png", "orbits.svg"];
+    assert_eq!(folder.names(), names.map(|n| format!("out/{n}")));
+    let rows = csv_rows(&ran.out);
+    let json: Value = serde_json::from_str(&folder.read("out/orbits.json")).unwrap();
+    let orbits = json["orbits"].as_array().unwrap();
+    assert_eq!(rows.len(), orbits.len());
+    for key in ["frequency_hz", "displacement_mm", "force_ratio", "stable"] {
+        assert!(keys(&rows[0]).contains(&key), "{key}");
+        assert_eq!(rows[3][key], orbits[3][key], "{key}");
+    }
+    assert_eq!(folder.read("out/orbits.csv"), ran.out);
+    assert_svg_shows(
+        &folder.read("out/orbits.svg"),
+        &["1/1 stable", "period doubling", "Ω/ω"],
+    );
+    let (width, height) = png_size(&std::fs::read(folder.path("out/orbits.png")).unwrap());
+    assert!(width > 1000 && height > 800);
+}
+
+#[test]
+fn the_same_orbits_are_found_with_one_thread() {
+    let folder = Folder::new();
+    let run = |threads: &str| {
+        let line = format!("{SHORT} --format csv --quiet");
+        let words: Vec<_> = line.split_whitespace().collect();
+        let mut command = folder.command(&words);
+        command.env("RAYON_NUM_THREADS", threads);
+        crate::support::finish(command).well().out
+    };
+    assert_eq!(run("1"), run("3"));
+}
+
+#[test]
+fn along_the_gap_the_graze_is_where_the_frequency_s_is() {
+    // At Ω/ω = 1.26058 the swing without contact reaches 2.4 mm (docs/orbits.md).
+    let answer = answer(
+        "orbits --along gap --ratio 1.26058 --gaps 0.5:3 --starts 4 --periods 1 --impacts 1",
+    );
+    let specials = answer["special_points"].as_array().unwrap();
+    let graze = specials.iter().find(|s| s["special"] == "grazing_lost");
+    let graze = graze.unwrap_or_else(|| panic!("no graze in {specials:?}"));
+    assert!((number(graze, "gap_mm") - 2.4).abs() < 1e-3, "{graze}");
+}
+
+#[test]
+fn curves_give_a_row_per_gap_and_special_point() {
+    let answer = answer("orbits --curves --gaps 0:0.1:0.05 --ratio 2.4:2.8 --starts 3");
+    let rows = answer.as_array().unwrap();
+    let doubling = |r: &&Value| r["special"] == "period_doubling";
+    let gaps: Vec<_> = rows
+        .iter()
+        .filter(doubling)
+        .map(|r| number(r, "gap_mm"))
+        .collect();
+    assert_eq!(gaps, [0.0, 0.05, 0.1]);
+    assert!(
+        rows.iter().all(|r| r["branch"] == rows[0]["branch"]),
+        "one line"
+    );
+}
+
+#[test]
+fn the_text_has_the_branches_the_special_points_and_a_chart() {
+    let text = Folder::new().run(&format!("{SHORT} --quiet")).well().out;
+    for part in [
+        "branch",
+        "period doubling",
+        "2.66068",
+        "1/1",
+        "2/2",
+        "frequency ratio",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_in_one_line() {
+    let lines = [
+        ("orbits --ratio 3:1", "FROM must be below TO"),
+        ("orbits --ratio 1:2:0.1", "write FROM:TO"),
+        ("orbits --ratio nan:2", "write FROM:TO"),
+        ("orbits --ratio -1:2", "not a positive value"),
+        ("orbits --along gap", "needs the drive frequency"),
+        (
+            "orbits --along gap --ratio 1:2",
+            "write one positive number",
+        ),
+        (
+            "orbits --along gap --ratio 1.5 --gap 1",
+            "use --gaps FROM:TO",
+        ),
+        ("orbits --along gap --ratio 1.5 --gaps 0:200", "--gaps"),
+        ("orbits --gaps 0:1", "--along gap or --curves"),
+        ("orbits --curves --gap 1", "use --gaps FROM:TO:STEP"),
+        ("orbits --curves --gaps 0:1", "FROM:TO:STEP"),
+        ("orbits --engine switch", "leave --engine out"),
+        ("orbits --periods 0", "--periods"),
+        ("orbits --starts 0", "--starts"),
+    ];
+    let folder = Folder::new();
+    for (line, says) in lines {
+        let ran = folder.run(line);
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (Some(2), ""),
+            "{line}: {ran:?}"
+        );
+        assert!(
+            ran.err.lines().count() == 1 && ran.err.contains(says),
+            "{line}: {ran:?}"
+        );
+    }
+    assert!(folder.names().is_empty());
+}
