@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         return run_curves(args, &rig);
     }
     let request = request(args, &rig)?;
-    let progress = Progress::new("orbits", u64::from(args.starts), common.quiet);
+    let progress = Progress::new("starts", request.simulations(), common.quiet);
     let found = diagram(&rig.params, &request, &progress)?;
     progress.finish();
     let answer = Answer::new(&rig.name, &found);

@@ -27,6 +27,16 @@ pub struct Request {
     pub starts: usize,
 }
 
+impl Request {
+    /// Simulations that look for orbits: the steps of progress that [`diagram`] reports.
+    pub fn simulations(&self) -> u64 {
+        (STARTS * self.starts) as u64
+    }
+}
+
+/// Starts at each value of the parameter: from rest, and from two pushes.
+const STARTS: usize = 3;
+
 /// Where a curve was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -152,13 +162,15 @@ pub fn diagram(
 ) -> Result<Diagram, UserError> {
     let family = Family::new(params, request.along, 1)?;
     let mut curves: Vec<Curve> = Vec::new();
-    for (parameter, section, impacts, periods) in seeds(&family, request)? {
+    let found = seeds(&family, request)?;
+    progress.inc(request.simulations() - found.len() as u64);
+    for found in found {
         progress.inc(1);
-        let family = family.with_periods(periods);
-        let Some(seed) = family.node_at(parameter, section) else {
+        let family = family.with_periods(found.periods);
+        let Some(seed) = family.node_at(found.parameter, found.section) else {
             continue;
         };
-        let other = seed.orbit.impacts != impacts || !seed.orbit.is_stable();
+        let other = seed.orbit.impacts != found.impacts || !seed.orbit.is_stable();
         if other || known(&curves, &seed) {
             continue;
         }
@@ -210,8 +222,16 @@ fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
     }
 }
 
-/// Orbits that simulations settled on: parameter, section point, contacts and periods; shorter periods first.
-fn seeds(family: &Family, request: &Request) -> Result<Vec<(f64, [f64; 2], u16, u8)>, UserError> {
+/// What a simulation settled on.
+struct Seed {
+    parameter: f64,
+    section: [f64; 2],
+    impacts: u16,
+    periods: u8,
+}
+
+/// Orbits that simulations settled on, shorter periods first.
+fn seeds(family: &Family, request: &Request) -> Result<Vec<Seed>, UserError> {
     let (low, high) = request.limits;
     let mut cells = Vec::new();
     let mut parameters = Vec::new();
@@ -222,7 +242,8 @@ fn seeds(family: &Family, request: &Request) -> Result<Vec<(f64, [f64; 2], u16, 
         let rig = Rig::<f64>::new(&params)?;
         let a0 = params.amplitude_m;
         let away = |amplitudes: f64| Start::Moving(-amplitudes * a0 - params.gap_m.abs(), 0.0);
-        for start in [Start::Rest, away(3.0), away(9.0)] {
+        let starts: [Start; STARTS] = [Start::Rest, away(3.0), away(9.0)];
+        for start in starts {
             parameters.push(parameter);
             cells.push(Cell {
                 params,
@@ -239,9 +260,14 @@ fn seeds(family: &Family, request: &Request) -> Result<Vec<(f64, [f64; 2], u16, 
             && periods <= request.periods
             && impacts <= request.impacts
         {
-            found.push((parameter, outcome.section, impacts, periods));
+            found.push(Seed {
+                parameter,
+                section: outcome.section,
+                impacts,
+                periods,
+            });
         }
     }
-    found.sort_by_key(|(_, _, impacts, periods)| (*periods, *impacts));
+    found.sort_by_key(|seed| (seed.periods, seed.impacts));
     Ok(found)
 }

@@ -194,7 +194,8 @@ impl Family {
                 place[i] += step[i];
             }
             let moved = minus(place, guess);
-            if !(dot(moved, moved) < FARTHEST * FARTHEST) {
+            let far = dot(moved, moved).sqrt();
+            if far.is_nan() || far > FARTHEST {
                 return None;
             }
         }

@@ -8,9 +8,12 @@ use crate::orbit::Orbit;
 /// to no more than this.
 pub const TOLERANCE: f64 = 1e-9;
 
+/// A function of an orbit that passes 0 where something special happens.
+type Test = fn(&Orbit) -> f64;
+
 /// The special points between `a` and `b`, in their order.
 pub fn between(family: &Family, a: &Node, b: &Node) -> Vec<Node> {
-    let tests: [(Special, fn(&Orbit) -> f64); 2] = [
+    let tests: [(Special, Test); 2] = [
         (Special::PeriodDoubling, Orbit::doubling_test),
         (Special::Fold, Orbit::fold_test),
     ];
@@ -29,7 +32,7 @@ pub fn between(family: &Family, a: &Node, b: &Node) -> Vec<Node> {
 
 /// The orbit between `a` and `b` at which `test` passes 0, if it does, by false position (the Illinois variant:
 /// M. Dowell and P. Jarratt, BIT 11 (1971) 168–174).
-fn root(family: &Family, a: &Node, b: &Node, test: fn(&Orbit) -> f64) -> Option<Node> {
+fn root(family: &Family, a: &Node, b: &Node, test: Test) -> Option<Node> {
     let (mut low, mut high) = ((0.0, test(&a.orbit)), (1.0, test(&b.orbit)));
     if low.1.signum() == high.1.signum() {
         return None;
