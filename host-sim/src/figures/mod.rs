@@ -1,8 +1,10 @@
 //! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
 
 pub mod contact;
+pub mod conclusion;
 pub mod force;
 pub mod orbits;
+pub mod map;
 pub mod switch;
 
 use crate::error::UserError;
@@ -45,9 +47,11 @@ pub type Part = (&'static str, &'static [&'static str], Area);
 /// Every part, in the chapter's order.
 pub const AREAS: &[Part] = &[
     ("contact laws", &["3.3", "contact laws"], contact::law_pages),
+    ("conclusion", &["conclusion"], conclusion::pages),
     ("switch model", &["3.5", "3.6"], switch::pages),
     ("drop tests", &["3.9", "3.10"], contact::drop_pages),
     ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
+    ("maps, wires", &["3.24", "3.25", "3.26"], map::wires),
     ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
     (
         "orbits",
@@ -59,6 +63,11 @@ pub const AREAS: &[Part] = &[
         &["orbits over the map"],
         orbits::over_the_map,
     ),
+        "maps, beams",
+        &["3.46", "3.47", "3.48", "3.49", "3.50", "3.51", "beams-alike"],
+        map::beams,
+    ),
+    ("map by the switch model", &["switch-map"], map::switch_model),
 ];
 
 /// Figures of the chapter that are no computations, and what they are.

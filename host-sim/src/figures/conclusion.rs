@@ -1,0 +1,202 @@
+//! The chapter's conclusion: which frequency, and why in the field at 0.0 mm. Every rig is asked at three gaps.
+
+use serde::Serialize;
+use shared::params::preset;
+
+use super::{Effort, Page, drawn, stem};
+use crate::basins::{Query, explore};
+use crate::engine::Engine;
+use crate::error::UserError;
+use crate::pick::uncertainty::Uncertainty;
+use crate::pick::{Limits, Pick, pick};
+use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::rigfile::{NamedRig, with_number};
+use crate::table::to_csv;
+use crate::terminal::Progress;
+
+/// Every rig, and the gaps the chapter measures it at, mm.
+const RIGS: [(&str, [f64; 3]); 4] = [
+    ("wires", [0.0, 1.0, 2.4]),
+    ("beam-170", [0.0, 1.0, 3.0]),
+    ("beam-150", [0.0, 1.0, 3.0]),
+    ("beam-135", [0.0, 1.0, 3.0]),
+];
+
+/// A row of the table: what is to be said for a gap and against it.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    rig: String,
+    gap_mm: f64,
+    frequency_hz: f64,
+    frequency_ratio: f64,
+    force_ratio: f64,
+    /// Smallest force ratio over the uncertainty.
+    force_ratio_worst: f64,
+    /// Where 1/1 keeps 90 % of its force for every rig within the uncertainty, Hz.
+    safe_band_from_hz: f64,
+    safe_band_to_hz: f64,
+    /// Its width over the frequency, %.
+    safe_band_percent: f64,
+    /// Where up and down sweeps differ, Hz.
+    jumps_from_hz: Option<f64>,
+    jumps_to_hz: Option<f64>,
+    regime_from_rest: String,
+    /// Of the starts within the chapter's window, the share that ends in 1/1, %.
+    one_one_from_percent: f64,
+    why: String,
+}
+
+/// The page "conclusion".
+///
+/// # Errors
+/// A rig without a stable 1/1 at 0.0 mm.
+pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let (samples, side, rigs) = match effort {
+        Effort::Full => (64, 40, &RIGS[..]),
+        Effort::Coarse => (0, 4, &RIGS[..1]),
+    };
+    let (mut rows, mut refused, mut panels) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, gaps) in rigs {
+        let mut curves = Vec::new();
+        for gap in gaps {
+            let Some((row, found)) = at(name, *gap, samples, side, progress).unwrap_or_else(|e| {
+                refused.push(e.to_string());
+                None
+            }) else {
+                continue;
+            };
+            curves.push((*gap, found));
+            rows.push(row);
+            progress.inc(1);
+        }
+        panels.push(panel(name, &curves));
+    }
+    let title = "Which frequency, and why at 0.0 mm";
+    let figure = Figure::new(title)
+        .subtitle("Force of the stable 1/1 over drive frequency at three gaps; ringed: the frequency to run at, the strongest that holds over the stated uncertainty.")
+        .columns(if panels.len() > 1 { 2 } else { 1 })
+        .size(1300, if panels.len() > 1 { 1000 } else { 640 });
+    let figure = panels.into_iter().fold(figure, Figure::panel);
+    let stem = stem("conclusion");
+    let mut files = drawn(&stem, &figure)?;
+    files.push((format!("{stem}.csv"), to_csv(&rows)));
+    Ok(vec![Page {
+        figure: "conclusion",
+        title: title.to_owned(),
+        chapter: "Run in the field at 0.0 mm: the largest 1/1 force is about the same at every gap, larger gaps jump, and at 0.0 mm a force near the largest is met over a wider range of frequency.",
+        found: told(&rows, &refused),
+        command: "host-sim figures --only conclusion --out figures (one rig and gap: host-sim pick --rig wires --gap 0)".to_owned(),
+        files,
+    }])
+}
+
+/// What is picked at one gap; none where no 1/1 holds over the uncertainty.
+fn at(
+    name: &str,
+    gap_mm: f64,
+    samples: u32,
+    side: usize,
+    progress: &Progress,
+) -> Result<Option<(Row, Pick)>, UserError> {
+    let params = preset(name).ok_or_else(|| UserError::new(format!("no rig {name}")))?;
+    let rig = NamedRig {
+        name: name.to_owned(),
+        params: with_number(&params, "gap_mm", gap_mm)?,
+    };
+    let uncertainty = (samples > 0).then(|| Uncertainty {
+        samples,
+        ..Uncertainty::default()
+    });
+    let found = pick(&rig, uncertainty, Limits::default(), progress)?;
+    let answer = &found.answer;
+    let query = Query {
+        samples: 0,
+        until: 300,
+        ..Query::usual(rig, answer.operating_frequency_hz, side, side)
+    };
+    let basins = explore(Engine::Event, &query, progress)?;
+    let (share, _) = basins.grid_share(|fate, _| fate.regime.is(1, 1));
+    let [low, high] = answer.safe_band_hz;
+    let row = Row {
+        rig: name.to_owned(),
+        gap_mm,
+        frequency_hz: answer.operating_frequency_hz,
+        frequency_ratio: answer.frequency_ratio,
+        force_ratio: answer.force_ratio,
+        force_ratio_worst: answer.force_ratio_worst,
+        safe_band_from_hz: low,
+        safe_band_to_hz: high,
+        safe_band_percent: 100.0 * (high - low) / answer.operating_frequency_hz,
+        jumps_from_hz: answer.jump_range_hz.map(|j| j[0]),
+        jumps_to_hz: answer.jump_range_hz.map(|j| j[1]),
+        regime_from_rest: answer.regime_from_rest.clone(),
+        one_one_from_percent: 100.0 * share,
+        why: answer.why.clone(),
+    };
+    Ok(Some((row, found)))
+}
+
+fn panel(rig: &str, curves: &[(f64, Pick)]) -> Panel {
+    let mut panel = Panel::new(
+        Axis::new("drive frequency, Hz"),
+        Axis::new("force ratio of stable 1/1, F/(m g)").with_zero(),
+    )
+    .titled(rig);
+    for (k, (gap, found)) in curves.iter().enumerate() {
+        let color = Color::series(k);
+        panel = panel.item(Item::line(format!("{gap:?} mm"), color, found.curve.clone()));
+        let answer = &found.answer;
+        panel = panel.item(Item::MarkPoint {
+            x: answer.operating_frequency_hz,
+            y: answer.force_ratio,
+            label: format!("{:.3} Hz", answer.operating_frequency_hz),
+            color,
+        });
+    }
+    panel
+}
+
+/// What the rows say, with their figures.
+fn told(rows: &[Row], refused: &[String]) -> String {
+    let mut text = String::new();
+    for (rig, gaps) in RIGS {
+        let of: Vec<&Row> = rows.iter().filter(|r| r.rig == rig).collect();
+        let Some(zero) = of.iter().find(|r| r.gap_mm == gaps[0]) else {
+            continue;
+        };
+        text += &format!(
+            "{rig}: run at {:.3} Hz (Ω/ω = {:.2}) with no gap, for {:.1} m g ({:.1} at worst), {}, band {:.1} % wide, {:.0} % of starts reach 1/1.",
+            zero.frequency_hz,
+            zero.frequency_ratio,
+            zero.force_ratio,
+            zero.force_ratio_worst,
+            jumps(zero),
+            zero.safe_band_percent,
+            zero.one_one_from_percent
+        );
+        for row in of.iter().filter(|r| r.gap_mm != gaps[0]) {
+            text += &format!(
+                " At {:?} mm {:+.0} % of force ({:.1} m g at {:.3} Hz), {}, band {:.1} % wide, {:.0} % of starts reach 1/1.",
+                row.gap_mm,
+                100.0 * (row.force_ratio / zero.force_ratio - 1.0),
+                row.force_ratio,
+                row.frequency_hz,
+                jumps(row),
+                row.safe_band_percent,
+                row.one_one_from_percent
+            );
+        }
+        text += " ";
+    }
+    for line in refused {
+        text += &format!("Not to be run: {line}. ");
+    }
+    text.trim_end().to_owned()
+}
+
+fn jumps(row: &Row) -> String {
+    match (row.jumps_from_hz, row.jumps_to_hz) {
+        (Some(low), Some(high)) => format!("jumps between {low:.2} and {high:.2} Hz"),
+        _ => "no jumps".to_owned(),
+    }
+}

@@ -1,0 +1,425 @@
+//! The Peterka maps, figures 3.24–3.26 (wires) and 3.46–3.51 (beams), how alike those of the beams are, and where the
+//! switch model disagrees.
+
+use serde::Serialize;
+use shared::params::preset;
+use shared::regime::Regime;
+
+use super::{Effort, Page, drawn, stem};
+use crate::engine::Setting;
+use crate::error::UserError;
+use crate::lanes::Plan;
+use crate::map::agree::percent;
+use crate::map::measured::{Measured, hits};
+use crate::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
+use crate::map::{Agreement, Grid, Map, Request, Runner, alikeness, picture, run};
+use crate::picture::Figure;
+use crate::rigfile::NamedRig;
+use crate::sweep::{Direction, spread};
+use crate::table::{to_csv, to_parquet};
+use crate::terminal::Progress;
+
+/// Points at which the chapter shows measurement and computation together (figures 3.16–3.23) and names the regime:
+/// gap (mm), Ω/ω, p, n.
+const NAMED: [(f64, f64, u16, u8); 6] = [
+    (0.0, 3.8, 1, 2),
+    (1.0, 1.5, 1, 1),
+    (1.0, 3.3, 1, 2),
+    (2.4, 1.2, 1, 1),
+    (2.4, 1.4, 1, 1),
+    (2.4, 2.7, 1, 2),
+];
+
+/// The region the chapter calls unstable: Ω/ω and gap/A0 of the details.
+const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
+
+/// Figures 3.24, 3.25 and 3.26.
+///
+/// # Errors
+/// As the engine's.
+pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let map = chapter_map("wires", effort, progress)?;
+    let first = Page {
+        figure: "3.24",
+        title: "Wires: Peterka map".to_owned(),
+        chapter: "At 0.0 mm several contacts a period, then 1/1, a doubling near Ω/ω = 2.7 and 1/2 by 3.8; a large area of 1/1 and one of 1/2, and above 1.5 A0 between them many regimes side by side. 209,916 simulations took 120 hours.",
+        found: format!("{} {}", shares(&map), unrest(&map)),
+        command: "host-sim map --rig wires --out out".to_owned(),
+        files: with_cells("3.24", &picture::regimes(&map), &map)?,
+    };
+    Ok(vec![first, measured(&map)?, by_force("3.26", &map, "host-sim map --rig wires --out out")?])
+}
+
+/// Figures 3.46 to 3.51, and how alike the three maps are.
+///
+/// # Errors
+/// As the engine's.
+pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    const FIGURES: [(&str, &str, &str, [(f64, f64); 2]); 3] = [
+        ("3.46", "3.47", "beam-170", [(1.80, 1.60), (2.20, 1.50)]),
+        ("3.48", "3.49", "beam-150", [(1.80, 1.74), (2.10, 1.40)]),
+        ("3.50", "3.51", "beam-135", [(2.15, 1.60), (2.25, 1.50)]),
+    ];
+    let (mut pages, mut maps) = (Vec::new(), Vec::new());
+    for (regimes, force, rig, basins) in FIGURES {
+        let map = chapter_map(rig, effort, progress)?;
+        let fine = detail_map(rig, effort, progress)?;
+        let named = basins.map(|(ratio, gap)| (ratio, gap, format!("basin {ratio:.2}, {gap:.2}")));
+        let detail = picture::detail(&fine, DETAIL.0, DETAIL.1, &named);
+        let mut files = with_cells(regimes, &picture::regimes(&map), &map)?;
+        files.extend(drawn(&format!("{}-detail", stem(regimes)), &detail)?);
+        let command = format!("host-sim map --rig {rig} --out out");
+        pages.push(Page {
+            figure: regimes,
+            title: format!("{rig}: Peterka map, and its detail between 1/1 and 1/2"),
+            chapter: "Alike to the map of the hammer on wires, the unstable region after 1/1 above 1.5 A0 included.",
+            found: format!("{} {}", shares(&map), unrest(&map)),
+            command: command.clone(),
+            files,
+        });
+        pages.push(by_force(force, &map, &command)?);
+        maps.push(map);
+    }
+    pages.push(alike(&maps)?);
+    Ok(pages)
+}
+
+/// The page "map by the switch model".
+///
+/// # Errors
+/// As the engines'.
+pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let (rows, columns, cycles) = match effort {
+        Effort::Full => (24, 40, 150),
+        Effort::Coarse => (3, 4, 30),
+    };
+    let plan = Plan {
+        cycles,
+        recorded: cycles / 3,
+        early: false,
+        strobes: 0,
+    };
+    let rig = rig("wires")?;
+    let ends = |values: Vec<f64>, count: usize| spread(values[0], values[values.len() - 1], count);
+    let grid = Grid {
+        gaps_mm: ends(chapter_gaps_mm(&rig.params), rows),
+        frequencies_hz: ends(chapter_frequencies_hz(&rig.params), columns),
+    };
+    let by = |runner| {
+        let request = request(rig.clone(), grid.clone(), plan, runner);
+        run(&request, None, progress)
+    };
+    let exact = by(Runner::Reference)?;
+    let switch = by(Runner::Switch(Setting::corrected_f32(5e-5)))?;
+    let agreement = Agreement::of(exact.cells.iter().zip(&switch.cells));
+    let stem = stem("switch-map");
+    let figure = picture::differences(&exact, &switch, "the switch model (f32, 50 µs)");
+    let mut files = drawn(&stem, &figure)?;
+    files.push((format!("{stem}-exact.csv"), to_csv(&exact.rows().collect::<Vec<_>>())));
+    files.push((format!("{stem}-switch.csv"), to_csv(&switch.rows().collect::<Vec<_>>())));
+    Ok(vec![Page {
+        figure: "switch-map",
+        title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
+        chapter: "Beyond the chapter, which has one engine.",
+        found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), agreement.line()),
+        command: "host-sim map --rig wires --against switch --out out".to_owned(),
+        files,
+    }])
+}
+
+fn rig(name: &str) -> Result<NamedRig, UserError> {
+    let params = preset(name).ok_or_else(|| UserError::new(format!("no rig {name}")))?;
+    Ok(NamedRig {
+        name: name.to_owned(),
+        params,
+    })
+}
+
+fn request(rig: NamedRig, grid: Grid, plan: Plan, runner: Runner) -> Request {
+    Request {
+        rig,
+        grid,
+        runner,
+        plan,
+        settle: None,
+        from: Direction::Rest,
+    }
+}
+
+const COARSE: Plan = Plan {
+    cycles: 60,
+    recorded: 30,
+    ..Plan::CHAPTER
+};
+
+fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+    let rig = rig(name)?;
+    let (gaps, hz) = (
+        chapter_gaps_mm(&rig.params),
+        chapter_frequencies_hz(&rig.params),
+    );
+    let (step, plan) = match effort {
+        Effort::Full => (1, Plan::CHAPTER),
+        Effort::Coarse => (24, COARSE),
+    };
+    let grid = Grid {
+        gaps_mm: gaps.into_iter().step_by(step).collect(),
+        frequencies_hz: hz.into_iter().step_by(step).collect(),
+    };
+    run(&request(rig, grid, plan, Runner::Lanes), None, progress)
+}
+
+fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+    let rig = rig(name)?;
+    let ((from, to), (low, high)) = DETAIL;
+    let (columns, rows, plan) = match effort {
+        Effort::Full => (441, 281, Plan::CHAPTER),
+        Effort::Coarse => (12, 8, COARSE),
+    };
+    let natural_hz = rig.params.natural_frequency_hz();
+    let amplitude_mm = rig.params.amplitude_m * 1e3;
+    let grid = Grid {
+        gaps_mm: spread(low * amplitude_mm, high * amplitude_mm, rows),
+        frequencies_hz: spread(from * natural_hz, to * natural_hz, columns),
+    };
+    run(&request(rig, grid, plan, Runner::Lanes), None, progress)
+}
+
+/// How many cells show a regime.
+#[derive(Serialize)]
+struct Count {
+    regime: String,
+    cells: usize,
+    share_percent: f64,
+}
+
+fn counts(map: &Map) -> Vec<Count> {
+    let mut found: Vec<(Regime, usize)> = Vec::new();
+    for cell in &map.cells {
+        match found.iter_mut().find(|(r, _)| crate::map::agree::same_label(*r, cell.regime)) {
+            Some((_, n)) => *n += 1,
+            None => found.push((cell.regime, 1)),
+        }
+    }
+    found.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
+    let count = |(regime, cells): (Regime, usize)| Count {
+        regime: regime.to_string(),
+        cells,
+        share_percent: 100.0 * cells as f64 / map.cells.len() as f64,
+    };
+    found.into_iter().map(count).collect()
+}
+
+/// The picture, how many cells show what, and every cell.
+fn with_cells(
+    figure: &str,
+    picture: &Figure,
+    map: &Map,
+) -> Result<Vec<(String, Vec<u8>)>, UserError> {
+    let stem = stem(figure);
+    let mut files = drawn(&stem, picture)?;
+    files.push((format!("{stem}-regimes.csv"), to_csv(&counts(map))));
+    let rows: Vec<_> = map.rows().collect();
+    files.push((format!("{stem}-cells.parquet"), to_parquet(&rows)?));
+    Ok(files)
+}
+
+/// Which part of the map shows what, and the bands at no gap.
+fn shares(map: &Map) -> String {
+    let most: Vec<String> = counts(map)
+        .iter()
+        .take(6)
+        .map(|c| format!("{} {:.1} %", c.regime, c.share_percent))
+        .collect();
+    let uncertain = map.cells.iter().filter(|c| c.uncertain).count();
+    format!(
+        "{} cells: {}; {} flagged uncertain and run by the reference. At gap 0: {}.",
+        map.cells.len(),
+        most.join(", "),
+        percent(uncertain, map.cells.len()),
+        bands(map, 0)
+    )
+}
+
+/// The regimes along the frequencies of gap `row` that last for more than a fiftieth of them, with Ω/ω.
+fn bands(map: &Map, row: usize) -> String {
+    let ratios = map.frequency_ratios();
+    let columns: Vec<usize> = (0..ratios.len()).collect();
+    let name = |j: usize| map.cell(row, j).regime.to_string();
+    let runs = columns.chunk_by(|a, b| name(*a) == name(*b));
+    let long = runs.filter(|run| run.len() * 50 > ratios.len());
+    let told: Vec<String> = long
+        .map(|run| {
+            let (from, to) = (ratios[run[0]], ratios[run[run.len() - 1]]);
+            format!("{} from {from:.2} to {to:.2}", name(run[0]))
+        })
+        .collect();
+    told.join(", ")
+}
+
+/// How often neighbours in frequency differ in regime between 1/1 and 1/2, above and below 1.5 A0.
+fn unrest(map: &Map) -> String {
+    let (ratios, gaps) = (map.frequency_ratios(), map.gap_ratios());
+    let ((from, to), _) = DETAIL;
+    let share = |above: bool| {
+        let (mut differ, mut pairs) = (0, 0);
+        for row in (0..gaps.len()).filter(|i| (gaps[*i] > 1.5) == above) {
+            for j in (1..ratios.len()).filter(|j| (from..=to).contains(&ratios[*j])) {
+                let [a, b] = [j - 1, j].map(|j| map.cell(row, j).regime);
+                pairs += 1;
+                differ += usize::from(!crate::map::agree::same_label(a, b));
+            }
+        }
+        percent(differ, pairs)
+    };
+    format!(
+        "Between Ω/ω = {from} and {to} neighbours in frequency differ in regime in {} of pairs above 1.5 A0 and in {} below: where the regimes lie mixed.",
+        share(true),
+        share(false)
+    )
+}
+
+/// Figure 3.25, with the points that the chapter names.
+fn measured(map: &Map) -> Result<Page, UserError> {
+    let natural_hz = map.rig.params.natural_frequency_hz();
+    let points: Vec<Measured> = NAMED
+        .iter()
+        .map(|(gap_mm, ratio, impacts, periods)| Measured {
+            gap_mm: *gap_mm,
+            frequency_hz: ratio * natural_hz,
+            regime: Regime::Periodic {
+                impacts: *impacts,
+                periods: *periods,
+            },
+        })
+        .collect();
+    let seen: Vec<_> = points
+        .iter()
+        .map(|p| (p.gap_mm, p.frequency_hz, p.regime))
+        .collect();
+    let agree = hits(&points, map);
+    let stem = stem("3.25");
+    let mut files = drawn(&stem, &picture::with_points(map, &seen))?;
+    let mut table = String::from("gap_mm,frequency_hz,regime\n");
+    for (gap, hz, regime) in seen {
+        table += &format!("{gap},{hz},{regime}\n");
+    }
+    files.push((format!("{stem}.csv"), table.into_bytes()));
+    Ok(Page {
+        figure: "3.25",
+        title: "Wires: Peterka map with the chapter's measured operating points".to_owned(),
+        chapter: "Measured regimes, as dots, over the computed map.",
+        found: format!(
+            "No table of measured points is at hand. Drawn are the {} operating points at which the chapter compares displacement with measurement and names the regime (figures 3.17 to 3.23): {} of the {} on the map lie in a cell of that regime, {} lie outside it. Your own: --measured FILE.csv.",
+            points.len(),
+            agree.same,
+            agree.points,
+            agree.outside
+        ),
+        command: "host-sim map --rig wires --measured figure-3-25.csv --out out".to_owned(),
+        files,
+    })
+}
+
+/// The strongest 1/1 of a gap.
+#[derive(Serialize)]
+struct Strongest {
+    gap_mm: f64,
+    gap_ratio: f64,
+    frequency_ratio: f64,
+    force_ratio: f64,
+    /// Highest Ω/ω of the 1/1 it belongs to.
+    one_one_to_ratio: f64,
+    force_ratio_at_natural_frequency: f64,
+}
+
+fn strongest(map: &Map, row: usize) -> Option<Strongest> {
+    let ratios = map.frequency_ratios();
+    let columns = ratios.len();
+    let is = |j: usize| map.cell(row, j).regime.is(1, 1);
+    let force = |j: usize| map.force_ratio(row * columns + j);
+    let best = (0..columns)
+        .filter(|j| is(*j))
+        .max_by(|a, b| force(*a).total_cmp(&force(*b)))?;
+    let end = (best..columns).take_while(|j| is(*j)).last()?;
+    let natural = (0..columns).min_by(|a, b| {
+        let off = |j: usize| (ratios[j] - 1.0).abs();
+        off(*a).total_cmp(&off(*b))
+    })?;
+    Some(Strongest {
+        gap_mm: map.grid.gaps_mm[row],
+        gap_ratio: map.gap_ratios()[row],
+        frequency_ratio: ratios[best],
+        force_ratio: force(best),
+        one_one_to_ratio: ratios[end],
+        force_ratio_at_natural_frequency: force(natural),
+    })
+}
+
+fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, UserError> {
+    let rows: Vec<Strongest> = (0..map.grid.gaps_mm.len())
+        .filter_map(|row| strongest(map, row))
+        .collect();
+    let step = map.frequency_ratios().windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+    let at_edge = |r: &&Strongest| r.one_one_to_ratio - r.frequency_ratio < 1.5 * step;
+    let edge: Vec<&Strongest> = rows.iter().filter(at_edge).collect();
+    let forces = || rows.iter().map(|r| r.force_ratio);
+    let (least, most) = (
+        forces().fold(f64::INFINITY, f64::min),
+        forces().fold(0.0, f64::max),
+    );
+    let mut found = format!(
+        "The largest 1/1 force lies between {least:.1} and {most:.1} m g over {} gaps.",
+        rows.len()
+    );
+    if let Some(zero) = rows.first() {
+        let natural = zero.force_ratio_at_natural_frequency;
+        found += &format!(
+            " At {:?} mm it is {:.1} m g, {:.1} times the {natural:.1} at the natural frequency.",
+            zero.gap_mm,
+            zero.force_ratio,
+            zero.force_ratio / natural
+        );
+    }
+    found += &match edge.first() {
+        Some(first) => format!(
+            " It is met at the upper edge of 1/1 at {} of these gaps, the smallest of them {:.2} A0; at the others inside.",
+            edge.len(),
+            first.gap_ratio
+        ),
+        None => " At no gap is it met at the upper edge of 1/1.".to_owned(),
+    };
+    let stem = stem(figure);
+    let mut files = drawn(&stem, &picture::by_force(map))?;
+    files.push((format!("{stem}.csv"), to_csv(&rows)));
+    Ok(Page {
+        figure,
+        title: format!("{}: Peterka map of 1/1 by its force", map.rig.name),
+        chapter: "At the natural frequency the force is about 3 times below the largest. The largest force at a gap is not at the edge of 1/1, except at large gaps. At 0.0 mm it is about as large as at other gaps.",
+        found,
+        command: command.to_owned(),
+        files,
+    })
+}
+
+/// The three beams side by side.
+fn alike(maps: &[Map]) -> Result<Page, UserError> {
+    let mut found = Vec::new();
+    for (i, a) in maps.iter().enumerate() {
+        found.extend(maps[i + 1..].iter().map(|b| alikeness(a, b)));
+    }
+    let lines: Vec<String> = found.iter().map(|a| a.line()).collect();
+    let told = format!("{}.", lines.join("; "));
+    let stem = stem("beams-alike");
+    let maps: Vec<&Map> = maps.iter().collect();
+    let mut files = drawn(&stem, &picture::side_by_side(&maps, &told))?;
+    files.push((format!("{stem}.json"), serde_json::to_vec_pretty(&found).unwrap_or_default()));
+    Ok(Page {
+        figure: "beams-alike",
+        title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
+        chapter: "The three maps are the same in shape whatever the stiffness, except for the chaotic region between 1/1 and 1/2.",
+        found: told,
+        command: "host-sim map --beams --out out".to_owned(),
+        files,
+    })
+}
