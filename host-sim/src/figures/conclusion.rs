@@ -144,7 +144,11 @@ fn panel(rig: &str, curves: &[(f64, Pick)]) -> Panel {
     .titled(rig);
     for (k, (gap, found)) in curves.iter().enumerate() {
         let color = Color::series(k);
-        panel = panel.item(Item::line(format!("{gap:?} mm"), color, found.curve.clone()));
+        panel = panel.item(Item::line(
+            format!("{gap:?} mm"),
+            color,
+            found.curve.clone(),
+        ));
         let answer = &found.answer;
         panel = panel.item(Item::MarkPoint {
             x: answer.operating_frequency_hz,

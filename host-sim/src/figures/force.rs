@@ -306,12 +306,32 @@ fn panel(curve: &Curve, titled: bool) -> Panel {
         }
     }
     for (name, points) in groups {
-        panel = panel.item(Item::regime_points(name, points));
+        panel = panel.item(small(name, points));
     }
     if titled {
         panel = panel.titled(format!("gap {:?} mm", gap_mm(&curve.params)));
     }
     panel
+}
+
+/// Dots of a regime, small enough that a curve stays a curve.
+fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
+    match Item::regime_points(regime, points) {
+        Item::Points {
+            points,
+            color,
+            label,
+            mark,
+            ..
+        } => Item::Points {
+            points,
+            color,
+            label,
+            radius: 2.0,
+            mark,
+        },
+        other => other,
+    }
 }
 
 /// The strongest row of a regime.

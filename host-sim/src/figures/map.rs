@@ -47,7 +47,11 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         command: "host-sim map --rig wires --out out".to_owned(),
         files: with_cells("3.24", &picture::regimes(&map), &map)?,
     };
-    Ok(vec![first, measured(&map)?, by_force("3.26", &map, "host-sim map --rig wires --out out")?])
+    Ok(vec![
+        first,
+        measured(&map)?,
+        by_force("3.26", &map, "host-sim map --rig wires --out out")?,
+    ])
 }
 
 /// Figures 3.46 to 3.51, and how alike the three maps are.
@@ -115,8 +119,14 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     let stem = stem("switch-map");
     let figure = picture::differences(&exact, &switch, "the switch model (f32, 50 µs)");
     let mut files = drawn(&stem, &figure)?;
-    files.push((format!("{stem}-exact.csv"), to_csv(&exact.rows().collect::<Vec<_>>())));
-    files.push((format!("{stem}-switch.csv"), to_csv(&switch.rows().collect::<Vec<_>>())));
+    files.push((
+        format!("{stem}-exact.csv"),
+        to_csv(&exact.rows().collect::<Vec<_>>()),
+    ));
+    files.push((
+        format!("{stem}-switch.csv"),
+        to_csv(&switch.rows().collect::<Vec<_>>()),
+    ));
     Ok(vec![Page {
         figure: "switch-map",
         title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
@@ -196,7 +206,10 @@ struct Count {
 fn counts(map: &Map) -> Vec<Count> {
     let mut found: Vec<(Regime, usize)> = Vec::new();
     for cell in &map.cells {
-        match found.iter_mut().find(|(r, _)| crate::map::agree::same_label(*r, cell.regime)) {
+        match found
+            .iter_mut()
+            .find(|(r, _)| crate::map::agree::same_label(*r, cell.regime))
+        {
             Some((_, n)) => *n += 1,
             None => found.push((cell.regime, 1)),
         }
@@ -360,7 +373,11 @@ fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, User
     let rows: Vec<Strongest> = (0..map.grid.gaps_mm.len())
         .filter_map(|row| strongest(map, row))
         .collect();
-    let step = map.frequency_ratios().windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+    let step = map
+        .frequency_ratios()
+        .windows(2)
+        .map(|w| w[1] - w[0])
+        .fold(0.0, f64::max);
     let at_edge = |r: &&Strongest| r.one_one_to_ratio - r.frequency_ratio < 1.5 * step;
     let edge: Vec<&Strongest> = rows.iter().filter(at_edge).collect();
     let forces = || rows.iter().map(|r| r.force_ratio);
@@ -413,7 +430,10 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
     let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();
     let mut files = drawn(&stem, &picture::side_by_side(&maps, &told))?;
-    files.push((format!("{stem}.json"), serde_json::to_vec_pretty(&found).unwrap_or_default()));
+    files.push((
+        format!("{stem}.json"),
+        serde_json::to_vec_pretty(&found).unwrap_or_default(),
+    ));
     Ok(Page {
         figure: "beams-alike",
         title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),

@@ -64,10 +64,22 @@ pub const AREAS: &[Part] = &[
         orbits::over_the_map,
     ),
         "maps, beams",
-        &["3.46", "3.47", "3.48", "3.49", "3.50", "3.51", "beams-alike"],
+        &[
+            "3.46",
+            "3.47",
+            "3.48",
+            "3.49",
+            "3.50",
+            "3.51",
+            "beams-alike",
+        ],
         map::beams,
     ),
-    ("map by the switch model", &["switch-map"], map::switch_model),
+    (
+        "map by the switch model",
+        &["switch-map"],
+        map::switch_model,
+    ),
 ];
 
 /// Figures of the chapter that are no computations, and what they are.
