@@ -1,7 +1,7 @@
 //! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
 
-pub mod contact;
 pub mod conclusion;
+pub mod contact;
 pub mod force;
 pub mod orbits;
 pub mod map;
