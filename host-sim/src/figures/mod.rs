@@ -3,8 +3,8 @@
 pub mod conclusion;
 pub mod contact;
 pub mod force;
-pub mod orbits;
 pub mod map;
+pub mod orbits;
 pub mod switch;
 
 use crate::error::UserError;
@@ -63,6 +63,7 @@ pub const AREAS: &[Part] = &[
         &["orbits over the map"],
         orbits::over_the_map,
     ),
+    (
         "maps, beams",
         &[
             "3.46",
