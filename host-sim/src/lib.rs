@@ -36,6 +36,7 @@ pub mod identify;
 pub mod lanes;
 pub mod link;
 pub mod map;
+pub mod modes;
 pub mod orbit;
 pub mod pick;
 pub mod picture;

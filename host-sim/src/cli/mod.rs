@@ -10,6 +10,7 @@ mod figures;
 mod identify;
 mod link;
 mod map;
+mod modes;
 mod orbits;
 mod pick;
 mod pil;
@@ -50,6 +51,8 @@ enum Command {
     Map(map::Args),
     /// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
     Orbits(orbits::Args),
+    /// Beam springs with more than one bending mode: force, displacement and where the energy goes
+    Modes(modes::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
@@ -101,6 +104,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Sweep(args) => sweep::run(&args).map(|()| 0),
         Command::Map(args) => map::run(&args).map(|()| 0),
         Command::Orbits(args) => orbits::run(&args).map(|()| 0),
+        Command::Modes(args) => modes::run(&args).map(|()| 0),
         Command::Emulate(args) => emulate::run(&args),
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Link(args) => link::run(&args).map(|()| 0),

@@ -4,6 +4,7 @@ pub mod conclusion;
 pub mod contact;
 pub mod force;
 pub mod map;
+pub mod modes;
 pub mod orbits;
 pub mod switch;
 
@@ -81,6 +82,12 @@ pub const AREAS: &[Part] = &[
         &["switch-map"],
         map::switch_model,
     ),
+    (
+        "modes of the beams",
+        &["modes 170", "modes 150", "modes 135"],
+        modes::beams,
+    ),
+    ("mass of the beams", &["modes mass"], modes::mass),
 ];
 
 /// Figures of the chapter that are no computations, and what they are.

@@ -5,6 +5,7 @@
 mod bad_input;
 mod emulate;
 mod figures;
+mod modes;
 mod orbits;
 mod pick;
 mod pick_limits;

@@ -1,0 +1,226 @@
+//! `host-sim modes`.
+
+use serde::Serialize;
+
+use super::common::{Common, Cycles, EngineName, parse_range, pictures};
+use super::emit::{check_format, emit, tables};
+use crate::error::UserError;
+use crate::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
+use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::terminal::{Chart, Progress};
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Frequencies over the first mode's, Ω/ω: FROM:TO:STEP, or one value
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    ratio: Option<String>,
+
+    /// Frequencies, Hz: FROM:TO:STEP, or one value
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
+    frequency: Option<String>,
+
+    /// How many bending modes to keep; several numbers are compared
+    #[arg(long, value_name = "N,N...", value_delimiter = ',', default_values_t = [1, 2, 3, 5])]
+    modes: Vec<usize>,
+
+    /// Mass of the beam springs over the hammer's (assumed: the chapter gives none)
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 0.1,
+        allow_negative_numbers = true
+    )]
+    beam_mass: f64,
+
+    /// How the hammer holds the springs' end
+    #[arg(long, value_enum, default_value = "guided")]
+    tip: Tip,
+
+    #[command(flatten)]
+    cycles: Cycles,
+}
+
+/// The whole answer.
+#[derive(Serialize)]
+struct Answer<'a> {
+    modes: &'a [Told],
+    rows: &'a [Row],
+}
+
+/// A mode of the rig.
+#[derive(Serialize)]
+struct Told {
+    frequency_hz: f64,
+    mass_kg: f64,
+    participation_kg: f64,
+}
+
+impl From<&BendingMode> for Told {
+    fn from(mode: &BendingMode) -> Self {
+        Self {
+            frequency_hz: mode.omega / std::f64::consts::TAU,
+            mass_kg: mode.mass_kg,
+            participation_kg: mode.participation_kg,
+        }
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    check_format(common.format, common.out.is_some())?;
+    common.engine()?;
+    if common.engine != EngineName::Event {
+        return Err(UserError::new(
+            "the modes have an engine of their own; leave --engine out",
+        ));
+    }
+    let rig = common.rig()?;
+    let beam = Beam {
+        tip: args.tip,
+        mass_ratio: args.beam_mass,
+    };
+    let frequencies_hz = frequencies(args, rig.params.natural_frequency_hz())?;
+    let most = args.modes.iter().copied().max().unwrap_or(0);
+    let told: Vec<_> = ModalRig::new(&rig.params, beam, most)?
+        .modes
+        .iter()
+        .map(Told::from)
+        .collect();
+    let plan = Plan {
+        rig: &rig,
+        beam,
+        counts: &args.modes,
+        frequencies_hz: &frequencies_hz,
+        cycles: args.cycles.plan()?,
+    };
+    let runs = (args.modes.len() * frequencies_hz.len()) as u64;
+    let progress = Progress::new("runs", runs, common.quiet);
+    let rows = plan.run(&progress)?;
+    progress.finish();
+    let answer = Answer {
+        modes: &told,
+        rows: &rows,
+    };
+    if let Some(dir) = &common.out {
+        let mut files = pictures("modes", &figure(&rows, &args.modes))?;
+        files.extend(tables("modes", common.format, &answer, &rows)?);
+        common.write(dir, &files)?;
+    }
+    emit(common.format, &answer, &rows, || {
+        text(&told, &rows, &args.modes)
+    })
+}
+
+fn frequencies(args: &Args, natural_hz: f64) -> Result<Vec<f64>, UserError> {
+    let (option, text, unit) = match (&args.ratio, &args.frequency) {
+        (Some(text), _) => ("--ratio", text, natural_hz),
+        (None, Some(text)) => ("--frequency", text, 1.0),
+        (None, None) => return Err(UserError::new("give --ratio or --frequency")),
+    };
+    let values = match text.parse::<f64>() {
+        Ok(one) => vec![one],
+        Err(_) => parse_range(text).map_err(|e| UserError::new(format!("{option} {text}: {e}")))?,
+    };
+    match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
+        Some(bad) => Err(UserError::new(format!(
+            "{option} {text}: {bad} is not a positive value"
+        ))),
+        None => Ok(values.into_iter().map(|v| v * unit).collect()),
+    }
+}
+
+fn text(told: &[Told], rows: &[Row], counts: &[usize]) -> String {
+    let mut text = String::from("mode   frequency, Hz   modal mass, kg   participation, kg\n");
+    for (i, mode) in told.iter().enumerate() {
+        text += &format!(
+            "{:>4} {:>15.3} {:>16.4} {:>19.5}\n",
+            i + 1,
+            mode.frequency_hz,
+            mode.mass_kg,
+            mode.participation_kg
+        );
+    }
+    text += "\n     Hz     Ω/ω  modes  regime     force, N  force/weight  swing, mm  energy not in mode 1  lost by it\n";
+    let every = rows
+        .len()
+        .div_ceil(40)
+        .max(1)
+        .next_multiple_of(counts.len());
+    let shown =
+        |i: usize| rows.len() <= 40 || (i / counts.len()).is_multiple_of(every / counts.len());
+    for (_, row) in rows.iter().enumerate().filter(|(i, _)| shown(*i)) {
+        text += &format!(
+            "{:>7.4} {:>7.4}  {:>5}  {:<9} {:>9.2} {:>13.3} {:>10.4} {:>20.3} % {:>8.2} %\n",
+            row.frequency_hz,
+            row.frequency_ratio,
+            row.modes,
+            row.regime,
+            row.force_n,
+            row.force_ratio,
+            row.swing_mm,
+            100.0 * row.higher_energy_share,
+            100.0 * row.higher_loss_share
+        );
+    }
+    if rows.len() > counts.len() {
+        let mut chart = Chart::new("drive frequency, Hz", "swing, mm");
+        for count in counts {
+            let points = of(rows, *count, |row| row.swing_mm);
+            chart = chart.series(format!("{count} modes"), points);
+        }
+        text.push('\n');
+        text += &chart.render();
+    }
+    text
+}
+
+/// A column over frequency, for one number of modes.
+fn of(rows: &[Row], count: usize, column: impl Fn(&Row) -> f64) -> Vec<(f64, f64)> {
+    let rows = rows.iter().filter(|row| row.modes == count);
+    rows.map(|row| (row.frequency_hz, column(row))).collect()
+}
+
+/// Force, swing and energy in the higher modes over frequency.
+fn figure(rows: &[Row], counts: &[usize]) -> Figure {
+    let title = rows.first().map_or(String::new(), |row| {
+        format!("{}, gap {:?} mm: bending modes", row.rig, row.gap_mm)
+    });
+    let subtitle = rows.first().map_or(String::new(), |row| {
+        format!(
+            "From rest. Springs of {} times the hammer's mass, tip {}. Swing: largest less least displacement in the fixed frame.",
+            row.beam_mass_ratio,
+            if row.tip == Tip::Guided { "guided" } else { "free to turn" }
+        )
+    });
+    let panel = |label: &str, column: fn(&Row) -> f64| {
+        let mut panel = Panel::new(
+            Axis::new("drive frequency, Hz"),
+            Axis::new(label).with_zero(),
+        );
+        for (i, count) in counts.iter().enumerate() {
+            let name = if *count == 1 {
+                "1 mode".into()
+            } else {
+                format!("{count} modes")
+            };
+            panel = panel.item(Item::line(name, Color::series(i), of(rows, *count, column)));
+        }
+        panel
+    };
+    Figure::new(title)
+        .subtitle(subtitle)
+        .size(1000, 1150)
+        .panel(panel("largest force, N", |row| row.force_n))
+        .panel(panel("swing, mm", |row| row.swing_mm).without_legend())
+        .panel(
+            panel("energy not in mode 1, %", |row| {
+                100.0 * row.higher_energy_share
+            })
+            .without_legend(),
+        )
+}
