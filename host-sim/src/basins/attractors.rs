@@ -14,7 +14,7 @@ const NEAR: f64 = 0.05;
 /// One way in which hammers end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attractor {
-    /// "p/n", with a letter when several share it; "no impact", "aperiodic", "chatter".
+    /// "p/n" or "chatter p/n", with a letter when several share it; "no impact"; "aperiodic".
     pub name: String,
     /// The regime of the first start that ends here.
     pub regime: Regime,
@@ -30,6 +30,7 @@ pub struct Attractor {
 fn label(regime: Regime) -> String {
     match regime {
         Regime::None => "no impact".to_owned(),
+        Regime::Aperiodic { .. } | Regime::Chatter { periods: None, .. } => "aperiodic".to_owned(),
         Regime::Chatter {
             impacts,
             periods: Some(periods),
@@ -40,7 +41,7 @@ fn label(regime: Regime) -> String {
 
 /// The attractors that `fates` end in, largest first, and which one each ends in.
 ///
-/// "No impact" and "aperiodic" are one each: without damping a motion that does not touch goes on as it began, and nothing
+/// "No impact" and "aperiodic" are one each, and what does not repeat is aperiodic whether or not it chattered lately: without damping a motion that does not touch goes on as it began, and nothing
 /// tells two aperiodic ones apart after a few hundred cycles.
 pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
     let mut by_label: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -173,7 +174,13 @@ mod tests {
         let fates = [
             fate(Regime::Aperiodic { impacts: 3 }, None),
             fate(Regime::None, None),
-            fate(Regime::Aperiodic { impacts: 9 }, None),
+            fate(
+                Regime::Chatter {
+                    impacts: 9,
+                    periods: None,
+                },
+                None,
+            ),
             fate(
                 Regime::Periodic {
                     impacts: 1,

@@ -5,8 +5,10 @@
 //! starts gives shares with a confidence interval, and, run much longer, how the picture changes with the number of cycles one waits.
 
 pub mod attractors;
+pub mod cells;
 pub mod chapter;
 pub mod entropy;
+pub mod picture;
 
 pub mod share;
 pub mod start;
@@ -21,6 +23,7 @@ use crate::error::UserError;
 use crate::rigfile::NamedRig;
 use crate::terminal::Progress;
 pub use attractors::Attractor;
+pub use entropy::{Entropy, Uncertainty};
 pub use share::Share;
 pub use start::{Drive, Fate, Window};
 pub use summary::{AttractorShare, Summary};
@@ -49,7 +52,7 @@ pub struct Query {
 }
 
 /// Cycles between the rows of the table over cycles.
-const LOOK_EVERY: u32 = 100;
+const LOOK_EVERY: u32 = 50;
 
 impl Query {
     /// The chapter's: the usual window at phase 0, 300 cycles with 100 recorded; 2000 random starts, run on to 1000.
@@ -74,7 +77,11 @@ impl Query {
         grid as u64 + 2 * u64::from(self.samples)
     }
 
-    fn check(&self) -> Result<(), UserError> {
+    /// Refuses what cannot be asked, before anything runs.
+    ///
+    /// # Errors
+    /// One line that says what is wrong.
+    pub fn check(&self) -> Result<(), UserError> {
         let wrong = |what: String| Err(UserError::new(what));
         let [x, v] = [self.window.displacement_m, self.window.velocity_m_per_s];
         for (what, [from, to]) in [("displacement", x), ("velocity", v)] {
@@ -83,6 +90,12 @@ impl Query {
                     "the window's {what} goes from {from} to {to} (m or m/s); the second must be the larger"
                 ));
             }
+        }
+        if !(0.0..1.0).contains(&self.phase) {
+            return wrong(format!(
+                "the drive phase at the start is {} turns, must be from 0 to below 1",
+                self.phase
+            ));
         }
         let cells = self.window.columns.saturating_mul(self.window.rows);
         if !(1..=MOST_CELLS).contains(&cells) {
@@ -108,15 +121,14 @@ impl Query {
 }
 
 /// Cells of a grid at most: what is kept of each is held in memory.
-const MOST_CELLS: usize = 10_000_000;
+const MOST_CELLS: usize = 4_000_000;
 
 /// How many of the random starts still touch when one looks at a later or an earlier cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
     /// Cycles run when one looks.
     pub cycles: u32,
-    /// Starts with a contact in the recorded cycles before, or later. (A hammer that strikes again after
-    /// more than these without a contact is counted as striking all the while.)
+    /// Starts with a contact in the recorded cycles before.
     pub impact: Share,
 }
 
@@ -158,7 +170,19 @@ pub fn explore(engine: Engine, query: &Query, progress: &Progress) -> Result<Bas
     let sample = query.window.sample(query.samples, query.seed);
     fates.extend(run(&sample, query.cycles)?);
     let (attractors, mut which) = attractors::tell_apart(&fates);
-    let looks = looks(query, &run(&sample, query.until)?);
+    let looks = if sample.is_empty() {
+        Vec::new()
+    } else {
+        let (at, of) = (looked_at(query), sample.len() as u64);
+        let counts = start::touching(engine, &drive, &sample, &at, query.recorded, progress)?;
+        let looks = at.into_iter().zip(counts);
+        looks
+            .map(|(cycles, count)| Look {
+                cycles,
+                impact: Share::wilson(count, of),
+            })
+            .collect()
+    };
     Ok(Basins {
         query: query.clone(),
         random: fates.split_off(cells),
@@ -170,25 +194,14 @@ pub fn explore(engine: Engine, query: &Query, progress: &Progress) -> Result<Bas
     })
 }
 
-fn looks(query: &Query, long: &[Fate]) -> Vec<Look> {
-    if long.is_empty() {
-        return Vec::new();
-    }
+/// The cycles at which one looks.
+fn looked_at(query: &Query) -> Vec<u32> {
     let from = query.recorded.max(LOOK_EVERY);
     let mut at: Vec<u32> = (from..=query.until).step_by(LOOK_EVERY as usize).collect();
     if at.last() != Some(&query.until) {
         at.push(query.until);
     }
-    at.into_iter()
-        .map(|cycles| {
-            let after = cycles - query.recorded;
-            let touching = long.iter().filter(|f| f.touches_after(after)).count();
-            Look {
-                cycles,
-                impact: Share::wilson(touching as u64, long.len() as u64),
-            }
-        })
-        .collect()
+    at
 }
 
 impl Basins {

@@ -6,8 +6,7 @@ use shared::params::RigParams;
 use shared::regime::{MAX_PERIODS, Regime};
 use shared::rig::Rig;
 
-use crate::engine::Engine;
-use crate::engine::Start;
+use crate::engine::{Engine, Start};
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Outcome, Plan};
 use crate::terminal::Progress;
@@ -151,35 +150,90 @@ pub fn fates(
     recorded: u32,
     progress: &Progress,
 ) -> Result<Vec<Fate>, UserError> {
-    let rig = Rig::<f64>::new(&drive.params)?;
-    let omega = std::f64::consts::TAU * drive.frequency_hz;
-    let units = [rig.coordinate_scale(), rig.coordinate_scale() * omega];
     let plan = Plan {
         cycles,
         recorded,
         early: true,
         strobes: MAX_PERIODS as u32,
     };
+    let scale = Rig::<f64>::new(&drive.params)?.coordinate_scale();
+    let units = [scale, scale * std::f64::consts::TAU * drive.frequency_hz];
     let mut fates = Vec::with_capacity(starts.len());
     for chunk in starts.chunks(CHUNK) {
-        let cell = |start: &[f64; 2]| {
-            Ok(Cell {
-                params: drive.params,
-                frequency_hz: drive.frequency_hz,
-                start: Start::Moving(start[0], start[1]).section(&rig, omega)?,
-                phase: drive.phase,
-            })
-        };
-        let cells: Vec<Cell> = chunk.iter().map(cell).collect::<Result<_, UserError>>()?;
-        let outcomes = match engine {
-            Engine::Event => lanes::run(&cells, &plan)?,
-            Engine::Switch(_) => lanes::by_engine(engine, &cells, &plan)?,
-        };
+        let outcomes = outcomes(engine, drive, chunk, &plan)?;
         let found = chunk.iter().zip(&outcomes);
         fates.extend(found.map(|(start, outcome)| Fate::new(*start, outcome, units)));
         progress.inc(chunk.len() as u64);
     }
     Ok(fates)
+}
+
+/// How many of `starts` have a contact in the last `recorded` of `cycles` drive cycles, for each of several `cycles`
+/// (rising), from one run each to the last of them.
+///
+/// # Errors
+/// As [`fates`].
+pub fn touching(
+    engine: Engine,
+    drive: &Drive,
+    starts: &[[f64; 2]],
+    cycles: &[u32],
+    recorded: u32,
+    progress: &Progress,
+) -> Result<Vec<u64>, UserError> {
+    let until = cycles.last().copied().unwrap_or(0);
+    let plan = Plan {
+        cycles: until,
+        recorded,
+        early: true,
+        strobes: until,
+    };
+    let mut counts = vec![0; cycles.len()];
+    // Every cycle of every start is kept: few starts at a time.
+    for chunk in starts.chunks(CHUNK / 8) {
+        for outcome in outcomes(engine, drive, chunk, &plan)? {
+            for (count, cycle) in counts.iter_mut().zip(cycles) {
+                *count += u64::from(touched(&outcome, *cycle, recorded));
+            }
+        }
+        progress.inc(chunk.len() as u64);
+    }
+    Ok(counts)
+}
+
+/// Whether `outcome`, all of whose cycles are kept, has a contact in the `recorded` cycles up to `cycle`. What was stopped
+/// early goes on as it was then.
+fn touched(outcome: &Outcome, cycle: u32, recorded: u32) -> bool {
+    if cycle > outcome.cycles && outcome.regime != Regime::None {
+        return true;
+    }
+    let range = cycle.saturating_sub(recorded) as usize..cycle as usize;
+    let kept = outcome.strobes.iter().enumerate();
+    let mut inside = kept.filter(|(k, _)| range.contains(k));
+    inside.any(|(_, strobe)| strobe.onsets > 0 || strobe.force_n > 0.0)
+}
+
+fn outcomes(
+    engine: Engine,
+    drive: &Drive,
+    starts: &[[f64; 2]],
+    plan: &Plan,
+) -> Result<Vec<Outcome>, UserError> {
+    let rig = Rig::<f64>::new(&drive.params)?;
+    let omega = std::f64::consts::TAU * drive.frequency_hz;
+    let cell = |start: &[f64; 2]| {
+        Ok(Cell {
+            params: drive.params,
+            frequency_hz: drive.frequency_hz,
+            start: Start::Moving(start[0], start[1]).section(&rig, omega)?,
+            phase: drive.phase,
+        })
+    };
+    let cells: Vec<Cell> = starts.iter().map(cell).collect::<Result<_, UserError>>()?;
+    match engine {
+        Engine::Event => lanes::run(&cells, plan),
+        Engine::Switch(_) => lanes::by_engine(engine, &cells, plan),
+    }
 }
 
 #[cfg(test)]

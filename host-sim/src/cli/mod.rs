@@ -1,5 +1,6 @@
 //! The command line.
 
+mod basins;
 mod common;
 mod compare;
 mod contact;
@@ -53,6 +54,8 @@ enum Command {
     Orbits(orbits::Args),
     /// Beam springs with more than one bending mode: force, displacement and where the energy goes
     Modes(modes::Args),
+    /// Basins of attraction: which starts keep striking, and what they settle on
+    Basins(basins::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
@@ -105,6 +108,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Map(args) => map::run(&args).map(|()| 0),
         Command::Orbits(args) => orbits::run(&args).map(|()| 0),
         Command::Modes(args) => modes::run(&args).map(|()| 0),
+        Command::Basins(args) => basins::run(&args).map(|()| 0),
         Command::Emulate(args) => emulate::run(&args),
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Link(args) => link::run(&args).map(|()| 0),

@@ -1,8 +1,10 @@
 //! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
 
+pub mod basins;
 pub mod conclusion;
 pub mod contact;
 pub mod force;
+pub mod gap;
 pub mod map;
 pub mod modes;
 pub mod orbits;
@@ -53,7 +55,13 @@ pub const AREAS: &[Part] = &[
     ("drop tests", &["3.9", "3.10"], contact::drop_pages),
     ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
     ("maps, wires", &["3.24", "3.25", "3.26"], map::wires),
+    basins::PARTS[0],
+    basins::PARTS[1],
+    basins::PARTS[2],
     ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
+    basins::PARTS[3],
+    basins::PARTS[4],
+    basins::PARTS[5],
     (
         "orbits",
         &["orbits at 0.0 mm", "orbits at 1.0 mm", "orbits at 2.4 mm"],
@@ -88,6 +96,7 @@ pub const AREAS: &[Part] = &[
         modes::beams,
     ),
     ("mass of the beams", &["modes mass"], modes::mass),
+    gap::PARTS[0],
 ];
 
 /// Figures of the chapter that are no computations, and what they are.

@@ -8,12 +8,15 @@
 
 pub mod answer;
 pub mod choose;
+pub mod gap_picture;
+pub mod gaps;
 pub mod picture;
 pub mod search;
 pub mod sensitivity;
 pub mod uncertainty;
 
 use rayon::prelude::*;
+use shared::rig::Rig;
 
 use crate::branch::{Branch, End, one_one_branches};
 use crate::engine::{Engine, Plan, Start};
@@ -28,7 +31,8 @@ use answer::{shaker, why};
 use choose::Field;
 pub use choose::Limits;
 use search::{interval_where, maximise, stable_interval};
-use uncertainty::{Member, Uncertainty};
+use uncertainty::Member;
+pub use uncertainty::Uncertainty;
 
 /// Force, as a share of the best, down to which the band reaches.
 pub const BAND_SHARE: f64 = 0.9;
@@ -62,6 +66,8 @@ pub struct Pick {
     pub up: Vec<Row>,
     /// The sweep down.
     pub down: Vec<Row>,
+    /// Section of the orbit picked, in A0 and A0 Ω of the rig's coordinate.
+    pub section: [f64; 2],
 }
 
 /// Picks the operating frequency of `rig` (its gap included).
@@ -183,11 +189,14 @@ pub fn pick(
     nodes.sort_by(f64::total_cmp);
     let on_curve = |hz: &f64| branch.at(params, *hz).map(|o| (*hz, o.force_n / weight));
     let curve = nodes.par_iter().filter_map(on_curve).collect();
+    let scale = Rig::<f64>::new(params)?.coordinate_scale();
+    let rate = scale * std::f64::consts::TAU * chosen.frequency_hz;
     Ok(Pick {
         answer,
         curve,
         up,
         down,
+        section: [chosen.section[0] / scale, chosen.section[1] / rate],
     })
 }
 

@@ -106,6 +106,40 @@ fn parameters_that_cannot_be() {
 }
 
 #[test]
+fn basins_and_gaps_that_cannot_be() {
+    assert_refused(&[
+        ("basins", "--ratio"),
+        ("basins --chapter --gap 1", "cannot be used with"),
+        (
+            "basins --ratio 2 --gap 1 --gap-ratio 1",
+            "cannot be used with",
+        ),
+        (
+            "basins --ratio 2 --gap-ratio nan",
+            "--gap-ratio NaN: gap_mm is NaN",
+        ),
+        ("basins --ratio 2 --grid 0", "COLUMNSxROWS"),
+        ("basins --ratio 2 --grid 5000x5000", "25000000 cells"),
+        ("basins --ratio 2 --phase 1", "from 0 to below 1"),
+        ("basins --ratio nan", "must be a positive number"),
+        ("basins --ratio 2 --displacement 1:-1", "must be below"),
+        ("basins --ratio 2 --displacement -1", "FROM:TO"),
+        (
+            "basins --ratio 2 --gap 1 --displacement -6:5",
+            "inside the impact surface",
+        ),
+        ("basins --ratio 2 --recorded 301", "recorded cycles of 300"),
+        ("basins --ratio 2 --samples 2000000", "at most 1000000"),
+        ("basins --ratio 2 --out a-file", "a-file is a file"),
+        ("pick --gaps 0:1", "FROM:TO:STEP"),
+        ("pick --gaps 0:70:70", "--gaps: gap_mm is 70"),
+        ("pick --gaps 0:3:0.0001", "at most 1000"),
+        ("pick --gaps 0:1:1 --gap 2", "cannot be used with"),
+        ("pick --starts 5", "--gaps"),
+    ]);
+}
+
+#[test]
 fn rigs_and_rig_files_that_cannot_be_read() {
     assert_refused(&[
         ("pick --rig wire", "did you mean 'wires'?"),

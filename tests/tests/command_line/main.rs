@@ -3,6 +3,7 @@
 //! One test binary for all commands: the program is built once, and long answers are asked for once.
 
 mod bad_input;
+mod basins;
 mod emulate;
 mod figures;
 mod modes;

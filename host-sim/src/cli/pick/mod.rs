@@ -1,5 +1,6 @@
 //! `host-sim pick`.
 
+mod gaps;
 mod text;
 
 use std::path::Path;
@@ -25,6 +26,14 @@ pub struct Args {
     /// All four rigs side by side
     #[arg(long, conflicts_with = "rig")]
     all: bool,
+
+    /// Pick at every one of these gaps (mm), and advise which to run at
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, conflicts_with_all = ["all", "gap"])]
+    gaps: Option<String>,
+
+    /// With --gaps: random starts per gap, for the share that ends on the orbit picked
+    #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
+    starts: u32,
 
     /// Take the parameters as exact
     #[arg(long, conflicts_with_all = [
@@ -115,6 +124,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let limits = limits(args)?;
     let uncertainty = uncertainty(args)?;
+    if let Some(text) = &args.gaps {
+        let gaps = gaps::Gaps {
+            text,
+            starts: args.starts,
+            seed: args.seed,
+        };
+        return gaps::run(common, &gaps, uncertainty, limits);
+    }
     let names: Vec<&str> = if args.all {
         PRESETS.iter().map(|(name, _)| *name).collect()
     } else {

@@ -1,0 +1,288 @@
+//! `host-sim basins`.
+
+mod text;
+
+use serde::Serialize;
+
+use super::common::{Common, Format, pictures};
+use super::emit::{emit, tables};
+use crate::basins::chapter::{POINTS, Point};
+use crate::basins::picture::figure;
+use crate::basins::{Basins, Query, Summary, Window, cells, explore};
+use crate::engine::Engine;
+use crate::error::UserError;
+use crate::rigfile;
+use crate::terminal::Progress;
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("where").required(true).args(["ratio", "frequency", "chapter"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Drive frequency over the natural frequency, Ω/ω
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    ratio: Option<f64>,
+
+    /// Drive frequency, Hz
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    frequency: Option<f64>,
+
+    /// The twelve points the chapter shows
+    #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio"])]
+    chapter: bool,
+
+    /// Clearance at rest over the cart's amplitude, gap/A0
+    #[arg(
+        long,
+        value_name = "G",
+        conflicts_with = "gap",
+        allow_negative_numbers = true
+    )]
+    gap_ratio: Option<f64>,
+
+    /// Drive phase at which the hammer is let go, turns from 0 to below 1
+    #[arg(
+        long,
+        value_name = "TURNS",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    phase: f64,
+
+    /// Starts along displacement and velocity: COLUMNSxROWS, or one number for both
+    #[arg(long, value_name = "N|CxR", value_parser = parse_grid, default_value = "500")]
+    grid: (usize, usize),
+
+    /// Displacements at the start relative to the cart, mm [default: -6 to the gap]
+    #[arg(long, value_name = "FROM:TO", value_parser = parse_ends, allow_hyphen_values = true)]
+    displacement: Option<[f64; 2]>,
+
+    /// Velocities at the start relative to the cart, m/s [default: -0.15 to 0.15]
+    #[arg(long, value_name = "FROM:TO", value_parser = parse_ends, allow_hyphen_values = true)]
+    velocity: Option<[f64; 2]>,
+
+    /// Drive cycles of each start
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    cycles: u32,
+
+    /// How many of the last are looked at: a contact in them is impact
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    recorded: u32,
+
+    /// Random starts besides, for shares with confidence intervals and the table over cycles; 0: none
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    samples: u32,
+
+    /// Seed of the random starts
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Cycles to which the random starts are run on, for the table over cycles
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    until: u32,
+}
+
+/// One point and what was found.
+struct Found {
+    /// Its figure and part, if it is the chapter's.
+    point: Option<Point>,
+    basins: Basins,
+    summary: Summary,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    let engine = common.engine()?;
+    if args.samples > 1_000_000 {
+        return Err(UserError::new(format!(
+            "--samples is {}, must be at most 1000000",
+            args.samples
+        )));
+    }
+    let queries = queries(args)?;
+    let total = queries.iter().map(|(_, query)| query.runs()).sum();
+    let progress = Progress::new("starts", total, common.quiet);
+    let mut found = Vec::with_capacity(queries.len());
+    for (point, query) in queries {
+        found.push(look(engine, point, &query, &progress)?);
+    }
+    progress.finish();
+    write(common, &found)?;
+    answer(common.format, &found)
+}
+
+fn look(
+    engine: Engine,
+    point: Option<Point>,
+    query: &Query,
+    progress: &Progress,
+) -> Result<Found, UserError> {
+    let basins = explore(engine, query, progress)?;
+    let summary = basins.summary();
+    Ok(Found {
+        point,
+        basins,
+        summary,
+    })
+}
+
+fn queries(args: &Args) -> Result<Vec<(Option<Point>, Query)>, UserError> {
+    let (columns, rows) = args.grid;
+    let points = if args.chapter {
+        let all = POINTS.into_iter();
+        all.map(|point| Ok((Some(point), point.query(columns, rows)?)))
+            .collect::<Result<Vec<_>, UserError>>()?
+    } else {
+        vec![(None, own(args)?)]
+    };
+    let points = points.into_iter().map(|(point, mut query)| {
+        query.phase = args.phase;
+        query.cycles = args.cycles;
+        query.recorded = args.recorded;
+        query.samples = args.samples;
+        query.seed = args.seed;
+        query.until = args.until.max(args.cycles);
+        if let Some(ends) = args.displacement {
+            query.window.displacement_m = ends.map(|mm| mm * 1e-3);
+        }
+        if let Some(ends) = args.velocity {
+            query.window.velocity_m_per_s = ends;
+        }
+        query.check()?;
+        Ok((point, query))
+    });
+    points.collect()
+}
+
+/// The point the command line names.
+fn own(args: &Args) -> Result<Query, UserError> {
+    let mut rig = args.common.rig()?;
+    if let Some(ratio) = args.gap_ratio {
+        let gap_mm = ratio * rig.params.amplitude_m * 1e3;
+        rig.params = rigfile::with_number(&rig.params, "gap_mm", gap_mm)
+            .map_err(|e| e.at(format!("--gap-ratio {ratio}")))?;
+    }
+    let natural_hz = rig.params.natural_frequency_hz();
+    let hz = args.frequency.or(args.ratio.map(|r| r * natural_hz));
+    let (columns, rows) = args.grid;
+    let query = Query::usual(rig, hz.unwrap_or(f64::NAN), columns, rows);
+    let window = Window::usual(&query.rig.params, columns, rows);
+    Ok(Query { window, ..query })
+}
+
+fn write(common: &Common, found: &[Found]) -> Result<(), UserError> {
+    let Some(dir) = &common.out else {
+        return Ok(());
+    };
+    let mut contents = Vec::new();
+    for one in found {
+        let name = match one.point {
+            Some(point) => format!("basins-{}{}", point.figure.replace('.', "-"), point.part),
+            None => "basins".to_owned(),
+        };
+        contents.extend(pictures(&name, &figure(&one.basins))?);
+        let rows = cells::rows(&one.basins);
+        contents.extend(tables(&name, common.format, &one.summary, &rows)?);
+    }
+    if found.iter().any(|one| one.point.is_some()) {
+        let table = tables(
+            "basins-chapter",
+            common.format,
+            &summaries(found),
+            &lines(found),
+        )?;
+        contents.extend(table);
+    }
+    common.write(dir, &contents)
+}
+
+fn answer(format: Format, found: &[Found]) -> Result<(), UserError> {
+    match found {
+        [one] if one.point.is_none() => {
+            emit(format, &one.summary, &cells::rows(&one.basins), || {
+                text::one(&one.basins, &one.summary)
+            })
+        }
+        _ => emit(format, &summaries(found), &lines(found), || {
+            text::several(&lines(found))
+        }),
+    }
+}
+
+fn summaries(found: &[Found]) -> Vec<&Summary> {
+    found.iter().map(|one| &one.summary).collect()
+}
+
+/// A point of the chapter as one line of a table. Shares are from 0 to 1.
+#[derive(Serialize)]
+struct Line<'a> {
+    figure: String,
+    rig: &'a str,
+    frequency_ratio: f64,
+    gap_over_amplitude: f64,
+    impact_share: f64,
+    impact_share_mesh_error: Option<f64>,
+    impact_share_random: Option<f64>,
+    impact_share_random_low: Option<f64>,
+    impact_share_random_high: Option<f64>,
+    impact_share_first_look: Option<f64>,
+    impact_share_last_look: Option<f64>,
+    attractors: usize,
+    largest_attractor: &'a str,
+    basin_entropy: Option<f64>,
+    boundary_basin_entropy: Option<f64>,
+    uncertainty_exponent: Option<f64>,
+}
+
+fn lines(found: &[Found]) -> Vec<Line<'_>> {
+    let line = |one| {
+        let Found { point, summary, .. }: &Found = one;
+        let random = summary.impact_share_random;
+        let look = |look: Option<&crate::basins::Look>| look.map(|l| l.impact.value());
+        Line {
+            figure: point.map_or(String::new(), |p| format!("{} {}", p.figure, p.part)),
+            rig: &summary.rig,
+            frequency_ratio: summary.frequency_ratio,
+            gap_over_amplitude: summary.gap_over_amplitude,
+            impact_share: summary.impact_share,
+            impact_share_mesh_error: summary.impact_share_mesh_error,
+            impact_share_random: random.map(|s| s.value()),
+            impact_share_random_low: random.map(|s| s.low),
+            impact_share_random_high: random.map(|s| s.high),
+            impact_share_first_look: look(summary.over_cycles.first()),
+            impact_share_last_look: look(summary.over_cycles.last()),
+            attractors: summary.attractors.len(),
+            largest_attractor: summary.attractors.first().map_or("", |a| &a.name),
+            basin_entropy: summary.attractor_entropy.map(|e| e.basin),
+            boundary_basin_entropy: summary.attractor_entropy.and_then(|e| e.boundary),
+            uncertainty_exponent: summary.impact_uncertainty.map(|u| u.exponent),
+        }
+    };
+    found.iter().map(line).collect()
+}
+
+/// `N` or `COLUMNSxROWS`.
+fn parse_grid(text: &str) -> Result<(usize, usize), String> {
+    let count = |t: &str| t.trim().parse::<usize>().ok().filter(|n| *n > 0);
+    let found = match text.split_once('x') {
+        Some((columns, rows)) => count(columns).zip(count(rows)),
+        None => count(text).map(|n| (n, n)),
+    };
+    found
+        .ok_or_else(|| "write COLUMNSxROWS, for example 500x300, or one number for both".to_owned())
+}
+
+/// `FROM:TO`, rising.
+fn parse_ends(text: &str) -> Result<[f64; 2], String> {
+    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    let ends = text
+        .split_once(':')
+        .and_then(|(a, b)| number(a).zip(number(b)));
+    match ends {
+        Some((from, to)) if from < to => Ok([from, to]),
+        Some((from, to)) => Err(format!("FROM ({from}) must be below TO ({to})")),
+        None => Err("write FROM:TO, for example -6:1.5".to_owned()),
+    }
+}

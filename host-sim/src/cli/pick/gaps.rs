@@ -1,0 +1,110 @@
+//! `host-sim pick --gaps`.
+
+use super::super::common::{Common, parse_range, pictures};
+use super::super::emit::{emit, tables};
+use crate::error::UserError;
+use crate::pick::gap_picture::figure;
+use crate::pick::gaps::{GapAdvice, GapRow, advise, gap_steps};
+use crate::pick::{Limits, Uncertainty};
+use crate::terminal::{Chart, Progress};
+
+/// Gaps tried at most.
+const MOST_GAPS: usize = 1000;
+/// Random starts per gap at most.
+const MOST_STARTS: u32 = 1_000_000;
+
+/// What `--gaps` needs besides.
+pub struct Gaps<'a> {
+    pub text: &'a str,
+    pub starts: u32,
+    pub seed: u64,
+}
+
+pub fn run(
+    common: &Common,
+    gaps: &Gaps<'_>,
+    uncertainty: Option<Uncertainty>,
+    limits: Limits,
+) -> Result<(), UserError> {
+    let text = gaps.text;
+    let list = parse_range(text).map_err(|e| UserError::new(format!("--gaps {text}: {e}")))?;
+    if list.len() > MOST_GAPS {
+        return Err(UserError::new(format!(
+            "--gaps {text}: that is {} gaps, at most {MOST_GAPS} are tried; use a larger STEP",
+            list.len()
+        )));
+    }
+    if gaps.starts > MOST_STARTS {
+        return Err(UserError::new(format!(
+            "--starts is {}, must be at most {MOST_STARTS}",
+            gaps.starts
+        )));
+    }
+    let rig = common.rig()?;
+    let total = gap_steps(list.len(), uncertainty, gaps.starts);
+    let progress = Progress::new("rigs and starts tried", total, common.quiet);
+    let starts = (gaps.starts, gaps.seed);
+    let advice = advise(&rig, &list, uncertainty, limits, starts, &progress)?;
+    progress.finish();
+    if let Some(dir) = &common.out {
+        let name = format!("pick-gaps-{}", rig.name);
+        let mut contents = pictures(&name, &figure(&advice))?;
+        contents.extend(tables(&name, common.format, &advice, &advice.gaps)?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &advice, &advice.gaps, || describe(&advice))
+}
+
+fn describe(advice: &GapAdvice) -> String {
+    let mut text = format!("{}\n\n", advice.why);
+    text += "  gap, mm  run at, Hz  ratio  force/weight (largest)  safe band, Hz        band, %  multiplier  jumps, Hz        from rest  basin, % (95 %)\n";
+    for row in &advice.gaps {
+        text += &line(row);
+    }
+    let basin = advice.gaps.iter();
+    let basin = basin.filter_map(|r| Some((r.gap_mm, 100.0 * r.basin_share?)));
+    text += &format!(
+        "\nbasin: share of {} starts from {:?} mm to the gap, at {} to {} m/s, that end on the orbit picked\n\n",
+        advice.starts,
+        advice.from_displacement_mm,
+        advice.velocity_m_per_s[0],
+        advice.velocity_m_per_s[1]
+    );
+    if advice.starts == 0 {
+        return text;
+    }
+    text + &Chart::new("gap, mm", "basin of the orbit picked, %")
+        .size(72, 10)
+        .series("basin", basin.collect())
+        .render()
+}
+
+fn line(row: &GapRow) -> String {
+    if let Some(why) = &row.no_pick {
+        return format!("  {:>7.3}  no pick: {why}\n", row.gap_mm);
+    }
+    let number =
+        |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let percent = |x: Option<f64>| number(x.map(|x| 100.0 * x), 1);
+    let jumps = match (row.jump_low_hz, row.jump_high_hz) {
+        (Some(low), Some(high)) => format!("{low:.3} to {high:.3}"),
+        _ => "none".to_owned(),
+    };
+    format!(
+        "  {:>7.3}  {:>10} {:>6}  {:>12} {:>9}  {:>8} to {:<8} {:>8} {:>11}  {:<16} {:<9}  {} ({} to {})\n",
+        row.gap_mm,
+        number(row.operating_frequency_hz, 4),
+        number(row.frequency_ratio, 3),
+        number(row.force_ratio, 2),
+        format!("({})", number(row.largest_force_ratio, 2)),
+        number(row.safe_band_low_hz, 3),
+        number(row.safe_band_high_hz, 3),
+        number(row.safe_band_percent, 1),
+        number(row.multiplier, 3),
+        jumps,
+        row.from_rest.as_deref().unwrap_or("-"),
+        percent(row.basin_share),
+        percent(row.basin_share_low),
+        percent(row.basin_share_high)
+    )
+}

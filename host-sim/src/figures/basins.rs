@@ -1,0 +1,206 @@
+//! Figures 3.36–3.38 and 3.52–3.54: basins of attraction, and the gap advice as a page beyond the chapter.
+
+use super::{Effort, Page, Part};
+use crate::basins::chapter::{POINTS, Point};
+use crate::basins::picture::parts;
+use crate::basins::{Basins, Query, Summary, cells, explore};
+use crate::engine::Engine;
+use crate::error::UserError;
+use crate::picture::{render_png, render_svg};
+use crate::table::to_csv;
+use crate::terminal::Progress;
+
+/// A part per figure: its two points share nothing with the others'.
+pub const PARTS: [Part; 6] = [
+    ("basins 3.36", &["3.36"], |effort, progress| {
+        page("3.36", effort, progress)
+    }),
+    ("basins 3.37", &["3.37"], |effort, progress| {
+        page("3.37", effort, progress)
+    }),
+    ("basins 3.38", &["3.38"], |effort, progress| {
+        page("3.38", effort, progress)
+    }),
+    ("basins 3.52", &["3.52"], |effort, progress| {
+        page("3.52", effort, progress)
+    }),
+    ("basins 3.53", &["3.53"], |effort, progress| {
+        page("3.53", effort, progress)
+    }),
+    ("basins 3.54", &["3.54"], |effort, progress| {
+        page("3.54", effort, progress)
+    }),
+];
+
+/// What the chapter's text says of all of them; the pictures themselves are not in its text.
+const CHAPTER: &str = "At gaps above 1.5 A0, between z = 1/1 and z = 1/2, it depends on the start whether the hammer strikes: after a small push it strikes for some time and falls silent, or strikes on. The figure shows impact (blue) and no impact (red), so both, over the initial conditions at two points.";
+
+/// Every page, in order.
+///
+/// # Errors
+/// As [`explore`].
+pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let mut all = Vec::new();
+    for (_, _, make) in PARTS {
+        all.extend(make(effort, progress)?);
+    }
+    Ok(all)
+}
+
+fn query(point: &Point, effort: Effort) -> Result<Query, UserError> {
+    match effort {
+        Effort::Full => point.query(500, 500),
+        Effort::Coarse => Ok(Query {
+            cycles: 120,
+            recorded: 40,
+            samples: 20,
+            until: 200,
+            ..point.query(10, 10)?
+        }),
+    }
+}
+
+fn page(figure: &'static str, effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let points: Vec<&Point> = POINTS.iter().filter(|p| p.figure == figure).collect();
+    let mut found = Vec::with_capacity(points.len());
+    for point in &points {
+        let basins = explore(Engine::Event, &query(point, effort)?, progress)?;
+        let summary = basins.summary();
+        found.push((*point, basins, summary));
+    }
+    let name = |point: &Point| {
+        format!(
+            "{}) Ω/ω = {:.2}, gap/A0 = {:.2}",
+            point.part, point.ratio, point.gap_over_amplitude
+        )
+    };
+    let rig = points.first().map_or("", |p| p.rig);
+    let shown: Vec<(String, &Basins)> = found.iter().map(|(p, b, _)| (name(p), b)).collect();
+    let title = format!("Basins of attraction, {rig}: impact / no impact");
+    let picture = parts(format!("Figure {figure}: {title}"), &shown);
+    let stem = format!("figure-{}", figure.replace('.', "-"));
+    let mut files = vec![
+        (format!("{stem}.svg"), render_svg(&picture)?.into_bytes()),
+        (format!("{stem}.png"), render_png(&picture)?),
+    ];
+    let mut said = Vec::new();
+    for (point, basins, summary) in &found {
+        files.push((
+            format!("{stem}{}.csv", point.part),
+            to_csv(&cells::rows(basins)),
+        ));
+        said.push(format!("{}: {}", name(point), says(summary)));
+    }
+    let both = found
+        .iter()
+        .filter(|(_, _, s)| (0.0..1.0).contains(&s.impact_share) && s.impact_share > 0.0);
+    let both = both.count();
+    let verdict = if both == found.len() {
+        "Agrees: at both points it depends on the start."
+    } else if both == 0 {
+        "Differs: at neither point does it depend on the start."
+    } else {
+        "Agrees in part: at one of the two points it depends on the start."
+    };
+    Ok(vec![Page {
+        figure,
+        title,
+        chapter: CHAPTER,
+        found: format!("{verdict} {}", said.join(" ")),
+        command: points.first().map_or(String::new(), |p| {
+            format!(
+                "host-sim basins --rig {rig} --ratio {} --gap-ratio {} --out DIR",
+                p.ratio, p.gap_over_amplitude
+            )
+        }),
+        files,
+    }])
+}
+
+/// What one point shows, in words.
+fn says(s: &Summary) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let mesh = s
+        .impact_share_mesh_error
+        .map_or(String::new(), |e| format!(" (mesh ± {:.1})", 100.0 * e));
+    let mut text = format!(
+        "{}{mesh} of {} by {} starts still strike in the last {} of {} cycles",
+        percent(s.impact_share),
+        s.grid[0],
+        s.grid[1],
+        s.recorded,
+        s.cycles
+    );
+    if let Some(share) = s.impact_share_random {
+        text += &format!(
+            "; {} to {} of {} random starts (95 %)",
+            percent(share.low),
+            percent(share.high),
+            share.of
+        );
+    }
+    if let Some((first, last)) = s.over_cycles.first().zip(s.over_cycles.last()) {
+        text += &format!(
+            "; looked at after {} cycles it is {}, after {} it is {}",
+            first.cycles,
+            percent(first.impact.value()),
+            last.cycles,
+            percent(last.impact.value())
+        );
+    }
+    let largest = s.attractors.iter().take(4);
+    let ends: Vec<_> = largest
+        .map(|a| format!("{} {}", a.name, percent(a.share)))
+        .collect();
+    text += &format!("; they end in {}", ends.join(", "));
+    if s.attractors.len() > ends.len() {
+        text += &format!(" and {} smaller ones", s.attractors.len() - ends.len());
+    }
+    if let Some(boundary) = s.attractor_entropy.and_then(|e| e.boundary) {
+        text += &format!(
+            "; boundary basin entropy {boundary:.3}, {} ln 2{}",
+            if s.fractal_by_entropy {
+                "above"
+            } else {
+                "below"
+            },
+            if s.fractal_by_entropy {
+                ", so the boundary is fractal"
+            } else {
+                ""
+            }
+        );
+    }
+    text + "."
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_page_has_pictures_tables_and_says_what_it_found() {
+        let quiet = Progress::new("", 1, true);
+        let all = page("3.52", Effort::Coarse, &quiet).unwrap();
+        let [page] = all.as_slice() else {
+            panic!("one page")
+        };
+        let names: Vec<_> = page.files.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "figure-3-52.svg",
+                "figure-3-52.png",
+                "figure-3-52a.csv",
+                "figure-3-52b.csv"
+            ]
+        );
+        assert!(
+            page.found.contains("Ω/ω = 1.80, gap/A0 = 1.60: "),
+            "{}",
+            page.found
+        );
+        assert!(page.found.contains("of 10 by 10 starts"), "{}", page.found);
+        assert_eq!(POINTS.len(), 2 * PARTS.len());
+    }
+}
