@@ -5,6 +5,7 @@ use shared::params::preset;
 
 use super::{Effort, Page, drawn, stem};
 use crate::basins::{Query, explore};
+use crate::branch::End;
 use crate::engine::Engine;
 use crate::error::UserError;
 use crate::pick::uncertainty::Uncertainty;
@@ -37,7 +38,11 @@ struct Row {
     safe_band_to_hz: f64,
     /// Its width over the frequency, %.
     safe_band_percent: f64,
-    /// Where up and down sweeps differ, Hz.
+    /// Up to where 1/1 stays stable, Hz, how it ends there, and how far above the frequency that is, %.
+    one_one_to_hz: f64,
+    one_one_ends_by: String,
+    one_one_margin_percent: f64,
+    /// Where up and down sweeps differ while 1/1 is stable, Hz.
     jumps_from_hz: Option<f64>,
     jumps_to_hz: Option<f64>,
     regime_from_rest: String,
@@ -127,6 +132,10 @@ fn at(
         safe_band_from_hz: low,
         safe_band_to_hz: high,
         safe_band_percent: 100.0 * (high - low) / answer.operating_frequency_hz,
+        one_one_to_hz: answer.stable_one_one_hz[1],
+        one_one_ends_by: name_of(answer.stable_one_one_ends[1]),
+        one_one_margin_percent: 100.0
+            * (answer.stable_one_one_hz[1] / answer.operating_frequency_hz - 1.0),
         jumps_from_hz: answer.jump_range_hz.map(|j| j[0]),
         jumps_to_hz: answer.jump_range_hz.map(|j| j[1]),
         regime_from_rest: answer.regime_from_rest.clone(),
@@ -162,31 +171,33 @@ fn panel(rig: &str, curves: &[(f64, Pick)]) -> Panel {
 
 /// What the rows say, with their figures.
 fn told(rows: &[Row], refused: &[String]) -> String {
-    let mut text = String::new();
+    let mut text = verdict(rows);
     for (rig, gaps) in RIGS {
         let of: Vec<&Row> = rows.iter().filter(|r| r.rig == rig).collect();
         let Some(zero) = of.iter().find(|r| r.gap_mm == gaps[0]) else {
             continue;
         };
         text += &format!(
-            "{rig}: run at {:.3} Hz (Ω/ω = {:.2}) with no gap, for {:.1} m g ({:.1} at worst), {}, band {:.1} % wide, {:.0} % of starts reach 1/1.",
+            "{rig}: run at {:.3} Hz (Ω/ω = {:.2}) with no gap, for {:.1} m g ({:.1} at worst), {}, band {:.1} % wide, {}, {:.0} % of starts reach 1/1.",
             zero.frequency_hz,
             zero.frequency_ratio,
             zero.force_ratio,
             zero.force_ratio_worst,
             jumps(zero),
             zero.safe_band_percent,
+            end(zero),
             zero.one_one_from_percent
         );
         for row in of.iter().filter(|r| r.gap_mm != gaps[0]) {
             text += &format!(
-                " At {:?} mm {:+.0} % of force ({:.1} m g at {:.3} Hz), {}, band {:.1} % wide, {:.0} % of starts reach 1/1.",
+                " At {:?} mm {:+.0} % of force ({:.1} m g at {:.3} Hz), {}, band {:.1} % wide, {}, {:.0} % of starts reach 1/1.",
                 row.gap_mm,
                 100.0 * (row.force_ratio / zero.force_ratio - 1.0),
                 row.force_ratio,
                 row.frequency_hz,
                 jumps(row),
                 row.safe_band_percent,
+                end(row),
                 row.one_one_from_percent
             );
         }
@@ -198,9 +209,49 @@ fn told(rows: &[Row], refused: &[String]) -> String {
     text.trim_end().to_owned()
 }
 
+/// On how many rigs 0.0 mm is what the chapter says of it.
+fn verdict(rows: &[Row]) -> String {
+    let (mut asked, mut forceful, mut steady, mut wide) = (0, 0, 0, 0);
+    for (rig, gaps) in RIGS {
+        let (zero, others): (Vec<&Row>, Vec<&Row>) = rows
+            .iter()
+            .filter(|r| r.rig == rig)
+            .partition(|r| r.gap_mm == gaps[0]);
+        let [zero] = zero[..] else { continue };
+        asked += 1;
+        let best = others.iter().map(|r| r.force_ratio).fold(0.0, f64::max);
+        forceful += usize::from(zero.force_ratio >= 0.95 * best);
+        steady += usize::from(zero.jumps_from_hz.is_none());
+        let narrower = |r: &&Row| r.safe_band_percent < zero.safe_band_percent;
+        wide += usize::from(others.iter().all(narrower));
+    }
+    let word = if forceful.min(steady).min(wide) == asked {
+        "Agrees"
+    } else {
+        "Differs in part"
+    };
+    format!(
+        "{word}: of {asked} rigs, {forceful} strike at 0.0 mm within 5 % of the hardest of the other gaps or harder, {steady} do not jump there, and {wide} have their widest band there. "
+    )
+}
+
 fn jumps(row: &Row) -> String {
     match (row.jumps_from_hz, row.jumps_to_hz) {
         (Some(low), Some(high)) => format!("jumps between {low:.2} and {high:.2} Hz"),
-        _ => "no jumps".to_owned(),
+        _ => "no jumps within 1/1".to_owned(),
     }
+}
+
+fn end(row: &Row) -> String {
+    format!(
+        "1/1 ends {:.0} % higher by {}",
+        row.one_one_margin_percent, row.one_one_ends_by
+    )
+}
+
+/// The end of a branch in words.
+fn name_of(end: End) -> String {
+    let name = serde_json::to_value(end).ok();
+    let name = name.as_ref().and_then(|name| name.as_str());
+    name.unwrap_or("an unknown end").replace('_', " ")
 }
