@@ -49,6 +49,14 @@ pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
     }
     let last = records[count];
     let n = (1..=MAX_PERIODS).find(|n| last.distance(&records[count - n]) < SETTLED_WITHIN)?;
+    // Beside a doubling an orbit repeats after 2n long before it does after n: then it has not converged.
+    let divides = |m: &usize| n.is_multiple_of(*m);
+    if (1..n)
+        .filter(divides)
+        .any(|m| last.distance(&records[count - m]) < SECTION_TOLERANCE)
+    {
+        return None;
+    }
     // Whole repetitions, and at least eight cycles, now and before.
     let window = n * 8_usize.div_ceil(n);
     if count < 2 * window + n {
