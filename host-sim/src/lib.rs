@@ -19,6 +19,7 @@
 
 pub mod accuracy;
 pub mod basins;
+pub mod bifurcation;
 pub mod branch;
 pub mod cli;
 pub mod compare;
@@ -35,11 +36,13 @@ pub mod golden;
 pub mod identify;
 pub mod lanes;
 pub mod link;
+pub mod lyapunov;
 pub mod map;
 pub mod modes;
 pub mod orbit;
 pub mod pick;
 pub mod picture;
+pub mod poincare;
 pub mod reference;
 pub mod replay;
 pub mod rigfile;

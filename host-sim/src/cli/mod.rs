@@ -1,6 +1,7 @@
 //! The command line.
 
 mod basins;
+mod bifurcation;
 mod common;
 mod compare;
 mod contact;
@@ -15,6 +16,7 @@ mod modes;
 mod orbits;
 mod pick;
 mod pil;
+mod poincare;
 mod replay;
 mod rigs;
 mod scenarios;
@@ -56,6 +58,10 @@ enum Command {
     Modes(modes::Args),
     /// Basins of attraction: which starts keep striking, and what they settle on
     Basins(basins::Args),
+    /// Bifurcation diagram: displacement and force at the section over frequency, per gap, up, down and from rest
+    Bifurcation(bifurcation::Args),
+    /// Poincaré section with as many points as chaos needs, Lyapunov exponents, the smoothing method against the switch
+    Poincare(poincare::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
@@ -109,6 +115,8 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
         Command::Orbits(args) => orbits::run(&args).map(|()| 0),
         Command::Modes(args) => modes::run(&args).map(|()| 0),
         Command::Basins(args) => basins::run(&args).map(|()| 0),
+        Command::Bifurcation(args) => bifurcation::run(&args).map(|()| 0),
+        Command::Poincare(args) => poincare::run(&args).map(|()| 0),
         Command::Emulate(args) => emulate::run(&args),
         Command::Scenarios(args) => scenarios::run(&args).map(|()| 0),
         Command::Link(args) => link::run(&args).map(|()| 0),

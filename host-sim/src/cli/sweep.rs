@@ -43,7 +43,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let rig = common.rig()?;
     let engine = common.engine()?;
     let plan = args.cycles.plan()?;
-    let frequencies = frequencies(args, rig.params.natural_frequency_hz())?;
+    let frequencies = frequencies(
+        args.ratio.as_deref(),
+        args.frequency.as_deref(),
+        rig.params.natural_frequency_hz(),
+    )?;
     let measured = args.measured.as_deref().map(Measured::read).transpose()?;
     // A picture of one direction is laid over the other, so that a jump shows.
     let both = args.direction != Direction::Rest && common.out.is_some();
@@ -92,7 +96,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     Ok(())
 }
 
-fn frequencies(args: &Args, natural_hz: f64) -> Result<Vec<f64>, UserError> {
+/// The frequencies (Hz) of `--ratio` or `--frequency`.
+pub(super) fn frequencies(
+    ratio: Option<&str>,
+    frequency: Option<&str>,
+    natural_hz: f64,
+) -> Result<Vec<f64>, UserError> {
     let parse = |option: &str, text: &str, unit: f64| {
         let values =
             parse_range(text).map_err(|e| UserError::new(format!("{option} {text}: {e}")))?;
@@ -103,7 +112,7 @@ fn frequencies(args: &Args, natural_hz: f64) -> Result<Vec<f64>, UserError> {
         }
         Ok(values.into_iter().map(|v| v * unit).collect())
     };
-    match (&args.ratio, &args.frequency) {
+    match (ratio, frequency) {
         (Some(text), _) => parse("--ratio", text, natural_hz),
         (None, Some(text)) => parse("--frequency", text, 1.0),
         (None, None) => Err(UserError::new("give --ratio or --frequency")),

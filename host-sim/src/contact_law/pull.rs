@@ -40,6 +40,7 @@ pub fn unclamped(rig: &Rig<f64>, blow: &Blow) -> Option<Pull> {
         drive_acceleration: 0.0,
         mode: Mode::Contact,
         approach,
+        smoothed: None,
     };
     let h = contact.duration_s / STEPS;
     let (q, v) = blow.release;

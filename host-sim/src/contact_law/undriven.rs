@@ -117,6 +117,7 @@ impl<'a> Undriven<'a> {
             drive_acceleration: 0.0,
             mode: self.mode,
             approach: self.approach,
+            smoothed: None,
         }
     }
 

@@ -131,7 +131,7 @@ pub fn machine_at(
 /// time in which nothing but the hammer's own swing happens; above, the hammer does not feel the drive.
 const RATIOS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
-fn check_frequency(frequency_hz: f64, params: &RigParams) -> Result<(), UserError> {
+pub(crate) fn check_frequency(frequency_hz: f64, params: &RigParams) -> Result<(), UserError> {
     if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
         return Err(UserError::new(format!(
             "the drive frequency is {frequency_hz} Hz, must be a positive number"

@@ -1,6 +1,7 @@
 //! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
 
 pub mod basins;
+pub mod bifurcation;
 pub mod conclusion;
 pub mod contact;
 pub mod force;
@@ -8,6 +9,7 @@ pub mod gap;
 pub mod map;
 pub mod modes;
 pub mod orbits;
+pub mod section;
 pub mod switch;
 
 use crate::error::UserError;
@@ -51,14 +53,42 @@ pub type Part = (&'static str, &'static [&'static str], Area);
 pub const AREAS: &[Part] = &[
     ("contact laws", &["3.3", "contact laws"], contact::law_pages),
     ("conclusion", &["conclusion"], conclusion::pages),
+    ("smoothing against the switch", &["3.4"], section::smoothing),
     ("switch model", &["3.5", "3.6"], switch::pages),
     ("drop tests", &["3.9", "3.10"], contact::drop_pages),
     ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
+    (
+        "sections, wires",
+        &[
+            "3.16", "3.17", "3.18", "3.19", "3.20", "3.21", "3.22", "3.23",
+        ],
+        section::portraits,
+    ),
     ("maps, wires", &["3.24", "3.25", "3.26"], map::wires),
+    (
+        "bifurcation, wires 0.0 mm",
+        &["3.27", "3.28", "3.29"],
+        bifurcation::wires_0,
+    ),
+    (
+        "bifurcation, wires 1.0 mm",
+        &["3.30", "3.31", "3.32"],
+        bifurcation::wires_1,
+    ),
+    (
+        "bifurcation, wires 2.4 mm",
+        &["3.33", "3.34", "3.35"],
+        bifurcation::wires_2,
+    ),
     basins::PARTS[0],
     basins::PARTS[1],
     basins::PARTS[2],
     ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
+    (
+        "bifurcation, beams",
+        &["3.43", "3.44", "3.45"],
+        bifurcation::beams,
+    ),
     basins::PARTS[3],
     basins::PARTS[4],
     basins::PARTS[5],

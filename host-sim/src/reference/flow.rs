@@ -1,7 +1,8 @@
 //! The smooth flow on one side of the switch: adaptive steps of Dormand–Prince 8(5,3).
 
 use shared::Real;
-use shared::rig::{Mode, Rig};
+use shared::rig::{Kinematics, Mode, Rig};
+use shared::step::Smoothed;
 
 use super::tableau::{A, B, C, E3, E5, STAGES};
 use crate::dual::Dual;
@@ -92,6 +93,8 @@ pub struct Field<'a, R> {
     pub mode: Mode,
     /// δ̇⁻, m/s.
     pub approach: R,
+    /// Arctangents in place of the switch; then the side counts for nothing.
+    pub smoothed: Option<Smoothed<R>>,
 }
 
 /// A step taken.
@@ -112,14 +115,21 @@ impl<R: Scalar> Field<'_, R> {
         (t * R::from_f64(self.omega)).sin() * R::from_f64(self.drive_acceleration)
     }
 
+    /// The contact force that acts, N.
+    #[inline]
+    fn force(&self, at: &Kinematics<R>) -> R {
+        match (self.smoothed, self.mode) {
+            (Some(smoothed), _) => smoothed.blended(at.delta, self.rig.force(at, self.approach)),
+            (None, Mode::Flight) => R::ZERO,
+            (None, Mode::Contact) => self.rig.force(at, self.approach),
+        }
+    }
+
     /// Acceleration and contact force at a point.
     #[inline]
     pub fn acceleration(&self, p: &Point<R>) -> (R, R) {
         let at = self.rig.kinematics(p.q, p.v);
-        let force = match self.mode {
-            Mode::Flight => R::ZERO,
-            Mode::Contact => self.rig.force(&at, self.approach),
-        };
+        let force = self.force(&at);
         let drive = self.drive(p.t);
         (self.rig.acceleration(&at, p.v, drive, force), force)
     }
@@ -142,10 +152,7 @@ impl<R: Scalar> Field<'_, R> {
                 v: from.v + h * dv,
             };
             let at = self.rig.kinematics(p.q, p.v);
-            let force = match self.mode {
-                Mode::Flight => R::ZERO,
-                Mode::Contact => self.rig.force(&at, self.approach),
-            };
+            let force = self.force(&at);
             let drive = self.drive(p.t);
             rates[stage] = (p.v, self.rig.acceleration(&at, p.v, drive, force));
             powers[stage] = Totals {

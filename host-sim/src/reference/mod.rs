@@ -8,6 +8,7 @@
 //! with the map, event times included, which is the monodromy matrix with its saltation.
 
 pub mod flow;
+pub mod smoothed;
 pub mod switching;
 pub mod tableau;
 
@@ -135,6 +136,7 @@ pub struct Reference<R> {
     open: Option<Contact>,
     recent: [Option<f64>; 3],
     totals: Totals,
+    steps: u64,
 }
 
 impl<R: Scalar> Reference<R> {
@@ -181,6 +183,7 @@ impl<R: Scalar> Reference<R> {
             open: None,
             recent: [None; 3],
             totals: Totals::default(),
+            steps: 0,
         };
         if rig.indicator(&at, approach) > R::ZERO {
             hammer.open_contact();
@@ -239,7 +242,21 @@ impl<R: Scalar> Reference<R> {
             drive_acceleration: amplitude * self.omega * self.omega,
             mode: self.mode,
             approach: self.approach,
+            smoothed: None,
         }
+    }
+
+    /// Sends every scalar of the state through `f`, which must leave the values as they are: to take the derivatives
+    /// that dual numbers carry along other directions.
+    pub fn redirect(&mut self, f: impl Fn(R) -> R) {
+        self.point.q = f(self.point.q);
+        self.point.v = f(self.point.v);
+        self.approach = f(self.approach);
+    }
+
+    /// Steps tried since the start, those refused included; what locating a switch takes is not counted.
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// Goes on to the next drive phase 0 and tells what happened on the way. A motion that cannot be
@@ -260,6 +277,7 @@ impl<R: Scalar> Reference<R> {
                 R::from_f64(h)
             };
             let step = self.field().step(&self.point, length, self.units);
+            self.steps += 1;
             if step.error > 1.0 {
                 self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
                 continue;

@@ -5,6 +5,7 @@ mod bouncing;
 mod closed_form;
 mod events;
 mod laws;
+mod lyapunov;
 mod monodromy;
 mod orders;
 mod scipy;

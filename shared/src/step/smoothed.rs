@@ -28,8 +28,9 @@ impl<R: Real> Smoothed<R> {
         R::HALF + x.atan() * R::from_f64(FRAC_1_PI)
     }
 
+    /// The force that acts where the law gives `force` (N) at penetration `delta` (m).
     #[inline]
-    fn blended(&self, delta: R, force: R) -> R {
+    pub fn blended(&self, delta: R, force: R) -> R {
         force
             * Self::smooth_step(delta / self.epsilon_alpha)
             * Self::smooth_step(force / self.epsilon_beta)

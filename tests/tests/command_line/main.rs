@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod basins;
+mod bifurcation;
 mod emulate;
 mod figures;
 mod modes;
@@ -11,6 +12,7 @@ mod orbits;
 mod pick;
 mod pick_limits;
 mod pipes;
+mod poincare;
 mod rigs;
 mod simulate;
 mod support;

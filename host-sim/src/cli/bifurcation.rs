@@ -1,0 +1,303 @@
+//! `host-sim bifurcation`.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::common::{Common, pictures};
+use super::emit::{emit, tables};
+use super::sweep::frequencies;
+use crate::bifurcation::measured::{Distance, Measured};
+use crate::bifurcation::picture::{Abscissa, figure};
+use crate::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, name, rows};
+use crate::error::UserError;
+use crate::lanes::Plan;
+use crate::sweep::Direction;
+use crate::table::to_csv;
+use crate::terminal::{Chart, Progress};
+
+/// In which order the frequencies are visited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Which {
+    /// Each frequency from rest
+    Rest,
+    /// The state carried upwards
+    Up,
+    /// The state carried downwards
+    Down,
+    /// All three
+    All,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Frequencies over the natural frequency, Ω/ω [default: the chapter's range in its 588 steps]
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
+    ratio: Option<String>,
+
+    /// Frequencies, Hz
+    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
+    frequency: Option<String>,
+
+    /// Each frequency from rest, or the state carried up or down (which shows the jumps), or all three
+    #[arg(long, value_enum, default_value = "rest")]
+    direction: Which,
+
+    /// Drive cycles at each frequency
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    cycles: u32,
+
+    /// How many of the last are recorded: points of the section where it does not repeat
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    recorded: u32,
+
+    /// Measured points to lay over: CSV with frequency_hz and displacement_mm, force_n or both
+    #[arg(long, value_name = "FILE.csv")]
+    measured: Option<PathBuf>,
+}
+
+/// What a program reads.
+#[derive(Debug, Serialize)]
+struct Answer {
+    rig: String,
+    section: &'static str,
+    cycles: u32,
+    recorded: u32,
+    simulations: u64,
+    diagrams: Vec<Told>,
+    twofold: Vec<Twofold>,
+}
+
+/// One diagram, as told.
+#[derive(Debug, Serialize)]
+struct Told {
+    gap_mm: f64,
+    direction: &'static str,
+    frequencies: usize,
+    not_settled: usize,
+    changes: Vec<Change>,
+    measured_displacement_mm: Option<Distance>,
+    measured_force_n: Option<Distance>,
+}
+
+/// A change in a table.
+#[derive(Serialize)]
+struct ChangeRow<'a> {
+    gap_mm: f64,
+    direction: &'static str,
+    change: &'static str,
+    below: &'a str,
+    above: &'a str,
+    frequency_hz: f64,
+    frequency_ratio: f64,
+    within_hz: f64,
+    lasting: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    let request = request(args)?;
+    let measured = args.measured.as_deref().map(Measured::read).transpose()?;
+    let progress = Progress::new("simulations", request.simulations(), common.quiet);
+    let diagrams = diagrams(&request, &progress)?;
+    progress.finish();
+    let points = rows(&diagrams);
+    let answer = answer(&request, &diagrams, measured.as_ref());
+    if let Some(dir) = &common.out {
+        let abscissa = match args.frequency {
+            Some(_) => Abscissa::Frequency,
+            None => Abscissa::Ratio,
+        };
+        let mut contents = tables("bifurcation", common.format, &answer, &points)?;
+        let changes: Vec<_> = answer.diagrams.iter().flat_map(change_rows).collect();
+        contents.push(("bifurcation-changes.csv".into(), to_csv(&changes)));
+        for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
+            let all: Vec<_> = same.iter().collect();
+            let name = match request.gaps_mm.len() {
+                1 => "bifurcation".to_owned(),
+                _ => format!("bifurcation-gap-{:?}mm", same[0].gap_mm),
+            };
+            contents.extend(pictures(&name, &figure(&all, abscissa, measured.as_ref()))?);
+        }
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &answer, &points, || text(&answer, &diagrams))
+}
+
+fn request(args: &Args) -> Result<Request, UserError> {
+    let common = &args.common;
+    let rig = crate::rigfile::load(&common.rig, &common.set)?;
+    let natural = rig.params.natural_frequency_hz();
+    let frequencies_hz = match (&args.ratio, &args.frequency) {
+        (None, None) => chapter_frequencies(natural),
+        (ratio, frequency) => frequencies(ratio.as_deref(), frequency.as_deref(), natural)?,
+    };
+    if args.recorded == 0 || args.recorded > args.cycles {
+        return Err(UserError::new(format!(
+            "--recorded is {}, must be from 1 to --cycles ({})",
+            args.recorded, args.cycles
+        )));
+    }
+    let mut gaps_mm = common
+        .gaps()
+        .unwrap_or_else(|| vec![crate::table::tidy(rig.params.gap_m * 1e3)]);
+    gaps_mm.sort_by(f64::total_cmp);
+    gaps_mm.dedup();
+    Ok(Request {
+        gaps_mm,
+        frequencies_hz,
+        directions: match args.direction {
+            Which::Rest => vec![Direction::Rest],
+            Which::Up => vec![Direction::Up],
+            Which::Down => vec![Direction::Down],
+            Which::All => vec![Direction::Rest, Direction::Up, Direction::Down],
+        },
+        engine: common.engine()?,
+        plan: Plan {
+            cycles: args.cycles,
+            recorded: args.recorded,
+            early: true,
+            strobes: args.recorded,
+        },
+        locate: true,
+        rig,
+    })
+}
+
+/// The chapter's 1.41 to 7.28 Hz in steps of 0.01 Hz on the wires (1.82 Hz), over the natural frequency of any rig.
+fn chapter_frequencies(natural_hz: f64) -> Vec<f64> {
+    let hz = (141..=728).map(|i| f64::from(i) * 0.01);
+    hz.map(|hz| hz * (natural_hz / 1.82)).collect()
+}
+
+fn answer(request: &Request, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
+    let told = |d: &Diagram| Told {
+        gap_mm: d.gap_mm,
+        direction: name(d.direction),
+        frequencies: d.stations.len(),
+        not_settled: d.stations.iter().filter(|s| !s.settled).count(),
+        changes: d.changes.clone(),
+        measured_displacement_mm: measured
+            .filter(|m| !m.displacement_mm.is_empty())
+            .map(|m| m.displacement_distance(d)),
+        measured_force_n: measured
+            .filter(|m| !m.force_n.is_empty())
+            .map(|m| m.force_distance(d)),
+    };
+    let of = |gap: f64, direction| {
+        diagrams
+            .iter()
+            .find(|d| d.gap_mm == gap && d.direction == direction)
+    };
+    let mut twofold = Vec::new();
+    for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
+        let gap = same[0].gap_mm;
+        if let (Some(up), Some(down)) = (of(gap, Direction::Up), of(gap, Direction::Down)) {
+            twofold.extend(changes::twofold(up, down));
+        }
+    }
+    Answer {
+        rig: request.rig.name.clone(),
+        section: "drive phase 0; displacement in the fixed frame and relative to the cart alike",
+        cycles: request.plan.cycles,
+        recorded: request.plan.recorded,
+        simulations: request.simulations(),
+        diagrams: diagrams.iter().map(told).collect(),
+        twofold,
+    }
+}
+
+fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow<'_>> {
+    told.changes.iter().map(|c| ChangeRow {
+        gap_mm: told.gap_mm,
+        direction: told.direction,
+        change: c.kind.words(),
+        below: &c.below,
+        above: &c.above,
+        frequency_hz: c.frequency_hz,
+        frequency_ratio: c.frequency_ratio,
+        within_hz: c.within_hz,
+        lasting: c.lasting,
+    })
+}
+
+fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
+    let mut text = String::new();
+    for (told, diagram) in answer.diagrams.iter().zip(diagrams) {
+        text += &format!(
+            "{}, gap {:?} mm, {}: {} frequencies\n",
+            answer.rig,
+            told.gap_mm,
+            match told.direction {
+                "rest" => "each from rest",
+                "up" => "carried up",
+                _ => "carried down",
+            },
+            told.frequencies
+        );
+        let points = diagram.stations.iter().flat_map(|s| {
+            let few = s.points.iter().rev().take(16);
+            few.map(|p| (s.row.frequency_ratio, p.displacement_mm))
+        });
+        text += &Chart::new("Ω/ω", "displacement at drive phase 0, mm")
+            .points("section", points.collect())
+            .render();
+        text += &changes_text(told);
+        for (what, distance) in [
+            ("displacement, mm", told.measured_displacement_mm),
+            ("force, N", told.measured_force_n),
+        ] {
+            if let Some(d) = distance {
+                text += &format!(
+                    "  measured {what}: {} points compared ({} outside), root mean square distance {:.4}, largest {:.4}\n",
+                    d.points_compared, d.points_outside, d.rms, d.largest
+                );
+            }
+        }
+        text.push('\n');
+    }
+    for t in &answer.twofold {
+        text += &format!(
+            "gap {:?} mm: up and down differ from {:.4} to {:.4} Hz (up {}, down {})\n",
+            t.gap_mm, t.from_hz, t.to_hz, t.up, t.down
+        );
+    }
+    text
+}
+
+fn changes_text(told: &Told) -> String {
+    let lasting: Vec<_> = told.changes.iter().filter(|c| c.lasting).collect();
+    let mut text = String::new();
+    if !lasting.is_empty() {
+        text += "   Hz          within     Ω/ω      below      above      what\n";
+    }
+    for c in &lasting {
+        text += &format!(
+            "  {:>9.5}  {:>9.5}  {:>8.5}  {:<10} {:<10} {}\n",
+            c.frequency_hz,
+            c.within_hz,
+            c.frequency_ratio,
+            c.below,
+            c.above,
+            c.kind.words()
+        );
+    }
+    let brief = told.changes.len() - lasting.len();
+    if brief > 0 {
+        text += &format!(
+            "  and {brief} that last for fewer than three frequencies (--format json lists them)\n"
+        );
+    }
+    if told.not_settled > 0 {
+        text += &format!(
+            "  {} of {} frequencies had not settled\n",
+            told.not_settled, told.frequencies
+        );
+    }
+    text
+}

@@ -1,0 +1,287 @@
+//! `host-sim poincare`.
+
+use serde::Serialize;
+
+use super::common::{Common, EngineName, parse_start, pictures};
+use super::emit::{emit, tables};
+use crate::engine::Start;
+use crate::error::UserError;
+use crate::lyapunov::{self, Exponents};
+use crate::poincare::against::{self, Against, Told};
+use crate::poincare::picture::{against_figure, figure};
+use crate::poincare::{Portrait, Request, SectionPoint, portrait};
+use crate::rigfile::NamedRig;
+use crate::terminal::{Chart, Progress};
+
+/// What the section is held against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Other {
+    /// The smoothing method, at each --epsilon-m
+    Smoothed,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
+pub struct Args {
+    #[command(flatten)]
+    common: Common,
+
+    /// Drive frequency over the natural frequency, Ω/ω
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    ratio: Option<f64>,
+
+    /// Drive frequency, Hz
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    frequency: Option<f64>,
+
+    /// Points of each section, one per drive period
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    points: u32,
+
+    /// Drive cycles before the first point
+    #[arg(long, value_name = "N", default_value_t = 500)]
+    transient: u32,
+
+    /// Drive phase of the section, turns from 0 to below 1; may be given several times [default: 0]
+    #[arg(long, value_name = "TURNS", allow_negative_numbers = true)]
+    phase: Vec<f64>,
+
+    /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
+    #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
+    initial: Start,
+
+    /// Also the Lyapunov exponents of the same drive periods
+    #[arg(long)]
+    lyapunov: bool,
+
+    /// Hold the section at drive phase 0 against another model
+    #[arg(long, value_enum)]
+    against: Option<Other>,
+
+    /// Width of the smoothed switch in penetration, m; may be given several times [default: 1e-6, 3e-7 and 1e-7]
+    #[arg(
+        long,
+        value_name = "M",
+        allow_negative_numbers = true,
+        requires = "against"
+    )]
+    epsilon_m: Vec<f64>,
+}
+
+/// What a program reads.
+#[derive(Debug, Serialize)]
+struct Answer {
+    rig: String,
+    gap_mm: f64,
+    frequency_hz: f64,
+    frequency_ratio: f64,
+    regime: String,
+    force_n: f64,
+    force_ratio: f64,
+    points: u32,
+    transient: u32,
+    phases_turns: Vec<f64>,
+    steps_per_period: f64,
+    lyapunov: Option<Exponents>,
+    meaning: Option<&'static str>,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let common = &args.common;
+    common.check_out()?;
+    if common.engine()? != crate::engine::Engine::Event || common.engine != EngineName::Event {
+        return Err(UserError::new(
+            "poincare runs the event engine; for the switch model's section use simulate --engine switch",
+        ));
+    }
+    let rig = common.rig()?;
+    let request = request(args, &rig)?;
+    match args.against {
+        Some(Other::Smoothed) => run_against(args, &rig, &request),
+        None => run_section(args, &rig, &request),
+    }
+}
+
+fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
+    let natural = rig.params.natural_frequency_hz();
+    let frequency_hz = args
+        .frequency
+        .unwrap_or_else(|| args.ratio.unwrap_or(f64::NAN) * natural);
+    const MOST: u32 = 10_000_000;
+    if !(1..=MOST).contains(&args.points) {
+        return Err(UserError::new(format!(
+            "--points is {}, must be from 1 to {MOST}",
+            args.points
+        )));
+    }
+    let mut phases = if args.phase.is_empty() {
+        vec![0.0]
+    } else {
+        args.phase.clone()
+    };
+    if let Some(bad) = phases.iter().find(|p| !(0.0..1.0).contains(*p)) {
+        return Err(UserError::new(format!(
+            "--phase is {bad}, must be from 0 to below 1 turn"
+        )));
+    }
+    phases.sort_by(f64::total_cmp);
+    phases.dedup();
+    if args.against.is_some() && phases != [0.0] {
+        return Err(UserError::new(
+            "--against compares sections at drive phase 0; leave --phase out",
+        ));
+    }
+    Ok(Request {
+        params: rig.params,
+        frequency_hz,
+        start: args.initial,
+        phases,
+        transient: args.transient,
+        points: args.points,
+    })
+}
+
+fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), UserError> {
+    let common = &args.common;
+    let progress = Progress::new("drive periods", u64::from(request.points), common.quiet);
+    let (portrait, exponents) = rayon::join(
+        || portrait(request, &progress),
+        || args.lyapunov.then(|| exponents(request)).transpose(),
+    );
+    let (portrait, exponents) = (portrait?, exponents?);
+    progress.finish();
+    let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
+    let answer = answer(rig, request, &portrait, exponents);
+    if let Some(dir) = &common.out {
+        let mut contents = tables("poincare", common.format, &answer, &rows)?;
+        contents.extend(pictures("poincare", &figure(rig, request, &portrait))?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &answer, &rows, || text(&answer, &portrait))
+}
+
+fn exponents(request: &Request) -> Result<Exponents, UserError> {
+    let rig = shared::rig::Rig::<f64>::new(&request.params)?;
+    let section = request
+        .start
+        .section(&rig, std::f64::consts::TAU * request.frequency_hz)?;
+    let plan = lyapunov::Plan {
+        transient: request.transient,
+        periods: request.points,
+    };
+    lyapunov::exponents(&request.params, request.frequency_hz, section, plan)
+}
+
+fn answer(
+    rig: &NamedRig,
+    request: &Request,
+    portrait: &Portrait,
+    exponents: Option<Exponents>,
+) -> Answer {
+    let params = &request.params;
+    Answer {
+        rig: rig.name.clone(),
+        gap_mm: crate::table::tidy(params.gap_m * 1e3),
+        frequency_hz: crate::table::tidy(request.frequency_hz),
+        frequency_ratio: crate::table::tidy(request.frequency_hz / params.natural_frequency_hz()),
+        regime: portrait.regime.to_string(),
+        force_n: portrait.force_n,
+        force_ratio: portrait.force_n / params.weight_n(),
+        points: request.points,
+        transient: request.transient,
+        phases_turns: request.phases.clone(),
+        steps_per_period: portrait.steps_per_period,
+        meaning: exponents.as_ref().map(Exponents::meaning),
+        lyapunov: exponents,
+    }
+}
+
+fn heading(rig: &NamedRig, request: &Request) -> String {
+    format!(
+        "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n",
+        rig.name,
+        crate::table::tidy(request.params.gap_m * 1e3),
+        request.frequency_hz,
+        request.frequency_hz / request.params.natural_frequency_hz()
+    )
+}
+
+fn text(answer: &Answer, portrait: &Portrait) -> String {
+    let mut text = format!(
+        "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n  regime    {} over {} drive periods\n  force     {:.2} N, {:.3} times the hammer's weight\n",
+        answer.rig,
+        answer.gap_mm,
+        answer.frequency_hz,
+        answer.frequency_ratio,
+        answer.regime,
+        answer.points,
+        answer.force_n,
+        answer.force_ratio
+    );
+    if let (Some(e), Some(meaning)) = (&answer.lyapunov, answer.meaning) {
+        text += &format!(
+            "  exponent  {:+.4} ± {:.4} per second ({:+.4} per drive period): {meaning}\n",
+            e.largest_per_s, e.standard_error_per_s, e.largest_per_period
+        );
+        if let Some(other) = e.other_per_s {
+            text += &format!("            the other {other:+.4} per second\n");
+        }
+    }
+    for (phase, section) in answer.phases_turns.iter().zip(&portrait.sections) {
+        let points = section
+            .iter()
+            .map(|p| (p.relative_displacement_mm, p.relative_velocity_m_per_s));
+        text += &format!("\nsection at drive phase {phase:?} turns\n");
+        text += &Chart::new("displacement relative to the cart, mm", "velocity, m/s")
+            .points("section", points.collect())
+            .render();
+    }
+    text
+}
+
+fn run_against(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), UserError> {
+    let common = &args.common;
+    let widths = match args.epsilon_m.as_slice() {
+        [] => &against::WIDTHS_M[..],
+        widths => widths,
+    };
+    let runs = (widths.len() as u64 + 2) * u64::from(request.points);
+    let progress = Progress::new("drive periods", runs, common.quiet);
+    let found = against::against(request, widths, &progress)?;
+    progress.finish();
+    let rows = found.rows();
+    if let Some(dir) = &common.out {
+        let mut contents = tables("poincare-against", common.format, &rows, &rows)?;
+        let figure = against_figure(rig, request, &found);
+        contents.extend(pictures("poincare-against", &figure)?);
+        common.write(dir, &contents)?;
+    }
+    emit(common.format, &rows, &rows, || {
+        heading(rig, request) + &against_text(&found, &rows)
+    })
+}
+
+fn against_text(found: &Against, rows: &[Told]) -> String {
+    let mut text = format!(
+        "  the switch: regime {} over {} points\n\n  model                  width, m  repeats  steps/period  away, A0  boxes not shared  exponent/period\n",
+        found.exact.regime,
+        found.exact.sections[0].len()
+    );
+    for r in rows {
+        let dash = || "-".to_owned();
+        text += &format!(
+            "  {:<21}  {:>8}  {:>7}  {:>12.1}  {:>8.4}  {:>14.1} %  {}\n",
+            r.model,
+            r.epsilon_m.map_or_else(dash, |e| format!("{e:.0e}")),
+            r.section_periods.map_or_else(dash, |n| n.to_string()),
+            r.steps_per_period,
+            r.carried,
+            100.0 * r.boxes_not_shared,
+            match (r.largest_exponent_per_period, r.exponent_error_per_period) {
+                (Some(e), Some(error)) => format!("{e:+.4} ± {error:.4}"),
+                _ => dash(),
+            }
+        );
+    }
+    text + "\n  away: how far points are to be carried on average to give the switch's cloud (A0, A0 Ω)\n"
+}

@@ -1,0 +1,351 @@
+//! Bifurcation diagrams: figures 3.27–3.35 (wires, whole and in detail) and 3.43–3.45 (beams).
+
+use shared::params::RigParams;
+
+use super::section::{files, rig};
+use super::{Effort, Page};
+use crate::bifurcation::picture::{Abscissa, Look, Quantity, figure, panel};
+use crate::bifurcation::{Diagram, Request, changes, diagrams, rows};
+use crate::engine::Engine;
+use crate::error::UserError;
+use crate::lanes::Plan;
+use crate::lyapunov;
+use crate::picture::Figure;
+use crate::rigfile::NamedRig;
+use crate::sweep::{Direction, spread};
+use crate::terminal::Progress;
+
+/// Frequencies of the chapter's range on a rig, Hz: Ω/ω as 1.41 to 7.28 Hz on the wires.
+fn range(params: &RigParams, count: usize) -> Vec<f64> {
+    let natural = params.natural_frequency_hz();
+    spread(1.41 / 1.82 * natural, 7.28 / 1.82 * natural, count)
+}
+
+fn plan(effort: Effort) -> Plan {
+    match effort {
+        Effort::Full => Plan {
+            strobes: 100,
+            ..Plan::CHAPTER
+        },
+        Effort::Coarse => Plan {
+            cycles: 100,
+            recorded: 40,
+            early: true,
+            strobes: 40,
+        },
+    }
+}
+
+fn compute(
+    effort: Effort,
+    rig: &NamedRig,
+    gaps_mm: &[f64],
+    frequencies_hz: Vec<f64>,
+    directions: &[Direction],
+    progress: &Progress,
+) -> Result<Vec<Diagram>, UserError> {
+    let request = Request {
+        rig: rig.clone(),
+        gaps_mm: gaps_mm.to_vec(),
+        frequencies_hz,
+        directions: directions.to_vec(),
+        engine: Engine::Event,
+        plan: plan(effort),
+        locate: effort == Effort::Full,
+    };
+    diagrams(&request, progress)
+}
+
+/// Lowest and highest Ω/ω of the first unbroken run of `regime` above `from` (Ω/ω) that lasts for at least three
+/// frequencies.
+fn band(diagram: &Diagram, regime: &str, from: f64) -> Option<(f64, f64)> {
+    let runs = diagram
+        .stations
+        .chunk_by(|a, b| a.row.regime == b.row.regime);
+    let run = runs
+        .into_iter()
+        .find(|r| r.len() >= 3 && r[0].row.regime == regime && r[0].row.frequency_ratio > from)?;
+    Some((
+        run[0].row.frequency_ratio,
+        run[run.len() - 1].row.frequency_ratio,
+    ))
+}
+
+fn words(band: Option<(f64, f64)>) -> String {
+    band.map_or("not found".to_owned(), |(a, b)| {
+        format!("Ω/ω {a:.3} to {b:.3}")
+    })
+}
+
+/// The numbers of the three figures of a gap and what the chapter says.
+struct Wires {
+    gap_mm: f64,
+    numbers: [&'static str; 3],
+    chapter: &'static str,
+    /// Whether the chapter sees chaos after the 1/1 (else a doubling).
+    chaos: bool,
+}
+
+/// Whole diagram, and details of displacement and force about the end of the 1/1.
+fn wires(effort: Effort, progress: &Progress, what: &Wires) -> Result<Vec<Page>, UserError> {
+    let rig = rig("wires", what.gap_mm)?;
+    let (count, zoomed) = match effort {
+        Effort::Full => (588, 400),
+        Effort::Coarse => (60, 30),
+    };
+    let all = [Direction::Rest, Direction::Up, Direction::Down];
+    let whole = compute(
+        effort,
+        &rig,
+        &[what.gap_mm],
+        range(&rig.params, count),
+        &all,
+        progress,
+    )?;
+    let first = band(&whole[0], "1/1", 0.0);
+    let second = band(&whole[0], "1/2", first.map_or(0.0, |b| b.1));
+    let from = first.map_or(1.0, |b| b.1) - 0.1;
+    let to = second
+        .map_or(from + 0.8, |b| b.0 + 0.15)
+        .clamp(from + 0.3, from + 1.4);
+    let natural = rig.params.natural_frequency_hz();
+    let near = spread(from * natural, to * natural, zoomed);
+    let detail = compute(
+        effort,
+        &rig,
+        &[what.gap_mm],
+        near,
+        &[Direction::Rest],
+        progress,
+    )?;
+    let found = tell(effort, what, &whole, &detail[0], (first, second))?;
+    let gap = what.gap_mm;
+    let page = |k: usize, title: String, command: String, files| Page {
+        figure: what.numbers[k],
+        title,
+        chapter: what.chapter,
+        found: found.clone(),
+        command,
+        files,
+    };
+    let lean: Vec<_> = whole.iter().collect();
+    let zoom = |quantity| {
+        let look = Look {
+            quantity,
+            abscissa: Abscissa::Ratio,
+            range: Some((from, to)),
+            measured: None,
+            marks: quantity == Quantity::Displacement,
+        };
+        Figure::new(format!(
+            "wires, gap {gap:?} mm: detail about the end of the 1/1"
+        ))
+        .subtitle("Section at drive phase 0, each frequency from rest.")
+        .size(1200, 620)
+        .panel(panel(&[&detail[0]], look))
+    };
+    let step = (to - from) / (zoomed - 1) as f64;
+    let zoom_command = format!(
+        "host-sim bifurcation --rig wires --gap {gap:?} --ratio {from:.4}:{to:.4}:{step:.5}"
+    );
+    Ok(vec![
+        page(
+            0,
+            format!("Wires, {gap:?} mm: bifurcation diagrams of displacement and force"),
+            format!("host-sim bifurcation --rig wires --gap {gap:?} --direction all"),
+            files(
+                what.numbers[0],
+                &figure(&lean, Abscissa::Ratio, None),
+                &rows(&whole),
+            )?,
+        ),
+        page(
+            1,
+            format!("Wires, {gap:?} mm: displacement, detail"),
+            zoom_command.clone(),
+            files(
+                what.numbers[1],
+                &zoom(Quantity::Displacement),
+                &rows(&detail),
+            )?,
+        ),
+        page(
+            2,
+            format!("Wires, {gap:?} mm: impact force, detail"),
+            zoom_command,
+            files(what.numbers[2], &zoom(Quantity::Force), &rows(&detail))?,
+        ),
+    ])
+}
+
+type Band = Option<(f64, f64)>;
+
+fn tell(
+    effort: Effort,
+    what: &Wires,
+    whole: &[Diagram],
+    detail: &Diagram,
+    (first, second): (Band, Band),
+) -> Result<String, UserError> {
+    let end = first.map(|b| b.1);
+    let after = detail.changes.iter().find(|c| c.below == "1/1");
+    let doubled = after.is_some_and(|c| c.above == "2/2");
+    let chaos = most_chaotic(effort, detail)?;
+    let verdict = match (what.chaos, doubled, &chaos) {
+        (false, true, _) | (true, _, Some((_, "chaotic", _))) => "Agrees",
+        _ => "Differs",
+    };
+    let mut text = format!(
+        "{verdict}: from rest 1/1 over {}, 1/2 over {}",
+        words(first),
+        words(second)
+    );
+    if let (Some(change), Some(_)) = (after, end) {
+        text += &format!(
+            "; the 1/1 goes over to {} at Ω/ω = {:.4} ({})",
+            change.above,
+            change.frequency_ratio,
+            change.kind.words()
+        );
+    }
+    if let Some((ratio, meaning, exponent)) = chaos {
+        text += &format!(
+            "; largest Lyapunov exponent at {ratio:.3}: {:+.3} ± {:.3} per drive period ({meaning})",
+            exponent.largest_per_period,
+            exponent.standard_error_per_s / (exponent.largest_per_s / exponent.largest_per_period)
+        );
+    }
+    let twofold = changes::twofold(&whole[1], &whole[2]);
+    let share: usize = twofold.len();
+    text += &match twofold.first() {
+        None => "; carried up and down agree everywhere: no jump".to_owned(),
+        Some(t) => format!(
+            "; ranges of frequency in which carried up and down differ: {share}, the first from {:.3} to {:.3} Hz (up {}, down {})",
+            t.from_hz, t.to_hz, t.up, t.down
+        ),
+    };
+    Ok(text + ". The chapter's measured points are not available as numbers.")
+}
+
+/// Ω/ω in the middle of the longest stretch that does not repeat, what its exponent says, and the exponent.
+fn most_chaotic(
+    effort: Effort,
+    diagram: &Diagram,
+) -> Result<Option<(f64, &'static str, lyapunov::Exponents)>, UserError> {
+    let runs = diagram
+        .stations
+        .chunk_by(|a, b| a.row.regime == b.row.regime);
+    let wild = runs.filter(|r| r[0].row.regime == "aperiodic");
+    let Some(longest) = wild.max_by_key(|r| r.len()) else {
+        return Ok(None);
+    };
+    let station = &longest[longest.len() / 2];
+    let plan = lyapunov::Plan {
+        transient: 100,
+        periods: if effort == Effort::Full { 2000 } else { 60 },
+    };
+    let hz = station.row.frequency_hz;
+    let found = lyapunov::exponents(&diagram.params, hz, station.end, plan)?;
+    Ok(Some((station.row.frequency_ratio, found.meaning(), found)))
+}
+
+/// Figures 3.27 to 3.29.
+///
+/// # Errors
+/// None with the presets as they are.
+pub fn wires_0(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let what = Wires {
+        gap_mm: 0.0,
+        numbers: ["3.27", "3.28", "3.29"],
+        chapter: "Gap 0.0 mm: z = 1/1, then a bifurcation the chapter calls pitch-fork (it is a period doubling), seen at 2.7, then z = 1/2, seen at 3.8. No jumps.",
+        chaos: false,
+    };
+    wires(effort, progress, &what)
+}
+
+/// Figures 3.30 to 3.32.
+///
+/// # Errors
+/// None with the presets as they are.
+pub fn wires_1(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let what = Wires {
+        gap_mm: 1.0,
+        numbers: ["3.30", "3.31", "3.32"],
+        chapter: "Gap 1.0 mm: z = 1/1 at 1.5, z = 1/2 at 3.3; chaotic behaviour after the 1/1.",
+        chaos: true,
+    };
+    wires(effort, progress, &what)
+}
+
+/// Figures 3.33 to 3.35.
+///
+/// # Errors
+/// None with the presets as they are.
+pub fn wires_2(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let what = Wires {
+        gap_mm: 2.4,
+        numbers: ["3.33", "3.34", "3.35"],
+        chapter: "Gap 2.4 mm: z = 1/1 at 1.2 and 1.4; chaotic behaviour after the 1/1; gaps other than 0.0 mm jump.",
+        chaos: true,
+    };
+    wires(effort, progress, &what)
+}
+
+/// Figures 3.43 to 3.45.
+///
+/// # Errors
+/// None with the presets as they are.
+pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    const GAPS_MM: [f64; 3] = [0.0, 1.0, 3.0];
+    let count = if effort == Effort::Full { 588 } else { 40 };
+    let named = [
+        ("3.43", "beam-170"),
+        ("3.44", "beam-150"),
+        ("3.45", "beam-135"),
+    ];
+    let page = |(number, name): (&'static str, &str)| {
+        let rig = rig(name, 0.0)?;
+        let hz = range(&rig.params, count);
+        let found = compute(effort, &rig, &GAPS_MM, hz, &[Direction::Rest], progress)?;
+        let mut figure = Figure::new(format!("{name}: bifurcation diagrams of the displacement"))
+            .subtitle("Section at drive phase 0, each frequency from rest. One bending mode.")
+            .size(1200, 1180);
+        let mut told = Vec::new();
+        for (letter, diagram) in ["a", "b", "c"].into_iter().zip(&found) {
+            let look = Look {
+                quantity: Quantity::Displacement,
+                abscissa: Abscissa::Ratio,
+                range: None,
+                measured: None,
+                marks: true,
+            };
+            let title = format!("{letter}) gap {:?} mm", diagram.gap_mm);
+            figure = figure.panel(panel(&[diagram], look).without_legend().titled(title));
+            let first = band(diagram, "1/1", 0.0);
+            let inside = diagram.stations.iter().filter(|s| s.row.regime == "1/1");
+            let largest = inside
+                .flat_map(|s| &s.points)
+                .map(|p| p.displacement_mm.abs());
+            told.push(format!(
+                "{:?} mm: 1/1 over {}, up to {:.2} mm from the middle on the section",
+                diagram.gap_mm,
+                words(first),
+                largest.fold(0.0, f64::max)
+            ));
+        }
+        Ok(Page {
+            figure: number,
+            title: format!(
+                "{name}: bifurcation diagrams of the displacement, gaps 0.0, 1.0 and 3.0 mm"
+            ),
+            chapter: "The transitions between frequency bands are seen in simulation and measurement alike; the simulated amplitudes are higher, and the measured points scatter even where the motion is steady, for energy goes into higher bending modes, which this model does not have.",
+            found: format!(
+                "Found: {}. A steady 1/1 is a single point here: the one-mode model does not scatter. The chapter's measured points are not available as numbers.",
+                told.join("; ")
+            ),
+            command: format!("host-sim bifurcation --rig {name} --gap 0 --gap 1 --gap 3"),
+            files: files(number, &figure, &rows(&found))?,
+        })
+    };
+    named.into_iter().map(page).collect()
+}

@@ -1,0 +1,202 @@
+//! Sections, and the smoothing method against the switch: figures 3.4 and 3.16–3.23.
+
+use serde::Serialize;
+use shared::params::PRESETS;
+
+use super::{Effort, Page, drawn, stem};
+use crate::engine::Start;
+use crate::error::UserError;
+use crate::picture::Figure;
+use crate::poincare::{self, against};
+use crate::rigfile::{NamedRig, with_number};
+use crate::table::to_csv;
+use crate::terminal::Progress;
+
+/// The preset called `name` at `gap_mm`.
+pub(super) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
+    let found = PRESETS.into_iter().find(|(preset, _)| *preset == name);
+    let (_, params) = found.ok_or_else(|| UserError::new(format!("there is no preset {name}")))?;
+    Ok(NamedRig {
+        name: name.to_owned(),
+        params: with_number(&params, "gap_mm", gap_mm)?,
+    })
+}
+
+/// The files of a figure: picture and table.
+pub(super) fn files<T: Serialize>(
+    number: &str,
+    figure: &Figure,
+    table: &[T],
+) -> Result<Vec<(String, Vec<u8>)>, UserError> {
+    let name = stem(number);
+    let mut files = drawn(&name, figure)?;
+    files.push((format!("{name}.csv"), to_csv(table)));
+    Ok(files)
+}
+
+/// Figure 3.4's point on this rig.
+///
+/// # Errors
+/// None with the presets as they are.
+pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    const RATIO: f64 = 2.7;
+    let rig = rig("wires", 1.0)?;
+    let (points, transient) = match effort {
+        Effort::Full => (10_000, 500),
+        Effort::Coarse => (200, 100),
+    };
+    let request = poincare::Request {
+        params: rig.params,
+        frequency_hz: RATIO * rig.params.natural_frequency_hz(),
+        start: Start::Rest,
+        phases: vec![0.0],
+        transient,
+        points,
+    };
+    let found = against::against(&request, &against::WIDTHS_M, progress)?;
+    let words = found.smoothed.iter().map(|s| {
+        format!(
+            "{:?} µm: {}, {:.3} A0 away, {:.0} % of the boxes not shared, {:.0} steps per drive period",
+            crate::table::tidy(s.epsilon_m * 1e6),
+            match s.told.section_periods {
+                Some(n) => format!("repeats after {n}"),
+                None => "does not repeat".to_owned(),
+            },
+            s.told.carried,
+            100.0 * s.told.boxes_not_shared,
+            s.told.steps_per_period
+        )
+    });
+    let words = words.collect::<Vec<_>>().join("; ");
+    let changed = found
+        .smoothed
+        .iter()
+        .any(|s| s.told.carried > 10.0 * found.again.carried);
+    Ok(vec![Page {
+        figure: "3.4",
+        title: "The smoothing method against the switch on one chaotic Poincaré section".to_owned(),
+        chapter: "With a smoothing function in place of the switch the Poincaré map of a chaotic system changes its topology with the smoothing parameter (a, b, c) and differs from that of the discontinuous system (d); a step-size controlled integrator takes considerable time.",
+        found: format!(
+            "{}: wires, 1.0 mm, Ω/ω = {RATIO}. By width of the smoothing: {words}. The switch needs {:.0} steps per drive period; two of its own runs are {:.4} A0 and {:.1} % of the boxes apart.",
+            if changed { "Agrees" } else { "Differs" },
+            found.told.steps_per_period,
+            found.again.carried,
+            100.0 * found.again.boxes_not_shared
+        ),
+        command: format!(
+            "host-sim poincare --rig wires --gap 1 --ratio {RATIO} --against smoothed --points {points} --transient {transient}"
+        ),
+        files: files(
+            "3.4",
+            &poincare::picture::against_figure(&rig, &request, &found),
+            &found.rows(),
+        )?,
+    }])
+}
+
+/// Contacts in drive periods: p and n.
+type Z = (u16, u8);
+
+/// Figure, gap (mm), Ω/ω, what the chapter calls it, and the p/n that stands for.
+const SECTIONS: [(&str, f64, f64, &str, Option<Z>); 8] = [
+    (
+        "3.16",
+        0.0,
+        2.7,
+        "After the bifurcation of z = 1/1.",
+        Some((2, 2)),
+    ),
+    (
+        "3.17",
+        0.0,
+        3.8,
+        "Second frequency band, z = 1/2.",
+        Some((1, 2)),
+    ),
+    (
+        "3.18",
+        1.0,
+        1.5,
+        "First frequency band, z = 1/1.",
+        Some((1, 1)),
+    ),
+    (
+        "3.19",
+        1.0,
+        3.3,
+        "Second frequency band, z = 1/2.",
+        Some((1, 2)),
+    ),
+    ("3.20", 1.0, 4.7, "After the bifurcation.", None),
+    (
+        "3.21",
+        2.4,
+        1.2,
+        "First frequency band, z = 1/1.",
+        Some((1, 1)),
+    ),
+    (
+        "3.22",
+        2.4,
+        1.4,
+        "Gap 2.4 mm at 1.4, below the end of the first band.",
+        Some((1, 1)),
+    ),
+    (
+        "3.23",
+        2.4,
+        2.7,
+        "Gap 2.4 mm at 2.7, in the second band.",
+        Some((1, 2)),
+    ),
+];
+
+/// Displacement, phase plane and section: figures 3.16 to 3.23.
+///
+/// # Errors
+/// None with the presets as they are.
+pub fn portraits(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let (points, transient) = match effort {
+        Effort::Full => (2000, 600),
+        Effort::Coarse => (60, 200),
+    };
+    let page = |(number, gap, ratio, chapter, expected): (_, f64, f64, _, Option<Z>)| {
+        let rig = rig("wires", gap)?;
+        let request = poincare::Request {
+            params: rig.params,
+            frequency_hz: ratio * rig.params.natural_frequency_hz(),
+            start: Start::Rest,
+            phases: vec![0.0],
+            transient,
+            points,
+        };
+        let portrait = poincare::portrait(&request, progress)?;
+        let verdict = match expected {
+            Some((p, n)) if portrait.regime.is(p, n) => "Agrees",
+            Some(_) => "Differs",
+            None => "The chapter names no p/n",
+        };
+        let found = format!(
+            "{verdict}: from rest z = {} over {points} drive periods, largest force {:.2} times the weight. The chapter's measured curves are not available as numbers.",
+            portrait.regime,
+            portrait.force_n / rig.params.weight_n()
+        );
+        Ok(Page {
+            figure: number,
+            title: format!(
+                "Wires, {gap:?} mm, Ω/ω = {ratio}: displacement, phase plane and Poincaré map"
+            ),
+            chapter,
+            found,
+            command: format!(
+                "host-sim poincare --rig wires --gap {gap:?} --ratio {ratio} --points {points} --transient {transient}"
+            ),
+            files: files(
+                number,
+                &poincare::picture::chapter(&rig, &request, &portrait),
+                &portrait.sections[0],
+            )?,
+        })
+    };
+    SECTIONS.into_iter().map(page).collect()
+}
