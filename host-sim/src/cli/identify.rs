@@ -157,6 +157,8 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
         let first = &d[..d.len().min(5)];
         first.iter().sum::<f64>() / first.len() as f64
     });
+    // No sensor tells more than a nanometre.
+    let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
     let release_mm = args.release_mm.or(shown).unwrap_or(-3.0);
     if !release_mm.is_finite() {
         return Err(UserError::new(format!(
@@ -249,7 +251,7 @@ fn text(answer: &Answer) -> String {
     }
     text += &match &answer.ring {
         Some(ring) => format!(
-            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is not part of the model.\n",
+            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is not part of the model, and draws peaks and shape away from it (docs/identify.md).\n",
             ring.frequency_hz,
             ring.decay_ms,
             ring.damping_ratio,

@@ -73,36 +73,10 @@ fn blows_per_second(signal: &Signal) -> Result<f64, UserError> {
 /// variance it explains.
 pub fn pitch(times: &[f64], values: &[f64], range: (f64, f64)) -> (f64, f64) {
     let every = times.len().div_ceil(TRIED_SAMPLES);
-    let pairs = || times.iter().zip(values).step_by(every);
-    let n = pairs().count() as f64;
-    let mean = pairs().map(|(_, y)| y).sum::<f64>() / n;
-    let variance = pairs().map(|(_, y)| (y - mean).powi(2)).sum::<f64>();
-    let begin = times[0];
-    let share = |hz: f64| {
-        let (mut cc, mut cs, mut ss, mut c1, mut s1, mut cy, mut sy) = (0., 0., 0., 0., 0., 0., 0.);
-        for (t, y) in pairs() {
-            let (s, c) = (TAU * hz * (t - begin)).sin_cos();
-            cc += c * c;
-            cs += c * s;
-            ss += s * s;
-            c1 += c;
-            s1 += s;
-            cy += c * (y - mean);
-            sy += s * (y - mean);
-        }
-        // With the mean free, too.
-        let (cc, cs, ss) = (cc - c1 * c1 / n, cs - c1 * s1 / n, ss - s1 * s1 / n);
-        let determinant = cc * ss - cs * cs;
-        if determinant <= 1e-9 * cc * ss {
-            return 0.0;
-        }
-        let (a, b) = (
-            (cy * ss - sy * cs) / determinant,
-            (sy * cc - cy * cs) / determinant,
-        );
-        (a * cy + b * sy) / variance
-    };
-    let span = times.last().map_or(1.0, |t| t - begin);
+    let kept = |all: &[f64]| all.iter().step_by(every).copied().collect::<Vec<_>>();
+    let (few, values) = (kept(times), kept(values));
+    let share = |hz: f64| Swing::new(&few, &values, hz).explained;
+    let span = times.last().map_or(1.0, |t| t - times[0]);
     let step = 0.2 / span;
     let count = (((range.1 - range.0) / step) as usize).clamp(1, 20_000);
     let tried = (0..=count).map(|i| range.0 + (range.1 - range.0) * i as f64 / count as f64);
@@ -111,6 +85,51 @@ pub fn pitch(times: &[f64], values: &[f64], range: (f64, f64)) -> (f64, f64) {
     let near = ((best - step).max(range.0), (best + step).min(range.1));
     let hz = maximum(share, near, 1e-6 * best, best);
     (hz, share(hz))
+}
+
+/// The sinusoid c cos Ωt + s sin Ωt, about a mean, that is closest to a record by least squares.
+struct Swing {
+    cosine: f64,
+    sine: f64,
+    /// Share of the record's variance it explains.
+    explained: f64,
+}
+
+impl Swing {
+    fn new(times: &[f64], values: &[f64], hz: f64) -> Self {
+        let n = times.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let (mut cc, mut cs, mut ss, mut c1, mut s1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut cy, mut sy, mut yy) = (0.0, 0.0, 0.0);
+        for (t, y) in times.iter().zip(values) {
+            let (s, c) = (TAU * hz * t).sin_cos();
+            cc += c * c;
+            cs += c * s;
+            ss += s * s;
+            c1 += c;
+            s1 += s;
+            cy += c * (y - mean);
+            sy += s * (y - mean);
+            yy += (y - mean).powi(2);
+        }
+        // With the mean free, too.
+        let (cc, cs, ss) = (cc - c1 * c1 / n, cs - c1 * s1 / n, ss - s1 * s1 / n);
+        let determinant = cc * ss - cs * cs;
+        if determinant <= 1e-9 * cc * ss {
+            return Self {
+                cosine: 0.0,
+                sine: 0.0,
+                explained: 0.0,
+            };
+        }
+        let cosine = (cy * ss - sy * cs) / determinant;
+        let sine = (sy * cc - cy * cs) / determinant;
+        Self {
+            cosine,
+            sine,
+            explained: (cosine * cy + sine * sy) / yy,
+        }
+    }
 }
 
 /// What is to be added to the record's times so that it lies best over the simulation, s, and the misfit there
@@ -128,7 +147,8 @@ pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64)
     if let Some(phase) = signal
         .cart_mm
         .as_ref()
-        .and_then(|cart| cart_phase(signal, cart, simulated.frequency_hz))
+        .and_then(|cart| cart_swing(signal, cart, simulated.frequency_hz))
+        .map(|(_, phase)| phase)
     {
         let each = (0..simulated.periods).map(|k| (phase + f64::from(k)) * period);
         return least(&mut { each });
@@ -145,20 +165,11 @@ pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64)
     (best.rem_euclid(simulated.span_s()), misfit(best))
 }
 
-/// The drive's phase at the record's time 0, turns, from the cart's motion y = A0 sin Ωt.
-fn cart_phase(signal: &Signal, cart: &[f64], hz: f64) -> Option<f64> {
-    let n = cart.len() as f64;
-    let mean = cart.iter().sum::<f64>() / n;
-    let (mut c, mut s, mut all) = (0.0, 0.0, 0.0);
-    for (t, y) in signal.time_s.iter().zip(cart) {
-        let (sin, cos) = (TAU * hz * t).sin_cos();
-        c += (y - mean) * cos;
-        s += (y - mean) * sin;
-        all += (y - mean).powi(2);
-    }
-    // Half the square is what a pure sinusoid gives.
-    let explained = 2.0 * (c * c + s * s) / (n * all);
-    (explained > 0.5).then(|| (c.atan2(s) / TAU).rem_euclid(1.0))
+/// The cart's amplitude (mm) and the drive's phase at the record's time 0 (turns), from its motion y = A0 sin Ωt.
+pub fn cart_swing(signal: &Signal, cart: &[f64], hz: f64) -> Option<(f64, f64)> {
+    let swing = Swing::new(&signal.time_s, cart, hz);
+    let phase = (swing.cosine.atan2(swing.sine) / TAU).rem_euclid(1.0);
+    (swing.explained > 0.5).then(|| (swing.cosine.hypot(swing.sine), phase))
 }
 
 /// Share of the record's square about its mean that a shift leaves: of the displacement, or else of the force.

@@ -72,6 +72,8 @@ pub struct Errors {
     pub frequency_from: &'static str,
     /// What is added to the record's time to stand at the simulation's drive phase 0, s.
     pub shift_s: f64,
+    /// The cart's measured amplitude, mm.
+    pub cart_amplitude_mm: Option<f64>,
     /// The simulation's regime.
     pub regime: String,
     /// Samples compared.
@@ -211,7 +213,8 @@ fn errors(
         seek_exponent: false,
         impacts: usize::MAX,
     };
-    let span = rows.len() as f64 * signal.sample_s();
+    let times = &signal.time_s;
+    let span = times[times.len() - 1] - times[0] + signal.sample_s();
     let contacts = signal
         .force_n
         .as_ref()
@@ -219,10 +222,11 @@ fn errors(
     let count = contacts.as_ref().map(|c| c.impacts.len() as f64);
     let over = contacts.as_ref().map(|c| {
         let long = |i: &crate::identify::Impact| {
-            let forces = &c.force_n[i.window.clone()];
-            forces.iter().filter(|f| **f > c.threshold_n).count() as f64
+            let inside = i.window.clone().skip(1);
+            let over = inside.filter(|k| c.force_n[*k] > c.threshold_n);
+            over.map(|k| c.time_s[k] - c.time_s[k - 1]).sum::<f64>()
         };
-        c.impacts.iter().map(long).sum::<f64>() / c.impacts.len() as f64 * c.sample_s
+        c.impacts.iter().map(long).sum::<f64>() / c.impacts.len() as f64
     });
     let largest = contacts
         .as_ref()
@@ -233,6 +237,19 @@ fn errors(
     let mut notes = Vec::new();
     if !simulated.repeats {
         notes.push("the simulation does not repeat: histories drift apart, compare the phase plane and the forces".to_owned());
+    }
+    let cart_amplitude_mm = signal
+        .cart_mm
+        .as_ref()
+        .and_then(|cart| align::cart_swing(signal, cart, simulated.frequency_hz))
+        .map(|(amplitude, _)| amplitude);
+    let assumed_mm = question.params.amplitude_m * 1e3;
+    if let Some(mm) = cart_amplitude_mm
+        && (mm / assumed_mm - 1.0).abs() > 0.01
+    {
+        notes.push(format!(
+            "the cart moves by {mm:.4} mm, the simulation's by {assumed_mm:.4} mm: --set amplitude_mm={mm:.4} compares like with like"
+        ));
     }
     if signal.force_n.is_some() && contacts.is_none() {
         notes.push("no contact stands out in the measured force".to_owned());
@@ -245,6 +262,7 @@ fn errors(
         frequency_ratio: simulated.frequency_hz / question.params.natural_frequency_hz(),
         frequency_from: from,
         shift_s,
+        cart_amplitude_mm,
         regime: simulated.regime.clone(),
         samples: rows.len(),
         displacement_rms_mm: displacement.map(|d| d.0),

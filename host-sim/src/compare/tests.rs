@@ -110,6 +110,7 @@ fn the_carts_motion_gives_frequency_and_phase() {
     signal.cart_mm = Some(cart.collect());
     let seen = compare(&signal, &question(None)).unwrap().errors;
     assert_eq!(seen.frequency_from, "cart");
-    assert!((seen.frequency_hz / hz - 1.0).abs() < 1e-4, "{seen:?}");
-    assert!((seen.shift_s - 0.05).abs() < 2e-4, "{seen:?}");
+    assert!((seen.frequency_hz / hz - 1.0).abs() < 1e-5, "{seen:?}");
+    assert!((seen.shift_s - 0.05).abs() < 1e-5, "{seen:?}");
+    assert!((seen.cart_amplitude_mm.unwrap() / 0.89 - 1.0).abs() < 1e-4);
 }

@@ -134,9 +134,19 @@ fn quantisation(force: &[f64]) -> Option<f64> {
     differences.clone().all(whole).then_some(least)
 }
 
+/// ∫ f dt by trapezoids.
+fn integral(times: &[f64], values: &[f64], range: Range<usize>) -> f64 {
+    let pairs = times[range.clone()]
+        .windows(2)
+        .zip(values[range].windows(2));
+    pairs
+        .map(|(t, f)| 0.5 * (f[0] + f[1]) * (t[1] - t[0]))
+        .sum()
+}
+
 fn find(measured: &Measured, most: usize) -> Vec<Impact> {
     let force = &measured.force_n;
-    let silence = (SILENCE_S / measured.sample_s).ceil() as usize;
+    let times = &measured.time_s;
     let mut impacts = Vec::new();
     let mut at = 0;
     while impacts.len() < most {
@@ -146,7 +156,7 @@ fn find(measured: &Measured, most: usize) -> Vec<Impact> {
         };
         let mut last = first;
         let mut i = first;
-        while i < force.len() && i <= last + silence {
+        while i < force.len() && times[i] <= times[last] + SILENCE_S {
             if force[i].abs() > measured.threshold_n {
                 last = i;
             }
@@ -165,12 +175,15 @@ fn find(measured: &Measured, most: usize) -> Vec<Impact> {
 /// and which ringing hardly moves.
 fn impact(measured: &Measured, first: usize, last: usize, peak_n: f64) -> Impact {
     let force = &measured.force_n;
-    let sum: f64 = force[first..=last].iter().sum();
-    let width = (sum * measured.sample_s / peak_n).max(2.0 * measured.sample_s);
-    let samples = |times: f64| (times * width / measured.sample_s).ceil() as usize;
-    let window =
-        first.saturating_sub(samples(1.0).max(4))..(first + samples(4.0).max(8)).min(force.len());
-    let impulse = force[window.clone()].iter().sum::<f64>() * measured.sample_s;
+    let times = &measured.time_s;
+    let until = (last + 1).min(force.len() - 1);
+    let width = integral(times, force, first - 1..until + 1) / peak_n;
+    let width = width.max(2.0 * measured.sample_s);
+    let at = |t: f64| times.partition_point(|x| *x < t);
+    let begin = at(times[first] - width).min(first.saturating_sub(4));
+    let end = at(times[first] + 4.0 * width).max(first + 8);
+    let window = begin..end.min(force.len());
+    let impulse = integral(times, force, window.clone());
     Impact {
         first,
         at_s: measured.time_s[first],

@@ -139,6 +139,15 @@ impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
             (None, None)
         };
         let strongest_correlation = self.correlation(low, high);
+        // A few more, for the picture.
+        for end in [low, high].into_iter().flatten() {
+            for share in [0.35, 0.7, 1.6] {
+                let x = centre + share * (end - centre);
+                if x > unknown.range.0 && x < unknown.range.1 {
+                    self.rise(x);
+                }
+            }
+        }
         let value = |x: f64| unknown.value(x);
         let near = |limit: f64| (centre - limit).abs() < 1e-3 * span;
         let mut points: Vec<_> = self

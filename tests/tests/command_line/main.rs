@@ -5,6 +5,9 @@
 mod bad_input;
 mod basins;
 mod bifurcation;
+mod compare;
+mod contact;
+mod drop_test;
 mod emulate;
 mod figures;
 mod modes;

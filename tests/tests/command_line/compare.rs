@@ -1,0 +1,95 @@
+//! `host-sim compare`.
+
+use crate::support::{Folder, assert_svg_shows, csv_rows, number, png_size};
+
+const SHORT: &str = "--cycles 160 --transient 140";
+
+/// A folder with a record that `simulate` wrote.
+fn simulated(drive: &str) -> Folder {
+    let folder = Folder::new();
+    folder
+        .run(&format!("simulate {drive} {SHORT} --out s --quiet"))
+        .well();
+    let rows = csv_rows(&folder.read("s/simulate-history.csv"));
+    let mut csv = String::from("time_s,displacement_mm\n");
+    let mut last = f64::NEG_INFINITY;
+    // The record's clock starts somewhere; a history has both sides of a switch at one instant.
+    for row in rows.iter().skip(137) {
+        let (t, x) = (number(row, "time_s") - 50.0, number(row, "displacement_mm"));
+        if t > last {
+            csv += &format!("{t:?},{x:?}\n");
+        }
+        last = t;
+    }
+    folder.with("record.csv", csv)
+}
+
+#[test]
+fn a_record_of_the_model_lies_on_it() {
+    let folder = simulated("--gap 1 --ratio 1.5");
+    let line = format!("compare record.csv --gap 1 --ratio 1.5 {SHORT} --quiet --out o");
+    let json = folder.run(&format!("{line} --format json")).well().json();
+    assert_eq!(json["regime"], "1/1");
+    assert!(number(&json, "displacement_rms_percent") < 0.1, "{json}");
+    assert_eq!(
+        folder
+            .read("o/compare.json")
+            .parse::<serde_json::Value>()
+            .ok(),
+        Some(json)
+    );
+    assert_svg_shows(
+        &folder.read("o/compare.svg"),
+        &["Phase plane", "displacement, mm", "measured", "simulation"],
+    );
+    png_size(&std::fs::read(folder.path("o/compare.png")).expect("a picture"));
+    // Another gap is another motion, and the errors say so.
+    let wrong = format!("compare record.csv --gap 0 --ratio 1.5 {SHORT} --quiet --format json");
+    let wrong = folder.run(&wrong).well().json();
+    assert!(number(&wrong, "displacement_rms_percent") > 3.0, "{wrong}");
+}
+
+/// The emulator's own log: drive and phase are found by the cart, and the motion is much like the simulation's.
+#[test]
+fn an_emulators_log_is_read() {
+    let folder = Folder::new();
+    folder.run("emulate link-timeout --out e --quiet");
+    let Some(log) = folder.names().into_iter().find(|n| n.ends_with(".parquet")) else {
+        panic!("no log: {:?}", folder.names());
+    };
+    let whole = folder
+        .run(&format!(
+            "compare {log} --from 5 --to 9 {SHORT} --format json --quiet"
+        ))
+        .well()
+        .json();
+    assert_eq!(whole["frequency_from"], "cart", "{whole}");
+    assert_eq!(whole["regime"], "1/1", "{whole}");
+    let contacts = number(&whole, "measured_contacts_per_period");
+    assert!((contacts - 1.0).abs() < 0.1, "{whole}");
+}
+
+#[test]
+fn bad_input_is_one_line() {
+    let folder = simulated("--gap 1 --ratio 1.5");
+    for (line, says) in [
+        ("compare nowhere.csv", "cannot read nowhere.csv"),
+        ("compare record.csv --from 1e6", "at least 16 are needed"),
+        (
+            "compare record.csv --frequency -1",
+            "must be a positive number",
+        ),
+        (
+            "compare record.csv --frequency 1 --ratio 1",
+            "cannot be used with",
+        ),
+        ("compare record.csv --transient 600", "must be smaller"),
+    ] {
+        let ran = folder.run(line);
+        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
+        assert!(
+            ran.err.contains(says) && ran.err.lines().count() == 1,
+            "{line}: {ran:?}"
+        );
+    }
+}

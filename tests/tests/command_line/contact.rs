@@ -1,0 +1,71 @@
+//! `host-sim contact`.
+
+use crate::support::{Folder, answer, assert_svg_shows, csv_rows, number, png_size};
+
+#[test]
+fn the_rigs_own_contact_is_the_closed_form_and_alone_would_pull() {
+    let rows = answer("contact --speed 0.08:0.08:1");
+    let rows = rows.as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    let dashpot = &rows[0];
+    assert_eq!(dashpot["law"], "spring-dashpot");
+    // 0.298 kg, Table 3.1: 0.570751 ms and 0.316902.
+    assert!((number(dashpot, "contact_time_ms") / 0.570751 - 1.0).abs() < 2e-6);
+    assert!((number(dashpot, "restitution") / 0.316902 - 1.0).abs() < 2e-6);
+    let pulls: Vec<_> = rows.iter().map(|r| number(r, "pull_share") > 0.0).collect();
+    assert_eq!(pulls, [true, false, false, false]);
+    for row in rows {
+        assert!(number(row, "energy_imbalance").abs() < 1e-9, "{row}");
+    }
+}
+
+#[test]
+fn figure_3_3_and_its_files() {
+    let folder = Folder::new();
+    let ran = folder
+        .run("contact --figure-3-3 --out o --format csv --quiet")
+        .well();
+    let rows = csv_rows(&ran.out);
+    assert_eq!(rows.len(), 5);
+    // Slow blows lose (2/3) λ v.
+    let first = 1.0 - number(&rows[0], "restitution");
+    assert!(
+        (first / (2.0 / 3.0 * 0.6 * 0.1) - 1.0).abs() < 0.05,
+        "{first}"
+    );
+    let names = ["contact.csv", "contact.json", "contact.png", "contact.svg"];
+    assert_eq!(folder.names(), names.map(|name| format!("o/{name}")));
+    assert_svg_shows(
+        &folder.read("o/contact.svg"),
+        &["indentation, µm", "contact force, N", "0.5"],
+    );
+    png_size(&std::fs::read(folder.path("o/contact.png")).expect("a picture"));
+    let text = folder.run("contact").well().out;
+    assert!(
+        text.contains("would pull") && text.contains("never"),
+        "{text}"
+    );
+}
+
+#[test]
+fn bad_input_is_one_line_and_nothing_is_written() {
+    for (line, says) in [
+        ("contact --speed 0:1:0.1", "is not a speed above 0"),
+        ("contact --speed -1:1:0.1", "is not a speed above 0"),
+        ("contact --speed 1:nan:1", "finite"),
+        ("contact --speed 1e-9:1:1e-5", "more than 10000"),
+        ("contact --gap 1", "leave --engine and --gap out"),
+        ("contact --engine switch", "leave --engine and --gap out"),
+        ("contact --set mass_kg=-1", "mass_kg"),
+        ("contact --figure-3-3 --law own", "cannot be used with"),
+    ] {
+        let folder = Folder::new();
+        let ran = folder.run(&format!("{line} --out o"));
+        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
+        assert!(
+            ran.err.contains(says) && ran.err.lines().count() == 1,
+            "{line}: {ran:?}"
+        );
+        assert_eq!(folder.names(), Vec::<String>::new());
+    }
+}

@@ -1,0 +1,128 @@
+//! `host-sim drop` and `host-sim identify`.
+
+use serde_json::Value;
+
+use crate::support::{Folder, answer, assert_svg_shows, csv_rows, number, png_size};
+
+/// A folder with a drop test made by `drop` with these options.
+fn dropped(options: &str) -> Folder {
+    let folder = Folder::new();
+    let ran = folder
+        .run(&format!("drop {options} --format csv --quiet"))
+        .well();
+    folder.with("drop.csv", ran.out)
+}
+
+fn parameter(fit: &Value, i: usize) -> f64 {
+    number(&fit["parameters"][i], "value")
+}
+
+#[test]
+fn what_drop_makes_identify_gives_back() {
+    let folder = dropped("--noise-n 0.1");
+    let line = "identify drop.csv --out o --format json --quiet";
+    let ran = folder.run(line).well();
+    let json = ran.json();
+    assert_eq!(json["impacts"], 4);
+    for fit in json["fits"].as_array().expect("fits") {
+        // 41 N of peak and 0.1 N of noise: ki and ci to about a percent.
+        assert!((parameter(fit, 0) / 5.5e6 - 1.0).abs() < 0.03, "{fit}");
+        assert!((parameter(fit, 1) / 1.2e3 - 1.0).abs() < 0.03, "{fit}");
+        for p in fit["parameters"].as_array().expect("parameters") {
+            let (low, high) = (number(p, "low"), number(p, "high"));
+            assert!(low < number(p, "value") && number(p, "value") < high, "{p}");
+        }
+    }
+    assert_eq!(json["ring"], Value::Null);
+    assert_svg_shows(
+        &folder.read("o/identify.svg"),
+        &[
+            "Impact 1",
+            "force peak, N",
+            "Profile likelihood",
+            "measured",
+        ],
+    );
+    png_size(&std::fs::read(folder.path("o/identify.png")).expect("a picture"));
+    assert_eq!(csv_rows(&folder.read("o/identify.csv")).len(), 4);
+    assert_eq!(folder.read("o/identify.json"), ran.out);
+    // The same record, the same answer, whatever the threads.
+    let mut alone = folder.command(&line.split_whitespace().collect::<Vec<_>>());
+    alone.env("RAYON_NUM_THREADS", "1");
+    assert_eq!(crate::support::finish(alone).well().out, ran.out);
+}
+
+#[test]
+fn the_same_seed_makes_the_same_record_and_another_does_not() {
+    let of = |seed: u32| {
+        answer(&format!(
+            "drop --impacts 1 --sampling-hz 5000 --noise-n 1 --bits 12 --seed {seed}"
+        ))
+    };
+    assert_eq!(of(3), of(3));
+    assert_ne!(of(3), of(4));
+    let folder = Folder::new();
+    folder
+        .run("drop --impacts 2 --sampling-hz 5000 --out o --quiet")
+        .well();
+    let names = ["drop.csv", "drop.json", "drop.png", "drop.svg"];
+    assert_eq!(folder.names(), names.map(|name| format!("o/{name}")));
+}
+
+#[test]
+fn a_bad_record_is_told_by_file_and_line() {
+    let rows = |n: usize| -> String { (0..n).map(|i| format!("0.{i:04},0.0\n")).collect() };
+    for (text, says) in [
+        (
+            "time_s,force_n\n0.1,x\n".to_owned(),
+            "bad.csv, line 2: force_n is 'x'",
+        ),
+        (
+            format!("time_s,force_n\n{}0.5\n", rows(30)),
+            "bad.csv, line 32: 1 fields",
+        ),
+        (
+            format!("time_s,force_n\n{}0.0001,1\n", rows(30)),
+            "line 32: time_s is 0.0001 after 0.0029",
+        ),
+        (
+            format!("time_s,displacement_mm\n{}", rows(30)),
+            "there is no column force_n",
+        ),
+        (
+            format!("t,force_n\n{}", rows(30)),
+            "line 1: there is no column time_s",
+        ),
+        (
+            format!("time_s,force_n\n{}", rows(30)),
+            "does not stand out",
+        ),
+        ("time_s,force_n\n".to_owned(), "0 samples"),
+        (String::new(), "line 1"),
+    ] {
+        let folder = Folder::new().with("bad.csv", &text);
+        let ran = folder.run("identify bad.csv --out o");
+        assert_eq!(ran.code, Some(2), "{says}: {ran:?}");
+        assert!(
+            ran.err.contains(says) && ran.err.lines().count() == 1,
+            "{says}: {ran:?}"
+        );
+        assert_eq!(folder.names(), ["bad.csv"]);
+    }
+    for (line, says) in [
+        ("identify nowhere.csv", "cannot read nowhere.csv"),
+        ("drop --release-mm 1", "not clear of the surface"),
+        ("drop --release-mm -80", "out of the rig's reach"),
+        ("drop --gap 3.5", "never strikes"),
+        ("drop --noise-n -1", "--noise-n is -1"),
+        ("drop --sampling-hz nan", "--sampling-hz is NaN"),
+        ("drop --impacts 0", "--impacts is 0"),
+    ] {
+        let ran = Folder::new().run(line);
+        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
+        assert!(
+            ran.err.contains(says) && ran.err.lines().count() == 1,
+            "{line}: {ran:?}"
+        );
+    }
+}
