@@ -20,7 +20,7 @@ pub struct Line {
 
 /// Special points of neighbouring gaps belong to one line when their orbits are nearer than this plus what the line
 /// moved in the step before, in units of [`super::family::Place`].
-const NEAR: f64 = 0.06;
+const NEAR: f64 = 0.35;
 
 /// The lines of special points of the 1/1 at `gaps_m` (rising), between two ratios Ω/ω. At each gap, simulations at
 /// `starts` frequencies look for 1/1.
