@@ -206,6 +206,16 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
         };
         let point = |n: &Node| (n.gap_m * 1e3, n.orbit.frequency_hz);
         let points: Vec<(f64, f64)> = line.nodes.iter().map(point).collect();
+        if points.len() > 1 {
+            // A light rim keeps the line apart from the areas it crosses.
+            items.push(Item::Line {
+                points: points.clone(),
+                color: Color::PAPER,
+                label: String::new(),
+                width: 4.5,
+                stroke: Stroke::Solid,
+            });
+        }
         items.push(if points.len() == 1 {
             Item::Points {
                 points,
