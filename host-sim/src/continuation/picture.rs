@@ -24,11 +24,11 @@ pub struct Simulated {
     pub force_ratio: Vec<(f64, f64)>,
 }
 
-/// Strobes drawn of each simulation.
+/// Strobes drawn of each simulation: the last of all cycles, so that no transient is among them.
 const PLAN: Plan = Plan {
     cycles: 400,
     recorded: 60,
-    early: true,
+    early: false,
     strobes: 60,
 };
 
