@@ -37,9 +37,9 @@ pub struct Constants {
     pub omega: f64,
     /// Newton per unit of force, m A0 Ω².
     pub force_unit_n: f64,
-    /// G = gap/A0.
-    pub gap: f64,
-    /// Wires: cos θ at the surface, which is also the drive there. Beams: 1.
+    /// The surface from rest: wires θ_gap/σ, beams G.
+    pub rest: f64,
+    /// Wires: cos θ at the surface, which the drive acts by there. Beams: 1.
     pub drive: f64,
     /// Wires: σ². Beams: k3.
     pub bend: f64,
@@ -129,7 +129,7 @@ impl Constants {
             scale: support.scale,
             omega,
             force_unit_n: mass * rig.amplitude_m * omega * omega,
-            gap,
+            rest: support.rest,
             drive: support.drive,
             bend: support.bend,
             spring: support.spring,
@@ -180,6 +180,7 @@ impl Constants {
 struct Support {
     kind: Kind,
     scale: f64,
+    rest: f64,
     drive: f64,
     torque: f64,
     bend: f64,
@@ -202,7 +203,7 @@ impl Support {
             } => {
                 let scale = rig.amplitude_m / length_m;
                 let sin = rig.gap_m / length_m;
-                if sin > 0.3 || scale > 0.1 {
+                if sin > 0.2 || scale > 0.1 {
                     return None;
                 }
                 let cos = (1.0 - sin * sin).sqrt();
@@ -210,6 +211,7 @@ impl Support {
                 Self {
                     kind: Kind::Wires,
                     scale,
+                    rest: libm::asin(sin) / scale,
                     drive: cos,
                     torque: match torque {
                         Torque::Literal => 1.0,
@@ -239,6 +241,7 @@ impl Support {
                 Self {
                     kind: Kind::Beams,
                     scale: rig.amplitude_m,
+                    rest: gap,
                     drive: 1.0,
                     torque: 1.0,
                     bend: k3,

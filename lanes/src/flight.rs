@@ -1,6 +1,7 @@
 //! Flight of the hammers in all lanes: one Taylor step, and where in it the surface is met.
 
-use super::number::{COS, Mask, Num, SIN, Width, horner, polynomial, series, sin_cos};
+use super::number::{Mask, Num, Width};
+use super::series::{horner, polynomial, sin_cos};
 
 /// Order of the Taylor step.
 pub const ORDER: usize = 12;
@@ -9,7 +10,7 @@ pub const ORDER: usize = 12;
 pub type Path<W> = [Num<W>; ORDER + 1];
 
 /// Points per step at which x is looked at, evenly spaced.
-pub const SAMPLES: usize = 8;
+pub const SAMPLES: usize = 6;
 
 /// Most iterations of Newton's method for one event; a lane that has not come to rest by then is uncertain.
 const ITERATIONS: usize = 24;
@@ -17,16 +18,16 @@ const ITERATIONS: usize = 24;
 /// What flight needs of the cells, per lane.
 #[derive(Clone, Copy)]
 pub struct Field<W: Width> {
-    /// [`super::constants::Constants::gap`].
-    pub gap: Num<W>,
-    /// [`super::constants::Constants::drive`].
-    pub drive: Num<W>,
+    /// [`super::constants::Constants::rest`].
+    pub rest: Num<W>,
     /// [`super::constants::Constants::bend`].
     pub bend: Num<W>,
     /// [`super::constants::Constants::spring`].
     pub spring: Num<W>,
     /// [`super::constants::Constants::damping`].
     pub damping: Num<W>,
+    /// The reciprocal of the step (0 for a lane at rest).
+    pub per_step: Num<W>,
 }
 
 /// Where the hammers are.
@@ -48,9 +49,32 @@ const fn weight(k: usize) -> f64 {
 /// Σ a_j b_{k−j}.
 #[inline(always)]
 fn convolve<W: Width>(a: &Path<W>, b: &Path<W>, k: usize) -> Num<W> {
-    let mut sum = a[0] * b[k];
-    for j in 1..=k {
-        sum = a[j].mul_add(b[k - j], sum);
+    // The middle first: the newest coefficients, at both ends, are the last to be ready.
+    let middle = k.div_ceil(2);
+    let mut sum = a[middle] * b[k - middle];
+    for d in 1..=middle {
+        if middle + d <= k {
+            sum = a[middle + d].mul_add(b[k - middle - d], sum);
+        }
+        sum = a[middle - d].mul_add(b[k + d - middle], sum);
+    }
+    sum
+}
+
+/// Σ a_j a_{k−j}.
+#[inline(always)]
+fn itself<W: Width>(a: &Path<W>, k: usize) -> Num<W> {
+    if k == 0 {
+        return a[0] * a[0];
+    }
+    let half = k.div_ceil(2);
+    let mut sum = a[half - 1] * a[k + 1 - half];
+    for j in (0..half - 1).rev() {
+        sum = a[j].mul_add(a[k - j], sum);
+    }
+    sum = sum + sum;
+    if k.is_multiple_of(2) {
+        sum = a[k / 2].mul_add(a[k / 2], sum);
     }
     sum
 }
@@ -60,63 +84,74 @@ fn convolve<W: Width>(a: &Path<W>, b: &Path<W>, k: usize) -> Num<W> {
 pub fn path<W: Width>(beams: bool, f: &Field<W>, at: &At<W>, h: Num<W>) -> Path<W> {
     let (sin, cos) = sin_cos(at.tau);
     let h2 = h * h;
-    let mut drive = [h.of(0.0); ORDER + 1];
+    let zero = h.of(0.0);
+    let mut drive = [zero; ORDER + 1];
     drive[0] = sin;
     drive[1] = h * cos;
     for k in 2..ORDER - 1 {
         drive[k] = -(drive[k - 2] * h2 * weight(k - 2));
     }
-    if beams {
-        on_beams(f, at, h, h2, &drive)
-    } else {
-        on_wires(f, at, h, h2, &drive)
-    }
-}
-
-#[inline(always)]
-#[expect(unused_assignments, reason = "the last order's")]
-fn on_wires<W: Width>(f: &Field<W>, at: &At<W>, h: Num<W>, h2: Num<W>, drive: &Path<W>) -> Path<W> {
-    let zero = h.of(0.0);
-    let (mut x, mut rate) = ([zero; ORDER + 1], [zero; ORDER + 1]);
-    let (mut sine, mut cosine) = ([zero; ORDER + 1], [zero; ORDER + 1]);
+    let mut x = [zero; ORDER + 1];
     x[0] = at.x;
     x[1] = h * at.v;
-    rate[0] = x[1];
-    // sin θ/σ and cos θ from the small angle σ x past the surface.
-    let z = f.bend * at.x * at.x;
-    let part = at.x * series(SIN, z);
-    let whole = series(COS, z);
-    sine[0] = f.gap.mul_add(whole, f.drive * part);
-    cosine[0] = (f.bend * f.gap).mul_sub_from(part, f.drive * whole);
-    macro_rules! next {
-        ($($k:literal)*) => { $(
-            let push = convolve(&cosine, drive, $k);
-            let pull = f.spring.mul_sub_from(sine[$k], push);
-            x[$k + 2] = h2 * weight($k) * pull;
-            rate[$k + 1] = x[$k + 2] * ($k + 2) as f64;
-            if $k + 3 <= ORDER {
-                sine[$k + 1] = convolve(&cosine, &rate, $k) * (1.0 / ($k + 1) as f64);
-                cosine[$k + 1] = -(f.bend * convolve(&sine, &rate, $k) * (1.0 / ($k + 1) as f64));
-            }
-        )* };
+    if beams {
+        on_beams(f, h2, &drive, &mut x);
+    } else {
+        on_wires(f, h2, &drive, &mut x);
     }
-    next!(0 1 2 3 4 5 6 7 8 9 10);
     x
 }
 
+/// sin θ and cos θ as polynomials of y = θ/σ to its fifth and fourth power: 2e-7 of a right angle off at 0.3 rad.
 #[inline(always)]
-#[expect(unused_assignments, reason = "the last order's")]
-fn on_beams<W: Width>(f: &Field<W>, at: &At<W>, h: Num<W>, h2: Num<W>, drive: &Path<W>) -> Path<W> {
-    let zero = h.of(0.0);
-    let (mut x, mut y, mut square) = ([zero; ORDER + 1], [zero; ORDER + 1], [zero; ORDER + 1]);
-    x[0] = at.x;
-    x[1] = h * at.v;
-    y[0] = at.x + f.gap;
-    y[1] = x[1];
-    let lost = f.damping / h.max(h.of(1e-30));
+#[allow(unused_assignments, reason = "the last order's are not needed")]
+fn on_wires<W: Width>(f: &Field<W>, h2: Num<W>, drive: &Path<W>, x: &mut Path<W>) {
+    let zero = h2.of(0.0);
+    let one = h2.of(1.0);
+    let mut y = *x;
+    y[0] = x[0] + f.rest;
+    let (mut square, mut fourth) = ([zero; ORDER + 1], [zero; ORDER + 1]);
+    // sin θ/σ = y U, cos θ = W.
+    let (mut u, mut w) = ([zero; ORDER + 1], [zero; ORDER + 1]);
+    let bend2 = f.bend * f.bend;
+    let (u1, u2) = (f.bend * (-1.0 / 6.0), bend2 * (1.0 / 120.0));
+    let (w1, w2) = (f.bend * -0.5, bend2 * (1.0 / 24.0));
     macro_rules! next {
         ($($k:literal)*) => { $(
-            square[$k] = convolve(&y, &y, $k);
+            square[$k] = itself(&y, $k);
+            u[$k] = u1 * square[$k];
+            w[$k] = w1 * square[$k];
+            if $k < FOURTHS {
+                fourth[$k] = itself(&square, $k);
+                u[$k] = u2.mul_add(fourth[$k], u[$k]);
+                w[$k] = w2.mul_add(fourth[$k], w[$k]);
+            }
+            if $k == 0 {
+                u[0] = u[0] + one;
+                w[0] = w[0] + one;
+            }
+            let push = convolve(&w, drive, $k);
+            let pull = f.spring.mul_sub_from(convolve(&u, &y, $k), push);
+            x[$k + 2] = h2 * weight($k) * pull;
+            y[$k + 2] = x[$k + 2];
+        )* };
+    }
+    next!(0 1 2 3 4 5 6 7 8 9 10);
+}
+
+/// Orders of θ⁴ that matter.
+const FOURTHS: usize = 9;
+
+#[inline(always)]
+#[allow(unused_assignments, reason = "the last order's are not needed")]
+fn on_beams<W: Width>(f: &Field<W>, h2: Num<W>, drive: &Path<W>, x: &mut Path<W>) {
+    let mut y = *x;
+    y[0] = x[0] + f.rest;
+    let mut square = [h2.of(0.0); ORDER + 1];
+    let lost = f.damping * f.per_step;
+    macro_rules! next {
+        ($($k:literal)*) => { $(
+            square[$k] = itself(&y, $k);
             let cube = convolve(&square, &y, $k);
             let spring = f.spring.mul_add(y[$k], f.bend * cube);
             let damper = lost * x[$k + 1] * ($k + 1) as f64;
@@ -125,7 +160,6 @@ fn on_beams<W: Width>(f: &Field<W>, at: &At<W>, h: Num<W>, h2: Num<W>, drive: &P
         )* };
     }
     next!(0 1 2 3 4 5 6 7 8 9 10);
-    x
 }
 
 /// What a step met.
@@ -164,6 +198,8 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
     // Ends of the interval with the first rise above the surface.
     let mut from = zero;
     let mut to = one;
+    let (mut at_from, mut at_to) = (seen[0], one);
+    let mut curve = zero;
     // The highest top hidden between samples, as a bound: the samples' parabola.
     let mut hidden = never;
     let mut before = seen[0] - path[1] * spacing;
@@ -173,6 +209,14 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
             let rises = zero.lt(x) & !hit;
             from = rises.choose(one * ((i - 1) as f64 * spacing), from);
             to = rises.choose(one * (i as f64 * spacing), to);
+            at_from = rises.choose(seen[i - 1], at_from);
+            at_to = rises.choose(x, at_to);
+            let earlier = if i > 1 {
+                seen[i - 2]
+            } else {
+                x0_before(path, spacing)
+            };
+            curve = rises.choose(x - seen[i - 1] - (seen[i - 1] - earlier), curve);
             hit = hit | rises;
         }
         let after = if i < SAMPLES {
@@ -188,6 +232,19 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
         before = x;
     }
     let mut uncertain = never;
+    let hopped = short_hop(path, spacing);
+    if hopped.any() {
+        let (top, height) = top_of_hop(path, spacing);
+        uncertain = hopped & height.abs().lt(one * margins.grazing);
+        let rises = hopped & zero.lt(height);
+        from = rises.choose(zero, from);
+        to = rises.choose(top, to);
+        at_from = rises.choose(zero, at_from);
+        at_to = rises.choose(height, at_to);
+        curve = rises.choose(zero, curve);
+        hit = hit | rises;
+        hidden = hidden & !rises;
+    }
     if hidden.any() {
         let found = highest(path, &seen, margins);
         let grazes = hidden & found.height.abs().lt(one * margins.grazing);
@@ -195,15 +252,55 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
         let rises = hidden & zero.lt(found.height) & found.at.lt(to);
         from = rises.choose(found.from, from);
         to = rises.choose(found.at, to);
+        at_from = rises.choose(polynomial(path, found.from), at_from);
+        at_to = rises.choose(found.height, at_to);
+        curve = rises.choose(zero, curve);
         hit = hit | rises;
     }
     let mut at = one;
     if hit.any() {
-        let (root, lost) = root(path, from, to, hit, margins);
+        let (root, lost) = root(path, (from, at_from), (to, at_to), curve, hit, margins);
         at = hit.choose(root, one);
         uncertain = uncertain | lost;
     }
     Met { hit, at, uncertain }
+}
+
+/// Lanes that left the surface and may have come back and left again before the first sample: where the path, its root
+/// at the start divided out, rises first and falls later, and its parabola's top (and a fifth) is above the surface.
+#[inline(always)]
+fn short_hop<W: Width>(path: &Path<W>, spacing: f64) -> Mask<W> {
+    let zero = path[0].of(0.0);
+    let outbound = !path[0].lt(zero);
+    let rise = path[2];
+    let curve = path[3] + path[4] * (1.5 * spacing);
+    let falls = (rise + curve * (2.0 * spacing)).lt(zero);
+    // X1 + 1.2 (−X2²/4 X3) > 0, X3 < 0.
+    let high = (path[1] * curve * 4.0).lt(rise * rise * 1.2);
+    outbound & zero.lt(rise) & falls & high & path[1].lt(zero)
+}
+
+/// Where in the first interval the path, its root at the start divided out, is highest, and x there.
+#[inline(always)]
+fn top_of_hop<W: Width>(path: &Path<W>, spacing: f64) -> (Num<W>, Num<W>) {
+    let zero = path[0].of(0.0);
+    let end = zero.of(spacing);
+    let mut slopes = [zero; ORDER - 1];
+    for (k, c) in slopes.iter_mut().enumerate() {
+        *c = path[k + 2] * (k + 1) as f64;
+    }
+    let mut s = (-(path[2] / (path[3] + path[3]))).max(zero).min(end);
+    for _ in 0..5 {
+        let (slope, bend) = horner(&slopes, s);
+        s = (s - slope / bend).max(zero).min(end);
+    }
+    (s, polynomial(path, s))
+}
+
+/// x one sample before the step, to second order.
+#[inline(always)]
+fn x0_before<W: Width>(path: &Path<W>, spacing: f64) -> Num<W> {
+    path[0] - (path[1] - path[2] * spacing) * spacing
 }
 
 /// Σ k c_k.
@@ -229,7 +326,7 @@ fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 1], margins: Marg
     let zero = path[0].of(0.0);
     let spacing = 1.0 / SAMPLES as f64;
     let mut found = one.lt(zero);
-    let mut s = zero;
+    let (mut s, mut lean, mut round) = (zero, zero, one);
     let mut before = seen[0] - path[1] * spacing;
     for i in 0..=SAMPLES {
         let x = seen[i];
@@ -241,12 +338,13 @@ fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 1], margins: Marg
         let bend = (x + x) - before - after;
         let near = zero.lt(x + bend * 0.25 + margins.grazing * 4.0);
         let top = before.lt(x) & after.lt(x) & near & !found;
-        let place = (one * (i as f64)) + (after - before) / (bend * 2.0);
-        s = top.choose(place * spacing, s);
+        s = top.choose(one * (i as f64), s);
+        lean = top.choose(after - before, lean);
+        round = top.choose(bend + bend, round);
         found = found | top;
         before = x;
     }
-    s = s.max(zero).min(one);
+    s = ((s + lean / round) * spacing).max(zero).min(one);
     let middle = s;
     // Newton on the slope.
     let mut slopes = *path;
@@ -269,32 +367,59 @@ fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 1], margins: Marg
 }
 
 /// The root of the path between `from` (below) and `to` (above), by Newton's method kept within that interval. A lane
-/// that starts on the surface (x = 0, outbound) has its root at the start divided out.
+/// that starts on the surface (x = 0, outbound) and comes back before the first sample has its root at the start divided
+/// out.
 #[inline(always)]
 fn root<W: Width>(
     path: &Path<W>,
-    from: Num<W>,
-    to: Num<W>,
+    (from, at_from): (Num<W>, Num<W>),
+    (to, at_to): (Num<W>, Num<W>),
+    curve: Num<W>,
     wanted: Mask<W>,
     margins: Margins,
 ) -> (Num<W>, Mask<W>) {
     let zero = path[0].of(0.0);
-    let below = path[0].lt(zero);
+    let below = path[0].lt(zero) | zero.lt(from);
     let mut p = *path;
     for k in 0..ORDER {
         p[k] = below.choose(path[k], path[k + 1]);
     }
     p[ORDER] = below.choose(path[ORDER], zero);
     let (mut low, mut high) = (from, to);
-    let (at_low, at_high) = (polynomial(&p, low), polynomial(&p, high));
-    let mut s = low + (high - low) * (at_low / (at_low - at_high));
+    let (one, two) = (zero.of(1.0), zero.of(2.0));
+    // The parabola through the interval's ends with the samples' second difference.
+    let half = curve * 0.5;
+    let rise = at_to - at_from - half;
+    let inside = rise.mul_add(rise, half * at_from * -4.0);
+    let sound = zero.lt(inside) & below;
+    let steepness = sound.choose(inside, one).sqrt();
+    let width = high - low;
+    let mut s = low - width * (at_from + at_from) / (rise + steepness);
+    // 1/slope; refined below without division as long as it is near.
+    let mut steep = width / steepness;
+    if (wanted & !sound).any() {
+        // The chord.
+        let at_low = below.choose(at_from, path[1]);
+        let at_high = below.choose(at_to, at_to / to);
+        let chord = width / (at_high - at_low);
+        steep = sound.choose(steep, chord);
+        s = sound.choose(s, at_low.mul_sub_from(chord, low));
+    }
+    s = s.max(low).min(high);
     let mut open = wanted;
     for _ in 0..ITERATIONS {
         let (value, slope) = horner(&p, s);
+        let near = slope.mul_sub_from(steep, one).abs().lt(zero.of(0.4));
+        let mut refined = steep * slope.mul_sub_from(steep, two);
+        refined = refined * slope.mul_sub_from(refined, two);
+        if (open & !near).any() {
+            refined = near.choose(refined, one / slope);
+        }
+        steep = refined;
         let under = value.lt(zero);
         low = (open & under).choose(s, low);
         high = (open & !under).choose(s, high);
-        let newton = s - value / slope;
+        let newton = value.mul_sub_from(steep, s);
         let inside = low.lt(newton) & newton.lt(high);
         let next = inside.choose(newton, (low + high) * 0.5);
         let moved = (next - s).abs();

@@ -5,11 +5,13 @@ use std::f64::consts::TAU;
 
 use super::constants::Constants;
 use super::flight::{At, Field, Margins, meet, path};
-use super::number::{Element, MAX_LANES, Mask, Num, Row, Width, horner};
+use super::number::{Element, MAX_LANES, Mask, Num, Row, Width};
 use super::reduce::{Record, converged, outcome};
+use super::rows::Rows;
+use super::series::horner;
 use super::stay::{Event, Side, Stay};
 use super::touch::{Anchor, Surface, contact};
-use super::{Outcome, Plan};
+use super::{Cell, Outcome, Plan};
 
 /// A cell ready for a lane.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,18 @@ pub struct Job {
     pub v: f64,
     /// Drive phase at the start, rad.
     pub tau: f64,
+}
+
+impl Job {
+    /// The start of `cell`, without units.
+    pub fn new(cell: &Cell, constants: Constants) -> Self {
+        Self {
+            x: cell.start[0] / constants.scale,
+            v: cell.start[1] / (constants.scale * constants.omega),
+            tau: cell.phase * TAU,
+            constants,
+        }
+    }
 }
 
 /// How finely the lanes step and how sharply they tell.
@@ -66,33 +80,6 @@ impl std::ops::AddAssign for Work {
     }
 }
 
-/// Everything the lanes hold, one row per quantity.
-#[derive(Default)]
-struct Rows<E> {
-    x: Row<E>,
-    v: Row<E>,
-    tau: Row<E>,
-    step: Row<E>,
-    peak: Row<E>,
-    onsets: Row<E>,
-    recent: [Row<E>; 3],
-    gap: Row<E>,
-    drive: Row<E>,
-    bend: Row<E>,
-    spring: Row<E>,
-    damping: Row<E>,
-    pull: Row<E>,
-    contact_spring: Row<E>,
-    contact_damper: Row<E>,
-    decay: Row<E>,
-    pulsation: Row<E>,
-    forced_sin: Row<E>,
-    forced_cos: Row<E>,
-    forced_mean: Row<E>,
-    release: [Row<E>; 3],
-    top: [Row<E>; 3],
-}
-
 /// What a lane holds beside its rows.
 #[derive(Default)]
 struct Lane {
@@ -105,15 +92,11 @@ struct Lane {
     /// Whether the first section is still to come (a start at another phase).
     before_first: bool,
     records: Vec<Record>,
-    finished: bool,
 }
 
-/// Farthest from the surface at a strobe (rad or m), and fastest (A0 Ω): beyond, the reference decides what it is.
-const FARTHEST: f64 = 0.5;
+/// Farthest from rest at a strobe (rad or m), and fastest (A0 Ω): beyond, the lanes' polynomials do not hold.
+const FARTHEST: f64 = 0.25;
 const FASTEST: f64 = 1e4;
-
-/// Phase of an onset that never was.
-const NEVER: f64 = -1e6;
 
 /// The lanes of one thread.
 struct Pool<'a, W: Width> {
@@ -125,6 +108,10 @@ struct Pool<'a, W: Width> {
     rows: Box<Rows<W::E>>,
     lanes: Vec<Lane>,
     out: Vec<Option<Outcome>>,
+    /// Lanes in a stay, by bit.
+    staying: u32,
+    /// Lanes whose cell is done, by bit.
+    finished: u32,
     busy: usize,
     work: Work,
 }
@@ -147,6 +134,8 @@ pub fn run<W: Width>(
         rows: Box::default(),
         lanes: (0..W::LANES).map(|_| Lane::default()).collect(),
         out: jobs.iter().map(|_| None).collect(),
+        staying: 0,
+        finished: 0,
         busy: W::LANES,
         work: Work::default(),
     };
@@ -169,11 +158,11 @@ impl<W: Width> Pool<'_, W> {
         let load = |row: &Row<W::E>| Num::load(w, row);
         let rows = &mut *self.rows;
         let field = Field {
-            gap: load(&rows.gap),
-            drive: load(&rows.drive),
+            rest: load(&rows.rest),
             bend: load(&rows.bend),
             spring: load(&rows.spring),
             damping: load(&rows.damping),
+            per_step: load(&rows.per_step),
         };
         let at = At {
             x: load(&rows.x),
@@ -183,10 +172,10 @@ impl<W: Width> Pool<'_, W> {
         let h = load(&rows.step);
         let turn = Num::splat(w, TAU);
         let zero = Num::splat(w, 0.0);
+        let per_step = field.per_step;
         let path = path(beams, &field, &at, h);
         let met = meet(&path, self.tuning.margins);
         let (x, slope) = horner(&path, met.at);
-        let per_step = Num::splat(w, 1.0) / h.max(Num::splat(w, 1e-30));
         let v = slope * per_step;
         let x = met.hit.choose(zero, x);
         let tau = met.at.mul_add(h, at.tau);
@@ -213,18 +202,19 @@ impl<W: Width> Pool<'_, W> {
             uncertain.one().store(&mut row);
             for (lane, mark) in row.iter().enumerate().take(W::LANES) {
                 if mark.to_f64() != 0.0 && self.lanes[lane].job.is_some() {
-                    self.lanes[lane].finished = true;
+                    self.finished |= 1 << lane;
                     self.lanes[lane].records.clear();
                 }
             }
         }
-        for lane in 0..W::LANES {
-            if self.lanes[lane].stay.is_some() && !self.lanes[lane].finished {
-                self.stay(lane);
-            }
-            if self.lanes[lane].finished {
-                self.refill(lane);
-            }
+        let mut staying = self.staying & !self.finished;
+        while staying != 0 {
+            self.stay(staying.trailing_zeros() as usize);
+            staying &= staying - 1;
+        }
+        while self.finished != 0 {
+            self.refill(self.finished.trailing_zeros() as usize);
+            self.finished &= self.finished - 1;
         }
     }
 
@@ -286,6 +276,8 @@ impl<W: Width> Pool<'_, W> {
             damper: load(&rows.contact_damper),
             decay: load(&rows.decay),
             pulsation: load(&rows.pulsation),
+            short: load(&rows.short),
+            rho: load(&rows.rho),
             forced_sin: load(&rows.forced_sin),
             forced_cos: load(&rows.forced_cos),
             forced_mean: load(&rows.forced_mean),
@@ -313,7 +305,7 @@ impl<W: Width> Pool<'_, W> {
         for (lane, mark) in marks.iter().enumerate().take(W::LANES) {
             let mark = mark.to_f64();
             self.work.contacts += u64::from(mark == 1.0);
-            if mark == 2.0 && !self.lanes[lane].finished {
+            if mark == 2.0 && self.finished & (1 << lane) == 0 {
                 self.enter(lane);
             }
         }
@@ -325,6 +317,7 @@ impl<W: Width> Pool<'_, W> {
         let rows = &mut *self.rows;
         let recent = rows.recent.each_ref().map(|row| row[lane].to_f64());
         let tau = rows.tau[lane].to_f64();
+        self.staying |= 1 << lane;
         self.lanes[lane].stay = Some(Stay {
             x: 0.0,
             v: rows.v[lane].to_f64(),
@@ -335,10 +328,7 @@ impl<W: Width> Pool<'_, W> {
             recent: [tau, recent[0], recent[1]],
             chatter: self.lanes[lane].chatter,
         });
-        rows.x[lane] = W::E::from_f64(-1.0);
-        rows.v[lane] = W::E::default();
-        rows.tau[lane] = W::E::default();
-        rows.step[lane] = W::E::default();
+        rows.stand(lane);
     }
 
     /// Runs a lane's stay to the section, or out and back into its row.
@@ -352,7 +342,7 @@ impl<W: Width> Pool<'_, W> {
         let constants = &self.jobs[job].constants;
         match stay.run(constants) {
             Event::Lost => {
-                held.finished = true;
+                self.finished |= 1 << lane;
                 held.records.clear();
             }
             Event::Section => {
@@ -374,6 +364,7 @@ impl<W: Width> Pool<'_, W> {
                 self.record(lane, record);
             }
             Event::Out => {
+                self.staying &= !(1 << lane);
                 held.chatter = stay.chatter;
                 let step = self.tuning.step / constants.fastest;
                 let rows = &mut *self.rows;
@@ -382,6 +373,7 @@ impl<W: Width> Pool<'_, W> {
                 rows.v[lane] = e(stay.v);
                 rows.tau[lane] = e(stay.tau);
                 rows.step[lane] = e(step);
+                rows.per_step[lane] = e(1.0 / step);
                 rows.peak[lane] = e(stay.peak);
                 rows.onsets[lane] = e(f64::from(stay.onsets));
                 for (row, t) in rows.recent.iter_mut().zip(stay.recent) {
@@ -401,8 +393,8 @@ impl<W: Width> Pool<'_, W> {
         };
         let constants = &self.jobs[job].constants;
         let rate = record.v.abs() < FASTEST;
-        if !(record.x.abs() * constants.scale < FARTHEST && rate) {
-            held.finished = true;
+        if !((record.x + constants.rest).abs() * constants.scale < FARTHEST && rate) {
+            self.finished |= 1 << lane;
             held.records.clear();
             return;
         }
@@ -426,7 +418,7 @@ impl<W: Width> Pool<'_, W> {
             .flatten();
         if last || settled.is_some() {
             self.out[job] = Some(outcome(constants, &held.records, self.plan, settled));
-            held.finished = true;
+            self.finished |= 1 << lane;
         }
     }
 
@@ -435,19 +427,15 @@ impl<W: Width> Pool<'_, W> {
     fn refill(&mut self, lane: usize) {
         let rows = &mut *self.rows;
         let held = &mut self.lanes[lane];
-        held.finished = false;
+        self.staying &= !(1 << lane);
         held.stay = None;
         held.chatter = false;
         held.carried = false;
         held.records.clear();
-        let e = W::E::from_f64;
         let Some(job) = self.jobs.get(self.next) else {
             held.job = None;
             self.busy -= 1;
-            rows.x[lane] = e(-1.0);
-            rows.v[lane] = e(0.0);
-            rows.tau[lane] = e(0.0);
-            rows.step[lane] = e(0.0);
+            rows.stand(lane);
             return;
         };
         held.job = Some(self.next);
@@ -461,41 +449,6 @@ impl<W: Width> Pool<'_, W> {
                 ..Record::default()
             });
         }
-        for (row, value) in [
-            (&mut rows.x, job.x),
-            (&mut rows.v, job.v),
-            (&mut rows.tau, job.tau),
-            (&mut rows.step, self.tuning.step / c.fastest),
-            (&mut rows.peak, 0.0),
-            (&mut rows.onsets, 0.0),
-            (&mut rows.gap, c.gap),
-            (&mut rows.drive, c.drive),
-            (&mut rows.bend, c.bend),
-            (&mut rows.spring, c.spring),
-            (&mut rows.damping, c.damping),
-            (&mut rows.pull, c.pull),
-            (&mut rows.contact_spring, c.contact_spring),
-            (&mut rows.contact_damper, c.contact_damper),
-            (&mut rows.decay, c.decay),
-            (&mut rows.pulsation, c.pulsation),
-            (&mut rows.forced_sin, c.forced_sin),
-            (&mut rows.forced_cos, c.forced_cos),
-            (&mut rows.forced_mean, c.forced_mean),
-        ] {
-            row[lane] = e(value);
-        }
-        for row in &mut rows.recent {
-            row[lane] = e(NEVER);
-        }
-        for (rows, phase) in [
-            (&mut rows.release, c.release_phase),
-            (&mut rows.top, c.peak_phase),
-        ] {
-            let left = libm::exp(-c.decay / c.pulsation * phase);
-            let (sin, cos) = libm::sincos(phase);
-            for (row, value) in rows.iter_mut().zip([phase, left * cos, left * sin]) {
-                row[lane] = e(value);
-            }
-        }
+        rows.fill(lane, job, self.tuning.step / c.fastest);
     }
 }

@@ -8,7 +8,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use pulp::Simd;
 
 /// Most lanes in one vector.
-pub const MAX_LANES: usize = 16;
+pub const MAX_LANES: usize = 32;
 
 /// One number per lane, in memory.
 pub type Row<E> = [E; MAX_LANES];
@@ -60,10 +60,10 @@ pub trait Width: Copy {
 
     /// The same number in every lane.
     fn splat(self, x: f64) -> Self::V;
-    /// Reads the first [`Self::LANES`] of a row.
-    fn load(self, row: &Row<Self::E>) -> Self::V;
-    /// Writes the first [`Self::LANES`] of a row.
-    fn store(self, row: &mut Row<Self::E>, x: Self::V);
+    /// Reads the `part`-th [`Self::LANES`] of a row.
+    fn load(self, row: &Row<Self::E>, part: usize) -> Self::V;
+    /// Writes the `part`-th [`Self::LANES`] of a row.
+    fn store(self, row: &mut Row<Self::E>, part: usize, x: Self::V);
     /// a + b.
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     /// a − b.
@@ -120,12 +120,12 @@ macro_rules! width {
                 self.0.$splat(x as $e)
             }
             #[inline(always)]
-            fn load(self, row: &Row<Self::E>) -> Self::V {
-                S::$simd(row).0[0]
+            fn load(self, row: &Row<Self::E>, part: usize) -> Self::V {
+                S::$simd(row).0[part]
             }
             #[inline(always)]
-            fn store(self, row: &mut Row<Self::E>, x: Self::V) {
-                S::$simd_mut(row).0[0] = x;
+            fn store(self, row: &mut Row<Self::E>, part: usize, x: Self::V) {
+                S::$simd_mut(row).0[part] = x;
             }
             #[inline(always)]
             fn add(self, a: Self::V, b: Self::V) -> Self::V {
@@ -242,6 +242,60 @@ width!(
     first_true_m64s
 );
 
+/// Two vectors side by side: while one waits for a result, the other is computed.
+#[derive(Clone, Copy)]
+pub struct Pair<W>(pub W);
+
+macro_rules! both {
+    ($($name:ident($($x:ident: $in:ident),*) -> $out:ident;)*) => { $(
+        #[inline(always)]
+        fn $name(self, $($x: Self::$in),*) -> Self::$out {
+            (self.0.$name($($x.0),*), self.0.$name($($x.1),*))
+        }
+    )* };
+}
+
+impl<W: Width> Width for Pair<W> {
+    type E = W::E;
+    type V = (W::V, W::V);
+    type M = (W::M, W::M);
+    const LANES: usize = 2 * W::LANES;
+
+    #[inline(always)]
+    fn splat(self, x: f64) -> Self::V {
+        (self.0.splat(x), self.0.splat(x))
+    }
+    #[inline(always)]
+    fn load(self, row: &Row<Self::E>, part: usize) -> Self::V {
+        (self.0.load(row, 2 * part), self.0.load(row, 2 * part + 1))
+    }
+    #[inline(always)]
+    fn store(self, row: &mut Row<Self::E>, part: usize, x: Self::V) {
+        self.0.store(row, 2 * part, x.0);
+        self.0.store(row, 2 * part + 1, x.1);
+    }
+    both! {
+        add(a: V, b: V) -> V;
+        sub(a: V, b: V) -> V;
+        mul(a: V, b: V) -> V;
+        div(a: V, b: V) -> V;
+        mul_add(a: V, b: V, c: V) -> V;
+        mul_sub_from(a: V, b: V, c: V) -> V;
+        neg(a: V) -> V;
+        abs(a: V) -> V;
+        sqrt(a: V) -> V;
+        lt(a: V, b: V) -> M;
+        select(m: M, a: V, b: V) -> V;
+        and(a: M, b: M) -> M;
+        or(a: M, b: M) -> M;
+        not(a: M) -> M;
+    }
+    #[inline(always)]
+    fn any(self, m: Self::M) -> bool {
+        self.0.any(m.0) | self.0.any(m.1)
+    }
+}
+
 /// A vector with its instruction set, so that formulas read as formulas.
 #[derive(Clone, Copy)]
 pub struct Num<W: Width> {
@@ -265,12 +319,15 @@ impl<W: Width> Num<W> {
     /// From a row.
     #[inline(always)]
     pub fn load(w: W, row: &Row<W::E>) -> Self {
-        Self { w, v: w.load(row) }
+        Self {
+            w,
+            v: w.load(row, 0),
+        }
     }
     /// Into a row.
     #[inline(always)]
     pub fn store(self, row: &mut Row<W::E>) {
-        self.w.store(row, self.v);
+        self.w.store(row, 0, self.v);
     }
     /// The same constant beside this vector.
     #[inline(always)]
@@ -398,80 +455,3 @@ impl<W: Width> Not for Mask<W> {
         Self { w: self.w, m }
     }
 }
-
-/// Value and slope of the polynomial Σ c_k s^k.
-#[inline(always)]
-pub fn horner<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> (Num<W>, Num<W>) {
-    let mut value = c[N - 1];
-    let mut slope = s.of(0.0);
-    for k in (0..N - 1).rev() {
-        slope = slope.mul_add(s, value);
-        value = value.mul_add(s, c[k]);
-    }
-    (value, slope)
-}
-
-/// Value alone of the polynomial Σ c_k s^k.
-#[inline(always)]
-pub fn polynomial<W: Width, const N: usize>(c: &[Num<W>; N], s: Num<W>) -> Num<W> {
-    let mut value = c[N - 1];
-    for k in (0..N - 1).rev() {
-        value = value.mul_add(s, c[k]);
-    }
-    value
-}
-
-/// Σ c_k x^k for constants known beforehand.
-#[inline(always)]
-pub fn series<W: Width, const N: usize>(c: [f64; N], x: Num<W>) -> Num<W> {
-    let mut value = x.of(c[N - 1]);
-    for k in (0..N - 1).rev() {
-        value = value.mul_add(x, x.of(c[k]));
-    }
-    value
-}
-
-/// (sin a, cos a) for 0 ≤ a ≤ 9, by quarter turns and Taylor's series (|remainder| < 1e-11).
-#[inline(always)]
-pub fn sin_cos<W: Width>(a: Num<W>) -> (Num<W>, Num<W>) {
-    use core::f64::consts::FRAC_PI_2;
-    // A number whose last bit is 1/1: adding and taking it away rounds.
-    let rounder = 0.75 / W::E::GRAIN;
-    let quarter = (a * (1.0 / FRAC_PI_2) + rounder) - rounder;
-    let high = W::E::from_f64(FRAC_PI_2).to_f64();
-    let r = quarter.mul_sub_from(a.of(high), a);
-    let r = quarter.mul_sub_from(a.of(FRAC_PI_2 - high), r);
-    let z = r * r;
-    let sin = r * series(SIN, z);
-    let cos = series(COS, z);
-    // Quarter 0 to 6: back to 0 to 3, then by its two bits.
-    let four = a.of(3.5).lt(quarter);
-    let quarter = quarter - four.choose(a.of(4.0), a.of(0.0));
-    let upper = a.of(1.5).lt(quarter);
-    let half = quarter - upper.choose(a.of(2.0), a.of(0.0));
-    let odd = a.of(0.5).lt(half);
-    let (s, c) = (odd.choose(cos, sin), odd.choose(-sin, cos));
-    (upper.choose(-s, s), upper.choose(-c, c))
-}
-
-/// sin x = x Σ SIN_k x^2k.
-pub const SIN: [f64; 7] = [
-    1.0,
-    -1.0 / 6.0,
-    1.0 / 120.0,
-    -1.0 / 5_040.0,
-    1.0 / 362_880.0,
-    -1.0 / 39_916_800.0,
-    1.0 / 6_227_020_800.0,
-];
-
-/// cos x = Σ COS_k x^2k.
-pub const COS: [f64; 7] = [
-    1.0,
-    -0.5,
-    1.0 / 24.0,
-    -1.0 / 720.0,
-    1.0 / 40_320.0,
-    -1.0 / 3_628_800.0,
-    1.0 / 479_001_600.0,
-];

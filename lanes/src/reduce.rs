@@ -71,7 +71,8 @@ pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
     let now = largest(count + 1 - window);
     let before = largest(count + 1 - 2 * window);
     let shrinks = now / before;
-    let left = now * shrinks / (1.0 - shrinks);
+    // Every window to come holds this many steps of n cycles, and shrinks again.
+    let left = now * (window / n) as f64 * shrinks / (1.0 - shrinks);
     let still = before < grain || (shrinks < 0.95 && left < SETTLED_WITHIN);
     (still && before < 0.5 * SECTION_TOLERANCE && (count + 1 - 2 * window..=count).all(even))
         .then_some(2 * window)
@@ -160,4 +161,83 @@ fn settled_after(records: &[Record], n: usize) -> u32 {
         .rev()
         .find(|k| records[k + n].distance(&records[*k]) > SECTION_TOLERANCE)
         .map_or(0, |k| k as u32 + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::contacts::Period;
+    use shared::regime::Detector;
+
+    /// A window of made-up strobes: repeating after `n`, with noise of `amount`, some contacts, perhaps chatter.
+    fn window(seed: u64, length: usize, n: usize, amount: f64, chatter: bool) -> Vec<Record> {
+        let mut state = seed;
+        let mut random = move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 31)
+        };
+        let orbit: Vec<_> = (0..n).map(|_| (random(), random(), random())).collect();
+        (0..length)
+            .map(|k| {
+                let (x, v, onsets) = orbit[k % n];
+                let onsets = (3.0 * onsets) as u16 + u16::from(random() < 0.01);
+                Record {
+                    x: x + amount * random(),
+                    v: v + amount * random(),
+                    force: 1.0,
+                    onsets,
+                    touched: onsets > 0,
+                    chatter: chatter && random() < 0.05,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn regimes_are_those_of_the_detector() {
+        let mut kinds = std::collections::BTreeSet::new();
+        for seed in 0..4000_u64 {
+            let n = 1 + (seed % 18) as usize;
+            let length = 2 + (seed % 103) as usize;
+            let amount = [0.0, 5e-4, 1.1e-3, 1.0][(seed / 7 % 4) as usize];
+            let records = window(seed, length, n, amount, seed % 5 == 0);
+            let mut detector = Detector::<f64>::new(1.0, 1.0);
+            for r in &records {
+                let period = Period {
+                    onsets: r.onsets,
+                    touched: r.touched,
+                    chatter: r.chatter,
+                    peak_force: 1.0,
+                };
+                detector.push(r.x, r.v, &period);
+            }
+            let found = regime(&records);
+            assert_eq!(found, detector.regime(), "seed {seed}");
+            kinds.insert(found.to_string());
+        }
+        assert!(kinds.len() > 20, "{kinds:?}");
+    }
+
+    fn decaying(ratio: f64, first: f64, cycles: usize) -> Vec<Record> {
+        let at = |k: usize| first * ratio.powi(k as i32);
+        (0..=cycles)
+            .map(|k| Record {
+                x: at(k),
+                onsets: 1,
+                touched: true,
+                ..Record::default()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_section_has_converged_only_when_what_is_left_is_small() {
+        // After 40 cycles 7e-6 and 3e-5 are left.
+        assert_eq!(converged(&decaying(0.9, 5e-4, 40), 1e-9), Some(16));
+        assert_eq!(converged(&decaying(0.9, 2e-3, 40), 1e-9), None);
+        // So slow that the small steps still add up.
+        assert_eq!(converged(&decaying(0.999, 1e-2, 160), 1e-9), None);
+    }
 }

@@ -1,7 +1,7 @@
 //! Contacts that the lanes' short expansion does not hold, one at a time in f64: long stays, contacts over the section,
 //! hops that come back before they have left.
 //!
-//! Contact is the closed form of [`super::touch`] without expansions, looked at every 0.4 radians of the transient
+//! Contact is the closed form of [`super::touch`] without expansions, looked at every 0.7 radians of the transient
 //! (a sine alone once that has died out); flight while F < 0 < x is a Taylor step of third order.
 
 use std::f64::consts::TAU;
@@ -11,10 +11,10 @@ use shared::contacts::CHATTER_STAY_S;
 use super::constants::Constants;
 
 /// Phase of the transient between looks, rad.
-const LOOK: f64 = 0.4;
+const LOOK: f64 = 0.7;
 
-/// Decay after which the transient has died out: e⁻²⁰ of it is left.
-const DEAD_AFTER: f64 = 20.0;
+/// Decay after which the transient has died out: e⁻¹⁶ of it is left.
+const DEAD_AFTER: f64 = 16.0;
 
 /// Releases and onsets after which a stay is given up.
 const MOST: usize = 500;
@@ -167,7 +167,7 @@ impl Stay {
     /// Free flight with x > 0 until it is out, F rises through zero, or the section comes.
     fn leave(&mut self, c: &Constants) -> Option<Event> {
         let lag = c.contact_damper / c.contact_spring;
-        let step = (0.25 * lag).max(0.05 / c.pulsation);
+        let step = (2.0 * lag).max(0.1 / c.pulsation);
         loop {
             if self.x <= 0.0 && self.v < 0.0 {
                 self.x = 0.0;
@@ -185,11 +185,16 @@ impl Stay {
             };
             let force = |t: f64| {
                 let (x, v) = at(t);
-                c.contact_spring * x + c.contact_damper * v
+                (
+                    c.contact_spring * x + c.contact_damper * v,
+                    c.contact_spring * v + c.contact_damper * (a + t * j),
+                )
             };
-            let out = (at(h).0 < 0.0).then(|| bisect(h, |t| at(t).0 < 0.0));
-            let until = out.unwrap_or(h);
-            let back = (force(until) > 0.0).then(|| bisect(until, |t| force(t) > 0.0));
+            let leaves = at(h).0 < 0.0;
+            let until = if leaves { crossing(0.0, h, at) } else { h };
+            let comes_back = force(until).0 > 0.0;
+            let back = comes_back.then(|| crossing(0.0, until, force));
+            let out = leaves.then_some(());
             let t = back.unwrap_or(until);
             (self.x, self.v) = at(t);
             self.tau += t;
@@ -212,18 +217,28 @@ impl Stay {
     }
 }
 
-/// Where `holds` begins to hold between 0 and `end`, where it does.
-fn bisect(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, end);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if holds(middle) {
-            high = middle;
+/// Where `at` (value and slope) takes the sign it has at `high`, between `low` and `high`.
+fn crossing(low: f64, high: f64, at: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let rises = at(high).0 > 0.0;
+    let (mut low, mut high) = (low, high);
+    let mut t = high;
+    for _ in 0..80 {
+        let (value, slope) = at(t);
+        if (value > 0.0) == rises {
+            high = t;
         } else {
-            low = middle;
+            low = t;
+        }
+        let newton = t - value / slope;
+        let inside = low < newton && newton < high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        let moved = (next - t).abs();
+        t = next;
+        if moved <= 1e-12 * high {
+            break;
         }
     }
-    high
+    t
 }
 
 /// The closed form of a contact from drive phase `tau`.
@@ -307,7 +322,7 @@ impl<'a> Form<'a> {
     /// The extremum of F between `low` and `high`, and its time.
     fn extremum(&self, low: f64, high: f64, from: f64) -> (f64, f64) {
         let mut t = from;
-        for _ in 0..4 {
+        for _ in 0..2 {
             let (_, slope, bend) = self.force(t);
             t = (t - slope / bend).clamp(low, high);
         }
@@ -315,28 +330,11 @@ impl<'a> Form<'a> {
     }
 
     /// Where F falls through zero between `low` and `high`.
-    fn release(&self, mut low: f64, mut high: f64) -> f64 {
-        let mut t = 0.5 * (low + high);
-        for _ in 0..60 {
+    fn release(&self, low: f64, high: f64) -> f64 {
+        crossing(low, high, |t| {
             let (value, slope, _) = self.force(t);
-            if value > 0.0 {
-                low = t;
-            } else {
-                high = t;
-            }
-            let newton = t - value / slope;
-            let next = if low < newton && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            let moved = (next - t).abs();
-            t = next;
-            if moved < 1e-14 {
-                break;
-            }
-        }
-        t
+            (value, slope)
+        })
     }
 }
 
@@ -356,6 +354,7 @@ impl Turning {
     fn new(form: &Form) -> Self {
         let c = form.c;
         let step = LOOK / c.pulsation;
+        let (look_sin, look_cos) = libm::sincos(LOOK);
         let (sin, cos) = libm::sincos(form.tau);
         let (p, q, mean) = form.slow();
         let left = libm::exp(-c.decay * step);
@@ -363,7 +362,7 @@ impl Turning {
         Self {
             step,
             transient: form.push,
-            shrink: (left * libm::cos(LOOK), left * libm::sin(LOOK)),
+            shrink: (left * look_cos, left * look_sin),
             forced: (p * sin + q * cos, p * cos - q * sin),
             turn: (turn_cos, turn_sin),
             mean,

@@ -6,13 +6,17 @@
 //! releases, so that only short polynomials are left. What does not fit (long stays, contacts over the section, hops
 //! that come back before they have left) is told and done by [`super::stay`].
 
-use super::number::{Mask, Num, Width, horner, polynomial, sin_cos};
+use super::number::{Mask, Num, Width};
+use super::series::{horner, polynomial, sin_cos};
 
 /// Order of the expansions.
 const ORDER: usize = 8;
 
 /// Farthest the release may be from where it is expected, in transient phase.
-const REACH: f64 = 0.6;
+const REACH: f64 = 0.8;
+
+/// The search for the release has come to rest when its last move was shorter, in transient phase.
+const AT_REST: f64 = 1e-4;
 
 /// Longest contact, in drive phase, over which the drive is held to second order.
 const LONGEST: f64 = 0.15;
@@ -34,6 +38,10 @@ pub struct Surface<W: Width> {
     pub decay: Num<W>,
     /// [`super::constants::Constants::pulsation`].
     pub pulsation: Num<W>,
+    /// Its reciprocal.
+    pub short: Num<W>,
+    /// ρ = decay over pulsation.
+    pub rho: Num<W>,
     /// [`super::constants::Constants::forced_sin`].
     pub forced_sin: Num<W>,
     /// [`super::constants::Constants::forced_cos`].
@@ -107,8 +115,7 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let one = v.of(1.0);
     let zero = v.of(0.0);
     let (sin, cos) = sin_cos(tau);
-    let short = one / s.pulsation;
-    let rho = s.decay * short;
+    let (short, rho) = (s.short, s.rho);
     // The forced motion and its derivatives by τ.
     let swing = s.forced_sin.mul_add(sin, s.forced_cos * cos);
     let forced = swing + s.forced_mean;
@@ -132,15 +139,20 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     // Release: F falls through zero.
     let mut f: [Num<W>; ORDER + 1] = push.about(&s.release, rho);
     add_slow(&mut f, &slow, &s.release, short);
-    let mut d = -(f[0] / f[1]);
-    d = d.max(one * -REACH).min(one * REACH);
-    let mut falls = f[1].lt(zero);
-    for _ in 0..3 {
+    let mut steep = one / f[1];
+    let (mut falls, mut last) = (f[1].lt(zero), one);
+    let mut d = (-(f[0] * steep)).max(one * -REACH).min(one * REACH);
+    for _ in 0..4 {
         let (value, slope) = horner(&f, d);
         falls = slope.lt(zero);
-        d = d - value / slope;
+        // 1/slope, refined without division.
+        for _ in 0..2 {
+            steep = steep * slope.mul_sub_from(steep, one + one);
+        }
+        last = value * steep;
+        d = d - last;
     }
-    let near = d.abs().lt(one * REACH);
+    let near = d.abs().lt(one * REACH) & last.abs().lt(one * AT_REST);
     let z: [Num<W>; ORDER + 1] = moved.about(&s.release, rho);
     let (z0, z1) = horner(&z, d);
     let t = (s.release.phase + d) * short;
@@ -154,13 +166,14 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let e1 = push1 - t * push0;
     let inside = rate.mul_add(rate, -(e * x * 2.0));
     let root = inside.max(zero).sqrt();
-    let mut out = (x + x) / (root - rate);
+    let quick = one / (root - rate);
+    let mut out = (x + x) * quick;
     let height = x + out * (rate + out * (e * 0.5 + out * e1 * (1.0 / 6.0)));
-    let speed = rate + out * (e + out * e1 * 0.5);
-    out = out - height / speed;
+    // Newton's slope is −root, but for the drive's own change.
+    out = out + height / root.max(one * 1e-30);
     let leaving = rate + out * (e + out * e1 * 0.5);
     let whole = t + out;
-    let clear = (rate * rate * 0.02).lt(inside)
+    let clear = (rate * rate * 0.05).lt(inside)
         & leaving.lt(zero)
         & rate.lt(zero)
         & !(x.lt(v * short * -1e-4))
@@ -210,13 +223,15 @@ fn peak<W: Width>(
     let zero = rho.of(0.0);
     let mut f: [Num<W>; 6] = push.about(&s.peak, rho);
     add_slow(&mut f, slow, &s.peak, short);
-    let first = -(f[1] / (f[2] * 2.0));
-    let slope = polynomial(
-        &[f[1], f[2] * 2.0, f[3] * 3.0, f[4] * 4.0, f[5] * 5.0],
-        first,
-    );
-    let bend = polynomial(&[f[2] * 2.0, f[3] * 6.0, f[4] * 12.0, f[5] * 20.0], first);
-    let d = (first - slope / bend).max(-s.peak.phase);
+    let curve = f[2] + f[2];
+    let mut flat = rho.of(1.0) / curve;
+    let first = -(f[1] * flat);
+    let slope = polynomial(&[f[1], curve, f[3] * 3.0, f[4] * 4.0, f[5] * 5.0], first);
+    let bend = polynomial(&[curve, f[3] * 6.0, f[4] * 12.0, f[5] * 20.0], first);
+    for _ in 0..2 {
+        flat = flat * bend.mul_sub_from(flat, rho.of(2.0));
+    }
+    let d = slope.mul_sub_from(flat, first).max(-s.peak.phase);
     let top = polynomial(&f, d);
     let falls_from_onset = !(zero.lt(s.peak.phase)) & !(zero.lt(f[1]));
     let found = d.abs().lt(zero.of(REACH)) & f[2].lt(zero);

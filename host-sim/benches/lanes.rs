@@ -1,0 +1,80 @@
+//! Drive cycles per second on one core, early stopping off: lanes by precision and instructions, the reference and the
+//! switch model, over cells spread evenly over the chapter's map.
+
+use divan::{Bencher, counter::ItemsCount};
+use host_sim::engine::{Engine, Setting};
+use host_sim::lanes::{Cell, How, Instructions, Plan, Precision, run_one, run_with};
+use shared::params::{RigParams, WIRES};
+use shared::rig::Rig;
+
+const PLAN: Plan = Plan {
+    early: false,
+    ..Plan::CHAPTER
+};
+
+/// Every `stride`-th of the map's 357 × 588 cells.
+fn cells(stride: usize) -> Vec<Cell> {
+    (0..357 * 588)
+        .step_by(stride)
+        .map(|k| {
+            let params = RigParams {
+                gap_m: (k / 588) as f64 * 1e-5,
+                ..WIRES
+            };
+            Cell {
+                params,
+                frequency_hz: 1.41 + 0.01 * (k % 588) as f64,
+                start: [Rig::<f64>::new(&params).unwrap().rest(), 0.0],
+                phase: 0.0,
+            }
+        })
+        .collect()
+}
+
+fn main() {
+    divan::main();
+}
+
+#[divan::bench(
+    args = [
+        (Precision::Single, Instructions::Widest),
+        (Precision::Single, Instructions::Avx2),
+        (Precision::Single, Instructions::Scalar),
+        (Precision::Double, Instructions::Widest),
+        (Precision::Double, Instructions::Avx2),
+        (Precision::Double, Instructions::Scalar),
+    ],
+    sample_count = 3,
+    sample_size = 1
+)]
+fn lanes(bencher: Bencher, (precision, instructions): (Precision, Instructions)) {
+    let cells = cells(83);
+    let how = How {
+        precision,
+        instructions,
+    };
+    let cycles = cells.len() * PLAN.cycles as usize;
+    bencher
+        .counter(ItemsCount::new(cycles))
+        .bench_local(|| run_with(how, &cells, &PLAN).unwrap());
+}
+
+fn one_by_one(bencher: Bencher, engine: Engine) {
+    let cells = cells(15_013);
+    let cycles = cells.len() * PLAN.cycles as usize;
+    bencher.counter(ItemsCount::new(cycles)).bench_local(|| {
+        for cell in &cells {
+            run_one(engine, cell, &PLAN).unwrap();
+        }
+    });
+}
+
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn reference(bencher: Bencher) {
+    one_by_one(bencher, Engine::Event);
+}
+
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn switch_model(bencher: Bencher) {
+    one_by_one(bencher, Engine::Switch(Setting::corrected_f32(50e-6)));
+}

@@ -1,0 +1,452 @@
+//! `host-sim map`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::process::{Child, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::support::{
+    Folder, answer, assert_svg_shows, csv_rows, finish, keys, number, png_size, wait,
+};
+
+/// A map in which much happens, in a moment.
+const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
+
+const COLUMNS: [&str; 12] = [
+    "gap_mm",
+    "frequency_hz",
+    "frequency_ratio",
+    "impacts",
+    "periods",
+    "regime",
+    "force_ratio",
+    "force_n",
+    "settled",
+    "settling_cycles",
+    "largest_period_searched",
+    "uncertain",
+];
+
+/// The files of a folder and what they hold, tiles left out.
+fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
+    let names = folder.names().into_iter();
+    let names = names.filter(|name| !name.contains(".tiles/"));
+    names
+        .map(|name| {
+            let bytes = fs::read(folder.path(&name)).expect("a readable file");
+            (name, bytes)
+        })
+        .collect()
+}
+
+fn tiles(folder: &Folder) -> usize {
+    let names = folder.names();
+    names.iter().filter(|name| name.ends_with(".bin")).count()
+}
+
+fn run(folder: &Folder, line: &str) -> String {
+    folder.run(line).well().out
+}
+
+/// Every cell of the map is what `simulate` finds alone, by the reference, over the same cycles.
+#[test]
+fn cells_are_what_single_runs_find() {
+    let csv = run(&Folder::new(), &format!("{SMALL} --format csv --quiet"));
+    assert_eq!(csv.lines().next().unwrap_or(""), COLUMNS.join(","));
+    let rows = csv_rows(&csv);
+    assert_eq!(rows.len(), 4 * 7);
+    for row in rows.iter().step_by(3) {
+        let line = format!(
+            "simulate --gap {} --frequency {} --cycles 120 --transient 60",
+            row["gap_mm"], row["frequency_hz"]
+        );
+        let alone = answer(&line);
+        if !row["periods"].is_number() || row["settled"] == Value::Bool(false) {
+            // Where nothing repeats, or not yet, two integrators part; what strikes still strikes.
+            assert_eq!(row["regime"] == "none", alone["regime"] == "none", "{row}");
+            continue;
+        }
+        for key in ["regime", "impacts", "periods"] {
+            assert_eq!(row[key], alone[key], "{key}: {row}");
+        }
+        // The map's accuracy: a tenth of a percent.
+        let error = number(row, "force_n") / number(&alone, "force_n") - 1.0;
+        assert!(error.abs() < 1e-3, "{error:e}: {row}");
+    }
+}
+
+#[test]
+fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
+    let folder = Folder::new();
+    let line = format!("{SMALL} --format json --out o --quiet");
+    let json = run(&folder, &line);
+    let names = ["map-wires-force.png", "map-wires-force.svg"];
+    let more = [
+        "map-wires.csv",
+        "map-wires.json",
+        "map-wires.png",
+        "map-wires.svg",
+    ];
+    let names: Vec<_> = names
+        .iter()
+        .chain(&more)
+        .map(|n| format!("o/{n}"))
+        .collect();
+    assert_eq!(folder.names(), names);
+    assert_eq!(folder.read("o/map-wires.json"), json);
+    let whole: Value = serde_json::from_str(&json).expect("JSON");
+    let map = &whole["maps"][0];
+    let rows = csv_rows(&folder.read("o/map-wires.csv"));
+    let layers = &map["layers"];
+    assert!(keys(layers).contains(&"settling_cycles"));
+    for (i, row) in rows.iter().enumerate() {
+        for key in ["regime", "impacts", "force_ratio", "uncertain"] {
+            assert_eq!(row[key], layers[key][i], "{key}");
+        }
+        // Row by row: all frequencies of the first gap first.
+        assert_eq!(row["gap_mm"], map["gaps_mm"][i / 7]);
+        assert_eq!(row["frequency_hz"], map["frequencies_hz"][i % 7]);
+    }
+    let counted: u64 = map["summary"]["regimes"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|r| r["cells"].as_u64())
+        .sum();
+    assert_eq!(counted, 28);
+    assert_svg_shows(&folder.read("o/map-wires.svg"), &["1/1", "Ω/ω"]);
+    png_size(&fs::read(folder.path("o/map-wires-force.png")).expect("a picture"));
+}
+
+#[test]
+fn threads_and_tiles_do_not_change_a_byte() {
+    let whole = Folder::new();
+    // Slow engines have small tiles: 6 × 50 cells are three.
+    let line = "map --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --cycles 20 --reference --format text";
+    run(&whole, &format!("{line} --quiet --out o --threads 1"));
+    let expected = outputs(&whole);
+    assert_eq!(expected.len(), 6);
+    let split = Folder::new();
+    for share in ["2/2", "1/2"] {
+        let said = split.run(&format!("{line} --out o --tiles {share}")).well();
+        assert!(said.err.contains("--merge"), "{said:?}");
+        assert!(outputs(&split).is_empty());
+    }
+    assert_eq!(tiles(&split), 3);
+    run(
+        &split,
+        &format!("{line} --quiet --out o --merge --threads 2"),
+    );
+    assert_eq!(outputs(&split), expected);
+    assert_eq!(tiles(&split), 0);
+}
+
+/// Tiles that are missing, of another map, or damaged.
+#[test]
+fn tiles_that_do_not_serve_are_told_or_made_again() {
+    let folder = Folder::new();
+    let line = "map --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --reference --format text --out o";
+    run(&folder, &format!("{line} --cycles 20 --quiet --tiles 0..2"));
+    let refused = |extra: &str, says: &[&str]| {
+        let before = folder.names();
+        let ran = folder.run(&format!("{line} {extra}"));
+        assert_eq!(ran.code, Some(2), "{ran:?}");
+        assert_eq!(ran.err.lines().count(), 1, "{ran:?}");
+        assert!(says.iter().all(|s| ran.err.contains(s)), "{ran:?}");
+        assert_eq!(folder.names(), before);
+    };
+    refused("--cycles 20 --merge", &["1 of 3 tiles missing", ": 2..3;"]);
+    refused(
+        "--cycles 30",
+        &["(20, 10) where this one has (30, 15)", "o/map-wires.tiles"],
+    );
+    refused("--cycles 20 --set mass_kg=0.3", &["another rig"]);
+    refused("--cycles 20 --tiles 2..4", &["the map has tiles 0..3"]);
+    let tile = folder.path("o/map-wires.tiles/tile-000000.bin");
+    let good = fs::read(&tile).expect("a tile");
+    for position in [0, 9, good.len() / 2, good.len() - 1] {
+        let mut bad = good.clone();
+        bad[position] ^= 1;
+        fs::write(&tile, bad).expect("a tile");
+        refused(
+            "--cycles 20 --merge",
+            &["2 of 3 tiles missing", ": 0..1, 2..3;"],
+        );
+    }
+    fs::write(&tile, &good[..good.len() / 2]).expect("a tile");
+    run(&folder, &format!("{line} --cycles 20 --quiet"));
+    let whole = Folder::new();
+    run(&whole, &format!("{line} --cycles 20 --quiet"));
+    assert_eq!(outputs(&folder), outputs(&whole));
+}
+
+/// Starts `line` in `folder` and comes back when it has kept some tiles and not all.
+fn underway(folder: &Folder, line: &str, all: usize) -> Child {
+    let words: Vec<_> = line.split_whitespace().collect();
+    let mut child = folder
+        .command(&words)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let before = tiles(folder);
+    let began = Instant::now();
+    while tiles(folder) < before + 2 {
+        assert!(began.elapsed() < Duration::from_secs(100), "no tiles");
+        let ended = child.try_wait().expect("a child");
+        assert!(ended.is_none(), "it was to be cut off in the middle");
+        thread::sleep(Duration::from_millis(2));
+    }
+    assert!(tiles(folder) < all, "it was to be cut off in the middle");
+    child
+}
+
+#[test]
+fn a_killed_map_goes_on_and_ends_in_the_same_bytes() {
+    // 16 × 50 cells are seven tiles of the reference.
+    let line =
+        "map --gap 0:3:0.2 --ratio 1:3.45:0.05 --cycles 40 --reference --format text --out o";
+    let folder = Folder::new();
+    let mut child = underway(&folder, line, 7);
+    // On Unix this is SIGKILL: nothing is cleaned up.
+    child.kill().expect("a child to kill");
+    assert!(!wait(child).success());
+    assert!(outputs(&folder).is_empty());
+    let kept = tiles(&folder);
+    assert!(kept >= 2);
+    run(&folder, &format!("{line} --quiet"));
+    let whole = Folder::new();
+    run(&whole, &format!("{line} --quiet"));
+    assert_eq!(outputs(&folder), outputs(&whole));
+    assert_eq!(outputs(&folder).len(), 6);
+    assert_eq!(tiles(&folder), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_map_says_how_to_go_on() {
+    let line = "map --gap 0:3:0.2 --ratio 1:3.45:0.05 --cycles 40 --reference --out o";
+    let folder = Folder::new();
+    let mut child = underway(&folder, line, 7);
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(interrupt.expect("kill").success());
+    let mut stderr = child.stderr.take().expect("a pipe");
+    assert_eq!(wait(child).code(), Some(130));
+    let mut said = String::new();
+    std::io::Read::read_to_string(&mut stderr, &mut said).expect("UTF-8");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("the same command goes on"), "{said}");
+    assert!(tiles(&folder) >= 2);
+    assert!(!folder.names().iter().any(|n| n.contains(".writing-")));
+}
+
+/// Carried up and down, the same gap shows other regimes where the hammer jumps; one chain is what `sweep` does.
+#[test]
+fn carried_maps_follow_one_chain_per_gap() {
+    let grid = "--ratio 1.3:1.8:0.05";
+    for direction in ["up", "down"] {
+        let line = format!("map --gap 2.4 {grid} --from {direction} --cycles 120 --recorded 40");
+        let csv = run(&Folder::new(), &format!("{line} --format csv --quiet"));
+        let line = format!("sweep --gap 2.4 {grid} --direction {direction}");
+        let sweep = answer(&format!("{line} --cycles 120 --transient 80"));
+        let rows = csv_rows(&csv);
+        let mut compared = 0;
+        for (row, other) in rows.iter().zip(sweep.as_array().expect("rows")) {
+            if other["regime"] != "1/1" {
+                continue;
+            }
+            compared += 1;
+            assert_eq!(row["regime"], other["regime"], "{row} {other}");
+            let error = number(row, "force_n") / number(other, "force_n") - 1.0;
+            assert!(error.abs() < 2e-3, "{error:e}: {row}");
+        }
+        assert!(compared >= 2, "{direction}: {compared}");
+    }
+}
+
+#[test]
+fn settle_runs_on_what_has_not_settled() {
+    let unsettled = |line: &str| {
+        let rows = csv_rows(&run(&Folder::new(), line));
+        let open = rows.iter().filter(|r| r["settled"] == Value::Bool(false));
+        (open.count(), rows)
+    };
+    let line = "map --gap 0.5 --ratio 1:3:0.1 --cycles 20 --format csv --quiet";
+    let (short, _) = unsettled(line);
+    let (longer, rows) = unsettled(&format!("{line} --settle 400"));
+    assert!(longer < short, "{longer} of {short}");
+    // What settled late says so.
+    let late = rows.iter().filter_map(|r| r["settling_cycles"].as_f64());
+    assert!(late.fold(0.0, f64::max) > 20.0);
+}
+
+#[test]
+fn the_switch_engine_makes_maps_and_its_difference_is_told() {
+    let folder = Folder::new();
+    let line = "map --gap 0:0.4:0.4 --ratio 1.3:2.3:0.5 --cycles 120 --against switch --quiet";
+    let ran = folder.run(&format!("{line} --format json --out o")).well();
+    let whole = ran.json();
+    let engines: Vec<_> = [0, 1].map(|i| whole["maps"][i]["engine"].clone()).to_vec();
+    assert_eq!(engines, ["event", "switch"]);
+    let against = &whole["against"];
+    assert_eq!(against["cells"], 6);
+    // Settled 1/1 at small gaps: both see the same (docs/accuracy.md).
+    assert_eq!(against["same_label"], 6, "{against}");
+    assert_eq!(against["same_force"], 6, "{against}");
+    let names = folder.names();
+    for name in [
+        "map-wires-switch.csv",
+        "map-wires-against.svg",
+        "map-wires.csv",
+    ] {
+        assert!(names.contains(&format!("o/{name}")), "{names:?}");
+    }
+}
+
+#[test]
+fn the_beams_stand_beside_one_another() {
+    let folder = Folder::new();
+    let line = "map --beams --gap 0:2:1 --ratio 1.2:3.2:0.5 --cycles 100 --out o";
+    let ran = folder.run(line).well();
+    for pair in [
+        "beam-170 and beam-150",
+        "beam-170 and beam-135",
+        "beam-150 and beam-135",
+    ] {
+        assert!(ran.out.contains(pair), "{ran:?}");
+    }
+    let frequencies = |rig: &str| {
+        let rows = csv_rows(&folder.read(&format!("o/map-{rig}.csv")));
+        assert_eq!(rows.len(), 15);
+        let ratios: Vec<_> = rows.iter().map(|r| r["frequency_ratio"].clone()).collect();
+        (number(&rows[0], "frequency_hz"), ratios)
+    };
+    let ((soft, ratios), (stiff, same)) = (frequencies("beam-170"), frequencies("beam-135"));
+    assert!(stiff > 1.4 * soft);
+    assert_eq!(ratios, same);
+    assert_svg_shows(
+        &folder.read("o/map-beam-170-beside.svg"),
+        &["beam-150", "same regime in"],
+    );
+}
+
+#[test]
+fn an_audit_finds_the_map_right() {
+    let line = "map --gap 0:1:0.25 --ratio 1.2:2.2:0.1 --audit 12 --seed 7";
+    let whole = answer(line);
+    let audit = &whole["audit"];
+    assert_eq!(audit["cells"], 12);
+    assert_eq!(audit["same_label"], 12, "{audit}");
+    assert_eq!(audit["same_force"], audit["both_periodic"], "{audit}");
+    assert!(audit["both_periodic"].as_u64() > Some(6), "{audit}");
+}
+
+#[test]
+fn measured_points_are_laid_over() {
+    let csv = "gap_mm,frequency_hz,regime\n0.0,3.64,1/1\n0.02,3.64,1/2\n0.0,99,none\n";
+    let folder = Folder::new().with("seen.csv", csv);
+    let line = "map --gap 0:1:0.5 --frequency 2.64:4.64:0.5 --measured seen.csv --out o";
+    let ran = folder.run(line).well();
+    let said = "1 of 2 points have the regime of the cell they lie on (1 outside the map)";
+    assert!(ran.out.contains(said), "{ran:?}");
+    assert_svg_shows(&folder.read("o/map-wires.svg"), &["seen"]);
+}
+
+#[test]
+fn parquet_goes_to_a_pipe_and_into_the_folder() {
+    let folder = Folder::new();
+    let words = "map --gap 0:1:0.5 --ratio 2 --format parquet --out o --quiet";
+    let words: Vec<_> = words.split_whitespace().collect();
+    let ran = folder.command(&words).output().expect("the program runs");
+    assert!(ran.status.success());
+    let file = fs::read(folder.path("o/map-wires.parquet")).expect("a file");
+    assert_eq!(ran.stdout, file);
+    assert!(file.starts_with(b"PAR1") && file.ends_with(b"PAR1"));
+}
+
+#[test]
+fn one_gap_and_one_frequency_are_maps_too() {
+    for grid in ["--gap 0", "--gap 0:1:0.5", "--ratio 1.5"] {
+        let extra = match grid {
+            "--ratio 1.5" => "--gap 1:1:1",
+            "--gap 0" => "--ratio 1:3:0.5",
+            _ => "--frequency 3",
+        };
+        let folder = Folder::new();
+        let ran = folder
+            .run(&format!("map {grid} {extra} --cycles 60"))
+            .well();
+        assert!(ran.out.contains("regimes"), "{ran:?}");
+        assert!(folder.path("out/map-wires.png").is_file());
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
+    let folder = Folder::new()
+        .with(
+            "odd.csv",
+            "gap_mm,frequency_hz,regime\n0,2,1/1\n0,2,often\n",
+        )
+        .with("cut.csv", "gap_mm,frequency_hz\n0,2\n")
+        .with("taken", "keep");
+    let before = folder.names();
+    for (line, says) in [
+        ("--gap 0:1", "write FROM:TO:STEP"),
+        ("--gap 1 --gap 0.5", "rising order"),
+        ("--gap nan", "gap_mm is NaN"),
+        ("--gap 500", "gap_mm is 500"),
+        ("--gap 0:1e9:1", "use a larger STEP"),
+        ("--ratio 0:1:0.5", "not a positive value"),
+        ("--ratio inf", "not a positive value"),
+        ("--frequency 2 --ratio 2", "cannot be used with"),
+        ("--gap 0:1:0.0001 --ratio 1:4:0.0001", "20000000"),
+        ("--recorded 0", "--recorded is 0"),
+        ("--cycles 50 --recorded 100", "--recorded is 100"),
+        ("--settle 300", "must be more than the 300"),
+        ("--cycles 0", "must be from 1"),
+        ("--audit 0", "at least 1"),
+        ("--audit 5 --from up", "leave one of the two out"),
+        ("--seed 5", "--audit"),
+        ("--against rest", "choose another"),
+        ("--reference --against reference", "choose another"),
+        ("--beside wires", "two rigs are called wires"),
+        ("--beams --rig wires", "cannot be used with"),
+        ("--beams --format csv", "no one table"),
+        ("--tiles 1..1", "holds no tile"),
+        ("--tiles 0/4", "counted from 1"),
+        ("--tiles 1..2 --format csv", "add --out DIR"),
+        ("--tiles 0..1 --merge", "cannot be used with"),
+        ("--gap 0 --ratio 2 --tiles 0..9", "tiles 0..1"),
+        ("--gap 0 --ratio 2 --merge", "1 of 1 tiles missing"),
+        ("--threads 0", "from 1 to 1024"),
+        ("--reference --engine switch", "leave --engine switch out"),
+        ("--tick-us 20", "add --engine switch"),
+        ("--measured odd.csv", "odd.csv, line 3: regime is 'often'"),
+        (
+            "--measured cut.csv",
+            "cut.csv, line 1: there is no column regime",
+        ),
+        ("--measured none.csv", "cannot read none.csv"),
+        ("--out taken", "choose another folder"),
+    ] {
+        let words: Vec<_> = std::iter::once("map").chain(line.split(' ')).collect();
+        let ran = finish(folder.command(&words));
+        assert_eq!(
+            (ran.code, ran.out.as_str()),
+            (Some(2), ""),
+            "{line}: {ran:?}"
+        );
+        assert_eq!(ran.err.lines().count(), 1, "{line}: {ran:?}");
+        assert!(
+            ran.err.starts_with("error: ") && ran.err.contains(says),
+            "{line}: {ran:?}"
+        );
+        assert_eq!(folder.names(), before, "{line}");
+    }
+}
