@@ -114,13 +114,16 @@ for _ in $(seq 600); do
 done
 [ -z "$(squeue --noheader)" ] || fail "jobs still stand in the queue after ten minutes"
 for job in "$array" "$merge"; do
-  scontrol --oneliner show job "$job" | grep -o 'JobId=[0-9]*\|ArrayTaskId=[0-9]*\|JobState=[A-Z]*\|RunTime=[0-9:]*' | paste -sd' ' | sed 's/ JobId/\nJobId/g'
+  scontrol --oneliner show job "$job" | while read -r line; do
+    grep -o ' ArrayTaskId=[0-9]*\| JobName=[a-z-]*\| JobState=[A-Z]*\| RunTime=[0-9:]*' <<<" $line" | tr -d '\n'
+    echo
+  done
 done
-cat "$work"/map-*.log
+grep -h . "$work"/map-[0-9]*.log "$work"/map-merge-*.log
 
 echo "the same map in one go"
 "$HOST_SIM" map "${options[@]}" --out "$work/plain" --quiet >/dev/null
-[ -s "$work/shared/map-wires.csv" ] || [ -n "$(ls "$work/shared"/*.csv 2>/dev/null)" ] || fail "the merge left no table"
+compgen -G "$work/shared/*.csv" >/dev/null || fail "the merge left no table"
 diff -r "$work/shared" "$work/plain" || fail "the files differ"
 (cd "$work/shared" && sha256sum -- *)
 echo "same bytes: $(find "$work/shared" -type f | wc -l) files"

@@ -76,22 +76,25 @@ fn regime(text: &str) -> Option<Regime> {
     }
 }
 
-/// Compares every point with the nearest cell.
-pub fn hits(points: &[Measured], map: &Map) -> Hits {
+/// The points that lie on the map, each with what the nearest cell shows.
+pub fn on_map(points: &[Measured], map: &Map) -> Vec<(Measured, Regime)> {
     let gaps: Vec<f64> = points.iter().map(|p| p.gap_mm).collect();
     let frequencies: Vec<f64> = points.iter().map(|p| p.frequency_hz).collect();
     let rows = places(&gaps, &map.grid.gaps_mm);
     let columns = places(&frequencies, &map.grid.frequencies_hz);
-    let mut found = Hits::default();
-    for ((point, row), column) in points.iter().zip(rows).zip(columns) {
-        match (row, column) {
-            (Some(row), Some(column)) => {
-                found.points += 1;
-                let here = map.cell(row, column).regime;
-                found.same += usize::from(same_label(here, point.regime));
-            }
-            _ => found.outside += 1,
-        }
+    let at = rows.into_iter().zip(columns);
+    let seen = points.iter().zip(at);
+    seen.filter_map(|(point, at)| Some((*point, map.cell(at.0?, at.1?).regime)))
+        .collect()
+}
+
+/// Compares every point with the nearest cell.
+pub fn hits(points: &[Measured], map: &Map) -> Hits {
+    let inside = on_map(points, map);
+    let same = |(point, here): &&(Measured, Regime)| same_label(*here, point.regime);
+    Hits {
+        points: inside.len(),
+        outside: points.len() - inside.len(),
+        same: inside.iter().filter(same).count(),
     }
-    found
 }

@@ -10,6 +10,7 @@ mod contact;
 mod drop_test;
 mod emulate;
 mod figures;
+mod map;
 mod modes;
 mod orbits;
 mod pick;

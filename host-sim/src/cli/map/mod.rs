@@ -11,7 +11,7 @@ use answer::Answer;
 use rayon::prelude::*;
 
 use super::common::{Common, Format, pictures};
-use super::emit::{emit, tables};
+use super::emit::emit;
 use crate::error::UserError;
 use crate::files;
 use crate::map::{
@@ -19,6 +19,7 @@ use crate::map::{
 };
 use crate::picture::Figure;
 use crate::sweep::Direction;
+use crate::table::{to_csv, to_parquet};
 use crate::terminal::Progress;
 
 /// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
@@ -241,6 +242,11 @@ fn share(
 ) -> Result<(), UserError> {
     for (request, store) in requests.iter().zip(stores) {
         let range: Range<usize> = tiles.range(request.tiles());
+        if range.is_empty() {
+            args.common
+                .note("there are more shares than tiles: none falls to this one");
+            continue;
+        }
         map::run_tiles(request, range.clone(), store, progress)?;
         args.common.note(&format!(
             "tiles {}..{} of {} are in {}; when all are there, the same command with --merge in place of --tiles writes the map",
@@ -291,22 +297,38 @@ fn write(
     answer: &Answer,
     points: Option<&[Measured]>,
 ) -> Result<(), UserError> {
-    let first = requests::name(&answer.requests[0]);
+    let (drawn, tabled) = rayon::join(|| draw(answer, points), || tabled(common, answer));
+    let mut contents = drawn?;
+    contents.extend(tabled?);
+    common.write(dir, &contents)
+}
+
+/// Files by name.
+type Files = Vec<(String, Vec<u8>)>;
+
+fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Files, UserError> {
     let figures = figures(answer, points);
-    let drawn = figures.par_iter().map(|(n, f)| pictures(n, f));
+    let drawn = figures
+        .par_iter()
+        .map(|(name, figure)| pictures(name, figure));
     let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
-    let mut contents: Vec<_> = drawn.into_iter().flatten().collect();
+    Ok(drawn.into_iter().flatten().collect())
+}
+
+/// A table for each map, and one JSON.
+fn tabled(common: &Common, answer: &Answer) -> Result<Files, UserError> {
+    let mut files = Vec::new();
     for (request, map) in answer.requests.iter().zip(answer.maps) {
         let name = requests::name(request);
         let rows: Vec<_> = map.rows().collect();
-        let made = tables(&name, common.format, &(), &rows)?;
-        contents.extend(
-            made.into_iter()
-                .filter(|(name, _)| !name.ends_with(".json")),
-        );
+        files.push((format!("{name}.csv"), to_csv(&rows)));
+        if common.format == Format::Parquet {
+            files.push((format!("{name}.parquet"), to_parquet(&rows)?));
+        }
     }
-    contents.push((format!("{first}.json"), answer.to_json()?));
-    common.write(dir, &contents)
+    let first = requests::name(&answer.requests[0]);
+    files.push((format!("{first}.json"), answer.to_json()?));
+    Ok(files)
 }
 
 /// The pictures and their names: of each map the regimes and the force of 1/1; how maps compare.
@@ -317,7 +339,8 @@ fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)
         let name = requests::name(request);
         let regimes = match points {
             Some(points) if i == 0 => {
-                let seen = points.iter().map(|p| (p.gap_mm, p.frequency_hz, p.regime));
+                let seen = measured::on_map(points, map).into_iter();
+                let seen = seen.map(|(p, _)| (p.gap_mm, p.frequency_hz, p.regime));
                 picture::with_points(map, &seen.collect::<Vec<_>>())
             }
             _ => picture::regimes(map),
