@@ -61,7 +61,10 @@ pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError
     let mut found = Simulated::default();
     for ((parameter, cell), outcome) in parameters.iter().zip(&cells).zip(outcomes) {
         let rig = Rig::<f64>::new(&cell.params)?;
-        for strobe in outcome.strobes {
+        // Of a motion that repeats, one repetition: the strobes before are those on the way there.
+        let repeats = outcome.regime.periods().map(usize::from);
+        let from = repeats.map_or(0, |n| outcome.strobes.len().saturating_sub(n));
+        for strobe in &outcome.strobes[from..] {
             let mm = rig.relative_displacement(strobe.q) * 1e3;
             found.displacement_mm.push((*parameter, mm));
             if strobe.force_n > 0.0 {

@@ -164,3 +164,22 @@ pub fn drawn(name: &str, picture: &Figure) -> Result<Vec<(String, Vec<u8>)>, Use
         (format!("{name}.png"), render_png(picture)?),
     ])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_is_made_by_one_part_or_is_no_computation() {
+        let made: Vec<&str> = AREAS.iter().flat_map(|part| part.1).copied().collect();
+        for (i, figure) in made.iter().enumerate() {
+            assert!(!made[i + 1..].contains(figure), "{figure} is made twice");
+            assert!(DRAWINGS.iter().all(|d| d.0 != *figure), "{figure}");
+        }
+        let absent: Vec<String> = (1..=54)
+            .map(|n| format!("3.{n}"))
+            .filter(|n| !made.contains(&n.as_str()) && DRAWINGS.iter().all(|d| d.0 != n))
+            .collect();
+        assert!(absent.is_empty(), "nothing makes {absent:?}");
+    }
+}
