@@ -10,7 +10,10 @@ fn the_doubling_is_listed_and_located() {
     let changes = found["diagrams"][0]["changes"].as_array().expect("changes");
     let doubling = changes.iter().find(|c| c["kind"] == "doubling");
     let doubling = doubling.expect("the 1/1 doubles between 2.5 and 2.8");
-    assert_eq!((&doubling["below"], &doubling["above"]), (&"1/1".into(), &"2/2".into()));
+    assert_eq!(
+        (&doubling["below"], &doubling["above"]),
+        (&"1/1".into(), &"2/2".into())
+    );
     // The chapter sees the doubled motion at 2.7.
     let ratio = number(doubling, "frequency_ratio");
     assert!((2.6..2.7).contains(&ratio), "{ratio}");
@@ -20,11 +23,16 @@ fn the_doubling_is_listed_and_located() {
 #[test]
 fn several_gaps_and_directions_answer_one_after_the_other() {
     let folder = Folder::new();
-    let line = format!("bifurcation --gap 0:1:1 --gap 2.4 --ratio 1.4:1.6:0.1 --direction all {SHORT} --format csv --quiet");
+    let line = format!(
+        "bifurcation --gap 0:1:1 --gap 2.4 --ratio 1.4:1.6:0.1 --direction all {SHORT} --format csv --quiet"
+    );
     let rows = csv_rows(&folder.run(&line).well().out);
     let mut seen: Vec<(f64, String)> = Vec::new();
     for row in &rows {
-        let key = (number(row, "gap_mm"), row["direction"].as_str().expect("a name").to_owned());
+        let key = (
+            number(row, "gap_mm"),
+            row["direction"].as_str().expect("a name").to_owned(),
+        );
         if seen.last() != Some(&key) {
             seen.push(key);
         }
@@ -32,7 +40,9 @@ fn several_gaps_and_directions_answer_one_after_the_other() {
     let wanted = [0.0, 1.0, 2.4].map(|gap| ["rest", "up", "down"].map(|d| (gap, d.to_owned())));
     assert_eq!(seen, wanted.concat());
     // A 1/1 is one point at each frequency.
-    let settled = rows.iter().filter(|r| r["regime"] == "1/1" && number(r, "gap_mm") == 1.0);
+    let settled = rows
+        .iter()
+        .filter(|r| r["regime"] == "1/1" && number(r, "gap_mm") == 1.0);
     assert_eq!(settled.count(), 9);
 }
 
@@ -61,24 +71,46 @@ fn out_holds_pictures_tables_and_the_measured_points() {
         "frequency_hz,displacement_mm,force_n\n2.7,-2.0,60\n2.8,-2.1,61\n9,0,0\n",
     );
     folder
-        .run(&format!("bifurcation --gap 1 --frequency 2.6:2.9:0.1 {SHORT} --measured m.csv --out a --quiet"))
+        .run(&format!(
+            "bifurcation --gap 1 --frequency 2.6:2.9:0.1 {SHORT} --measured m.csv --out a --quiet"
+        ))
         .well();
-    let names = ["bifurcation-changes.csv", "bifurcation.csv", "bifurcation.json", "bifurcation.png", "bifurcation.svg"];
+    let names = [
+        "bifurcation-changes.csv",
+        "bifurcation.csv",
+        "bifurcation.json",
+        "bifurcation.png",
+        "bifurcation.svg",
+    ];
     let mut wanted: Vec<_> = names.iter().map(|n| format!("a/{n}")).collect();
     wanted.push("m.csv".into());
     assert_eq!(folder.names(), wanted);
-    let told: serde_json::Value = serde_json::from_str(&folder.read("a/bifurcation.json")).expect("JSON");
+    let told: serde_json::Value =
+        serde_json::from_str(&folder.read("a/bifurcation.json")).expect("JSON");
     let distance = &told["diagrams"][0]["measured_displacement_mm"];
-    assert_eq!((number(distance, "points_compared"), number(distance, "points_outside")), (2.0, 1.0));
-    assert_svg_shows(&folder.read("a/bifurcation.svg"), &["displacement, mm", "drive frequency, Hz", "measured"]);
-    assert!(png_size(&std::fs::read(folder.path("a/bifurcation.png")).expect("a picture")).0 >= 1200);
+    assert_eq!(
+        (
+            number(distance, "points_compared"),
+            number(distance, "points_outside")
+        ),
+        (2.0, 1.0)
+    );
+    assert_svg_shows(
+        &folder.read("a/bifurcation.svg"),
+        &["displacement, mm", "drive frequency, Hz", "measured"],
+    );
+    assert!(
+        png_size(&std::fs::read(folder.path("a/bifurcation.png")).expect("a picture")).0 >= 1200
+    );
 }
 
 #[test]
 fn threads_do_not_change_a_byte() {
     let folder = Folder::new();
     let with = |threads: &str| {
-        let words = format!("bifurcation --gap 2.4 --ratio 1.2:2.0:0.1 --direction all {SHORT} --format json --quiet");
+        let words = format!(
+            "bifurcation --gap 2.4 --ratio 1.2:2.0:0.1 --direction all {SHORT} --format json --quiet"
+        );
         let words: Vec<_> = words.split_whitespace().collect();
         let mut command = folder.command(&words);
         command.env("RAYON_NUM_THREADS", threads);
@@ -103,13 +135,19 @@ fn bad_input_gets_one_line() {
         ("--recorded 400", "must be from 1 to --cycles"),
         ("--measured none.csv", "cannot read none.csv"),
         ("--measured no.csv", "no.csv, line 1"),
-        ("--measured bad.csv", "bad.csv, line 2: displacement_mm is 'x'"),
+        (
+            "--measured bad.csv",
+            "bad.csv, line 2: displacement_mm is 'x'",
+        ),
         ("--direction sideways", "sideways"),
     ] {
         let ran = folder.run(&format!("bifurcation {options} --quiet"));
         assert_eq!(ran.code, Some(2), "{options}: {ran:?}");
         assert_eq!(ran.err.lines().count(), 1, "{options}: {ran:?}");
-        assert!(ran.err.contains(said) && ran.out.is_empty(), "{options}: {ran:?}");
+        assert!(
+            ran.err.contains(said) && ran.out.is_empty(),
+            "{options}: {ran:?}"
+        );
     }
 }
 

@@ -14,16 +14,26 @@ fn chaos_has_a_positive_exponent_and_a_periodic_motion_a_negative_one() {
     let per_period = number(exponent, "largest_per_period");
     assert!((0.2..0.4).contains(&per_period), "{per_period}");
     let steady = answer("poincare --gap 1 --ratio 1.8 --points 60 --transient 300 --lyapunov");
-    assert_eq!((&steady["regime"], &steady["meaning"]), (&"1/1".into(), &"contracting".into()));
+    assert_eq!(
+        (&steady["regime"], &steady["meaning"]),
+        (&"1/1".into(), &"contracting".into())
+    );
 }
 
 #[test]
 fn sections_at_several_phases_come_with_pictures_and_tables() {
     let folder = Folder::new();
     folder
-        .run(&format!("{CHAOS} --points 70 --phase 0.25 --phase 0 --out a --quiet"))
+        .run(&format!(
+            "{CHAOS} --points 70 --phase 0.25 --phase 0 --out a --quiet"
+        ))
         .well();
-    let names = ["poincare.csv", "poincare.json", "poincare.png", "poincare.svg"];
+    let names = [
+        "poincare.csv",
+        "poincare.json",
+        "poincare.png",
+        "poincare.svg",
+    ];
     assert_eq!(folder.names(), names.map(|n| format!("a/{n}")));
     let rows = csv_rows(&folder.read("a/poincare.csv"));
     let phases: Vec<_> = rows.iter().map(|r| number(r, "phase_turns")).collect();
@@ -31,18 +41,30 @@ fn sections_at_several_phases_come_with_pictures_and_tables() {
     for row in &rows {
         // At phase 0 the cart passes its middle; a quarter turn later it is A0 away.
         let cart = number(row, "displacement_mm") - number(row, "relative_displacement_mm");
-        let wanted = if number(row, "phase_turns") == 0.0 { 0.0 } else { 0.89 };
+        let wanted = if number(row, "phase_turns") == 0.0 {
+            0.0
+        } else {
+            0.89
+        };
         assert!((cart - wanted).abs() < 1e-9, "{row}");
     }
-    assert_svg_shows(&folder.read("a/poincare.svg"), &["Section at drive phase 0.25 turns"]);
+    assert_svg_shows(
+        &folder.read("a/poincare.svg"),
+        &["Section at drive phase 0.25 turns"],
+    );
     assert!(png_size(&std::fs::read(folder.path("a/poincare.png")).expect("a picture")).0 >= 1200);
 }
 
 #[test]
 fn the_smoothing_is_held_against_the_switch() {
-    let rows = answer(&format!("{CHAOS} --points 60 --against smoothed --epsilon-m 1e-6"));
+    let rows = answer(&format!(
+        "{CHAOS} --points 60 --against smoothed --epsilon-m 1e-6"
+    ));
     let rows = rows.as_array().expect("rows").clone();
-    let models: Vec<_> = rows.iter().map(|r| r["model"].as_str().expect("a name")).collect();
+    let models: Vec<_> = rows
+        .iter()
+        .map(|r| r["model"].as_str().expect("a name"))
+        .collect();
     assert_eq!(models, ["switch", "switch, another start", "smoothed"]);
     assert_eq!(number(&rows[0], "carried"), 0.0);
     assert!(number(&rows[2], "carried") > number(&rows[1], "carried"));
@@ -60,13 +82,22 @@ fn bad_input_gets_one_line() {
         ("--ratio 1.5 --phase nan", "--phase is NaN"),
         ("--ratio 1.5 --points 5 --lyapunov", "too few"),
         ("--ratio 1.5 --epsilon-m 1e-6", "--against"),
-        ("--ratio 1.5 --points 40 --against smoothed --epsilon-m 0", "must be a positive number"),
-        ("--ratio 1.5 --against smoothed --phase 0.5", "leave --phase out"),
+        (
+            "--ratio 1.5 --points 40 --against smoothed --epsilon-m 0",
+            "must be a positive number",
+        ),
+        (
+            "--ratio 1.5 --against smoothed --phase 0.5",
+            "leave --phase out",
+        ),
         ("--ratio 1.5 --engine switch", "simulate --engine switch"),
     ] {
         let ran = folder.run(&format!("poincare {options} --quiet"));
         assert_eq!(ran.code, Some(2), "{options}: {ran:?}");
         assert_eq!(ran.err.lines().count(), 1, "{options}: {ran:?}");
-        assert!(ran.err.contains(said) && ran.out.is_empty(), "{options}: {ran:?}");
+        assert!(
+            ran.err.contains(said) && ran.out.is_empty(),
+            "{options}: {ran:?}"
+        );
     }
 }
