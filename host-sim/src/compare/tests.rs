@@ -84,7 +84,7 @@ fn a_period_two_orbit_finds_its_drive_and_its_place() {
 fn what_is_wrong_with_a_record_shows_in_the_errors() {
     let hz = 1.5 * 1.82;
     // An offset of 0.2 mm and noise of ±0.1 mm in turn.
-    let spoil = |i: usize| 0.2 + if i % 2 == 0 { 0.1 } else { -0.1 };
+    let spoil = |i: usize| 0.2 + if i.is_multiple_of(2) { 0.1 } else { -0.1 };
     let signal = made(&WIRES, hz, 0.0, spoil);
     let seen = compare(&signal, &question(Some(hz))).unwrap().errors;
     assert!(

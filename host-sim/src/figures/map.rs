@@ -54,12 +54,15 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     ])
 }
 
+/// Figures of a beam rig's map, the rig, and the two points (Ω/ω, gap/A0) whose basins the chapter shows.
+type BeamMap = (&'static str, &'static str, &'static str, [(f64, f64); 2]);
+
 /// Figures 3.46 to 3.51, and how alike the three maps are.
 ///
 /// # Errors
 /// As the engine's.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
-    const FIGURES: [(&str, &str, &str, [(f64, f64); 2]); 3] = [
+    const FIGURES: [BeamMap; 3] = [
         ("3.46", "3.47", "beam-170", [(1.80, 1.60), (2.20, 1.50)]),
         ("3.48", "3.49", "beam-150", [(1.80, 1.74), (2.10, 1.40)]),
         ("3.50", "3.51", "beam-135", [(2.15, 1.60), (2.25, 1.50)]),

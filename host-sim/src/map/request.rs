@@ -227,7 +227,7 @@ mod tests {
                 let cells = request.tile(tile);
                 assert_eq!(cells.start, next);
                 assert!(!cells.is_empty());
-                assert!(from == Direction::Rest || cells.start % 59 == 0);
+                assert!(from == Direction::Rest || cells.start.is_multiple_of(59));
                 next = cells.end;
             }
             assert_eq!(next, request.grid.len());
