@@ -60,7 +60,7 @@ pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), Writ
 /// The same for what can be made again when a power failure damages it: nothing is forced to the disk's surface.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_unsynced(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
     let mut staged = Staged::new(path)?;
     let written = staged.write_all(bytes.as_ref());

@@ -3,10 +3,10 @@
 //! 1977, 359–384), stable and unstable, round folds, to where a contact is gained or lost.
 //!
 //! - [`family`]: the equations: a fixed point of the return map, a frequency or gap, and a step along the curve.
-//! - [`march`]: steps from orbit to orbit, and what ends a curve.
+//! - [`mod@march`]: steps from orbit to orbit, and what ends a curve.
 //! - [`locate`]: period doublings, folds and grazes between two steps.
 //! - [`switching`]: from a doubling onto the doubled orbits, and across a graze.
-//! - [`diagram`]: every curve that simulation at some frequencies finds, and what they lead to.
+//! - [`mod@diagram`]: every curve that simulation at some frequencies finds, and what they lead to.
 //! - [`curves`]: the special points of the 1/1 over gap and frequency.
 //! - [`table`], [`picture`]: what is told of it all.
 //!
