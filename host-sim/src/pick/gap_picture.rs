@@ -56,7 +56,7 @@ fn force(advice: &GapAdvice) -> Panel {
         .item(Item::Points {
             points: over(advice, jumping),
             color: Color::ORANGE,
-            label: "up and down sweeps differ".to_owned(),
+            label: "the hammer jumps".to_owned(),
             radius: 5.0,
             mark: Mark::Diamond,
         })

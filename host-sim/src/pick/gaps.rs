@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::{Limits, Pick, Uncertainty, pick, steps};
 use crate::basins::start::{self, Drive, Fate, Window};
 use crate::basins::{Query, Share};
+use crate::branch::End;
 use crate::engine::Engine;
 use crate::error::UserError;
 use crate::rigfile::{NamedRig, with_number};
@@ -44,9 +45,9 @@ pub struct GapRow {
     pub safe_band_percent: Option<f64>,
     /// Largest modulus of a multiplier at the operating point.
     pub multiplier: Option<f64>,
-    /// Whether up and down sweeps across the stable 1/1 differ.
+    /// Whether the hammer jumps: up and down sweeps across the stable 1/1 differ, or the stable 1/1 ends in a fold.
     pub jumps: Option<bool>,
-    /// The lowest frequency at which they do, Hz.
+    /// The lowest frequency at which the sweeps differ, Hz.
     pub jump_low_hz: Option<f64>,
     /// The highest, Hz.
     pub jump_high_hz: Option<f64>,
@@ -180,7 +181,7 @@ fn row(
         safe_band_high_hz: Some(high),
         safe_band_percent: Some(100.0 * (high - low) / hz),
         multiplier: Some(a.multipliers),
-        jumps: Some(!a.jump_free),
+        jumps: Some(!a.jump_free || a.stable_one_one_ends.contains(&End::Fold)),
         jump_low_hz: a.jump_range_hz.map(|range| range[0]),
         jump_high_hz: a.jump_range_hz.map(|range| range[1]),
         from_rest: Some(a.regime_from_rest.clone()),
@@ -296,14 +297,14 @@ fn why(rows: &[GapRow], advised: Option<&GapRow>) -> String {
     let jumping: Vec<_> = picked.iter().filter(|r| r.jumps == Some(true)).collect();
     text += &match (best.jumps, jumping.first(), jumping.last()) {
         (Some(false), Some(first), Some(last)) => format!(
-            "; nothing jumps there, while up and down sweeps differ at {} of the other {} gaps ({:?} to {:?} mm)",
+            "; nothing jumps there, while the hammer jumps (sweeps differ, or the 1/1 ends in a fold) at {} of the other {} gaps ({:?} to {:?} mm)",
             jumping.len(),
             others.len(),
             first.gap_mm,
             last.gap_mm
         ),
         (Some(false), ..) => "; nothing jumps, there or at the others".to_owned(),
-        _ => "; up and down sweeps differ there, as at every gap with as much force".to_owned(),
+        _ => "; the hammer jumps there, as at every gap with as much force".to_owned(),
     };
     if let Some(share) = best.basin_share {
         let (least, most) = ends(&|r| r.basin_share, &others);
