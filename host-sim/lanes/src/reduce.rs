@@ -84,7 +84,9 @@ pub fn outcome(c: &Constants, records: &[Record], plan: &Plan, settled: Option<u
     let recorded = settled.unwrap_or(plan.recorded as usize).min(cycles);
     let window = &records[cycles - recorded..];
     let regime = regime(window);
-    let force = window[1..].iter().fold(0.0_f32, |m, r| m.max(r.force));
+    // Of a section that has converged, the later half: it is nearer to the orbit.
+    let latest = 1 + settled.map_or(0, |_| recorded / 2);
+    let force = window[latest..].iter().fold(0.0_f32, |m, r| m.max(r.force));
     let units = (c.scale, c.scale * c.omega);
     let kept = cycles - (plan.strobes as usize).min(cycles);
     let last = records[cycles];

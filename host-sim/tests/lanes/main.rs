@@ -123,20 +123,31 @@ fn chunks_and_threads_change_nothing() {
     );
 }
 
+/// What a cell that stops early shows is what it shows hundreds of cycles later. (A run of 300 cycles may still have had
+/// its way to the orbit in its last 100.)
 #[test]
 fn stopping_early_changes_neither_regime_nor_force() {
     let cells = sample(1500, 4);
     let (early, report) = run_reported(&cells, &Plan::CHAPTER).unwrap();
-    let (full, all) = run_reported(&cells, &FULL).unwrap();
-    assert!(report.work.cycles < all.work.cycles * 3 / 4);
+    let long = Plan {
+        cycles: 700,
+        ..FULL
+    };
+    let (long, _) = run_reported(&cells, &long).unwrap();
+    let all = u64::from(FULL.cycles) * cells.len() as u64;
+    assert!(report.work.cycles < all * 3 / 4);
     let (mut stopped, mut wrong) = (0, 0);
-    for (a, b) in early.iter().zip(&full) {
+    for ((a, b), one) in early.iter().zip(&long).zip(&cells) {
         if a.cycles == FULL.cycles {
-            assert_eq!(a, b);
             continue;
         }
         stopped += 1;
-        wrong += usize::from(a.regime != b.regime || !close(a.force_n, b.force_n, 2e-4));
+        let same = a.regime == b.regime && close(a.force_n, b.force_n, 2e-4);
+        if !same {
+            let (gap, hz) = (one.params.gap_m * 1e3, one.frequency_hz);
+            println!("{gap:.2} mm {hz:.2} Hz, {a:?}, later {b:?}");
+        }
+        wrong += usize::from(!same);
     }
     // Saddles approached along their stable direction look converged for a while.
     assert!(
@@ -257,7 +268,7 @@ fn grazing_is_told_rightly_or_flagged() {
     for precision in [Precision::Single, Precision::Double] {
         let best = how(precision, Instructions::Widest);
         let mut flagged = 0;
-        for exponent in -13..-1 {
+        for exponent in -11..-1 {
             for share in [low - 10_f64.powi(exponent), high + 10_f64.powi(exponent)] {
                 let (ours, report) = run_with(best, &[speed_of(share)], &plan).unwrap();
                 flagged += report.flagged;
