@@ -372,7 +372,7 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.contains("differ at 1 of the other 1 gaps (2.0 to 2.0 mm)"),
+            text.contains("the hammer jumps (sweeps differ, or the 1/1 ends in a fold) at 1 of the other 1 gaps (2.0 to 2.0 mm)"),
             "{text}"
         );
         assert!(
@@ -385,7 +385,7 @@ mod tests {
             text.contains("not the same at every gap") && text.contains("2.0 mm"),
             "{text}"
         );
-        assert!(text.contains("differ there"), "{text}");
+        assert!(text.contains("the hammer jumps there"), "{text}");
         assert!(why(&[], None).starts_with("No gap"));
     }
 
