@@ -1,4 +1,3 @@
-//! End-to-end tests: the program as a user runs it. They stand in `tests/`; here is what they share with
-//! the fuzzer in `fuzz/`.
+//! What the tests in `tests/` share with the fuzzer in `fuzz/`.
 
 pub mod fuzz;

@@ -11,8 +11,7 @@ use super::{Cell, Outcome, Plan};
 /// What the lanes compute in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// f32: faster by half, but sections converge only to its grain, so that cells stop later. Cells with an uncertain
-    /// event are run again in f64.
+    /// f32: faster by half, but sections converge only to its grain, so that cells stop later.
     Single,
     /// f64.
     #[default]
@@ -40,28 +39,36 @@ pub struct How {
     pub instructions: Instructions,
 }
 
+/// How near the surface a top may be, in cart amplitudes, and neither touch nor miss it for sure: twice what the steps
+/// below lead astray in a drive cycle.
+const GRAZING: f64 = 2e-5;
+
 impl Precision {
     fn tuning(self) -> Tuning {
-        match self {
-            Self::Double => Tuning {
-                step: 1.6,
-                margins: Margins {
-                    grazing: 1e-7,
-                    rest: 1e-6,
-                },
-                grain: 1e-9,
+        let (rest, grain) = match self {
+            Self::Double => (1e-6, 1e-9),
+            Self::Single => (3e-5, 1e-5),
+        };
+        Tuning {
+            step: 1.6,
+            margins: Margins {
+                grazing: GRAZING,
+                rest,
             },
-            Self::Single => Tuning {
-                step: 1.6,
-                margins: Margins {
-                    grazing: 4e-6,
-                    rest: 3e-5,
-                },
-                grain: 1e-5,
-            },
+            grain,
         }
     }
 }
+
+/// How cells with an uncertain event are run again, in f64.
+const FINE: Tuning = Tuning {
+    step: 0.8,
+    margins: Margins {
+        grazing: 1e-7,
+        rest: 1e-6,
+    },
+    grain: 1e-9,
+};
 
 /// What the lanes made of cells.
 #[derive(Clone, Debug, Default)]
@@ -70,13 +77,13 @@ pub struct Tried {
     pub outcomes: Vec<Option<Outcome>>,
     /// Cells the lanes can run.
     pub fit: Vec<bool>,
-    /// Cells in which an event was uncertain to the lanes of the precision asked for.
-    pub flagged: u64,
+    /// Cells that were run again with finer steps, as an event was uncertain.
+    pub again: u64,
     /// What the lanes did.
     pub work: Work,
 }
 
-/// Runs cells in this thread's lanes. Outcomes that took a second run in f64 are marked uncertain.
+/// Runs cells in this thread's lanes; those in which an event was uncertain a second time, in f64 with half the step.
 pub fn try_run(how: How, cells: &[Cell], plan: &Plan) -> Tried {
     let mut tried = Tried {
         outcomes: vec![None; cells.len()],
@@ -99,21 +106,29 @@ pub fn try_run(how: How, cells: &[Cell], plan: &Plan) -> Tried {
         if jobs.is_empty() {
             continue;
         }
-        let beams = kind == Kind::Beams;
-        let (mut done, work) = dispatch(how, beams, &jobs, plan);
+        let op = Run {
+            precision: how.precision,
+            tuning: how.precision.tuning(),
+            beams: kind == Kind::Beams,
+            jobs: &jobs,
+            plan,
+        };
+        let (mut done, work) = dispatch(how.instructions, op);
         tried.work += work;
         let lost: Vec<_> = (0..done.len()).filter(|i| done[*i].is_none()).collect();
-        tried.flagged += lost.len() as u64;
-        if how.precision == Precision::Single && !lost.is_empty() {
-            let again: Vec<_> = lost.iter().map(|i| jobs[*i]).collect();
-            let precision = Precision::Double;
-            let (better, work) = dispatch(How { precision, ..how }, beams, &again, plan);
+        tried.again += lost.len() as u64;
+        if !lost.is_empty() {
+            let jobs: Vec<_> = lost.iter().map(|i| jobs[*i]).collect();
+            let finer = Run {
+                precision: Precision::Double,
+                tuning: FINE,
+                jobs: &jobs,
+                ..op
+            };
+            let (better, work) = dispatch(how.instructions, finer);
             tried.work += work;
             for (i, outcome) in lost.into_iter().zip(better) {
-                done[i] = outcome.map(|o| Outcome {
-                    uncertain: true,
-                    ..o
-                });
+                done[i] = outcome;
             }
         }
         for (place, outcome) in places.into_iter().zip(done) {
@@ -123,8 +138,10 @@ pub fn try_run(how: How, cells: &[Cell], plan: &Plan) -> Tried {
     tried
 }
 
+#[derive(Clone, Copy)]
 struct Run<'a> {
     precision: Precision,
+    tuning: Tuning,
     beams: bool,
     jobs: &'a [Job],
     plan: &'a Plan,
@@ -137,11 +154,11 @@ impl WithSimd for Run<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self {
             precision,
+            tuning,
             beams,
             jobs,
             plan,
         } = self;
-        let tuning = precision.tuning();
         match precision {
             Precision::Single => run(Pair(Single(simd)), beams, jobs, plan, tuning),
             Precision::Double => run(Pair(Double(simd)), beams, jobs, plan, tuning),
@@ -149,14 +166,8 @@ impl WithSimd for Run<'_> {
     }
 }
 
-fn dispatch(how: How, beams: bool, jobs: &[Job], plan: &Plan) -> (Vec<Option<Outcome>>, Work) {
-    let op = Run {
-        precision: how.precision,
-        beams,
-        jobs,
-        plan,
-    };
-    match how.instructions {
+fn dispatch(instructions: Instructions, op: Run<'_>) -> (Vec<Option<Outcome>>, Work) {
+    match instructions {
         Instructions::Widest => pulp::Arch::new().dispatch(op),
         #[cfg(target_arch = "x86_64")]
         Instructions::Avx2 => match pulp::x86::V3::try_new() {

@@ -94,10 +94,6 @@ struct Lane {
     records: Vec<Record>,
 }
 
-/// Farthest from rest at a strobe (rad or m), and fastest (A0 Ω): beyond, the lanes' polynomials do not hold.
-const FARTHEST: f64 = 0.25;
-const FASTEST: f64 = 1e4;
-
 /// The lanes of one thread.
 struct Pool<'a, W: Width> {
     w: W,
@@ -392,8 +388,7 @@ impl<W: Width> Pool<'_, W> {
             return;
         };
         let constants = &self.jobs[job].constants;
-        let rate = record.v.abs() < FASTEST;
-        if !((record.x + constants.rest).abs() * constants.scale < FARTHEST && rate) {
+        if !constants.tame(record.x, record.v) {
             self.finished |= 1 << lane;
             held.records.clear();
             return;

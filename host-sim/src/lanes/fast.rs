@@ -11,12 +11,10 @@ use crate::error::UserError;
 pub struct Report {
     /// Cells run by the lanes to their end.
     pub lanes: u64,
-    /// Cells in which an event was uncertain to the lanes of the precision asked for.
+    /// Cells the lanes ran again with finer steps, as an event was uncertain.
+    pub again: u64,
+    /// Of these, cells in which it remained uncertain: the reference ran them.
     pub flagged: u64,
-    /// Of these, cells the lanes then ran in f64.
-    pub by_double: u64,
-    /// Of these, cells that went to the reference.
-    pub by_reference: u64,
     /// Cells given to the reference at once: the lanes cannot run them.
     pub unfit: u64,
     /// What the lanes did.
@@ -26,9 +24,8 @@ pub struct Report {
 impl std::ops::AddAssign for Report {
     fn add_assign(&mut self, other: Self) {
         self.lanes += other.lanes;
+        self.again += other.again;
         self.flagged += other.flagged;
-        self.by_double += other.by_double;
-        self.by_reference += other.by_reference;
         self.unfit += other.unfit;
         self.work += other.work;
     }
@@ -45,19 +42,18 @@ pub fn run_with(
 ) -> Result<(Vec<Outcome>, Report), UserError> {
     let tried = try_run(how, cells, plan);
     let mut report = Report {
-        flagged: tried.flagged,
+        again: tried.again,
         work: tried.work,
         ..Report::default()
     };
     let mut outcomes = Vec::with_capacity(cells.len());
     for ((cell, done), fit) in cells.iter().zip(tried.outcomes).zip(tried.fit) {
         if let Some(outcome) = done {
-            report.lanes += u64::from(!outcome.uncertain);
-            report.by_double += u64::from(outcome.uncertain);
+            report.lanes += 1;
             outcomes.push(outcome);
             continue;
         }
-        report.by_reference += u64::from(fit);
+        report.flagged += u64::from(fit);
         report.unfit += u64::from(!fit);
         let mut outcome = run_one(Engine::Event, cell, plan)?;
         outcome.uncertain = fit;

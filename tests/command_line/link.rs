@@ -1,9 +1,4 @@
 //! `host-sim link` against a board that is not there: a session behind a pseudo-terminal.
-#![cfg(unix)]
-
-#[path = "command_line/support.rs"]
-#[allow(dead_code, reason = "this part of the tests needs some of it")]
-mod support;
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
@@ -12,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use crate::support::{Folder, csv_rows, number};
 use host_sim::emulator::log::Reader;
 use host_sim::link::{Board, Server, client};
 use serialport::{SerialPort, TTYPort};
@@ -25,7 +21,6 @@ use shared::link::{
 use shared::params::{BEAM_150, WIRES};
 use shared::regime::Regime;
 use shared::settings::Settings;
-use support::{Folder, csv_rows, number};
 
 /// A device behind a pseudo-terminal until it is dropped.
 struct Behind {

@@ -4,7 +4,6 @@ use std::fs::{self, File};
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -13,35 +12,9 @@ use serde_json::Value;
 /// A run longer than this hangs.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// The program. Cargo builds it for the tests of its own package only, so it is asked to here, into the
-/// folder and with the profile of these tests; when nothing has changed that takes a moment.
+/// The program, built by Cargo for these tests.
 pub fn program() -> &'static Path {
-    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        // TARGET/PROFILE/deps/TESTS, wherever the checkout is by now.
-        let tests = std::env::current_exe().expect("a running test has a path");
-        let folder = |up| tests.ancestors().nth(up).expect("tests stand in deps");
-        let profile = match folder(2).file_name().and_then(|name| name.to_str()) {
-            Some("debug") | None => "dev",
-            Some(name) => name,
-        };
-        // Cargo runs tests in their package's folder: it finds the workspace from there.
-        let built = Command::new(env!("CARGO"))
-            .args(["build", "--package", "host-sim", "--bin", "host-sim"])
-            .args(["--message-format", "json-render-diagnostics"])
-            .args(["--profile", profile, "--target-dir"])
-            .arg(folder(3))
-            .stderr(Stdio::inherit())
-            .output()
-            .expect("cargo starts");
-        assert!(built.status.success(), "cargo build failed");
-        let messages = String::from_utf8(built.stdout).expect("cargo writes UTF-8");
-        let executable = messages.lines().find_map(|line| {
-            let message: Value = serde_json::from_str(line).ok()?;
-            message["executable"].as_str().map(PathBuf::from)
-        });
-        executable.expect("cargo names the program it built")
-    })
+    Path::new(env!("CARGO_BIN_EXE_host-sim"))
 }
 
 /// What a run came to.

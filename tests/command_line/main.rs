@@ -1,6 +1,7 @@
 //! The program `host-sim` as a user runs it: command lines in, what comes out and which files appear.
 //!
-//! One test binary for all commands: the program is built once, and long answers are asked for once.
+//! One test binary of the package `host-sim`, so that Cargo builds the program for it; long answers are asked
+//! for once.
 
 mod bad_input;
 mod basins;
@@ -10,6 +11,8 @@ mod contact;
 mod drop_test;
 mod emulate;
 mod figures;
+#[cfg(unix)]
+mod link;
 mod map;
 mod modes;
 mod orbits;
