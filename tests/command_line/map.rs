@@ -161,11 +161,14 @@ fn tiles_that_do_not_serve_are_told_or_made_again() {
     refused("--cycles 20 --merge", &["1 of 3 tiles missing", ": 2..3;"]);
     refused(
         "--cycles 30",
-        &["(20, 10) where this one has (30, 15)", "o/map-wires.tiles"],
+        &[
+            "(20, 10) where this one has (30, 15)",
+            "o/map-wires-reference.tiles",
+        ],
     );
     refused("--cycles 20 --set mass_kg=0.3", &["another rig"]);
     refused("--cycles 20 --tiles 2..4", &["the map has tiles 0..3"]);
-    let tile = folder.path("o/map-wires.tiles/tile-000000.bin");
+    let tile = folder.path("o/map-wires-reference.tiles/tile-000000.bin");
     let good = fs::read(&tile).expect("a tile");
     for position in [0, 9, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();

@@ -9,7 +9,7 @@ use crate::branch::End;
 use crate::engine::Engine;
 use crate::error::UserError;
 use crate::pick::uncertainty::Uncertainty;
-use crate::pick::{Limits, Pick, pick};
+use crate::pick::{Limits, Pick, jumping_at, pick};
 use crate::picture::{Axis, Color, Figure, Item, Panel};
 use crate::rigfile::{NamedRig, with_number};
 use crate::table::to_csv;
@@ -42,7 +42,7 @@ struct Row {
     one_one_to_hz: f64,
     one_one_ends_by: String,
     one_one_margin_percent: f64,
-    /// Where up and down sweeps differ while 1/1 is stable, Hz.
+    /// Where the hammer jumps (up and down sweeps differ, or the 1/1 folds), Hz.
     jumps_from_hz: Option<f64>,
     jumps_to_hz: Option<f64>,
     regime_from_rest: String,
@@ -237,8 +237,8 @@ fn verdict(rows: &[Row]) -> String {
 
 fn jumps(row: &Row) -> String {
     match (row.jumps_from_hz, row.jumps_to_hz) {
-        (Some(low), Some(high)) => format!("jumps between {low:.2} and {high:.2} Hz"),
-        _ => "no jumps within 1/1".to_owned(),
+        (Some(low), Some(high)) => format!("jumps {}", jumping_at(low, high)),
+        _ => "no jumps".to_owned(),
     }
 }
 

@@ -12,6 +12,15 @@ use crate::orbit::Orbit;
 use crate::rigfile::NamedRig;
 use crate::table::tidy;
 
+/// Where jumps between the frequencies `low_hz` and `high_hz` are, in words.
+pub fn jumping_at(low_hz: f64, high_hz: f64) -> String {
+    if high_hz - low_hz < 5e-4 {
+        format!("at {high_hz:.3} Hz")
+    } else {
+        format!("between {low_hz:.3} and {high_hz:.3} Hz")
+    }
+}
+
 /// A limit, and whether it decided the choice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitUse {
@@ -91,11 +100,13 @@ pub struct Answer {
     pub multipliers: f64,
     /// The same, largest over the uncertainty.
     pub multipliers_worst: f64,
-    /// Whether up and down sweeps across the stable 1/1 give the same forces.
+    /// Whether the hammer never jumps: up and down sweeps across the stable 1/1 give the same forces, and it does not end
+    /// in a fold.
     pub jump_free: bool,
-    /// Whether they do so inside the safe band.
+    /// Whether it does not inside the safe band.
     pub jump_free_in_safe_band: bool,
-    /// The lowest and the highest frequency at which they differ, Hz; none when they do not.
+    /// The lowest and the highest frequency at which it jumps (sweeps differ, or the 1/1 folds), Hz; none where it never
+    /// does.
     pub jump_range_hz: Option<[f64; 2]>,
     /// Best nominal frequency, no uncertainty and no limits, Hz.
     pub nominal_optimum_hz: f64,
@@ -169,7 +180,7 @@ pub fn why(answer: &Answer) -> String {
         ),
     };
     let jumps = match answer.jump_range_hz {
-        None => "and nothing jumps between up and down sweeps".to_owned(),
+        None => "and nothing jumps".to_owned(),
         Some([low, high]) => {
             let place = if answer.jump_free_in_safe_band {
                 "though not"
@@ -177,7 +188,8 @@ pub fn why(answer: &Answer) -> String {
                 "also"
             };
             format!(
-                "but up and down sweeps differ between {low:.3} and {high:.3} Hz, {place} inside the safe band"
+                "but the hammer jumps {}, {place} inside the safe band",
+                jumping_at(low, high)
             )
         }
     };

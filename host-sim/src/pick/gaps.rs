@@ -6,7 +6,6 @@ use serde::Serialize;
 use super::{Limits, Pick, Uncertainty, pick, steps};
 use crate::basins::start::{self, Drive, Fate, Window};
 use crate::basins::{Query, Share};
-use crate::branch::End;
 use crate::engine::Engine;
 use crate::error::UserError;
 use crate::rigfile::{NamedRig, with_number};
@@ -47,7 +46,7 @@ pub struct GapRow {
     pub multiplier: Option<f64>,
     /// Whether the hammer jumps: up and down sweeps across the stable 1/1 differ, or the stable 1/1 ends in a fold.
     pub jumps: Option<bool>,
-    /// The lowest frequency at which the sweeps differ, Hz.
+    /// The lowest frequency at which it does, Hz.
     pub jump_low_hz: Option<f64>,
     /// The highest, Hz.
     pub jump_high_hz: Option<f64>,
@@ -181,7 +180,7 @@ fn row(
         safe_band_high_hz: Some(high),
         safe_band_percent: Some(100.0 * (high - low) / hz),
         multiplier: Some(a.multipliers),
-        jumps: Some(!a.jump_free || a.stable_one_one_ends.contains(&End::Fold)),
+        jumps: Some(!a.jump_free),
         jump_low_hz: a.jump_range_hz.map(|range| range[0]),
         jump_high_hz: a.jump_range_hz.map(|range| range[1]),
         from_rest: Some(a.regime_from_rest.clone()),

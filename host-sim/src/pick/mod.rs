@@ -26,7 +26,7 @@ use crate::rigfile::NamedRig;
 use crate::sweep::{Direction, jumps, single, spread, sweep};
 use crate::table::{Row, tidy};
 use crate::terminal::Progress;
-pub use answer::Answer;
+pub use answer::{Answer, jumping_at};
 use answer::{shaker, why};
 use choose::Field;
 pub use choose::Limits;
@@ -126,6 +126,11 @@ pub fn pick(
     // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
     let mut jumps = jumps(&up, &down, params.weight_n(), JUMP_SHARE);
     jumps.retain(|hz| (nominal_range.0..=nominal_range.1).contains(hz));
+    // Past a fold there is no 1/1 nearby to go over to.
+    let ends = [branch.low, branch.high].into_iter();
+    let folds = ends.filter(|edge| edge.end == End::Fold);
+    jumps.extend(folds.map(|edge| edge.frequency_hz));
+    jumps.sort_by(f64::total_cmp);
     let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
 
     let natural_hz = params.natural_frequency_hz();

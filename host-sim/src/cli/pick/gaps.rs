@@ -87,6 +87,7 @@ fn line(row: &GapRow) -> String {
         |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     let percent = |x: Option<f64>| number(x.map(|x| 100.0 * x), 1);
     let jumps = match (row.jump_low_hz, row.jump_high_hz) {
+        (Some(low), Some(high)) if high - low < 5e-4 => format!("{high:.3}"),
         (Some(low), Some(high)) => format!("{low:.3} to {high:.3}"),
         _ => "none".to_owned(),
     };

@@ -1,7 +1,7 @@
 //! The answer as a person reads it.
 
 use crate::branch::End;
-use crate::pick::{Answer, Pick};
+use crate::pick::{Answer, Pick, jumping_at};
 use crate::terminal::Chart;
 
 /// One answer in full, several side by side.
@@ -112,7 +112,8 @@ fn one_text(pick: &Pick) -> String {
     line(
         "jumps",
         match a.jump_range_hz {
-            None => "none between up and down sweeps across the stable 1/1".to_owned(),
+            None => "none: up and down sweeps across the stable 1/1 agree, and it does not fold"
+                .to_owned(),
             Some([low, high]) => {
                 let inside = if a.jump_free_in_safe_band {
                     "not"
@@ -120,7 +121,8 @@ fn one_text(pick: &Pick) -> String {
                     "also"
                 };
                 format!(
-                    "up and down sweeps differ between {low:.3} and {high:.3} Hz, {inside} inside the safe band"
+                    "{}, {inside} inside the safe band (up and down sweeps differ, or the 1/1 folds)",
+                    jumping_at(low, high)
                 )
             }
         },
