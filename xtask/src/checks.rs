@@ -7,6 +7,7 @@ use crate::{
     Outcome,
     command::{self, cargo, run_tee},
     debian,
+    desktop::Build,
     firmware::{self, Board},
     flip_link, forecast, pil, size,
 };
@@ -54,7 +55,8 @@ const STEPS: &[Step] = &[
     ("firmware run in QEMU, budgets", || silent(size::run())),
     ("forecast in QEMU", || silent(forecast::run())),
     ("processor in the loop", || {
-        silent(pil::Plan::checks().iter().try_for_each(pil::run))
+        let run = |plan| pil::run(plan, &Build::Tested);
+        silent(pil::Plan::checks().iter().try_for_each(run))
     }),
 ];
 

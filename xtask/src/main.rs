@@ -14,6 +14,7 @@ mod budgets;
 mod checks;
 mod command;
 mod debian;
+mod desktop;
 mod firmware;
 mod flash;
 mod flip_link;
@@ -93,7 +94,7 @@ fn run(job: Job) -> Outcome {
             }
         }
         Job::Qemu => drop(qemu::run()?),
-        Job::Pil(plan) => pil::run(&plan)?,
+        Job::Pil(plan) => pil::run(&plan, &desktop::Build::Alone)?,
         Job::Flash => flash::run()?,
         Job::BenchTicks => {
             ticks::run()?;

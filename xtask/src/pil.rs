@@ -12,7 +12,8 @@ use std::{
 
 use crate::{
     Outcome,
-    command::{self, announce, cargo},
+    command::{self, announce},
+    desktop::{self, Build},
     firmware::{self, Board},
     qemu,
 };
@@ -132,9 +133,9 @@ impl Drop for Pipes {
 }
 
 /// Builds both halves and runs them.
-pub fn run(plan: &Plan) -> Outcome {
+pub fn run(plan: &Plan, build: &Build) -> Outcome {
     firmware::build(Board::Qemu)?;
-    command::run(cargo().args(["build", "--package", "host-sim"]))?;
+    let program = desktop::program(build)?;
     let pipes = Pipes::new()?;
     let arguments = format!(
         "enable=on,target=native,arg=pil,arg={},arg={}",
@@ -142,16 +143,8 @@ pub fn run(plan: &Plan) -> Outcome {
         text(&pipes.replies)
     );
     let mut image = qemu::command(&firmware::image("pil"), &arguments, &["-icount", "shift=0"])?;
-    let mut desktop = cargo();
-    desktop.args([
-        "run",
-        "--quiet",
-        "--package",
-        "host-sim",
-        "--bin",
-        "host-sim",
-        "--",
-    ]);
+    let mut desktop = Command::new(program);
+    desktop.current_dir(command::root());
     desktop.args(plan.options(&pipes));
     announce(&image);
     announce(&desktop);

@@ -1,0 +1,75 @@
+//! The program `host-sim`, built.
+
+use std::{path::PathBuf, time::Duration};
+
+use crate::{
+    Outcome,
+    command::{cargo, run_tee},
+};
+
+/// What Cargo is asked for to have it.
+pub enum Build {
+    /// The program and what it needs.
+    Alone,
+    /// The one the host tests run: it is there after them, while `Alone` would build it again with other features of
+    /// its dependencies.
+    Tested,
+}
+
+impl Build {
+    fn words(&self) -> &'static [&'static str] {
+        match self {
+            Self::Alone => &["build", "--package", "host-sim"],
+            Self::Tested => &["test", "--workspace", "--no-run"],
+        }
+    }
+}
+
+/// A cold build takes minutes.
+const LIMIT: Duration = Duration::from_secs(20 * 60);
+
+/// Builds the program; where it is.
+pub fn program(build: &Build) -> Outcome<PathBuf> {
+    let mut command = cargo();
+    command.args(build.words());
+    command.args(["--message-format", "json-render-diagnostics"]);
+    let messages = run_tee(&mut command, LIMIT, false)?;
+    let path = messages.iter().find_map(|message| executable(message));
+    path.ok_or_else(|| "cargo names no program host-sim".into())
+}
+
+/// The path in Cargo's message about the program `host-sim`; none in other messages, the one about its unit tests among
+/// them.
+fn executable(message: &str) -> Option<PathBuf> {
+    let ours = [
+        r#""kind":["bin"]"#,
+        r#""name":"host-sim""#,
+        r#""test":false}"#,
+    ];
+    if !ours.iter().all(|part| message.contains(part)) {
+        return None;
+    }
+    let (_, rest) = message.split_once(r#""executable":""#)?;
+    rest.split_once('"').map(|(path, _)| path.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_program_is_told_from_its_tests_and_from_the_library() {
+        let message = |kind: &str, test: bool, executable: &str| {
+            format!(
+                r#"{{"reason":"compiler-artifact","target":{{"kind":["{kind}"],"crate_types":["{kind}"],"name":"host-sim","test":true}},"profile":{{"opt_level":"2","test":{test}}},"filenames":[],"executable":{executable},"fresh":true}}"#
+            )
+        };
+        let found = |kind, test, path| executable(&message(kind, test, path));
+        assert_eq!(
+            found("bin", false, r#""/t/host-sim""#),
+            Some("/t/host-sim".into())
+        );
+        assert_eq!(found("bin", true, r#""/t/deps/host_sim-1""#), None);
+        assert_eq!(found("lib", false, "null"), None);
+    }
+}
