@@ -83,10 +83,8 @@ const RATIOS: std::ops::RangeInclusive<f64> = 0.1..=50.0;
 /// long for the drive to be held to second order.
 const SLOWEST_CONTACT: f64 = 16.0;
 
-/// Widest swing (rad or m) and fastest hammer (A0 Ω): beyond, the lanes' polynomials do not hold. At this swing that of
-/// cos θ is 3e-7 off.
+/// Widest swing (rad or m): beyond, the lanes' polynomials do not hold. At this swing that of cos θ is 3e-7 off.
 const WIDEST: f64 = 0.25;
-const FASTEST: f64 = 1e4;
 
 impl Constants {
     /// The cell without units; none where lanes cannot run it: a contact law without closed form, an overdamped
@@ -156,15 +154,14 @@ impl Constants {
             fastest: support.fastest.max(1.0),
         };
         let [x, v] = cell.start;
-        constants
-            .tame(x / constants.scale, v / (constants.scale * omega))
-            .then(|| constants.with_peak_phase())
+        let swing2 = (x / support.scale + support.rest).powi(2)
+            + (v / (support.scale * omega)).powi(2) / support.spring;
+        (swing2 < constants.widest2()).then(|| constants.with_peak_phase())
     }
 
-    /// Whether a hammer at coordinate `x` with rate `v` swings no wider than the lanes' polynomials hold.
-    pub fn tame(&self, x: f64, v: f64) -> bool {
-        let (from_rest, widest) = (x + self.rest, WIDEST / self.scale);
-        from_rest * from_rest + v * v / self.spring < widest * widest && v.abs() < FASTEST
+    /// The square of the widest swing about rest that lanes follow.
+    pub fn widest2(&self) -> f64 {
+        (WIDEST / self.scale).powi(2)
     }
 
     /// Both amplitudes of F's transient, e^(−μτ)(a cos φ + b sin φ), for the displacement's `a`, `b`.

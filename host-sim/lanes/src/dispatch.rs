@@ -46,8 +46,8 @@ const GRAZING: f64 = 2e-5;
 impl Precision {
     fn tuning(self) -> Tuning {
         let (rest, grain) = match self {
-            Self::Double => (1e-6, 1e-9),
-            Self::Single => (3e-5, 1e-5),
+            Self::Double => (1e-5, 1e-9),
+            Self::Single => (2e-4, 1e-5),
         };
         Tuning {
             step: 1.6,

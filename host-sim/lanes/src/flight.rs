@@ -189,17 +189,13 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
     let zero = path[0].of(0.0);
     let never = one.lt(zero);
     let spacing = 1.0 / SAMPLES as f64;
-    // x at the ends of the intervals.
-    let mut seen = [path[0]; SAMPLES + 1];
-    for (i, x) in seen.iter_mut().enumerate().skip(1) {
-        *x = polynomial(path, one * (i as f64 * spacing));
-    }
+    let seen = samples(path, spacing);
+    let earlier = x_before(path, spacing);
     let mut hit = never;
     // Ends of the interval with the first rise above the surface.
     let mut from = zero;
     let mut to = one;
-    let (mut at_from, mut at_to) = (seen[0], one);
-    let mut curve = zero;
+    let mut around = [seen[0], one, zero, zero];
     // The highest top hidden between samples, as a bound: the samples' parabola.
     let mut hidden = never;
     let mut before = seen[0] - path[1] * spacing;
@@ -209,21 +205,12 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
             let rises = zero.lt(x) & !hit;
             from = rises.choose(one * ((i - 1) as f64 * spacing), from);
             to = rises.choose(one * (i as f64 * spacing), to);
-            at_from = rises.choose(seen[i - 1], at_from);
-            at_to = rises.choose(x, at_to);
-            let earlier = if i > 1 {
-                seen[i - 2]
-            } else {
-                x0_before(path, spacing)
-            };
-            curve = rises.choose(x - seen[i - 1] - (seen[i - 1] - earlier), curve);
+            let low = if i > 1 { seen[i - 2] } else { earlier };
+            let all = [seen[i - 1], x, low, seen[i + 1]];
+            around = each(|k| rises.choose(all[k], around[k]));
             hit = hit | rises;
         }
-        let after = if i < SAMPLES {
-            seen[i + 1]
-        } else {
-            x + slope_at_end(path) * spacing
-        };
+        let after = seen[i + 1];
         let bend = (x + x) - before - after;
         let top = before.lt(x) & after.lt(x);
         // Twice the parabola's rise above the middle sample, which is at most bend/8.
@@ -239,9 +226,8 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
         let rises = hopped & zero.lt(height);
         from = rises.choose(zero, from);
         to = rises.choose(top, to);
-        at_from = rises.choose(zero, at_from);
-        at_to = rises.choose(height, at_to);
-        curve = rises.choose(zero, curve);
+        let all = straight(zero, height);
+        around = each(|k| rises.choose(all[k], around[k]));
         hit = hit | rises;
         hidden = hidden & !rises;
     }
@@ -252,14 +238,13 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
         let rises = hidden & zero.lt(found.height) & found.at.lt(to);
         from = rises.choose(found.from, from);
         to = rises.choose(found.at, to);
-        at_from = rises.choose(polynomial(path, found.from), at_from);
-        at_to = rises.choose(found.height, at_to);
-        curve = rises.choose(zero, curve);
+        let all = straight(polynomial(path, found.from), found.height);
+        around = each(|k| rises.choose(all[k], around[k]));
         hit = hit | rises;
     }
     let mut at = one;
     if hit.any() {
-        let (root, lost) = root(path, (from, at_from), (to, at_to), curve, hit, margins);
+        let (root, lost) = root(path, (from, to), &around, hit, margins);
         at = hit.choose(root, one);
         uncertain = uncertain | lost;
     }
@@ -297,20 +282,36 @@ fn top_of_hop<W: Width>(path: &Path<W>, spacing: f64) -> (Num<W>, Num<W>) {
     (s, polynomial(path, s))
 }
 
-/// x one sample before the step, to second order.
+/// x at the ends of the intervals, and one interval after the step.
 #[inline(always)]
-fn x0_before<W: Width>(path: &Path<W>, spacing: f64) -> Num<W> {
-    path[0] - (path[1] - path[2] * spacing) * spacing
+fn samples<W: Width>(path: &Path<W>, spacing: f64) -> [Num<W>; SAMPLES + 2] {
+    let mut seen = [path[0]; SAMPLES + 2];
+    for (i, x) in seen.iter_mut().enumerate().skip(1) {
+        *x = polynomial(path, path[0].of(i as f64 * spacing));
+    }
+    seen
 }
 
-/// Σ k c_k.
+/// x one interval before the step, to fourth order.
 #[inline(always)]
-fn slope_at_end<W: Width>(path: &Path<W>) -> Num<W> {
-    let mut sum = path[1];
-    for (k, c) in path.iter().enumerate().skip(2) {
-        sum = c.mul_add(c.of(k as f64), sum);
-    }
-    sum
+fn x_before<W: Width>(path: &Path<W>, spacing: f64) -> Num<W> {
+    polynomial(
+        &[path[0], path[1], path[2], path[3], path[4]],
+        path[0].of(-spacing),
+    )
+}
+
+/// Four numbers, made one by one.
+#[inline(always)]
+fn each<W: Width>(number: impl Fn(usize) -> Num<W>) -> [Num<W>; 4] {
+    [number(0), number(1), number(2), number(3)]
+}
+
+/// Four even points on a straight line by the middle two, in the order of [`root`].
+#[inline(always)]
+fn straight<W: Width>(at_from: Num<W>, at_to: Num<W>) -> [Num<W>; 4] {
+    let rise = at_to - at_from;
+    [at_from, at_to, at_from - rise, at_to + rise]
 }
 
 struct Top<W: Width> {
@@ -321,7 +322,7 @@ struct Top<W: Width> {
 
 /// The first top that may reach the surface, between samples.
 #[inline(always)]
-fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 1], margins: Margins) -> Top<W> {
+fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 2], margins: Margins) -> Top<W> {
     let one = path[0].of(1.0);
     let zero = path[0].of(0.0);
     let spacing = 1.0 / SAMPLES as f64;
@@ -330,11 +331,7 @@ fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 1], margins: Marg
     let mut before = seen[0] - path[1] * spacing;
     for i in 0..=SAMPLES {
         let x = seen[i];
-        let after = if i < SAMPLES {
-            seen[i + 1]
-        } else {
-            x + slope_at_end(path) * spacing
-        };
+        let after = seen[i + 1];
         let bend = (x + x) - before - after;
         let near = zero.lt(x + bend * 0.25 + margins.grazing * 4.0);
         let top = before.lt(x) & after.lt(x) & near & !found;
@@ -366,60 +363,95 @@ fn highest<W: Width>(path: &Path<W>, seen: &[Num<W>; SAMPLES + 1], margins: Marg
     }
 }
 
-/// The root of the path between `from` (below) and `to` (above), by Newton's method kept within that interval. A lane
-/// that starts on the surface (x = 0, outbound) and comes back before the first sample has its root at the start divided
-/// out.
+/// The root of the path between `from` (below) and `to` (above), by Newton's method kept within that interval. `around`
+/// holds x at `from` and at `to`, and as far before and after them. A lane that starts on the surface (x = 0, outbound)
+/// and comes back before the first sample has its root at the start divided out.
 #[inline(always)]
 fn root<W: Width>(
     path: &Path<W>,
-    (from, at_from): (Num<W>, Num<W>),
-    (to, at_to): (Num<W>, Num<W>),
-    curve: Num<W>,
+    (from, to): (Num<W>, Num<W>),
+    around: &[Num<W>; 4],
     wanted: Mask<W>,
     margins: Margins,
 ) -> (Num<W>, Mask<W>) {
-    let zero = path[0].of(0.0);
+    let (one, zero) = (from.of(1.0), from.of(0.0));
+    let [at_from, at_to, before, after] = *around;
+    let width = to - from;
+    // The parabola through the interval's ends and the point before them; its root and its slope there, both over
+    // the interval's width.
+    let curve = (at_to - at_from) - (at_from - before);
+    let rise = at_to - at_from - curve * 0.5;
+    let inside = rise.mul_add(rise, curve * at_from * -2.0);
+    let below = path[0].lt(zero) | zero.lt(from);
+    let sound = zero.lt(inside) & below;
+    let steepness = sound.choose(inside, one).sqrt();
+    let sum = rise + steepness;
+    let quotient = one / (sum * steepness);
+    let share = at_from * -2.0 * (quotient * steepness);
+    let flat = quotient * sum;
+    // The cubic through the point after them as well: one step of Newton's method from there.
+    let third = (after - at_to - (at_to - at_from)) - curve;
+    let square = share * share;
+    let above = third * (1.0 / 6.0) * share * (square - one);
+    let steeper = third * (1.0 / 6.0) * (square * 3.0 - one) * flat;
+    let flat = flat * (one - steeper);
+    let mut s = (share - above * flat).mul_add(width, from);
+    let mut steep = flat * width;
+    let mut open = wanted & sound;
+    let mut astray = wanted & !sound;
+    // Steps on the path itself, with 1/slope refined from the last: one is nearly always enough in f32, two in f64.
+    for _ in 0..3 {
+        let (value, slope) = horner(path, s);
+        let off = slope.mul_sub_from(steep, one);
+        steep = steep * off.mul_add(off, one + off);
+        let next = value.mul_sub_from(steep, s);
+        let strays = !(off.abs().lt(zero.of(0.2))) | next.lt(from) | to.lt(next);
+        astray = astray | (open & strays);
+        let rests = (next - s).abs().lt(zero.of(margins.rest));
+        s = open.choose(next, s);
+        open = open & !rests & !strays;
+        if !open.any() {
+            break;
+        }
+    }
+    let astray = astray | open;
+    if astray.any() {
+        let (careful, lost) = bracketed(path, (from, to), (at_from, at_to), astray, margins);
+        (astray.choose(careful, s), lost)
+    } else {
+        (s, astray)
+    }
+}
+
+/// [`root`] where its guess is not good: from the chord, by Newton's method kept within the interval. Lanes in which it
+/// does not come to rest are told.
+#[inline(always)]
+fn bracketed<W: Width>(
+    path: &Path<W>,
+    (from, to): (Num<W>, Num<W>),
+    (at_from, at_to): (Num<W>, Num<W>),
+    wanted: Mask<W>,
+    margins: Margins,
+) -> (Num<W>, Mask<W>) {
+    let zero = from.of(0.0);
     let below = path[0].lt(zero) | zero.lt(from);
     let mut p = *path;
     for k in 0..ORDER {
         p[k] = below.choose(path[k], path[k + 1]);
     }
     p[ORDER] = below.choose(path[ORDER], zero);
+    let at_low = below.choose(at_from, path[1]);
+    let at_high = below.choose(at_to, at_to / to);
     let (mut low, mut high) = (from, to);
-    let (one, two) = (zero.of(1.0), zero.of(2.0));
-    // The parabola through the interval's ends with the samples' second difference.
-    let half = curve * 0.5;
-    let rise = at_to - at_from - half;
-    let inside = rise.mul_add(rise, half * at_from * -4.0);
-    let sound = zero.lt(inside) & below;
-    let steepness = sound.choose(inside, one).sqrt();
-    let width = high - low;
-    let mut s = low - width * (at_from + at_from) / (rise + steepness);
-    // 1/slope; refined below without division as long as it is near.
-    let mut steep = width / steepness;
-    if (wanted & !sound).any() {
-        // The chord.
-        let at_low = below.choose(at_from, path[1]);
-        let at_high = below.choose(at_to, at_to / to);
-        let chord = width / (at_high - at_low);
-        steep = sound.choose(steep, chord);
-        s = sound.choose(s, at_low.mul_sub_from(chord, low));
-    }
-    s = s.max(low).min(high);
+    let chord = (high - low) / (at_high - at_low);
+    let mut s = at_low.mul_sub_from(chord, low).max(low).min(high);
     let mut open = wanted;
     for _ in 0..ITERATIONS {
         let (value, slope) = horner(&p, s);
-        let near = slope.mul_sub_from(steep, one).abs().lt(zero.of(0.4));
-        let mut refined = steep * slope.mul_sub_from(steep, two);
-        refined = refined * slope.mul_sub_from(refined, two);
-        if (open & !near).any() {
-            refined = near.choose(refined, one / slope);
-        }
-        steep = refined;
         let under = value.lt(zero);
         low = (open & under).choose(s, low);
         high = (open & !under).choose(s, high);
-        let newton = value.mul_sub_from(steep, s);
+        let newton = s - value / slope;
         let inside = low.lt(newton) & newton.lt(high);
         let next = inside.choose(newton, (low + high) * 0.5);
         let moved = (next - s).abs();

@@ -388,10 +388,14 @@ impl<W: Width> Mask<W> {
     pub fn any(self) -> bool {
         self.w.any(self.m)
     }
-    /// 1 where true, otherwise 0.
+    /// The lanes in which it is true, by bit.
     #[inline(always)]
-    pub fn one(self) -> Num<W> {
-        self.choose(Num::splat(self.w, 1.0), Num::splat(self.w, 0.0))
+    pub fn bits(self) -> u32 {
+        let mut row = [W::E::default(); MAX_LANES];
+        let zero = Num::splat(self.w, 0.0);
+        self.choose(Num::splat(self.w, 1.0), zero).store(&mut row);
+        let bit = |lane: usize| u32::from(row[lane] != W::E::default()) << lane;
+        (0..W::LANES).map(bit).fold(0, |bits, bit| bits | bit)
     }
 }
 

@@ -2,6 +2,7 @@
 //! contact; a lane whose cell is done takes the next one.
 
 use std::f64::consts::TAU;
+use std::mem;
 
 use super::constants::Constants;
 use super::flight::{At, Field, Margins, meet, path};
@@ -92,6 +93,16 @@ struct Lane {
     /// Whether the first section is still to come (a start at another phase).
     before_first: bool,
     records: Vec<Record>,
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+fn each(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        bits &= bits.wrapping_sub(1);
+        (lane < u32::BITS).then_some(lane as usize)
+    })
 }
 
 /// The lanes of one thread.
@@ -194,23 +205,15 @@ impl<W: Width> Pool<'_, W> {
             uncertain = uncertain | self.touch(met.hit);
         }
         if uncertain.any() {
-            let mut row = [W::E::default(); MAX_LANES];
-            uncertain.one().store(&mut row);
-            for (lane, mark) in row.iter().enumerate().take(W::LANES) {
-                if mark.to_f64() != 0.0 && self.lanes[lane].job.is_some() {
-                    self.finished |= 1 << lane;
-                    self.lanes[lane].records.clear();
-                }
+            for lane in each(uncertain.bits()) {
+                self.give_up(lane);
             }
         }
-        let mut staying = self.staying & !self.finished;
-        while staying != 0 {
-            self.stay(staying.trailing_zeros() as usize);
-            staying &= staying - 1;
+        for lane in each(self.staying & !self.finished) {
+            self.stay(lane);
         }
-        while self.finished != 0 {
-            self.refill(self.finished.trailing_zeros() as usize);
-            self.finished &= self.finished - 1;
+        for lane in each(mem::take(&mut self.finished)) {
+            self.refill(lane);
         }
     }
 
@@ -218,27 +221,32 @@ impl<W: Width> Pool<'_, W> {
     #[inline(always)]
     fn section(&mut self, strobe: Mask<W>, x: Num<W>, v: Num<W>) {
         let w = self.w;
-        let (mut xs, mut vs, mut marks) = (
-            [W::E::default(); MAX_LANES],
-            [W::E::default(); MAX_LANES],
-            [W::E::default(); MAX_LANES],
-        );
+        let rows = &*self.rows;
+        let load = |row: &Row<W::E>| Num::load(w, row);
+        let from_rest = x + load(&rows.rest);
+        let swing2 = from_rest.mul_add(from_rest, v * v * load(&rows.soft));
+        let tame = swing2.lt(load(&rows.widest2));
+        let (mut xs, mut vs) = ([W::E::default(); MAX_LANES], [W::E::default(); MAX_LANES]);
         x.store(&mut xs);
         v.store(&mut vs);
-        strobe.one().store(&mut marks);
-        for lane in 0..W::LANES {
-            if marks[lane].to_f64() != 0.0 {
-                let onsets = self.rows.onsets[lane].to_f64();
-                let record = Record {
-                    x: xs[lane].to_f64(),
-                    v: vs[lane].to_f64(),
-                    force: self.rows.peak[lane].to_f64() as f32,
-                    onsets: onsets as u16,
-                    touched: onsets > 0.0 || self.lanes[lane].carried,
-                    chatter: self.lanes[lane].chatter,
-                };
-                self.lanes[lane].carried = false;
-                self.record(lane, record);
+        for lane in each((strobe & tame).bits()) {
+            let onsets = self.rows.onsets[lane].to_f64();
+            let held = &mut self.lanes[lane];
+            let record = Record {
+                x: xs[lane].to_f64(),
+                v: vs[lane].to_f64(),
+                force: self.rows.peak[lane].to_f64() as f32,
+                onsets: onsets as u16,
+                touched: onsets > 0.0 || mem::take(&mut held.carried),
+                chatter: mem::take(&mut held.chatter),
+            };
+            held.carried = false;
+            self.record(lane, record);
+        }
+        let wild = strobe & !tame;
+        if wild.any() {
+            for lane in each(wild.bits()) {
+                self.give_up(lane);
             }
         }
         let zero = Num::splat(w, 0.0);
@@ -295,13 +303,10 @@ impl<W: Width> Pool<'_, W> {
             .store(&mut rows.peak);
         good.choose(left.tau, tau).store(&mut rows.tau);
         good.choose(left.v, v).store(&mut rows.v);
+        self.work.contacts += u64::from(good.bits().count_ones());
         let slow = hit & !good;
-        let mut marks = [W::E::default(); MAX_LANES];
-        (hit.one() + slow.one()).store(&mut marks);
-        for (lane, mark) in marks.iter().enumerate().take(W::LANES) {
-            let mark = mark.to_f64();
-            self.work.contacts += u64::from(mark == 1.0);
-            if mark == 2.0 && self.finished & (1 << lane) == 0 {
+        if slow.any() {
+            for lane in each(slow.bits() & !self.finished) {
                 self.enter(lane);
             }
         }
@@ -337,10 +342,7 @@ impl<W: Width> Pool<'_, W> {
         };
         let constants = &self.jobs[job].constants;
         match stay.run(constants) {
-            Event::Lost => {
-                self.finished |= 1 << lane;
-                held.records.clear();
-            }
+            Event::Lost => self.give_up(lane),
             Event::Section => {
                 let record = Record {
                     x: stay.x,
@@ -379,20 +381,22 @@ impl<W: Width> Pool<'_, W> {
         }
     }
 
+    /// Leaves a lane's cell without an outcome.
+    #[inline(never)]
+    fn give_up(&mut self, lane: usize) {
+        if self.lanes[lane].job.is_some() {
+            self.finished |= 1 << lane;
+            self.lanes[lane].records.clear();
+        }
+    }
+
     /// A strobe of a lane; ends its cell where that was the last, or where it has converged.
     #[inline(always)]
     fn record(&mut self, lane: usize, mut record: Record) {
         let held = &mut self.lanes[lane];
-        held.chatter = false;
         let Some(job) = held.job else {
             return;
         };
-        let constants = &self.jobs[job].constants;
-        if !constants.tame(record.x, record.v) {
-            self.finished |= 1 << lane;
-            held.records.clear();
-            return;
-        }
         if held.before_first {
             held.before_first = false;
             record = Record {
@@ -412,6 +416,7 @@ impl<W: Width> Pool<'_, W> {
             .then(|| converged(&held.records, self.tuning.grain))
             .flatten();
         if last || settled.is_some() {
+            let constants = &self.jobs[job].constants;
             self.out[job] = Some(outcome(constants, &held.records, self.plan, settled));
             self.finished |= 1 << lane;
         }

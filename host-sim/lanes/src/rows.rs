@@ -22,6 +22,10 @@ pub struct Rows<E> {
     pub bend: Row<E>,
     pub spring: Row<E>,
     pub damping: Row<E>,
+    /// The reciprocal of `spring`.
+    pub soft: Row<E>,
+    /// [`Constants::widest2`](super::constants::Constants::widest2).
+    pub widest2: Row<E>,
     pub pull: Row<E>,
     pub contact_spring: Row<E>,
     pub contact_damper: Row<E>,
@@ -54,6 +58,8 @@ impl<E: Element> Rows<E> {
             (&mut self.bend, c.bend),
             (&mut self.spring, c.spring),
             (&mut self.damping, c.damping),
+            (&mut self.soft, 1.0 / c.spring),
+            (&mut self.widest2, c.widest2()),
             (&mut self.pull, c.pull),
             (&mut self.contact_spring, c.contact_spring),
             (&mut self.contact_damper, c.contact_damper),

@@ -141,8 +141,10 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     add_slow(&mut f, &slow, &s.release, short);
     let mut steep = one / f[1];
     let (mut falls, mut last) = (f[1].lt(zero), one);
-    let mut d = (-(f[0] * steep)).max(one * -REACH).min(one * REACH);
-    for _ in 0..4 {
+    let first = -(f[0] * steep);
+    let mut d = (f[2] * steep).mul_sub_from(first * first, first);
+    d = d.max(one * -REACH).min(one * REACH);
+    for _ in 0..3 {
         let (value, slope) = horner(&f, d);
         falls = slope.lt(zero);
         // 1/slope, refined without division.
@@ -165,12 +167,13 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
         .mul_sub_from(rate, taylor3([push0, push1, -push0, -push1], t) + s.pull);
     let e1 = push1 - t * push0;
     let inside = rate.mul_add(rate, -(e * x * 2.0));
-    let root = inside.max(zero).sqrt();
-    let quick = one / (root - rate);
-    let mut out = (x + x) * quick;
+    let root = inside.max(one * 1e-30).sqrt();
+    let sum = root - rate;
+    let quotient = one / (sum * root);
+    let mut out = (x + x) * (quotient * root);
     let height = x + out * (rate + out * (e * 0.5 + out * e1 * (1.0 / 6.0)));
     // Newton's slope is −root, but for the drive's own change.
-    out = out + height / root.max(one * 1e-30);
+    out = height.mul_add(quotient * sum, out);
     let leaving = rate + out * (e + out * e1 * 0.5);
     let whole = t + out;
     let clear = (rate * rate * 0.05).lt(inside)
