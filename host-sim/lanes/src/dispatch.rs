@@ -39,18 +39,18 @@ pub struct How {
     pub instructions: Instructions,
 }
 
-/// How near the surface a top may be, in cart amplitudes, and neither touch nor miss it for sure: twice what the steps
-/// below lead astray in a drive cycle.
+/// How near the surface a top may be, in cart amplitudes, and neither touch nor miss it for sure: about what the steps
+/// below lead astray in a drive cycle (1e-5 in f64, 5e-5 in f32; more where the hammer swings wider than 0.15 rad).
 const GRAZING: f64 = 2e-5;
 
 impl Precision {
     fn tuning(self) -> Tuning {
-        let (rest, grain) = match self {
-            Self::Double => (1e-5, 1e-9),
-            Self::Single => (2e-4, 1e-5),
+        let (step, rest, grain) = match self {
+            Self::Double => (1.6, 1e-5, 1e-9),
+            Self::Single => (1.8, 2e-4, 1e-5),
         };
         Tuning {
-            step: 1.6,
+            step,
             margins: Margins {
                 grazing: GRAZING,
                 rest,

@@ -16,6 +16,9 @@ const LOOK: f64 = 0.7;
 /// Decay after which the transient has died out: e⁻¹⁶ of it is left.
 const DEAD_AFTER: f64 = 16.0;
 
+/// It also has when its force is less than this share of what drive and support make.
+const DEAD_BELOW: f64 = 1e-7;
+
 /// Releases and onsets after which a stay is given up.
 const MOST: usize = 500;
 
@@ -112,7 +115,7 @@ impl Stay {
             if here.0 >= end {
                 return None;
             }
-            if form.c.decay * here.0 > DEAD_AFTER {
+            if form.c.decay * here.0 > DEAD_AFTER || turning.dead() {
                 return self.look_slowly(form, here.0, end);
             }
             turning.turn();
@@ -371,6 +374,13 @@ impl Turning {
 
     fn force(&self) -> f64 {
         self.transient.0 + self.forced.0 + self.mean
+    }
+
+    /// Whether drive and support alone make the force from here on.
+    fn dead(&self) -> bool {
+        let square = |(a, b): (f64, f64)| a * a + b * b;
+        let least = DEAD_BELOW * DEAD_BELOW * (square(self.forced) + self.mean * self.mean);
+        square(self.transient) < least
     }
 
     fn turn(&mut self) {

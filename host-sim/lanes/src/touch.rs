@@ -10,13 +10,13 @@ use super::number::{Mask, Num, Width};
 use super::series::{horner, polynomial, sin_cos};
 
 /// Order of the expansions.
-const ORDER: usize = 8;
+const ORDER: usize = 6;
 
 /// Farthest the release may be from where it is expected, in transient phase.
-const REACH: f64 = 0.8;
+const REACH: f64 = 0.7;
 
 /// The search for the release has come to rest when its last move was shorter, in transient phase.
-const AT_REST: f64 = 1e-4;
+const AT_REST: f64 = 1e-3;
 
 /// Longest contact, in drive phase, over which the drive is held to second order.
 const LONGEST: f64 = 0.15;
@@ -142,7 +142,10 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let mut steep = one / f[1];
     let (mut falls, mut last) = (f[1].lt(zero), one);
     let first = -(f[0] * steep);
-    let mut d = (f[2] * steep).mul_sub_from(first * first, first);
+    // The parabola's root to second order, where it bends little.
+    let bend = f[2] * steep * first;
+    let little = bend.abs().lt(one * 0.3);
+    let mut d = little.choose(bend.mul_sub_from(first, first), first);
     d = d.max(one * -REACH).min(one * REACH);
     for _ in 0..3 {
         let (value, slope) = horner(&f, d);
