@@ -195,12 +195,23 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
     }
 }
 
+/// How a line of special points is drawn: by its stroke first, as every colour of the set stands for a regime beneath it.
+fn stroke(special: Special) -> (Stroke, Color) {
+    match special {
+        Special::PeriodDoubling => (Stroke::Solid, Color::INK),
+        Special::Fold => (Stroke::Dashed, Color::INK),
+        Special::GrazingLost => (Stroke::Dotted, Color::INK),
+        Special::GrazingGained => (Stroke::Solid, Color::GREY),
+    }
+}
+
 /// The lines of special points as items over gap (mm, across) and frequency (Hz, upwards): to be laid over a map.
 pub fn line_items(lines: &[Line]) -> Vec<Item> {
     let mut named: Vec<Special> = Vec::new();
     let mut items = Vec::new();
     for line in lines {
-        let (mark, color) = mark(line.special);
+        let (mark, _) = mark(line.special);
+        let (stroke, color) = stroke(line.special);
         let label = if named.contains(&line.special) {
             String::new()
         } else {
@@ -233,11 +244,7 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
                 color,
                 label,
                 width: 2.0,
-                stroke: match line.special {
-                    Special::GrazingLost => Stroke::Dotted,
-                    Special::GrazingGained => Stroke::Dashed,
-                    _ => Stroke::Solid,
-                },
+                stroke,
             }
         });
     }
