@@ -127,8 +127,7 @@ fn specials(answer: &Answer) -> String {
         .iter()
         .filter(|p| p.branch == "1/1" || p.branch == "1/2")
         .map(|p| {
-            let kind = Special::ALL.into_iter().find(|k| k.name() == p.special);
-            let kind = kind.map_or(p.special, Special::label);
+            let kind = in_words(p.special);
             format!("{} {kind} at {:.4}", p.branch, p.frequency_ratio)
         })
         .collect();
@@ -136,6 +135,12 @@ fn specials(answer: &Answer) -> String {
         return "No special point was found on the 1/1 and the 1/2.".to_owned();
     }
     format!("Located: {}.", told.join("; "))
+}
+
+/// A special point of this name, in words.
+fn in_words(name: &'static str) -> &'static str {
+    let kind = Special::ALL.into_iter().find(|k| k.name() == name);
+    kind.map_or(name, Special::label)
 }
 
 /// Lines of special points of the 1/1 over the regimes of the Peterka map, wires.
@@ -180,7 +185,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     files.push((format!("{name}.csv"), to_csv(&told)));
     let zero = told.iter().filter(|r| r.gap_mm == 0.0);
     let zero: Vec<String> = zero
-        .map(|r| format!("{} at {:.3} Hz", r.special, r.frequency_hz))
+        .map(|r| format!("{} at {:.3} Hz", in_words(r.special), r.frequency_hz))
         .collect();
     let reach: Vec<String> = lines
         .iter()
