@@ -22,9 +22,10 @@ impl Fundamental {
     }
 
     /// Lag behind the command, rad, −π to π. By micromath's arctangent: within 0.005 rad of the exact
-    /// one, which is 0.3 degrees; the observer does not use it but the two parts themselves.
+    /// one, which is 0.3 degrees; the observer does not use it but the two parts themselves. 0 of a motion
+    /// so small that its squares are nothing: the arctangent divides by them.
     pub fn lag_rad(&self) -> f32 {
-        if self.sine == 0.0 && self.cosine == 0.0 {
+        if self.sine * self.sine + self.cosine * self.cosine == 0.0 {
             return 0.0;
         }
         F32Ext::atan2(-self.cosine, self.sine)
@@ -131,6 +132,17 @@ mod tests {
             drive.advance();
         }
         last
+    }
+
+    #[test]
+    fn a_motion_of_next_to_nothing_has_a_lag() {
+        for exponent in -45..0 {
+            let part = 10_f32.powi(exponent);
+            for (sine, cosine) in [(part, 0.0), (0.0, part), (-part, part), (part, -0.7 * part)] {
+                let lag = Fundamental { sine, cosine }.lag_rad();
+                assert!(lag.abs() < 3.15, "{sine} {cosine}: {lag}");
+            }
+        }
     }
 
     #[test]
