@@ -32,7 +32,8 @@ impl fmt::Display for WriteError {
             io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
                 "a file stands where a folder is needed: choose another folder"
             }
-            io::ErrorKind::IsADirectory | io::ErrorKind::InvalidInput => "choose another file name",
+            io::ErrorKind::IsADirectory => "move it away or write elsewhere",
+            io::ErrorKind::InvalidInput => "choose another file name",
             _ => "check the path and try again",
         };
         let (path, source) = (self.path.display(), &self.source);
@@ -105,6 +106,23 @@ where
         staged.commit()?;
     }
     Ok(paths)
+}
+
+/// Whether files can be made in the folder `dir`, which need not exist yet: asked before hours of work. Leaves nothing.
+///
+/// # Errors
+/// [`WriteError`] as writing there would give.
+pub fn check_folder(dir: &Path) -> Result<(), WriteError> {
+    let there = dir.ancestors().find(|a| a.exists());
+    let there = match there {
+        Some(there) if !there.as_os_str().is_empty() => there,
+        _ => Path::new("."),
+    };
+    if !there.is_dir() {
+        return Err(failed(there, io::ErrorKind::NotADirectory.into()));
+    }
+    let tried = passing_file(there);
+    tried.map(drop).map_err(|source| failed(dir, source))
 }
 
 /// A file under a passing name beside its final place, for what is too long to be held in memory. It gets
@@ -287,7 +305,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(error.contains("taken: it is a folder"), "{error}");
-        assert!(error.ends_with("choose another file name"), "{error}");
+        assert!(error.ends_with("write elsewhere"), "{error}");
         assert_eq!(names(dir.path()), ["taken"]);
         assert!(names(&dir.path().join("taken")).is_empty());
     }
@@ -310,6 +328,18 @@ mod tests {
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
         // Nobody may make files here, root included.
         assert!(write("/proc/hammer.csv", "x").is_err());
+        assert!(check_folder(Path::new("/proc/hammer")).is_err());
+        assert!(check_folder(Path::new("/dev/null/deep")).is_err());
+    }
+
+    #[test]
+    fn a_folder_is_asked_before_it_is_needed() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("file"), "keep").unwrap();
+        assert!(check_folder(&dir.path().join("new/deep")).is_ok());
+        let error = check_folder(&dir.path().join("file/deep")).unwrap_err();
+        assert!(error.to_string().contains("choose another folder"));
+        assert_eq!(names(dir.path()), ["file"]);
     }
 
     #[test]

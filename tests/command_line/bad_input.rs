@@ -79,6 +79,14 @@ fn parameters_that_cannot_be() {
         ("simulate --ratio 1.5 --set mass_kg=NaN", "mass_kg is NaN"),
         ("simulate --ratio 1.5 --set mass_kg=inf", "mass_kg is inf"),
         (
+            "simulate --ratio 1.5 --set mass_kg=1e300",
+            "mass_kg is 1e300",
+        ),
+        (
+            "simulate --ratio 1.5 --set gravity_m_per_s2=1e9",
+            "from 0.001 to 1000",
+        ),
+        (
             "simulate --ratio 1.5 --set mass_kg=heavy",
             "must be a number",
         ),
@@ -128,7 +136,8 @@ fn basins_and_gaps_that_cannot_be() {
             "basins --ratio 2 --gap 1 --displacement -6:5",
             "inside the impact surface",
         ),
-        ("basins --ratio 2 --recorded 301", "recorded cycles of 300"),
+        ("basins --ratio 2 --recorded 301", "--recorded is 301"),
+        ("basins --ratio 2 --until 5", "--until is 5"),
         ("basins --ratio 2 --samples 2000000", "at most 1000000"),
         ("basins --ratio 2 --out a-file", "a-file is a file"),
         ("pick --gaps 0:1", "FROM:TO:STEP"),
@@ -151,14 +160,14 @@ fn rigs_and_rig_files_that_cannot_be_read() {
         ("pick --rig cut.toml", "cut.toml, line 2"),
         (
             "simulate --ratio 1.5 --rig typo.toml",
-            "did you mean 'mass_kg'?",
+            "typo.toml, line 2: there is no parameter 'mass_kgs' (did you mean 'mass_kg'?)",
         ),
         (
             "sweep --ratio 1:2:0.1 --rig nan.toml",
-            "nan.toml: mass_kg is NaN",
+            "nan.toml, line 2: mass_kg is NaN",
         ),
         ("rigs bare.toml", "bare.toml: support is missing"),
-        ("pick --rig bytes.toml", "UTF-8"),
+        ("pick --rig bytes.toml", "save it as UTF-8"),
     ]);
 }
 

@@ -207,6 +207,19 @@ fn underway(folder: &Folder, line: &str, all: usize) -> Child {
     child
 }
 
+/// A map that fails on its way is in nobody's way afterwards.
+#[test]
+fn a_map_that_cannot_be_run_leaves_nothing() {
+    let folder = Folder::new();
+    let ran = folder.run(
+        "map --gap 0 --ratio 1.5 --engine switch --tick-us 1000 --quiet --format json --out o",
+    );
+    assert_eq!((ran.code, ran.err.lines().count()), (Some(2), 1), "{ran:?}");
+    assert!(ran.err.contains("a shorter tick"), "{ran:?}");
+    assert!(folder.names().is_empty());
+    run(&folder, &format!("{SMALL} --format json --quiet --out o"));
+}
+
 #[test]
 fn a_killed_map_goes_on_and_ends_in_the_same_bytes() {
     // 16 × 50 cells are seven tiles of the reference.
@@ -407,12 +420,13 @@ fn what_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
         ("--gap 0:1e9:1", "use a larger STEP"),
         ("--ratio 0:1:0.5", "not a positive value"),
         ("--ratio inf", "not a positive value"),
+        ("--ratio 1e9", "it must be from 0.01 to 1000 times"),
         ("--frequency 2 --ratio 2", "cannot be used with"),
         ("--gap 0:1:0.0001 --ratio 1:4:0.0001", "20000000"),
         ("--recorded 0", "--recorded is 0"),
         ("--cycles 50 --recorded 100", "--recorded is 100"),
         ("--settle 300", "must be more than the 300"),
-        ("--cycles 0", "must be from 1"),
+        ("--cycles 0", "--cycles is 0"),
         ("--audit 0", "at least 1"),
         ("--audit 5 --from up", "leave one of the two out"),
         ("--seed 5", "--audit"),

@@ -45,6 +45,10 @@ fn what_cannot_be_is_refused_in_one_line() {
         ("modes --rig beam-170 --ratio 1.8 --modes 0", "from 1 to 8"),
         ("modes --rig beam-170 --ratio 1.8 --modes 9", "from 1 to 8"),
         (
+            "modes --rig beam-170 --ratio 1.8 --modes 2,1,2",
+            "names 2 twice",
+        ),
+        (
             "modes --rig beam-170 --ratio 1.8 --beam-mass nan",
             "mass is NaN",
         ),

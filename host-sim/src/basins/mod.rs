@@ -106,13 +106,13 @@ impl Query {
         }
         if self.recorded == 0 || self.recorded > self.cycles {
             return wrong(format!(
-                "{} recorded cycles of {}: record at least one and at most all of them",
+                "--recorded is {}, must be from 1 to the {} of --cycles",
                 self.recorded, self.cycles
             ));
         }
         if self.until < self.cycles {
             return wrong(format!(
-                "random starts are run on to cycle {}, before the {} of the grid; make it at least as many",
+                "--until is {}, must be at least the {} of --cycles",
                 self.until, self.cycles
             ));
         }

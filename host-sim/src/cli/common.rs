@@ -197,7 +197,8 @@ impl Common {
                 "--out {} is a file; choose another folder",
                 dir.display()
             ))),
-            _ => Ok(()),
+            Some(dir) => Ok(files::check_folder(dir)?),
+            None => Ok(()),
         }
     }
 

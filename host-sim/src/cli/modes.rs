@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::common::{Common, Cycles, EngineName, parse_range, pictures};
-use super::emit::{check_format, emit, tables};
+use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
 use crate::picture::{Axis, Color, Figure, Item, Panel};
@@ -72,7 +72,6 @@ impl From<&BendingMode> for Told {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
     common.check_out()?;
-    check_format(common.format, common.out.is_some())?;
     common.engine()?;
     if common.engine != EngineName::Event {
         return Err(UserError::new(
@@ -85,6 +84,13 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         mass_ratio: args.beam_mass,
     };
     let frequencies_hz = frequencies(args, rig.params.natural_frequency_hz())?;
+    if let Some(twice) = (1..args.modes.len()).find(|i| args.modes[..*i].contains(&args.modes[*i]))
+    {
+        return Err(UserError::new(format!(
+            "--modes names {} twice; name each number of modes once",
+            args.modes[twice]
+        )));
+    }
     let most = args.modes.iter().copied().max().unwrap_or(0);
     let told: Vec<_> = ModalRig::new(&rig.params, beam, most)?
         .modes

@@ -222,11 +222,11 @@ pub(crate) fn within_reach(machine: &dyn Machine) -> Result<(), UserError> {
     let hz = machine.frequency_hz();
     Err(UserError::new(if q.is_finite() {
         format!(
-            "at {hz} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start"
+            "at {hz:.6} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start, and with the switch engine a shorter tick"
         )
     } else {
         format!(
-            "at {hz} Hz the motion cannot be followed; check contact stiffness, damping and amplitude, and with the switch engine use a shorter tick"
+            "at {hz:.6} Hz the motion cannot be followed; check contact stiffness, damping and amplitude, and with the switch engine use a shorter tick"
         )
     }))
 }

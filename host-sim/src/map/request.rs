@@ -7,7 +7,7 @@ use crc::{CRC_64_XZ, Crc};
 use shared::params::{RigParams, WIRES};
 
 use super::Grid;
-use crate::engine::Setting;
+use crate::engine::{Setting, check_frequency};
 use crate::error::UserError;
 use crate::lanes::Plan;
 use crate::rigfile::NamedRig;
@@ -121,7 +121,7 @@ impl Request {
     /// Refuses what cannot be run, before any work.
     ///
     /// # Errors
-    /// One line: no cells or too many, a gap the rig cannot have, cycles that leave nothing to record.
+    /// One line: no cells or too many, a frequency that is not run, cycles that leave nothing to record.
     pub fn check(&self) -> Result<(), UserError> {
         let cells = self.grid.len();
         if cells == 0 || cells > MOST_CELLS {
@@ -129,9 +129,15 @@ impl Request {
                 "the map has {cells} cells, must have from 1 to {MOST_CELLS}; choose other ranges or steps"
             )));
         }
+        for hz in &self.grid.frequencies_hz {
+            check_frequency(*hz, &self.rig.params)?;
+        }
         let Plan {
             cycles, recorded, ..
         } = self.plan;
+        if cycles == 0 {
+            return Err(UserError::new("--cycles is 0, must be at least 1"));
+        }
         if recorded == 0 || recorded > cycles {
             return Err(UserError::new(format!(
                 "--recorded is {recorded}, must be from 1 to the {cycles} of --cycles"

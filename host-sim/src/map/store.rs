@@ -107,20 +107,32 @@ impl Store {
         Ok(files::write_unsynced(self.path(index), bytes)?)
     }
 
+    /// After a failure: what was begun and holds no tile goes, so that it is in nobody's way.
+    pub fn remove_if_empty(self) {
+        let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        let mut names = entries.map(|entry| entry.file_name());
+        if !names.any(|name| is_tile(&name.to_string_lossy())) {
+            self.remove();
+        }
+    }
+
     /// Removes the tiles and, when nothing else is in it, the folder.
     pub fn remove(self) {
         let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
         for entry in entries {
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            let tile = name.starts_with("tile-") && name.ends_with(".bin");
-            if tile || name == REQUEST || name.starts_with(files::PASSING) {
+            if is_tile(&name) || name == REQUEST || name.starts_with(files::PASSING) {
                 // What is left costs room and nothing else.
                 let _ = fs::remove_file(entry.path());
             }
         }
         let _ = fs::remove_dir(&self.dir);
     }
+}
+
+fn is_tile(name: &str) -> bool {
+    name.starts_with("tile-") && name.ends_with(".bin")
 }
 
 /// The tiles belong to another request: says which part of it differs.

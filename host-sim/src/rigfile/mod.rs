@@ -157,9 +157,11 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
         )));
     }
     let text = std::fs::read_to_string(path).map_err(|e| {
-        UserError::new(format!(
-            "cannot read the rig file {place}: {e}; check the path"
-        ))
+        let mend = match e.kind() {
+            std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
+            _ => "check the path",
+        };
+        UserError::new(format!("cannot read the rig file {place}: {e}; {mend}"))
     })?;
     let changes: Table = toml::from_str(&text).map_err(|e| {
         let line = e.span().map_or(1, |s| {
@@ -170,7 +172,18 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
             "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
         ))
     })?;
-    let params = from_keys(changes, &place)?;
+    let keys: Vec<String> = changes.keys().cloned().collect();
+    let params = parameters(changes).map_err(|error| {
+        // The key that the line names, and where it stands: a longer one first, as one may begin with another.
+        let said = error.to_string();
+        let named = keys.iter().filter(|key| said.contains(key.as_str()));
+        let key = named.max_by_key(|key| key.len());
+        let line = key.and_then(|key| text.lines().position(|l| l.trim_start().starts_with(key)));
+        match line {
+            Some(line) => error.at(format!("{place}, line {}", line + 1)),
+            None => error.at(&place),
+        }
+    })?;
     let name = path
         .file_stem()
         .map_or(place, |s| s.to_string_lossy().into_owned());
@@ -181,25 +194,27 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
 ///
 /// # Errors
 /// One line that begins with `place`.
-pub fn from_keys(mut changes: Table, place: &str) -> Result<RigParams, UserError> {
+pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
+    parameters(changes).map_err(|e| e.at(place))
+}
+
+fn parameters(mut changes: Table) -> Result<RigParams, UserError> {
     let mut table = match changes.remove("preset") {
         None => Table::new(),
         Some(Value::String(name)) => {
             let params = preset(&name).ok_or_else(|| {
                 let hint = nearest(&name, PRESETS.iter().map(|(n, _)| *n));
-                UserError::new(format!("{place}: preset = \"{name}\" is not known{hint}"))
+                UserError::new(format!("preset = \"{name}\" is not known{hint}"))
             })?;
             to_table(&params)
         }
         Some(_) => {
-            return Err(UserError::new(format!(
-                "{place}: preset must be a name in quotes"
-            )));
+            return Err(UserError::new("preset must be a name in quotes"));
         }
     };
     changes.remove("description");
-    overlay(&mut table, changes).map_err(|e| e.at(place))?;
-    from_table(&table).map_err(|e| e.at(place))
+    overlay(&mut table, changes)?;
+    from_table(&table)
 }
 
 fn parse_setting(setting: &str) -> Result<(String, Value), UserError> {

@@ -78,9 +78,9 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Cycles to which the random starts are run on, for the table over cycles
-    #[arg(long, value_name = "N", default_value_t = 1000)]
-    until: u32,
+    /// Cycles to which the random starts are run on, for the table over cycles [default: 1000, or --cycles if more]
+    #[arg(long, value_name = "N")]
+    until: Option<u32>,
 }
 
 /// One point and what was found.
@@ -143,7 +143,7 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, Query)>, UserError> {
         query.recorded = args.recorded;
         query.samples = args.samples;
         query.seed = args.seed;
-        query.until = args.until.max(args.cycles);
+        query.until = args.until.unwrap_or(args.cycles.max(1000));
         if let Some(ends) = args.displacement {
             query.window.displacement_m = ends.map(|mm| mm * 1e-3);
         }

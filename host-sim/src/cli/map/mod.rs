@@ -158,13 +158,13 @@ fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Resul
     if let Some(tiles) = args.tiles {
         return share(args, tiles, requests, &stores, &progress);
     }
-    let mut maps = Vec::with_capacity(requests.len());
-    for (i, request) in requests.iter().enumerate() {
-        maps.push(match stores.get(i) {
-            Some(store) if args.merge => map::merge(request, store)?,
-            store => map::run(request, store, &progress)?,
-        });
-    }
+    let maps = match maps(args, requests, &stores, &progress) {
+        Ok(maps) => maps,
+        Err(error) => {
+            stores.into_iter().for_each(Store::remove_if_empty);
+            return Err(error);
+        }
+    };
     let answer = answer(args, requests, &maps, points, &progress)?;
     progress.finish();
     if let Some(dir) = &common.out {
@@ -184,6 +184,19 @@ fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Resul
             text::text(&answer, &maps)
         }),
     }
+}
+
+fn maps(
+    args: &Args,
+    requests: &[Request],
+    stores: &[Store],
+    progress: &Progress,
+) -> Result<Vec<Map>, UserError> {
+    let one = |(i, request)| match stores.get(i) {
+        Some(store) if args.merge => map::merge(request, store),
+        store => map::run(request, store, progress),
+    };
+    requests.iter().enumerate().map(one).collect()
 }
 
 /// The rows that a format needs.
