@@ -21,6 +21,17 @@ pub enum Direction {
     Down,
 }
 
+impl Direction {
+    /// As the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rest => "rest",
+            Self::Up => "up",
+            Self::Down => "down",
+        }
+    }
+}
+
 /// The curve at `frequencies_hz` (rising); rows come back by rising frequency, whatever the direction.
 /// Runs carried over start from rest at the first frequency visited.
 ///

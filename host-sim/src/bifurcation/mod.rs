@@ -272,15 +272,6 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Us
     })
 }
 
-/// "rest", "up" or "down".
-pub fn name(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Rest => "rest",
-        Direction::Up => "up",
-        Direction::Down => "down",
-    }
-}
-
 /// Every point of every diagram, in their order.
 pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
     let mut rows = Vec::new();
@@ -289,7 +280,7 @@ pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
         for station in &diagram.stations {
             rows.extend(station.points.iter().map(|p| PointRow {
                 gap_mm: diagram.gap_mm,
-                direction: name(diagram.direction),
+                direction: diagram.direction.name(),
                 frequency_hz: station.row.frequency_hz,
                 frequency_ratio: station.row.frequency_ratio,
                 regime: station.row.regime.clone(),

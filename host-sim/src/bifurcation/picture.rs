@@ -1,7 +1,7 @@
 //! A diagram drawn.
 
 use super::measured::Measured;
-use super::{Diagram, Kind, Point, name};
+use super::{Diagram, Kind, Point};
 use crate::picture::{Axis, Color, Figure, Item, Mark, Panel};
 use crate::sweep::Direction;
 
@@ -192,7 +192,7 @@ pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measu
         let rig = d.stations.first().map_or("", |s| s.row.rig.as_str());
         format!("{rig}, gap {:?} mm: bifurcation diagram", d.gap_mm)
     });
-    let directions: Vec<_> = diagrams.iter().map(|d| name(d.direction)).collect();
+    let directions: Vec<_> = diagrams.iter().map(|d| d.direction.name()).collect();
     Figure::new(title)
         .subtitle(format!(
             "Section at drive phase 0, where the displacement in the fixed frame is that relative to the cart; largest contact force of each drive period. Frequencies visited: {}. Marked: lasting changes of the first. A band of displacements without force is the hammer swinging free of the surface.",

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::common::{Common, pictures};
+use super::drive::Over;
 use super::emit::{emit, tables};
-use super::sweep::frequencies;
 use crate::bifurcation::measured::{Distance, Measured};
 use crate::bifurcation::picture::{Abscissa, figure};
-use crate::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, name, rows};
+use crate::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, rows};
 use crate::error::UserError;
 use crate::lanes::Plan;
+use crate::map::request::chapter_frequencies_hz;
 use crate::sweep::Direction;
 use crate::table::to_csv;
 use crate::terminal::{Chart, Progress};
@@ -35,13 +36,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Frequencies over the natural frequency, Ω/ω [default: the chapter's range in its 588 steps]
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
-    ratio: Option<String>,
-
-    /// Frequencies, Hz
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
-    frequency: Option<String>,
+    #[command(flatten)]
+    drive: Over,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps), or all three
     #[arg(long, value_enum, default_value = "rest")]
@@ -109,9 +105,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let points = rows(&diagrams);
     let answer = answer(&request, &diagrams, measured.as_ref());
     if let Some(dir) = &common.out {
-        let abscissa = match args.frequency {
-            Some(_) => Abscissa::Frequency,
-            None => Abscissa::Ratio,
+        let abscissa = match args.drive.in_hz() {
+            true => Abscissa::Frequency,
+            false => Abscissa::Ratio,
         };
         let mut contents = tables("bifurcation", common.format, &answer, &points)?;
         let changes: Vec<_> = answer.diagrams.iter().flat_map(change_rows).collect();
@@ -132,11 +128,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 fn request(args: &Args) -> Result<Request, UserError> {
     let common = &args.common;
     let rig = crate::rigfile::load(&common.rig, &common.set)?;
-    let natural = rig.params.natural_frequency_hz();
-    let frequencies_hz = match (&args.ratio, &args.frequency) {
-        (None, None) => chapter_frequencies(natural),
-        (ratio, frequency) => frequencies(ratio.as_deref(), frequency.as_deref(), natural)?,
-    };
+    let given = args.drive.hz(rig.params.natural_frequency_hz())?;
+    let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     if args.recorded == 0 || args.recorded > args.cycles {
         return Err(UserError::new(format!(
             "--recorded is {}, must be from 1 to --cycles ({})",
@@ -169,16 +162,10 @@ fn request(args: &Args) -> Result<Request, UserError> {
     })
 }
 
-/// The chapter's 1.41 to 7.28 Hz in steps of 0.01 Hz on the wires (1.82 Hz), over the natural frequency of any rig.
-fn chapter_frequencies(natural_hz: f64) -> Vec<f64> {
-    let hz = (141..=728).map(|i| f64::from(i) * 0.01);
-    hz.map(|hz| hz * (natural_hz / 1.82)).collect()
-}
-
 fn answer(request: &Request, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
     let told = |d: &Diagram| Told {
         gap_mm: d.gap_mm,
-        direction: name(d.direction),
+        direction: d.direction.name(),
         frequencies: d.stations.len(),
         not_settled: d.stations.iter().filter(|s| !s.settled).count(),
         changes: d.changes.clone(),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::common::{Common, Cycles, pictures};
+use super::drive::At;
 use super::emit::{emit, tables};
 use crate::compare::{Comparison, Errors, Frame, Question, compare, picture};
 use crate::error::UserError;
@@ -20,13 +21,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Drive frequency over the natural frequency, Ω/ω [default: found from the record]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    ratio: Option<f64>,
-
-    /// Drive frequency, Hz [default: found from the record]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    frequency: Option<f64>,
+    #[command(flatten)]
+    drive: At,
 
     /// The frame of the measured displacement
     #[arg(long, value_enum, default_value = "fixed")]
@@ -51,9 +47,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let question = Question {
         params: rig.params,
         engine: common.engine()?,
-        frequency_hz: args
-            .frequency
-            .or(args.ratio.map(|r| r * rig.params.natural_frequency_hz())),
+        frequency_hz: args.drive.hz(rig.params.natural_frequency_hz()),
         plan: args.cycles.plan()?,
         frame: args.frame,
     };

@@ -5,6 +5,7 @@ mod bifurcation;
 mod common;
 mod compare;
 mod contact;
+mod drive;
 mod drop;
 mod emit;
 mod emulate;

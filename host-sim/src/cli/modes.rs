@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::common::{Common, Cycles, EngineName, parse_range, pictures};
+use super::common::{Common, Cycles, EngineName, pictures};
+use super::drive::Over;
 use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
@@ -15,13 +16,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Frequencies over the first mode's, Ω/ω: FROM:TO:STEP, or one value
-    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
-    ratio: Option<String>,
-
-    /// Frequencies, Hz: FROM:TO:STEP, or one value
-    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
-    frequency: Option<String>,
+    #[command(flatten)]
+    drive: Over,
 
     /// How many bending modes to keep; several numbers are compared
     #[arg(long, value_name = "N,N...", value_delimiter = ',', default_values_t = [1, 2, 3, 5])]
@@ -83,7 +79,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         tip: args.tip,
         mass_ratio: args.beam_mass,
     };
-    let frequencies_hz = frequencies(args, rig.params.natural_frequency_hz())?;
+    let natural_hz = rig.params.natural_frequency_hz();
+    let frequencies_hz = args.drive.hz(natural_hz)?.unwrap_or_default();
     if let Some(twice) = (1..args.modes.len()).find(|i| args.modes[..*i].contains(&args.modes[*i]))
     {
         return Err(UserError::new(format!(
@@ -120,24 +117,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     emit(common.format, &answer, &rows, || {
         text(&told, &rows, &args.modes)
     })
-}
-
-fn frequencies(args: &Args, natural_hz: f64) -> Result<Vec<f64>, UserError> {
-    let (option, text, unit) = match (&args.ratio, &args.frequency) {
-        (Some(text), _) => ("--ratio", text, natural_hz),
-        (None, Some(text)) => ("--frequency", text, 1.0),
-        (None, None) => return Err(UserError::new("give --ratio or --frequency")),
-    };
-    let values = match text.parse::<f64>() {
-        Ok(one) => vec![one],
-        Err(_) => parse_range(text).map_err(|e| UserError::new(format!("{option} {text}: {e}")))?,
-    };
-    match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
-        Some(bad) => Err(UserError::new(format!(
-            "{option} {text}: {bad} is not a positive value"
-        ))),
-        None => Ok(values.into_iter().map(|v| v * unit).collect()),
-    }
 }
 
 fn text(told: &[Told], rows: &[Row], counts: &[usize]) -> String {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::common::{Common, EngineName, parse_start, pictures};
+use super::drive::At;
 use super::emit::{emit, tables};
 use crate::engine::Start;
 use crate::error::UserError;
@@ -26,13 +27,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Drive frequency over the natural frequency, Ω/ω
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    ratio: Option<f64>,
-
-    /// Drive frequency, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    frequency: Option<f64>,
+    #[command(flatten)]
+    drive: At,
 
     /// Points of each section, one per drive period
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -104,9 +100,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
     let natural = rig.params.natural_frequency_hz();
-    let frequency_hz = args
-        .frequency
-        .unwrap_or_else(|| args.ratio.unwrap_or(f64::NAN) * natural);
+    let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
     const MOST: u32 = 10_000_000;
     if !(1..=MOST).contains(&args.points) {
         return Err(UserError::new(format!(

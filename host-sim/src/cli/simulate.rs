@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::common::{Common, Cycles, Format, parse_start, pictures};
+use super::drive::At;
 use super::emit::emit;
 use crate::engine::{
     Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
@@ -19,13 +20,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Drive frequency over the natural frequency, Ω/ω
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    ratio: Option<f64>,
-
-    /// Drive frequency, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    frequency: Option<f64>,
+    #[command(flatten)]
+    drive: At,
 
     #[command(flatten)]
     cycles: Cycles,
@@ -82,9 +78,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let engine = common.engine()?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();
-    let frequency_hz = args
-        .frequency
-        .unwrap_or_else(|| args.ratio.unwrap_or(f64::NAN) * natural);
+    let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
     let mut hammer = machine(engine, &rig.params, frequency_hz, args.initial)?;
     let mut recorder = Recorder::default();
     // Only the last recorded periods are drawn, but a table that is asked for has them all.

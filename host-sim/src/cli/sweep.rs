@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::common::{Common, Cycles, Format, parse_range, pictures};
+use super::common::{Common, Cycles, Format, pictures};
+use super::drive::Over;
 use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::pick::picture::by_regime;
@@ -17,13 +18,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Frequencies over the natural frequency, Ω/ω
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
-    ratio: Option<String>,
-
-    /// Frequencies, Hz
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
-    frequency: Option<String>,
+    #[command(flatten)]
+    drive: Over,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
     #[arg(long, value_enum, default_value = "rest")]
@@ -43,11 +39,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let rig = common.rig()?;
     let engine = common.engine()?;
     let plan = args.cycles.plan()?;
-    let frequencies = frequencies(
-        args.ratio.as_deref(),
-        args.frequency.as_deref(),
-        rig.params.natural_frequency_hz(),
-    )?;
+    let natural_hz = rig.params.natural_frequency_hz();
+    let frequencies = args.drive.hz(natural_hz)?.unwrap_or_default();
     let measured = args.measured.as_deref().map(Measured::read).transpose()?;
     // A picture of one direction is laid over the other, so that a jump shows.
     let both = args.direction != Direction::Rest && common.out.is_some();
@@ -74,7 +67,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         let mut contents = pictures("sweep", &figure)?;
         contents.extend(tables("sweep", common.format, &rows, &rows)?);
         if let (Some(others), Some(other)) = (&others, other) {
-            contents.push((format!("sweep-{}.csv", name(other)), to_csv(others)));
+            contents.push((format!("sweep-{}.csv", other.name()), to_csv(others)));
         }
         if let Some(error) = &error {
             contents.push((
@@ -94,37 +87,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
     }
     Ok(())
-}
-
-/// The frequencies (Hz) of `--ratio` or `--frequency`.
-pub(super) fn frequencies(
-    ratio: Option<&str>,
-    frequency: Option<&str>,
-    natural_hz: f64,
-) -> Result<Vec<f64>, UserError> {
-    let parse = |option: &str, text: &str, unit: f64| {
-        let values =
-            parse_range(text).map_err(|e| UserError::new(format!("{option} {text}: {e}")))?;
-        if let Some(bad) = values.iter().find(|v| **v <= 0.0) {
-            return Err(UserError::new(format!(
-                "{option} {text}: {bad} is not a positive value"
-            )));
-        }
-        Ok(values.into_iter().map(|v| v * unit).collect())
-    };
-    match (ratio, frequency) {
-        (Some(text), _) => parse("--ratio", text, natural_hz),
-        (None, Some(text)) => parse("--frequency", text, 1.0),
-        (None, None) => Err(UserError::new("give --ratio or --frequency")),
-    }
-}
-
-fn name(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Rest => "rest",
-        Direction::Up => "up",
-        Direction::Down => "down",
-    }
 }
 
 fn describe(error: &MeasuredError) -> String {

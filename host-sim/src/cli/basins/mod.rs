@@ -5,6 +5,7 @@ mod text;
 use serde::Serialize;
 
 use super::common::{Common, Format, pictures};
+use super::drive::At;
 use super::emit::{emit, tables};
 use crate::basins::chapter::{POINTS, Point};
 use crate::basins::picture::figure;
@@ -20,13 +21,8 @@ pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Drive frequency over the natural frequency, Ω/ω
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    ratio: Option<f64>,
-
-    /// Drive frequency, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    frequency: Option<f64>,
+    #[command(flatten)]
+    drive: At,
 
     /// The twelve points the chapter shows
     #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio"])]
@@ -165,7 +161,7 @@ fn own(args: &Args) -> Result<Query, UserError> {
             .map_err(|e| e.at(format!("--gap-ratio {ratio}")))?;
     }
     let natural_hz = rig.params.natural_frequency_hz();
-    let hz = args.frequency.or(args.ratio.map(|r| r * natural_hz));
+    let hz = args.drive.hz(natural_hz);
     let (columns, rows) = args.grid;
     let query = Query::usual(rig, hz.unwrap_or(f64::NAN), columns, rows);
     let window = Window::usual(&query.rig.params, columns, rows);

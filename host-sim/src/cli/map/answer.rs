@@ -83,7 +83,7 @@ fn map<'a>(request: &'a Request, map: &'a Map, summary: &'a Summary) -> MapJson<
         name: requests::name(request),
         rig: &map.rig.name,
         engine: request.runner.name(),
-        from: requests::direction(request.from),
+        from: request.from.name(),
         cycles: request.plan.cycles,
         recorded: request.plan.recorded,
         settle: request.settle,

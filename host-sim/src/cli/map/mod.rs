@@ -11,6 +11,7 @@ use answer::Answer;
 use rayon::prelude::*;
 
 use super::common::{Common, Format, pictures};
+use super::drive::Over;
 use super::emit::emit;
 use crate::error::UserError;
 use crate::files;
@@ -24,22 +25,13 @@ use crate::terminal::Progress;
 
 /// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
 #[derive(Clone, Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
     common: Common,
 
-    /// Drive frequencies, Hz [default: 1.41:7.28:0.01 on wires, the same Ω/ω for other rigs]
-    #[arg(
-        long,
-        value_name = "FROM:TO:STEP",
-        allow_hyphen_values = true,
-        conflicts_with = "ratio"
-    )]
-    frequency: Option<String>,
-
-    /// Drive frequencies over the natural frequency, Ω/ω
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
-    ratio: Option<String>,
+    #[command(flatten)]
+    drive: Over,
 
     /// Drive cycles of each cell
     #[arg(long, value_name = "N", default_value_t = 300)]
@@ -364,7 +356,7 @@ fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)
     if let (Some(_), [map, .., other]) = (&answer.against, answer.maps) {
         let request = answer.requests.last();
         let what = request.map_or(String::new(), |r| {
-            let from = requests::direction(r.from);
+            let from = r.from.name();
             format!("engine {}, from {from}", r.runner.name())
         });
         let figure = picture::differences(map, other, &what);

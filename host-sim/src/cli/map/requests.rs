@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use clap::ValueEnum;
 
-use super::super::common::parse_range;
 use super::Args;
 use crate::engine::{Engine, Method, Precision, Setting};
 use crate::error::UserError;
@@ -154,30 +153,8 @@ fn other(request: &Request, against: Against) -> Request {
 }
 
 fn grid(args: &Args, rig: &NamedRig) -> Result<Grid, UserError> {
-    let natural = rig.params.natural_frequency_hz();
-    let parse = |option: &str, text: &str, unit: f64| {
-        let values = if text.contains(':') {
-            parse_range(text)
-        } else {
-            let value = text.trim().parse::<f64>();
-            value.map_or_else(
-                |_| Err("write FROM:TO:STEP, or one number".to_owned()),
-                |value| Ok(vec![value]),
-            )
-        };
-        let values = values.map_err(|e| UserError::new(format!("{option} {text}: {e}")))?;
-        match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
-            Some(bad) => Err(UserError::new(format!(
-                "{option} {text}: {bad} is not a positive value"
-            ))),
-            None => Ok(values.into_iter().map(|v| tidy(tidy(v) * unit)).collect()),
-        }
-    };
-    let frequencies_hz = match (&args.frequency, &args.ratio) {
-        (Some(text), _) => parse("--frequency", text, 1.0)?,
-        (None, Some(text)) => parse("--ratio", text, natural)?,
-        (None, None) => chapter_frequencies_hz(&rig.params),
-    };
+    let given = args.drive.hz(rig.params.natural_frequency_hz())?;
+    let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     let gaps_mm = match args.common.gaps() {
         Some(gaps) => gaps.into_iter().map(tidy).collect(),
         None => chapter_gaps_mm(&rig.params),
@@ -205,15 +182,6 @@ fn over_same_ratios(grid: &Grid, first: &NamedRig, rig: &NamedRig) -> Grid {
     Grid {
         gaps_mm: scaled(&grid.gaps_mm, in_gap),
         frequencies_hz: scaled(&grid.frequencies_hz, in_frequency),
-    }
-}
-
-/// As the command line calls it.
-pub fn direction(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Rest => "rest",
-        Direction::Up => "up",
-        Direction::Down => "down",
     }
 }
 

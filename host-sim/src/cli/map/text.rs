@@ -5,7 +5,6 @@ use std::fmt::Write;
 use shared::regime::Regime;
 
 use super::answer::Answer;
-use super::requests;
 use crate::map::agree::percent;
 use crate::map::{Map, Request, Summary};
 use crate::terminal::terminal_width;
@@ -62,7 +61,7 @@ fn one(request: &Request, map: &Map, summary: &Summary) -> String {
         summary.cells,
         match request.from {
             crate::sweep::Direction::Rest => "from rest".to_owned(),
-            other => format!("carried {}", requests::direction(other)),
+            other => format!("carried {}", other.name()),
         },
         request.runner.name(),
         plan.cycles,
