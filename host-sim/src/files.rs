@@ -1,4 +1,4 @@
-//! Writing files whole or not at all.
+//! Writing files whole or not at all, and reading text.
 //!
 //! A file is first written beside its final place and then renamed, so a
 //! reader never meets half of it and a failure leaves the old one untouched.
@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use tempfile::NamedTempFile;
+
+use crate::error::UserError;
 
 /// Why a file was not written: what, where, and how to mend it.
 #[derive(Debug)]
@@ -45,6 +47,20 @@ impl std::error::Error for WriteError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         Some(&self.source)
     }
+}
+
+/// The text of the file `path`.
+///
+/// # Errors
+/// One line: no such file, a folder, no UTF-8.
+pub fn read_text(path: &Path) -> Result<String, UserError> {
+    fs::read_to_string(path).map_err(|e| {
+        let mend = match e.kind() {
+            io::ErrorKind::InvalidData => "save it as UTF-8 text",
+            _ => "check the path",
+        };
+        UserError::new(format!("cannot read {}: {e}; {mend}", path.display()))
+    })
 }
 
 /// Writes `bytes` as the file `path`, replacing what was there; makes the folder.

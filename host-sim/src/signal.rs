@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::emulator::log::Reader;
 use crate::error::UserError;
+use crate::files::read_text;
 
 /// The columns that are read beside `time_s`; others are passed over.
 pub const COLUMNS: [&str; 3] = ["force_n", "displacement_mm", "cart_mm"];
@@ -34,14 +35,7 @@ impl Signal {
         if parquet {
             return Self::from_log(path);
         }
-        let text = std::fs::read_to_string(path).map_err(|e| {
-            let mend = match e.kind() {
-                std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
-                _ => "check the path",
-            };
-            UserError::new(format!("cannot read {}: {e}; {mend}", path.display()))
-        })?;
-        Self::parse(&path.display().to_string(), &text)
+        Self::parse(&path.display().to_string(), &read_text(path)?)
     }
 
     /// From the text of a CSV called `name`.

@@ -153,10 +153,7 @@ fn rigs_and_rig_files_that_cannot_be_read() {
     assert_refused(&[
         ("pick --rig wire", "did you mean 'wires'?"),
         ("rigs nope", "presets: wires, beam-170, beam-150, beam-135"),
-        (
-            "pick --rig missing.toml",
-            "cannot read the rig file missing.toml",
-        ),
+        ("pick --rig missing.toml", "cannot read missing.toml"),
         ("pick --rig cut.toml", "cut.toml, line 2"),
         (
             "simulate --ratio 1.5 --rig typo.toml",

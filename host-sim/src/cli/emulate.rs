@@ -18,7 +18,7 @@ use crate::emulator::timeline::Timeline;
 use crate::emulator::under_test::Reset;
 use crate::emulator::verdict::{Verdict, judge};
 use crate::error::UserError;
-use crate::files;
+use crate::files::{self, read_text};
 #[cfg(unix)]
 use crate::link::live::Live;
 use crate::table::{to_csv, to_parquet};
@@ -209,8 +209,7 @@ fn scenario_text(name: &str) -> Result<String, UserError> {
     if let Some((_, text)) = BUILTIN.iter().find(|(known, _)| *known == name) {
         return Ok((*text).to_owned());
     }
-    std::fs::read_to_string(name)
-        .map_err(|e| UserError::new(format!("cannot read {name}: {e}; check the path")))
+    read_text(name.as_ref())
 }
 
 /// The scenario's name as a file's.

@@ -9,6 +9,7 @@ use shared::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::error::UserError;
+use crate::files::read_text;
 pub use table::Table;
 pub(crate) use table::as_number;
 use table::{from_table, overlay, to_table};
@@ -156,13 +157,7 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
             names.join(", ")
         )));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| {
-        let mend = match e.kind() {
-            std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
-            _ => "check the path",
-        };
-        UserError::new(format!("cannot read the rig file {place}: {e}; {mend}"))
-    })?;
+    let text = read_text(path)?;
     let changes: Table = toml::from_str(&text).map_err(|e| {
         let line = e.span().map_or(1, |s| {
             text[..s.start.min(text.len())].lines().count().max(1)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::UserError;
+use crate::files::read_text;
 
 /// One line of a table: the fields asked for, and where it stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,13 +23,7 @@ pub struct Line {
 pub fn read_columns(path: &Path, columns: &[&'static str]) -> Result<Vec<Line>, UserError> {
     let place = path.display().to_string();
     let bad = |line: usize, what: String| UserError::new(format!("{place}, line {line}: {what}"));
-    let text = std::fs::read_to_string(path).map_err(|e| {
-        let mend = match e.kind() {
-            std::io::ErrorKind::InvalidData => "save it as UTF-8 text",
-            _ => "check the path",
-        };
-        UserError::new(format!("cannot read {place}: {e}; {mend}"))
-    })?;
+    let text = read_text(path)?;
     // A record's position is where its search began: blank lines before it are passed over.
     let line_of = |position: Option<&csv::Position>| {
         let from = position.map_or(0, |p| p.byte() as usize).min(text.len());

@@ -14,7 +14,7 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 use super::common::Format;
 use super::emit::check_format;
 use crate::error::UserError;
-use crate::files;
+use crate::files::{self, read_text};
 use crate::link::by_hand::{self, Plan};
 use crate::link::client::{self, Client};
 use crate::link::{recording, settings_file};
@@ -239,10 +239,8 @@ fn send_settings(port: &mut Port, set: &Set) -> Result<(), UserError> {
         None => settings(port)?,
     };
     if let Some(path) = &set.file {
-        let place = path.display();
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| UserError::new(format!("cannot read {place}: {e}; check the path")))?;
-        new = settings_file::overlay(&new, &text).map_err(|e| e.at(place))?;
+        let text = read_text(path)?;
+        new = settings_file::overlay(&new, &text).map_err(|e| e.at(path.display()))?;
     }
     port.tell(ToBoard::SetSettings(new))?;
     super::print("the settings are in use and stored\n");

@@ -14,6 +14,7 @@ use shared::settings::{Settings, TICK_S};
 use super::sensors::SensorParams;
 use super::shaker::ShakerParams;
 use crate::error::UserError;
+use crate::files::read_text;
 use crate::rigfile::nearest;
 
 pub use builtin::BUILTIN;
@@ -158,11 +159,7 @@ pub fn load(name: &str) -> Result<Scenario, UserError> {
             "no scenario is called '{name}'{hint}; `host-sim scenarios` lists them, or give a FILE.toml"
         )));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| {
-        UserError::new(format!(
-            "cannot read the scenario {name}: {e}; check the path"
-        ))
-    })?;
+    let text = read_text(path)?;
     let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned());
     parse(stem.as_deref().unwrap_or(name), &text, name)
 }
