@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::common::{Common, Cycles, pictures};
+use super::common::{Common, Cycles, parse_start, pictures};
 use super::drive::At;
 use super::emit::{emit, tables};
 use crate::compare::{Comparison, Errors, Frame, Question, compare, picture};
+use crate::engine::Start;
 use crate::error::UserError;
 use crate::signal::Signal;
 use crate::terminal::Chart;
@@ -38,6 +39,10 @@ pub struct Args {
 
     #[command(flatten)]
     cycles: Cycles,
+
+    /// Where the simulation starts: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
+    #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
+    initial: Start,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
@@ -48,6 +53,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         params: rig.params,
         engine: common.engine()?,
         frequency_hz: args.drive.hz(rig.params.natural_frequency_hz()),
+        start: args.initial,
         plan: args.cycles.plan()?,
         frame: args.frame,
     };

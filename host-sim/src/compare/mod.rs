@@ -8,7 +8,7 @@ mod simulated;
 use serde::Serialize;
 use shared::params::RigParams;
 
-use crate::engine::{Engine, Plan};
+use crate::engine::{Engine, Plan, Start};
 use crate::error::UserError;
 use crate::identify::{Settings, measure};
 use crate::signal::Signal;
@@ -32,6 +32,8 @@ pub struct Question {
     pub params: RigParams,
     /// What simulates.
     pub engine: Engine,
+    /// Where it starts: which of several motions at one frequency it ends in.
+    pub start: Start,
     /// The drive, Hz; none: found from the record.
     pub frequency_hz: Option<f64>,
     /// How long is simulated before it is compared.

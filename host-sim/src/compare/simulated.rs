@@ -1,6 +1,6 @@
 //! The simulated motion over its period, at any instant.
 
-use crate::engine::{Plan, Recorder, Sample, Start, machine, observe};
+use crate::engine::{Plan, Recorder, Sample, machine, observe};
 use crate::error::UserError;
 
 use super::{Frame, Question};
@@ -47,7 +47,7 @@ pub struct At {
 }
 
 impl Simulated {
-    /// The hammer of `question` driven at `frequency_hz` from rest, settled.
+    /// The hammer of `question` driven at `frequency_hz` from its start, settled.
     ///
     /// # Errors
     /// A rig or frequency that cannot be.
@@ -60,7 +60,12 @@ impl Simulated {
                 .max(question.plan.transient + UNREPEATED),
             ..question.plan
         };
-        let mut hammer = machine(question.engine, &question.params, frequency_hz, Start::Rest)?;
+        let mut hammer = machine(
+            question.engine,
+            &question.params,
+            frequency_hz,
+            question.start,
+        )?;
         let frequency_hz = hammer.frequency_hz();
         let per_period = (1.0 / (frequency_hz * SAMPLE_S)).clamp(SAMPLES.0, SAMPLES.1);
         let early = Plan {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::engine::{Recorder, Start, machine, observe};
-use shared::params::WIRES;
+use shared::params::{BEAM_170, WIRES};
 
 const PLAN: Plan = Plan {
     cycles: 320,
@@ -14,7 +14,17 @@ fn made(
     lead_s: f64,
     spoil: impl Fn(usize) -> f64,
 ) -> Signal {
-    let mut hammer = machine(Engine::Event, params, frequency_hz, Start::Rest).unwrap();
+    made_from(Start::Rest, params, frequency_hz, lead_s, spoil)
+}
+
+fn made_from(
+    start: Start,
+    params: &RigParams,
+    frequency_hz: f64,
+    lead_s: f64,
+    spoil: impl Fn(usize) -> f64,
+) -> Signal {
+    let mut hammer = machine(Engine::Event, params, frequency_hz, start).unwrap();
     let mut recorder = Recorder {
         samples_per_period: (20e3 / frequency_hz) as usize,
         ..Recorder::default()
@@ -44,6 +54,7 @@ fn question(frequency_hz: Option<f64>) -> Question {
     Question {
         params: WIRES,
         engine: Engine::Event,
+        start: Start::Rest,
         frequency_hz,
         plan: PLAN,
         frame: Frame::Fixed,
@@ -67,6 +78,43 @@ fn a_record_made_by_the_model_lies_on_it_with_its_phase_found() {
     );
     // Counted in samples of 50 µs.
     assert!((over - true_ms).abs() < 0.06, "{over} {true_ms}");
+}
+
+/// Figure 3.52 a: from rest 1/1, but the motion that never touches is stable, too. Without contact the beams are a
+/// linear oscillator: A0 r²/(1 − r²) sin Ωt, which stays short of the gap of 1.6 A0.
+#[test]
+fn of_two_motions_at_one_frequency_the_start_chooses() {
+    let params = RigParams {
+        gap_m: 1.6 * BEAM_170.amplitude_m,
+        ..BEAM_170
+    };
+    let ratio = 1.8_f64;
+    let hz = ratio * params.natural_frequency_hz();
+    let omega = std::f64::consts::TAU * hz;
+    let swing = params.amplitude_m * ratio.powi(2) / (1.0 - ratio.powi(2));
+    let start = Start::Moving(0.0, swing * omega);
+    let signal = made_from(start, &params, hz, 0.05, |_| 0.0);
+    let seen = |start| {
+        let question = Question {
+            params,
+            start,
+            ..question(Some(hz))
+        };
+        compare(&signal, &question).unwrap().errors
+    };
+    let (same, other) = (seen(start), seen(Start::Rest));
+    assert_eq!(
+        (same.regime.as_str(), other.regime.as_str()),
+        ("none", "1/1")
+    );
+    assert!(same.displacement_rms_mm.unwrap() < 1e-3, "{same:?}");
+    assert!(other.displacement_rms_mm.unwrap() > 0.3, "{other:?}");
+    // Relative 1.446 A0 against the cart's A0: 0.446 A0 in the fixed frame, both ways.
+    let travel = 2.0 * 1e3 * (swing.abs() - params.amplitude_m);
+    assert!(
+        (same.measured_peak_to_peak_mm.unwrap() / travel - 1.0).abs() < 0.02,
+        "{same:?}"
+    );
 }
 
 #[test]
