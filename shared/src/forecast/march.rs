@@ -6,10 +6,12 @@
 //!
 //! In flight the motion is smooth on the scale of a period. At a switch the step falls back to a
 //! fraction of the contact's own time scale; it doubles from step to step once the hammer is free again,
-//! and grows slowly in a contact that lasts, up to what Runge–Kutta keeps stable.
+//! and grows slowly in a contact that lasts, up to what Runge–Kutta keeps stable. Under the nonlinear laws δⁿ is
+//! not smooth where the contact begins and ends: there no step is longer than half the time δ took to come.
 
 use core::f32::consts::TAU;
 
+use crate::contact::Law;
 use crate::contacts::{Ledger, Period};
 use crate::drive::{Drive, Stamp};
 use crate::params::{ParamError, RigParams};
@@ -30,6 +32,12 @@ const LONGEST_CONTACT_STEP: f32 = 1.0;
 
 /// Steps of unchanged length at the beginning of a contact: longer than a blow lasts.
 const STEPS_OF_A_BLOW: u16 = 40;
+
+/// The same under the nonlinear laws: some steps are shorter, and Hunt–Crossley's hammer leaves slowly.
+const STEPS_OF_A_NONLINEAR_BLOW: u16 = 80;
+
+/// The shortest step under the nonlinear laws, as a share of the usual one in contact.
+const SHORTEST_STEP: f32 = 1.0 / 32.0;
 
 /// Speed of a typical blow in units of A0 ω, for laws whose time scale depends on it.
 const BLOW_SPEED: f64 = 5.0;
@@ -89,6 +97,8 @@ pub struct Setup {
     pub units: [f32; 2],
     /// First and longest step in contact, as fractions of the tick.
     contact_steps: (f32, f32),
+    /// Whether the force grows with a power of δ.
+    nonlinear: bool,
 }
 
 impl Setup {
@@ -110,6 +120,7 @@ impl Setup {
                 limit(CONTACT_STEP * unit),
                 limit(LONGEST_CONTACT_STEP * unit),
             ),
+            nonlinear: !matches!(rig.law(), Law::SpringDashpot { .. }),
         })
     }
 }
@@ -227,6 +238,11 @@ impl March {
             let rate = rig.kinematics(self.state.q.hi, self.state.v.hi).rate;
             let stamp = span.stamp(leg.at);
             match self.state.mode {
+                // On the way out, where F is as good as zero and rounding decides: the same contact.
+                Mode::Flight if self.setup.nonlinear && rate < 0.0 => {
+                    self.state.mode = Mode::Contact;
+                    self.ledger.resume(stamp, self.state.approach);
+                }
                 Mode::Flight => {
                     self.state.mode = Mode::Contact;
                     self.state.approach = rate;
@@ -256,7 +272,10 @@ impl March {
     }
 
     fn choose_stride(&mut self, switched: bool) {
-        let (first, longest) = self.setup.contact_steps;
+        let (mut first, longest) = self.setup.contact_steps;
+        if self.setup.nonlinear && self.state.mode == Mode::Contact {
+            first = self.half_the_depth(first);
+        }
         if switched {
             self.stride = first;
             self.steps_in_contact = 0;
@@ -264,9 +283,28 @@ impl March {
             self.stride = Real::min(2.0 * self.stride, 1.0);
         } else {
             self.steps_in_contact = self.steps_in_contact.saturating_add(1);
-            if self.steps_in_contact > STEPS_OF_A_BLOW {
-                self.stride = Real::min(1.25 * self.stride, longest);
-            }
+            let of_a_blow = if self.setup.nonlinear {
+                STEPS_OF_A_NONLINEAR_BLOW
+            } else {
+                STEPS_OF_A_BLOW
+            };
+            self.stride = if self.steps_in_contact > of_a_blow {
+                Real::min(1.25 * self.stride, longest)
+            } else {
+                first
+            };
+        }
+    }
+
+    /// A step in which δ changes by half of itself, within limits; at most `usual`.
+    fn half_the_depth(&self, usual: f32) -> f32 {
+        let at = (self.setup.rig).kinematics(self.state.q.hi, self.state.v.hi);
+        let half = 0.5 * at.delta / (libm::fabsf(at.rate) * self.drive.tick_s());
+        // Where δ stands still the quotient is not a number or without bound.
+        if half < usual {
+            Real::max(half, SHORTEST_STEP * usual)
+        } else {
+            usual
         }
     }
 }
