@@ -7,7 +7,7 @@ use std::fmt;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -137,6 +137,7 @@ pub fn check_folder(dir: &Path) -> Result<(), WriteError> {
     if !there.is_dir() {
         return Err(failed(there, io::ErrorKind::NotADirectory.into()));
     }
+    let _staged = locked();
     let tried = passing_file(there);
     tried.map(drop).map_err(|source| failed(dir, source))
 }
@@ -176,10 +177,11 @@ impl Staged {
             }
             _ => {}
         }
+        // Locked before the file is there, so that `end` misses none.
+        let mut staged = locked();
         let file = passing_file(dir).map_err(|source| failed(path, source))?;
-        if let Ok(mut staged) = STAGED.lock() {
-            staged.push(file.path().to_owned());
-        }
+        staged.push(file.path().to_owned());
+        drop(staged);
         Ok(Self {
             file,
             path: path.to_owned(),
@@ -226,13 +228,19 @@ impl io::Seek for Staged {
 /// Where every file was staged. Names are never used twice.
 static STAGED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes the files that are staged and not committed: for a program that is told to end at once.
-pub fn remove_staged() {
-    let staged = STAGED.lock().map(|staged| staged.clone());
-    for path in staged.unwrap_or_default() {
+fn locked() -> MutexGuard<'static, Vec<PathBuf>> {
+    STAGED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the files that are staged and not committed and ends the program: for one that is told to stop at once.
+/// No other file is staged meanwhile.
+pub fn end(code: i32) -> ! {
+    let staged = locked();
+    for path in staged.iter() {
         // What was committed is no longer there.
         let _ = fs::remove_file(path);
     }
+    std::process::exit(code)
 }
 
 fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {

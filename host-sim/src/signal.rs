@@ -10,6 +10,9 @@ use crate::files::read_text;
 /// The columns that are read beside `time_s`; others are passed over.
 pub const COLUMNS: [&str; 3] = ["force_n", "displacement_mm", "cart_mm"];
 
+/// No sensor of such a rig says more, in N or mm; nor does a record begin later, in s.
+const LARGEST: f64 = 1e9;
+
 /// A recording: as many values in each column as there are times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal {
@@ -49,11 +52,19 @@ impl Signal {
             .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
         let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
         let find = |wanted: &str| headers.iter().position(|h| h == wanted);
+        for wanted in ["time_s"].iter().chain(&COLUMNS) {
+            if headers.iter().filter(|h| h == wanted).count() > 1 {
+                return Err(bad(
+                    1,
+                    format!("two columns are called {wanted}; rename one"),
+                ));
+            }
+        }
         let Some(time) = find("time_s") else {
             return Err(bad(
                 1,
                 format!(
-                    "there is no column time_s; the first line must name the columns: time_s and any of {}",
+                    "there is no column time_s; the first line must name the columns, with commas between: time_s and any of {}",
                     COLUMNS.join(", ")
                 ),
             ));
@@ -66,6 +77,7 @@ impl Signal {
         let mut times: Vec<f64> = Vec::new();
         let mut values = places.map(|place| place.map(|_| Vec::new()));
         let mut record = csv::StringRecord::new();
+        let mut twice = false;
         loop {
             match reader.read_record(&mut record) {
                 Ok(true) => {}
@@ -79,18 +91,31 @@ impl Signal {
             let line = line_of(&reader, &record);
             let number = |column: usize| {
                 let cell = record.get(column).unwrap_or("");
-                let value = cell.parse::<f64>().ok().filter(|x| x.is_finite());
+                let value = cell.parse::<f64>().ok().filter(|x| x.abs() <= LARGEST);
                 let what = headers.get(column).unwrap_or("");
-                value.ok_or_else(|| bad(line, format!("{what} is '{cell}', must be a number")))
+                value.ok_or_else(|| {
+                    let must_be = format!("must be a number from -{LARGEST:e} to {LARGEST:e}");
+                    bad(line, format!("{what} is '{cell}', {must_be}"))
+                })
             };
             let now = number(time)?;
-            if let Some(before) = times.last()
-                && now <= *before
-            {
-                return Err(bad(
-                    line,
-                    format!("time_s is {now} after {before}; times must rise from line to line"),
-                ));
+            let again = times.last() == Some(&now) && !twice;
+            twice = again;
+            match times[..] {
+                // At a jump, as where a contact begins, a history has its instant twice: the later values count.
+                [..] if again => {
+                    times.pop();
+                    values.iter_mut().flatten().for_each(|column| {
+                        column.pop();
+                    });
+                }
+                [.., last] if now <= last => {
+                    return Err(bad(
+                        line,
+                        format!("time_s is {now} after {last}; times must rise from line to line"),
+                    ));
+                }
+                _ => {}
             }
             times.push(now);
             for (place, column) in places.iter().zip(&mut values) {
@@ -101,7 +126,7 @@ impl Signal {
         }
         if times.len() < 16 {
             return Err(UserError::new(format!(
-                "{name}: there are {} samples below the first line, at least 16 are needed",
+                "{name}: samples below the first line: {}, at least 16 are needed",
                 times.len()
             )));
         }
@@ -160,7 +185,7 @@ impl Signal {
         let end = self.time_s.partition_point(|t| *t <= to_s).max(first);
         if end - first < 16 {
             return Err(UserError::new(format!(
-                "{}: {} samples lie from {from_s} to {to_s} s, at least 16 are needed; it goes from {} to {} s",
+                "{}: samples from {from_s} to {to_s} s: {}, at least 16 are needed; it goes from {} to {} s",
                 self.name,
                 end - first,
                 self.time_s.first().copied().unwrap_or(f64::NAN),
@@ -226,6 +251,15 @@ mod tests {
     }
 
     #[test]
+    fn an_instant_that_stands_twice_counts_once() {
+        let text = format!("time_s,force_n\n{}1,2\n1,3\n2,4\n", rows(20));
+        let signal = Signal::parse("f.csv", &text).unwrap();
+        let force = signal.force_n.unwrap();
+        assert_eq!((signal.time_s.len(), force.len()), (22, 22));
+        assert_eq!(force[20..], [3.0, 4.0]);
+    }
+
+    #[test]
     fn a_bad_line_is_named() {
         let complaint = |text: String| Signal::parse("f.csv", &text).unwrap_err().to_string();
         let good = rows(20);
@@ -239,11 +273,16 @@ mod tests {
             ("\n\n1,nan\n", "line 24: force_n is 'nan'"),
             ("1\n", "line 22: 1 fields"),
             ("1e-5,2\n", "line 22: time_s is 0.00001 after"),
+            (
+                "1,1e10\n",
+                "line 22: force_n is '1e10', must be a number from -1e9",
+            ),
+            ("1,2\n1,3\n1,4\n", "line 24: time_s is 1 after 1"),
             ("1,inf", "line 22: force_n is 'inf'"),
         ] {
             let said = complaint(format!("time_s,force_n\n{good}{bad}"));
             assert!(said.starts_with("f.csv, ") && said.contains(says), "{said}");
         }
-        assert!(complaint(format!("time_s,force_n\n{}", rows(3))).contains("3 samples"));
+        assert!(complaint(format!("time_s,force_n\n{}", rows(3))).contains("first line: 3"));
     }
 }

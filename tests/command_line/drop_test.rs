@@ -97,7 +97,7 @@ fn a_bad_record_is_told_by_file_and_line() {
             format!("time_s,force_n\n{}", rows(30)),
             "does not stand out",
         ),
-        ("time_s,force_n\n".to_owned(), "0 samples"),
+        ("time_s,force_n\n".to_owned(), "first line: 0"),
         (String::new(), "line 1"),
     ] {
         let folder = Folder::new().with("bad.csv", &text);

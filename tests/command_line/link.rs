@@ -1,13 +1,13 @@
 //! `host-sim link` against a board that is not there: a session behind a pseudo-terminal.
 
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
+use std::process::{self, Child, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crate::support::{Folder, csv_rows, number};
+use crate::support::{Folder, csv_rows, finish, number, wait};
 use host_sim::emulator::log::Reader;
 use host_sim::link::{Board, Server, client};
 use serialport::{SerialPort, TTYPort};
@@ -314,6 +314,27 @@ fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
     let emulator = Emulator::start(&folder, "field");
     let ask = |rest: &str| folder.run(&format!("link {} {rest}", emulator.1));
     ask("set --rig wires").well();
+    // One that is interrupted leaves nothing, and the board ready for the next.
+    let before = folder.names();
+    let recording = folder
+        .command(&["link", &emulator.1, "record", "cut.parquet", "--for", "60"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let began = Instant::now();
+    while folder.names() == before {
+        assert!(
+            began.elapsed() < Duration::from_secs(60),
+            "nothing is begun"
+        );
+        thread::sleep(Duration::from_millis(20));
+    }
+    let mut interrupt = process::Command::new("kill");
+    interrupt.args(["-INT", &recording.id().to_string()]);
+    assert_eq!(finish(interrupt).code, Some(0));
+    assert_eq!(wait(recording).code(), Some(130));
+    assert_eq!(folder.names(), before);
     ask("record run.parquet --for 4 --start").well();
     // It is stopped at the end of the recording, and was driving during it.
     let status = ask("status --format json").well().json();

@@ -57,6 +57,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         plan: args.cycles.plan()?,
         frame: args.frame,
     };
+    for (option, value) in [("--from", args.from), ("--to", args.to)] {
+        if value.is_some_and(f64::is_nan) {
+            return Err(UserError::new(format!("{option} is NaN, must be a number")));
+        }
+    }
     let whole = Signal::read(&args.file)?;
     let signal = whole.between(
         args.from.unwrap_or(f64::NEG_INFINITY),

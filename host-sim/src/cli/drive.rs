@@ -60,6 +60,7 @@ impl Over {
             vec![value.map_err(|_| wrong("write FROM:TO:STEP, or one number".to_owned()))?]
         };
         match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
+            Some(bad) if bad.is_infinite() => Err(wrong("write a finite number".to_owned())),
             Some(bad) => Err(wrong(format!("{bad} is not a positive value"))),
             None => Ok(Some(
                 values.into_iter().map(|v| tidy(tidy(v) * unit)).collect(),

@@ -58,7 +58,7 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["out", "format"])]
     pty: bool,
 
-    /// With --pty: so many times faster than real time
+    /// With --pty: so many times faster than real time (above 8, `link start --manual` does not keep up)
     #[cfg(unix)]
     #[arg(long, value_name = "N", default_value_t = 1.0, requires = "pty")]
     speed: f64,
@@ -138,11 +138,6 @@ impl Watch {
     fn new(args: &Args, scenario: &Scenario, name: &str) -> Result<Self, UserError> {
         let logs = match &args.out {
             Some(dir) if !args.no_log => {
-                // Whoever interrupts the run finds no half log.
-                let _ = ctrlc::set_handler(|| {
-                    files::remove_staged();
-                    std::process::exit(130);
-                });
                 let header = Header {
                     source: "emulator".into(),
                     settings: scenario.settings,

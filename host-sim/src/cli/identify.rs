@@ -196,13 +196,16 @@ fn short(x: f64) -> String {
     if x != 0.0 && !(1e-2..1e5).contains(&x.abs()) {
         return format!("{x:.3e}");
     }
+    if x == 0.0 {
+        return "0".to_owned();
+    }
     let digits = 3 - x.abs().max(1e-9).log10().floor() as i32;
     format!("{x:.*}", digits.max(0) as usize)
 }
 
 fn text(answer: &Answer) -> String {
     let mut text = format!(
-        "{}: {} impacts at {} samples a second, noise {} N\n{}, gap {} mm, let go at {} mm\n",
+        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, let go at {} mm\n",
         answer.file,
         answer.impacts,
         short(answer.sampling_hz),

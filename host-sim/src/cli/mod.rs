@@ -25,10 +25,12 @@ mod simulate;
 mod sweep;
 
 use std::io::{ErrorKind, Write};
+use std::sync::Mutex;
 
 use clap::{Parser, Subcommand};
 
 use crate::error::UserError;
+use crate::files;
 
 /// Which frequency to run a vibro-impact hammer at, how hard it will strike, and whether it stays there.
 #[derive(Debug, Parser)]
@@ -108,6 +110,15 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
             return 0;
         }
     };
+    let _ = ctrlc::set_handler(|| {
+        if let Ok(words) = PARTING.lock()
+            && let Some(words) = words.as_deref()
+        {
+            say(words);
+        }
+        // Whoever interrupts a run finds no half files.
+        files::end(130)
+    });
     let done = match cli.command {
         Command::Pick(args) => pick::run(&args).map(|()| 0),
         Command::Simulate(args) => simulate::run(&args).map(|()| 0),
@@ -136,6 +147,15 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
             complain(&format!("error: {error}"));
             2
         }
+    }
+}
+
+/// What an interrupted program says.
+static PARTING: Mutex<Option<String>> = Mutex::new(None);
+
+fn if_interrupted(words: String) {
+    if let Ok(mut parting) = PARTING.lock() {
+        *parting = Some(words);
     }
 }
 

@@ -29,6 +29,12 @@ pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, &'static
         if explained > 0.5 {
             return Ok((vec![hz], "cart"));
         }
+        if moves(cart, question) {
+            return Err(UserError::new(format!(
+                "{}: the cart does not move at one frequency and phase throughout; cut out a part where it does with --from and --to, or give --frequency",
+                signal.name
+            )));
+        }
     }
     let slowest = (0.3 * natural / f64::from(MULTIPLES), range.1);
     let base = match (&signal.displacement_mm, &signal.force_n) {
@@ -45,6 +51,14 @@ pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, &'static
         (1..=MULTIPLES).map(|k| base * f64::from(k)).collect(),
         "record",
     ))
+}
+
+/// Whether the cart moves at all: a column that no sensor stands behind holds noise.
+fn moves(cart: &[f64], question: &Question) -> bool {
+    let n = cart.len() as f64;
+    let mean = cart.iter().sum::<f64>() / n;
+    let rms = (cart.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
+    rms > 0.1 * question.params.amplitude_m * 1e3
 }
 
 /// How often the force record is struck, Hz.

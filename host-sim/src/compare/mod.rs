@@ -253,6 +253,11 @@ fn errors(
             "the cart moves by {mm:.4} mm, the simulation's by {assumed_mm:.4} mm: --set amplitude_mm={mm:.4} compares like with like"
         ));
     }
+    if signal.cart_mm.is_some() && cart_amplitude_mm.is_none() {
+        notes.push(
+            "the cart does not move at this frequency alone: its phase is not used".to_owned(),
+        );
+    }
     if signal.force_n.is_some() && contacts.is_none() {
         notes.push("no contact stands out in the measured force".to_owned());
     }

@@ -162,3 +162,28 @@ fn the_carts_motion_gives_frequency_and_phase() {
     assert!((seen.shift_s - 0.05).abs() < 1e-5, "{seen:?}");
     assert!((seen.cart_amplitude_mm.unwrap() / 0.89 - 1.0).abs() < 1e-4);
 }
+
+#[test]
+fn a_cart_whose_frequency_moves_is_refused_and_one_that_stands_still_is_passed_over() {
+    let hz = 1.5 * 1.82;
+    let mut signal = made(&WIRES, hz, 0.05, |_| 0.0);
+    let turns = |t: f64| hz * t * (1.0 + 0.05 * t);
+    let cart = signal
+        .time_s
+        .iter()
+        .map(|t| 0.89 * (std::f64::consts::TAU * turns(*t)).sin());
+    signal.cart_mm = Some(cart.collect());
+    let refused = compare(&signal, &question(None)).unwrap_err().to_string();
+    assert!(refused.contains("--from and --to"), "{refused}");
+    // Told the frequency, it says that the cart's phase is not used.
+    let seen = compare(&signal, &question(Some(hz))).unwrap().errors;
+    assert!(
+        seen.notes
+            .iter()
+            .any(|n| n.contains("its phase is not used")),
+        "{seen:?}"
+    );
+    signal.cart_mm = Some(vec![0.001; signal.time_s.len()]);
+    let seen = compare(&signal, &question(None)).unwrap().errors;
+    assert_eq!(seen.frequency_from, "record");
+}

@@ -56,20 +56,28 @@ pub fn open(name: &str, baud: u32) -> Result<(Client<Box<dyn SerialPort>>, Hello
 }
 
 fn mend(error: &serialport::Error) -> String {
+    let busy = "another program uses it; close that and try again";
     match error.kind() {
+        // What the lock's failure comes as.
+        serialport::ErrorKind::NoDevice if error.description.contains("lock") => busy.to_owned(),
+        serialport::ErrorKind::Io(ErrorKind::ResourceBusy) => busy.to_owned(),
         serialport::ErrorKind::NoDevice | serialport::ErrorKind::Io(ErrorKind::NotFound) => {
-            let ports = serialport::available_ports().unwrap_or_default();
-            let names: Vec<_> = ports.into_iter().map(|port| port.port_name).collect();
-            if names.is_empty() {
-                "this computer has no serial port now: plug the board in".to_owned()
-            } else {
-                format!("ports here: {}", names.join(", "))
-            }
+            ports_here()
         }
         serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
             "you may not use it: join its group (often dialout) and log in anew".to_owned()
         }
-        _ => "another program may use it; close that and try again".to_owned(),
+        _ => format!("it is no serial port; {}", ports_here()),
+    }
+}
+
+fn ports_here() -> String {
+    let ports = serialport::available_ports().unwrap_or_default();
+    let names: Vec<_> = ports.into_iter().map(|port| port.port_name).collect();
+    if names.is_empty() {
+        "this computer has none now: plug the board in".to_owned()
+    } else {
+        format!("ports here: {}", names.join(", "))
     }
 }
 

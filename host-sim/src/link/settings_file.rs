@@ -128,6 +128,11 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
     })?;
     let mut settings = *base;
     for (section, value) in file {
+        if !value.is_table() && !SECTIONS.contains(&section.as_str()) {
+            return Err(UserError::new(format!(
+                "{section} stands outside a section; settings have sections like [trips] (`host-sim link PORT get` prints them all), and a rig file goes with --rig FILE.toml"
+            )));
+        }
         if !SECTIONS.contains(&section.as_str()) {
             let hint = nearest(&section, SECTIONS.into_iter());
             return Err(UserError::new(format!(

@@ -126,7 +126,7 @@ fn sensor_out_of_family() {
         "sensor-out-of-family",
         each(|act| {
             if let Act::SensorFault { times, .. } = act {
-                *times = 0.72;
+                *times = Some(0.72);
             }
             true
         }),

@@ -123,7 +123,7 @@ fn mishap() -> impl Strategy<Value = Act> {
             Act::SensorFault {
                 sensor,
                 fault,
-                times,
+                times: Some(times),
                 for_s: Some(for_s),
             }
         }),

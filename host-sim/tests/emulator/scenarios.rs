@@ -50,6 +50,26 @@ fn every_mistake_gets_one_line_that_names_it() {
     let push = with("[[events]]\nat_s = 1.0\nkind = \"push\"\nspeed = 1.0");
     assert!(push.contains("did you mean 'speed_m_per_s'"), "{push}");
     assert!(with("[[events]]\nat_s = 1.0\nkind = \"stop\"\nfor_s = 1.0").contains("for_s"));
+    let event = |more: &str| with(&format!("[[events]]\nat_s = 1.0\n{more}"));
+    assert!(event("kind = \"stop\"\nfrequency_hz = 1.0").contains("it takes none"));
+    assert!(event("kind = \"push\"\nspeed_m_per_s = 1e12").contains("must be -10 to 10"));
+    assert!(event("kind = \"emergency-stop\"\nfor_s = -3.0").contains("for_s is -3, must be"));
+    let fault = |how: &str| {
+        event(&format!(
+            "kind = \"sensor-fault\"\nsensor = \"force\"\n{how}"
+        ))
+    };
+    assert!(fault("fault = \"gain\"").contains("needs times"));
+    assert!(fault("fault = \"open\"\ntimes = 2.0").contains("times goes with"));
+    let drift = |how: &str| event(&format!("kind = \"drift\"\nover_s = 1.0\n{how}"));
+    assert!(drift("").contains("changes nothing"));
+    assert!(drift("gap_offset_mm = nan").contains("gap_offset_mm is NaN"));
+    assert!(drift("natural_frequency_percent = -100.0").contains("must be -90 to 900"));
+    assert!(drift("gap_offset_mm = 90.0").contains("gap_mm is 90"));
+    let rig = "duration_s = 3.0\n[true_rig]\npreset = \"wires\"\ncontact_damping_percent = -150.0";
+    assert!(complaint(rig).contains("contact_damping_percent is -150"));
+    assert!(with("[limits]\namplitude_mm = 0.0").contains("limits.amplitude_mm is 0"));
+    assert!(complaint("duration_s = \"five\"").contains("expected a number"));
     assert!(with("[expect]\nfinal = \"hold\"").contains("did you mean 'final_state'"));
     let lost = load("feild").unwrap_err().to_string();
     assert!(lost.contains("did you mean 'field'"), "{lost}");

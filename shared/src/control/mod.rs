@@ -112,6 +112,7 @@ pub enum Refused {
 
 /// Which basin of attraction the hammer ended in after it was disturbed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Basin {
     /// Not told yet.
     #[default]

@@ -38,7 +38,19 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             args.out.display()
         )));
     }
-    let wanted = wanted(&args.only)?;
+    files::check_folder(&args.out)?;
+    let only: Vec<String> = args
+        .only
+        .iter()
+        .map(|name| name.trim().to_owned())
+        .collect();
+    let wanted = wanted(&only)?;
+    if !args.quiet {
+        super::if_interrupted(format!(
+            "interrupted; the parts that are done are kept in {}: the same command goes on from there",
+            args.out.display()
+        ));
+    }
     let effort = if args.coarse {
         Effort::Coarse
     } else {
@@ -89,7 +101,7 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
         if !AREAS.iter().any(|part| part.1.contains(&name.as_str())) {
             let all: Vec<&str> = AREAS.iter().flat_map(|part| part.1).copied().collect();
             return Err(UserError::new(format!(
-                "--only {name}: there is no such figure; choose from {}",
+                "--only: there is no figure '{name}'; choose from {}",
                 all.join(", ")
             )));
         }

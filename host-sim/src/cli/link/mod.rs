@@ -297,10 +297,19 @@ fn frequencies(plan: &Sweep) -> Result<Vec<f64>, UserError> {
 }
 
 fn sweep(port: &mut Port, plan: &Sweep) -> Result<(), UserError> {
+    let settings = settings(port)?;
     let amplitude_m = match plan.amplitude {
         Some(mm) => 1e-3 * mm,
-        None => settings(port)?.rig.amplitude_m,
+        None => settings.rig.amplitude_m,
     };
+    let most_m = f64::from(settings.limits.amplitude_m);
+    if amplitude_m > most_m {
+        super::say(&format!(
+            "note: {} mm was asked; the controller keeps within its limit of {:.3} mm",
+            1e3 * amplitude_m,
+            1e3 * most_m
+        ));
+    }
     let by_hand = Plan {
         frequencies_hz: frequencies(plan)?,
         amplitude_m,

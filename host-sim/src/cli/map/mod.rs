@@ -14,7 +14,6 @@ use super::common::{Common, Format, pictures};
 use super::drive::Over;
 use super::emit::emit;
 use crate::error::UserError;
-use crate::files;
 use crate::map::{
     self, Map, Request, Store, Summary, agree, alikeness, measured, measured::Measured, picture,
 };
@@ -78,7 +77,7 @@ pub struct Args {
     seed: u64,
 
     /// Compute tiles A to B − 1 alone (A..B), or the I-th of N equal shares (I/N), and keep them beside the output
-    #[arg(long, value_name = "A..B|I/N", value_parser = requests::parse_tiles, conflicts_with = "merge")]
+    #[arg(long, value_name = "A..B|I/N", value_parser = requests::parse_tiles, conflicts_with_all = ["merge", "audit", "measured"])]
     tiles: Option<requests::Tiles>,
 
     /// Put tiles together that are all there; compute nothing
@@ -123,8 +122,13 @@ fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
     if args.audit.is_some() {
         agree::check_audit(&requests[0])?;
     }
-    if args.audit == Some(0) {
-        return Err(UserError::new("--audit is 0, must be at least 1"));
+    let cells = requests[0].grid.len();
+    if let Some(audit) = args.audit
+        && !(1..=cells).contains(&audit)
+    {
+        return Err(UserError::new(format!(
+            "--audit is {audit}, must be at least 1 and at most what there is: the map has {cells} cells"
+        )));
     }
     if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
         return Err(UserError::new("--threads must be from 1 to 1024"));
@@ -209,18 +213,12 @@ fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
         Store::open(&dir, request)
     };
     let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-    let told = format!(
-        "interrupted; what is done is kept in {}: the same command goes on from there",
-        dir.display()
-    );
-    let quiet = args.common.quiet;
-    let _ = ctrlc::set_handler(move || {
-        files::remove_staged();
-        if !quiet {
-            super::say(&told);
-        }
-        std::process::exit(130);
-    });
+    if !args.common.quiet {
+        super::if_interrupted(format!(
+            "interrupted; what is done is kept in {}: the same command goes on from there",
+            dir.display()
+        ));
+    }
     Ok(stores)
 }
 

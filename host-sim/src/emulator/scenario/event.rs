@@ -2,10 +2,11 @@
 
 use serde::Deserialize;
 use shared::control;
+use shared::params::RigParams;
 use toml::Value;
 
-use super::Change;
-use super::file::complaint;
+use super::file::{complaint, out_of_range};
+use super::{Change, LONGEST_S};
 use crate::emulator::sensors::{Defect, Sensor};
 use crate::emulator::under_test::Reset;
 use crate::error::UserError;
@@ -57,23 +58,19 @@ pub enum Fault {
 
 impl Fault {
     /// As the sensors know it.
-    pub fn defect(self, times: f64) -> Defect {
+    pub fn defect(self, times: Option<f64>) -> Defect {
         match self {
             Self::Open => Defect::Open,
             Self::Saturated => Defect::Saturated,
             Self::SaturatedLow => Defect::SaturatedLow,
             Self::Frozen => Defect::Frozen,
-            Self::Gain => Defect::Gain(times),
+            Self::Gain => Defect::Gain(times.unwrap_or(1.0)),
         }
     }
 }
 
 fn once() -> u32 {
     1
-}
-
-fn unity() -> f64 {
-    1.0
 }
 
 /// What happens.
@@ -112,9 +109,8 @@ pub enum Act {
         sensor: Sensor,
         /// How.
         fault: Fault,
-        /// With `gain`: how many times too large it reads.
-        #[serde(default = "unity")]
-        times: f64,
+        /// With `gain` and only there: how many times too large it reads.
+        times: Option<f64>,
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
     },
@@ -188,33 +184,64 @@ impl Act {
         }
     }
 
-    /// Numbers that must be sane, with their keys.
-    fn numbers(&self) -> Vec<(&'static str, f64, bool)> {
-        let not_negative = |key, x: f64| (key, x, x >= 0.0 && x.is_finite());
-        let positive = |key, x: f64| (key, x, x > 0.0 && x.is_finite());
-        let finite = |key, x: f64| (key, x, x.is_finite());
+    /// Numbers that must be sane: key, value, and from where to where it may be.
+    fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
+        let long = |s: Option<f64>| ("for_s", s.unwrap_or(1.0), (1e-6, LONGEST_S));
         match *self {
             Self::SetPoint {
                 frequency_hz,
                 amplitude_mm,
             } => vec![
-                positive("frequency_hz", frequency_hz),
-                not_negative("amplitude_mm", amplitude_mm),
+                ("frequency_hz", frequency_hz, (1e-3, 1e4)),
+                ("amplitude_mm", amplitude_mm, (0.0, 100.0)),
             ],
-            Self::EmergencyStop { for_s } => vec![positive("for_s", for_s.unwrap_or(1.0))],
+            Self::EmergencyStop { for_s } => vec![long(for_s)],
             Self::SensorFault { times, for_s, .. } => vec![
-                finite("times", times),
-                positive("for_s", for_s.unwrap_or(1.0)),
+                ("times", times.unwrap_or(1.0), (-100.0, 100.0)),
+                long(for_s),
             ],
-            Self::Push { speed_m_per_s } => {
-                vec![("speed_m_per_s", speed_m_per_s, speed_m_per_s.abs() <= 10.0)]
+            Self::Push { speed_m_per_s } => vec![("speed_m_per_s", speed_m_per_s, (-10.0, 10.0))],
+            Self::Overrun { blocks, every } | Self::LostBlock { blocks, every } => {
+                let most = (1.0, f64::from(u32::MAX));
+                vec![
+                    ("blocks", f64::from(blocks), most),
+                    ("every", f64::from(every), most),
+                ]
             }
-            Self::Overrun { blocks, every } | Self::LostBlock { blocks, every } => vec![
-                positive("blocks", f64::from(blocks)),
-                positive("every", f64::from(every)),
-            ],
-            Self::Drift { over_s, .. } => vec![not_negative("over_s", over_s)],
+            Self::Drift { over_s, .. } => vec![("over_s", over_s, (0.0, LONGEST_S))],
             _ => vec![],
+        }
+    }
+
+    /// Whether it can happen to `rig`.
+    fn check(&self, rig: &RigParams) -> Result<(), UserError> {
+        for (key, value, (from, to)) in self.numbers() {
+            if !(from..=to).contains(&value) {
+                return Err(out_of_range(key, value, &format!("{from} to {to}")));
+            }
+        }
+        match *self {
+            Self::SensorFault { fault, times, .. } => match (fault, times) {
+                (Fault::Gain, None) => Err(UserError::new(
+                    "fault = \"gain\" needs times = N: how many times too large the sensor reads",
+                )),
+                (Fault::Gain, Some(_)) | (_, None) => Ok(()),
+                (_, Some(_)) => Err(UserError::new(
+                    "times goes with fault = \"gain\" alone; leave it out",
+                )),
+            },
+            Self::Drift { .. } => {
+                let (change, _) = self.change().unwrap_or_default();
+                if change == Change::default() {
+                    return Err(UserError::new(format!(
+                        "a drift that changes nothing; give at least one of {}",
+                        Change::KEYS.join(", ")
+                    )));
+                }
+                change.check()?;
+                Ok(change.apply(rig, 1.0).check()?)
+            }
+            _ => Ok(()),
         }
     }
 
@@ -241,7 +268,8 @@ impl Act {
                 times,
                 for_s,
             } => format!(
-                "{sensor:?} sensor reads {times} times too large{}",
+                "{sensor:?} sensor reads {} times too large{}",
+                times.unwrap_or(1.0),
                 for_so_long(*for_s)
             ),
             Self::SensorFault {
@@ -261,11 +289,11 @@ impl Act {
     }
 }
 
-/// An event from its table.
+/// An event from its table, that happens to `rig`.
 ///
 /// # Errors
 /// One line.
-pub fn timed(mut table: toml::Table, duration_s: f64) -> Result<Timed, UserError> {
+pub fn timed(mut table: toml::Table, duration_s: f64, rig: &RigParams) -> Result<Timed, UserError> {
     let at_s = match table.remove("at_s") {
         Some(Value::Float(s)) => s,
         Some(Value::Integer(s)) => s as f64,
@@ -277,8 +305,6 @@ pub fn timed(mut table: toml::Table, duration_s: f64) -> Result<Timed, UserError
         )));
     }
     let act = Act::deserialize(Value::Table(table)).map_err(|e| complaint(e.message()))?;
-    if let Some((key, value, _)) = act.numbers().into_iter().find(|(.., good)| !good) {
-        return Err(UserError::new(format!("{key} is {value}, out of range")));
-    }
+    act.check(rig)?;
     Ok(Timed { at_s, act })
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use shared::fault::Fault;
-use shared::params::RigParams;
+use shared::params::{ParamError, RigParams};
 use shared::settings::Settings;
 use toml::Value;
 
@@ -130,10 +130,10 @@ pub fn complaint(message: &str) -> UserError {
         (true, Some(word)) => {
             let known: Vec<&str> = quoted.collect();
             let hint = nearest(word, known.iter().copied());
-            let hint = if hint.is_empty() {
-                format!("; there are {}", known.join(", "))
-            } else {
-                hint
+            let hint = match known.as_slice() {
+                _ if !hint.is_empty() => hint,
+                [] => "; it takes none".to_owned(),
+                some => format!("; there are {}", some.join(", ")),
             };
             let what = if line.starts_with("unknown variant") {
                 "word"
@@ -142,7 +142,21 @@ pub fn complaint(message: &str) -> UserError {
             };
             UserError::new(format!("there is no {what} '{word}' here{hint}"))
         }
-        _ => UserError::new(line.replace('`', "'")),
+        _ => {
+            let mut line = line.replace('`', "'");
+            for (machine, person) in [
+                ("u64", "a whole number from 0"),
+                ("u32", "a whole number from 0"),
+                ("usize", "a whole number from 0"),
+                ("f64", "a number"),
+            ] {
+                line = line.replace(
+                    &format!("expected {machine}"),
+                    &format!("expected {person}"),
+                );
+            }
+            UserError::new(line)
+        }
     }
 }
 
@@ -165,7 +179,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         .map_err(|e| e.at(format!("{place}, [limits] and [trips]")))?;
     let mut events = Vec::new();
     for (i, table) in file.events.into_iter().enumerate() {
-        let timed = event::timed(table, file.duration_s);
+        let timed = event::timed(table, file.duration_s, &true_rig);
         events.push(timed.map_err(|e| e.at(format!("{place}, event {}", i + 1)))?);
     }
     events.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
@@ -188,7 +202,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
     })
 }
 
-fn out_of_range(key: &str, value: f64, must_be: &str) -> UserError {
+pub(super) fn out_of_range(key: &str, value: f64, must_be: &str) -> UserError {
     UserError::new(format!("{key} is {value}, must be {must_be}"))
 }
 
@@ -223,6 +237,7 @@ fn true_rig(
         .collect();
     let change = Change::deserialize(Value::Table(changes))
         .map_err(|e| complaint(e.message()).at(&place))?;
+    change.check().map_err(|e| e.at(&place))?;
     let plain = rigfile::from_keys(keys, &place)?;
     let rig = change.apply(&plain, 1.0);
     rig.check().map_err(|e| UserError::from(e).at(&place))?;
@@ -249,8 +264,20 @@ fn settings(believed: &RigParams, limits: &Limits, trips: &Trips) -> Result<Sett
     put(&mut to.no_contact_s, trips.no_contact_s, 1.0);
     put(&mut to.regime_lost_s, trips.regime_lost_s, 1.0);
     put(&mut to.link_timeout_s, trips.link_timeout_s, 1.0);
-    settings.check()?;
+    settings.check().map_err(in_the_file_s_units)?;
     Ok(settings)
+}
+
+/// Settings are in m, and so are their names; a scenario has mm.
+fn in_the_file_s_units(error: ParamError) -> UserError {
+    match error.key.strip_suffix("_m") {
+        Some(key) => out_of_range(
+            &format!("{key}_mm"),
+            crate::table::tidy(error.value * 1e3),
+            error.must_be,
+        ),
+        None => error.into(),
+    }
 }
 
 /// `key`'s value times `unit`, or what stands; within `from` and `to`, both in the key's unit.

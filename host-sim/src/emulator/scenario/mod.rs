@@ -114,6 +114,25 @@ impl Change {
         "gap_offset_mm",
     ];
 
+    /// Refuses what leaves no rig.
+    ///
+    /// # Errors
+    /// One line with the key and its range.
+    pub fn check(&self) -> Result<(), UserError> {
+        let values = [
+            (self.natural_frequency_percent, (-90.0, 900.0)),
+            (self.contact_stiffness_percent, (-99.0, 1e6)),
+            (self.contact_damping_percent, (-100.0, 1e6)),
+            (self.gap_offset_mm, (-100.0, 100.0)),
+        ];
+        for (key, (value, (from, to))) in Self::KEYS.iter().zip(values) {
+            if !(from..=to).contains(&value) {
+                return Err(file::out_of_range(key, value, &format!("{from} to {to}")));
+            }
+        }
+        Ok(())
+    }
+
     /// `rig` with this `share` (0 to 1) of the change.
     #[must_use]
     pub fn apply(&self, rig: &RigParams, share: f64) -> RigParams {
