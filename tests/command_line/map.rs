@@ -168,6 +168,11 @@ fn tiles_that_do_not_serve_are_told_or_made_again() {
     );
     refused("--cycles 20 --set mass_kg=0.3", &["another rig"]);
     refused("--cycles 20 --tiles 2..4", &["the map has tiles 0..3"]);
+    let request = folder.path("o/map-wires-reference.tiles/request.txt");
+    let told = fs::read(&request).expect("the request");
+    fs::write(&request, &told[..10]).expect("the request");
+    refused("--cycles 20", &["request.txt is damaged"]);
+    fs::write(&request, told).expect("the request");
     let tile = folder.path("o/map-wires-reference.tiles/tile-000000.bin");
     let good = fs::read(&tile).expect("a tile");
     for position in [0, 9, good.len() / 2, good.len() - 1] {

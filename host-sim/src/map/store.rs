@@ -137,15 +137,20 @@ fn is_tile(name: &str) -> bool {
 
 /// The tiles belong to another request: says which part of it differs.
 fn another(dir: &Path, there: &str, ours: &str) -> UserError {
-    let differs = there.lines().zip(ours.lines()).find(|(a, b)| a != b);
+    let whole = there.ends_with('\n') && there.lines().count() == ours.lines().count();
     let name = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
-    let what = match differs {
-        Some((a, b)) if name(a) == name(b) && a.len() + b.len() < 120 => {
-            let value = |line: &str| line[name(line).len()..].trim().to_owned();
-            format!("{} {} where this one has {}", name(a), value(a), value(b))
-        }
-        Some((a, b)) if name(a) == name(b) => format!("another {}", name(a)),
-        _ => "another format".to_owned(),
+    let differs = there.lines().zip(ours.lines()).find(|(a, b)| a != b);
+    let Some((a, b)) = differs.filter(|(a, b)| whole && name(a) == name(b)) else {
+        return UserError::new(format!(
+            "{} is damaged, so whose tiles these are cannot be told; remove the folder, or choose another --out",
+            dir.join(REQUEST).display()
+        ));
+    };
+    let what = if a.len() + b.len() < 120 {
+        let value = |line: &str| line[name(line).len()..].trim().to_owned();
+        format!("{} {} where this one has {}", name(a), value(a), value(b))
+    } else {
+        format!("another {}", name(a))
     };
     UserError::new(format!(
         "{} holds an unfinished map with {what}; finish that one, remove the folder, or choose another --out",

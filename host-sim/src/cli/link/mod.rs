@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Subcommand;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serialport::SerialPort;
 use shared::control::{self, Mode, State};
 use shared::link::{Answer, ToBoard};
@@ -45,8 +46,8 @@ pub struct Args {
 enum What {
     /// What the controller is doing
     Status {
-        /// How to answer: text or json
-        #[arg(long, value_enum, default_value = "text")]
+        /// How to answer
+        #[arg(long, value_parser = text_or_json(), default_value = "text")]
         format: Format,
     },
     /// Start: seek the operating frequency and hold it; or steer by hand
@@ -149,6 +150,14 @@ struct Sweep {
     out: PathBuf,
 }
 
+/// A status is no table.
+fn text_or_json() -> impl TypedValueParser<Value = Format> {
+    PossibleValuesParser::new(["text", "json"]).map(|word| match word.as_str() {
+        "json" => Format::Json,
+        _ => Format::Text,
+    })
+}
+
 pub fn run(args: &Args) -> Result<(), UserError> {
     // Before anything is asked of a board.
     check(&args.what)?;
@@ -209,11 +218,6 @@ fn check(what: &What) -> Result<(), UserError> {
             positive("--rate", *rate)?;
             given("--for", *duration_s)
         }
-        What::Status {
-            format: Format::Csv | Format::Parquet,
-        } => Err(UserError::new(
-            "a status is no table; use --format text or json",
-        )),
         What::Forecast { format } => check_format(*format, false),
         _ => Ok(()),
     }
