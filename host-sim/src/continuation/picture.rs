@@ -209,7 +209,9 @@ fn stroke(special: Special) -> (Stroke, Color) {
 pub fn line_items(lines: &[Line]) -> Vec<Item> {
     let mut named: Vec<Special> = Vec::new();
     let mut items = Vec::new();
-    for line in lines {
+    // In the legend a kind is told by its lines, if it has any, not by one that came to a single point.
+    let (long, points): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|l| l.nodes.len() > 1);
+    for line in long.into_iter().chain(points) {
         let (mark, _) = mark(line.special);
         let (stroke, color) = stroke(line.special);
         let label = if named.contains(&line.special) {
