@@ -193,11 +193,7 @@ impl Common {
     pub fn check_out(&self) -> Result<(), UserError> {
         check_format(self.format, self.out.is_some())?;
         match &self.out {
-            Some(dir) if dir.exists() && !dir.is_dir() => Err(UserError::new(format!(
-                "--out {} is a file; choose another folder",
-                dir.display()
-            ))),
-            Some(dir) => Ok(files::check_folder(dir)?),
+            Some(dir) => check_out_folder(dir),
             None => Ok(()),
         }
     }
@@ -216,6 +212,17 @@ impl Common {
         self.note(&format!("wrote {}", names.join(", ")));
         Ok(())
     }
+}
+
+/// Whether `--out` can be a folder to write into.
+pub fn check_out_folder(dir: &Path) -> Result<(), UserError> {
+    if dir.exists() && !dir.is_dir() {
+        return Err(UserError::new(format!(
+            "--out {} is a file; choose another folder",
+            dir.display()
+        )));
+    }
+    Ok(files::check_folder(dir)?)
 }
 
 /// A figure as `NAME.svg` and `NAME.png`.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use shared::control::Birth;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-use super::common::{Format, pictures};
+use super::common::{Format, check_out_folder, pictures};
 use super::emit::{check_format, emit};
 use crate::emulator::local::Local;
 use crate::emulator::log::{Header, Logs};
@@ -74,7 +74,9 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         args.out.get_or_insert_with(|| "out".into());
     }
     let args = &args;
-    check_out(args.out.as_deref())?;
+    if let Some(dir) = &args.out {
+        check_out_folder(dir)?;
+    }
     check_format(args.format, args.out.is_some())?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
     let name = name.map_or("field", String::as_str);
@@ -113,16 +115,6 @@ fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     super::print(&format!("{}\n", control.path()));
     emulate(&scenario, &mut control, &mut ())?;
     Ok(0)
-}
-
-fn check_out(out: Option<&Path>) -> Result<(), UserError> {
-    match out {
-        Some(dir) if dir.exists() && !dir.is_dir() => Err(UserError::new(format!(
-            "--out {} is a file; choose another folder",
-            dir.display()
-        ))),
-        _ => Ok(()),
-    }
 }
 
 /// Everything that watches the run.

@@ -173,7 +173,11 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
         let said = error.to_string();
         let named = keys.iter().filter(|key| said.contains(key.as_str()));
         let key = named.max_by_key(|key| key.len());
-        let line = key.and_then(|key| text.lines().position(|l| l.trim_start().starts_with(key)));
+        let sets = |line: &str, key: &str| {
+            let rest = line.trim_start().strip_prefix(key);
+            rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+        };
+        let line = key.and_then(|key| text.lines().position(|line| sets(line, key)));
         match line {
             Some(line) => error.at(format!("{place}, line {}", line + 1)),
             None => error.at(&place),

@@ -6,6 +6,7 @@ mod record;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use super::common::check_out_folder;
 use crate::error::UserError;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
 use crate::files;
@@ -32,13 +33,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    if args.out.exists() && !args.out.is_dir() {
-        return Err(UserError::new(format!(
-            "--out {} is a file; choose another folder",
-            args.out.display()
-        )));
-    }
-    files::check_folder(&args.out)?;
+    check_out_folder(&args.out)?;
     let only: Vec<String> = args
         .only
         .iter()
