@@ -2,16 +2,16 @@
 //!
 //! The controller's own set-points go in, sensor codes come out. The shaker of this rig follows without lag: at
 //! each upward zero crossing of the set-point its phase is set afresh, its frequency is the one commanded, and its
-//! amplitude the largest of the period before. The hammer is [`shared::twin`]'s. What a real rig adds (a shaker of
+//! amplitude the largest of the period before. The hammer is [`shared::model::twin`]'s. What a real rig adds (a shaker of
 //! finite force, filters, ringing, noise of a sensor) is the desktop emulator's business, not this one's.
 
-use shared::drive::{Drive, Stamp};
 use shared::io::{ADC_FULL_SCALE, AdcCode, Channel, DacCode, Frame, Output};
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::drive::{Drive, Stamp};
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+use shared::model::step::{Corrected, State};
+use shared::model::twin::Twin;
 use shared::settings::{DriveKind, Settings, TICK_RATE_HZ, TICK_S};
-use shared::step::{Corrected, State};
-use shared::twin::Twin;
 
 /// Ticks in a second.
 const PER_TICK_S: f32 = TICK_RATE_HZ as f32;
@@ -169,7 +169,7 @@ fn rest_m(rig: &RigParams) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
     use std::f64::consts::TAU;
 
     /// Drives the bench with a clean sine for `seconds` and hands over every frame of the last second.

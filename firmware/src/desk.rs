@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use shared::control::{Birth, Mode, State};
     use shared::io::AdcCode;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     fn desk() -> Desk {
         let settings = Settings::for_rig(&WIRES);

@@ -1,11 +1,11 @@
 //! The model of `shared` alone, a tick at a time: what `cargo xtask bench-ticks` counts.
 
-use shared::drive::{Drive, DriveError};
-use shared::params::{ParamError, RigParams, WIRES};
-use shared::rig::{Mode, Rig};
+use shared::model::drive::{Drive, DriveError};
+use shared::model::params::{ParamError, RigParams, WIRES};
+use shared::model::rig::{Mode, Rig};
+use shared::model::step::Corrected;
+use shared::model::twin::Twin;
 use shared::settings::TICK_S;
-use shared::step::Corrected;
-use shared::twin::Twin;
 
 /// The rig that is run: on wires at a gap of 0.0 mm, as in the field.
 pub const RIG: RigParams = WIRES;

@@ -10,7 +10,7 @@ use host_sim::emulator::run::run;
 use host_sim::emulator::scenario::{Scenario, load, parse};
 use host_sim::emulator::sensors::{Errors, SensorParams, Sensors};
 use host_sim::emulator::shaker::{ShakerParams, Smoother};
-use shared::params::{RigParams, preset};
+use shared::model::params::{RigParams, preset};
 use shared::settings::{Settings, TICK_S};
 
 /// Ticks timed at a stretch: 5 s of rig time.

@@ -8,15 +8,15 @@ use divan::{Bencher, black_box};
 use host_sim::engine::{Engine, Machine, Plan, Recorder, Start, machine, observe};
 use host_sim::orbit::shoot;
 use host_sim::pick::{Limits, pick};
+use host_sim::progress::Progress;
 use host_sim::rigfile::NamedRig;
-use host_sim::terminal::Progress;
 use shared::Real;
-use shared::drive::Drive;
-use shared::params::{RigParams, WIRES};
-use shared::rig::Rig;
-use shared::step::{Banded, Corrected, Stepper};
-use shared::switch::Band;
-use shared::twin::Twin;
+use shared::model::drive::Drive;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::rig::Rig;
+use shared::model::step::{Banded, Corrected, Stepper};
+use shared::model::switch::Band;
+use shared::model::twin::Twin;
 
 /// Ticks, and drive periods, timed at a stretch.
 const TICKS: usize = 100_000;

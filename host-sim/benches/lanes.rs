@@ -4,8 +4,8 @@
 use divan::{Bencher, counter::ItemsCount};
 use host_sim::engine::{Engine, Setting};
 use host_sim::lanes::{Cell, How, Instructions, Plan, Precision, run_one, run_with};
-use shared::params::{RigParams, WIRES};
-use shared::rig::Rig;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::rig::Rig;
 
 const PLAN: Plan = Plan {
     early: false,

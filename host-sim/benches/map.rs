@@ -9,11 +9,11 @@ use divan::{Bencher, black_box};
 use host_sim::lanes::Plan;
 use host_sim::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
 use host_sim::map::{Grid, Request, Runner, run};
+use host_sim::progress::Progress;
 use host_sim::rigfile::NamedRig;
 use host_sim::sweep::Direction;
 use host_sim::table::{to_csv, to_parquet};
-use host_sim::terminal::Progress;
-use shared::params::WIRES;
+use shared::model::params::WIRES;
 
 fn main() {
     divan::main();

@@ -11,8 +11,8 @@ use host_sim::accuracy::survey::{self, Compared, Edge, Spread};
 use host_sim::accuracy::{Method, Setting};
 use host_sim::engine::Precision;
 use host_sim::error::UserError;
-use shared::step::{Banded, Corrected};
-use shared::switch::Band;
+use shared::model::step::{Banded, Corrected};
+use shared::model::switch::Band;
 
 const SEED: u64 = 2010;
 const POINTS: usize = 200;

@@ -5,9 +5,9 @@ use std::time::Instant;
 use host_sim::engine::Engine;
 use host_sim::lanes::{Cell, How, Outcome, Plan, Precision, by_engine, run_with};
 use rand::{Rng, SeedableRng};
-use shared::params::{RigParams, WIRES};
-use shared::regime::Regime;
-use shared::rig::Rig;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::regime::Regime;
+use shared::model::rig::Rig;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn cell(gap_m: f64, frequency_hz: f64) -> Result<Cell, shared::params::ParamError> {
+fn cell(gap_m: f64, frequency_hz: f64) -> Result<Cell, shared::model::params::ParamError> {
     let params = RigParams { gap_m, ..WIRES };
     Ok(Cell {
         params,

@@ -1,6 +1,6 @@
 //! The branch of 1/1 orbits over drive frequency: where it is stable, and how each end comes about.
 
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
@@ -177,7 +177,7 @@ fn settle(params: &RigParams, frequency_hz: f64, start: Start) -> Option<Orbit> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::{BEAM_150, WIRES};
+    use shared::model::params::{BEAM_150, WIRES};
 
     #[test]
     fn the_chapter_s_first_band_on_wires_at_zero_gap() {

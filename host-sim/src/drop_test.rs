@@ -5,8 +5,8 @@
 use std::f64::consts::TAU;
 
 use serde::Serialize;
-use shared::params::RigParams;
-use shared::rig::{Mode, Rig};
+use shared::model::params::RigParams;
+use shared::model::rig::{Mode, Rig};
 
 use crate::contact_law::undriven::{Blow, Piece, Undriven};
 use crate::emulator::sensors::{Noise, SensorParams};
@@ -221,7 +221,7 @@ fn quantised(test: &DropTest, force_n: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::{BEAM_170, WIRES};
+    use shared::model::params::{BEAM_170, WIRES};
 
     /// On wires at gap 0 the hammer is back after a quarter and then every half swing, and each blow takes the
     /// closed form's share of its speed.

@@ -38,8 +38,8 @@ macro_rules! from_line {
 }
 
 from_line!(
-    shared::params::ParamError,
-    shared::drive::DriveError,
+    shared::model::params::ParamError,
+    shared::model::drive::DriveError,
     crate::files::WriteError,
-    crate::picture::PictureError
+    plot::PictureError
 );

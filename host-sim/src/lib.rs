@@ -41,12 +41,12 @@ pub mod map;
 pub mod modes;
 pub mod orbit;
 pub mod pick;
-pub mod picture;
+
 pub mod poincare;
+pub mod progress;
 pub mod reference;
 pub mod replay;
 pub mod rigfile;
 pub mod signal;
 pub mod sweep;
 pub mod table;
-pub mod terminal;

@@ -8,7 +8,7 @@
 //! and 21–30, 1980, doi:10.1007/BF02128236).
 
 use serde::Serialize;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use crate::dual::Dual;
 use crate::engine::check_frequency;
@@ -133,7 +133,7 @@ fn seeds([q, v]: [f64; 2]) -> (Dual<2>, Dual<2>) {
 
 /// A0 and A0 Ω in the rig's coordinate: lengths of directions are taken in these.
 fn units(params: &RigParams, frequency_hz: f64) -> Result<[f64; 2], UserError> {
-    let scale = shared::rig::Rig::<f64>::new(params)?.coordinate_scale();
+    let scale = shared::model::rig::Rig::<f64>::new(params)?.coordinate_scale();
     Ok([scale, scale * std::f64::consts::TAU * frequency_hz])
 }
 

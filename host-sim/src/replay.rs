@@ -11,7 +11,7 @@ use shared::settings::Settings;
 
 use crate::emulator::log::{Cell, Input, Logged, Reader, Samples, cells, names};
 use crate::error::UserError;
-use crate::terminal::Progress;
+use crate::progress::Progress;
 
 /// What a replay came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +147,7 @@ mod tests {
 
     use shared::control::{Command, Mode, ResetCause};
     use shared::io::{AdcCode, Frame};
-    use shared::params::PRESETS;
+    use shared::model::params::PRESETS;
 
     use super::*;
     use crate::emulator::log::{Block, Header, Tick, Writer};

@@ -2,13 +2,13 @@
 //! carried up or down, which shows the jumps.
 
 use rayon::prelude::*;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::table::{Line, Row, read_columns};
-use crate::terminal::Progress;
 
 /// In which order the frequencies are visited and what is carried from one to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -202,7 +202,7 @@ pub fn single(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     const PLAN: Plan = Plan {
         cycles: 160,

@@ -11,8 +11,8 @@ use host_sim::reference::Reference;
 use host_sim::rigfile::NamedRig;
 use host_sim::sweep::{Direction, spread};
 use host_sim::terminal::Progress;
-use shared::params::{RigParams, WIRES};
-use shared::rig::Rig;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::rig::Rig;
 
 fn quiet() -> Progress {
     Progress::new("", 1, true)

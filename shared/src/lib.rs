@@ -8,21 +8,32 @@
 //! It follows the chapter *Study of an embarked vibro-impact system: mathematical modeling and nonlinear
 //! analysis*; numbers in brackets, (3-16), are its equations, and "Table 3.1" is its table.
 //!
+//! ## What is where
+//!
+//! | folder or file | holds | may use |
+//! |---|---|---|
+//! | [`model`] | the hammer's motion, for `f32` and `f64` | nothing of this crate |
+//! | [`forecast`] | orbits and their multipliers, computed in slices beside the control task | `model` |
+//! | [`io`], [`settings`], [`fault`] | the controller's inputs and outputs, what it must be given, what trips it | `model` |
+//! | [`sense`] | contacts, section, regime and identified parameters, from samples | those above |
+//! | [`control`] | the controller | those above |
+//! | [`link`] | the serial protocol, settings in flash, messages for the processor in the loop | all |
+//!
 //! ## Reading order
 //!
-//! 1. [`scalar`]: what a number must be able to do ([`Real`]), and sums that lose nothing
-//!    ([`scalar::Compensated`]). [`trig`]: sine for small angles, with its error.
-//! 2. [`drive`]: the shaker's phase. A 32-bit accumulator wraps once per period and is the only time there
+//! 1. [`model::scalar`]: what a number must be able to do ([`Real`]), and sums that lose nothing
+//!    ([`model::scalar::Compensated`]). [`model::trig`]: sine for small angles, with its error.
+//! 2. [`model::drive`]: the shaker's phase. A 32-bit accumulator wraps once per period and is the only time there
 //!    is; a phasor is rotated beside it and set afresh four times per turn.
-//! 3. [`contact`]: force from penetration. Four laws; when a contact pushes, and when it would pull.
-//! 4. [`params`]: what a rig is, and the four presets. [`rig`]: the equations of motion of both rigs.
-//! 5. [`switch`]: the Filippov model. Two indicators, h_α = δ (touching) and h_β = F (pushing), four fields.
-//! 6. [`step`]: three ways across the switch at a fixed step. [`contacts`]: what each contact did.
-//! 7. [`regime`]: z = p/n from the section at drive phase 0. [`twin`]: all of it, a tick at a time.
-//! 8. [`tangent`] and [`forecast`]: the online twin, orbits and their multipliers in slices.
-//! 9. [`io`], [`settings`], [`fault`]: what the controller sees, must be told, and trips on.
-//! 10. [`sense`] and [`identify`]: contacts, section, regime, and what the rig tells of itself, from samples.
-//! 11. [`control`]: the controller. [`link`] and [`store`]: the serial protocol, settings in flash.
+//! 3. [`model::contact`]: force from penetration. Four laws; when a contact pushes, and when it would pull.
+//! 4. [`model::params`]: what a rig is, and the four presets. [`model::rig`]: the equations of motion of both rigs.
+//! 5. [`model::switch`]: the Filippov model. Two indicators, h_α = δ (touching) and h_β = F (pushing), four fields.
+//! 6. [`model::step`]: three ways across the switch at a fixed step. [`model::contacts`]: the record of each contact.
+//! 7. [`model::regime`]: z = p/n from the section at drive phase 0. [`model::twin`]: all of it, a tick at a time.
+//! 8. [`model::tangent`] and [`forecast`]: periodic orbits and their multipliers in slices.
+//! 9. [`io`], [`settings`], [`fault`].
+//! 10. [`sense`]: contacts, section, regime, and the identification of the rig, from samples.
+//! 11. [`control`]: the controller. [`link`]: the serial protocol; [`link::store`]: settings in flash.
 //!
 //! ## The motion
 //!
@@ -42,7 +53,7 @@
 //! way round ("no impact, l sin θ − gap > 0"; "x − (y + gap) > 0"), h_α for beams as A0 sin Ωt + gap where
 //! x − y − gap is meant (3-35), and the contact torque of (3-16) as F l where a horizontal force has
 //! F l cos θ. The torque is kept as printed, so that the chapter's figures are reproduced, and corrected by
-//! a parameter ([`params::Torque`]); at a gap of 3.56 mm and Ω/ω = 1.4 it changes the force by 0.03 %, at
+//! a parameter ([`model::params::Torque`]); at a gap of 3.56 mm and Ω/ω = 1.4 it changes the force by 0.03 %, at
 //! 0.0 mm by nothing.
 //!
 //! ## The switch
@@ -54,9 +65,9 @@
 //!
 //! | stepper | at the switch | at a 50 µs tick in f32 |
 //! |---|---|---|
-//! | [`step::Banded`] | the chapter's band of 2η about it, field by stage | force wrong by up to 8 %, sections that never repeat |
-//! | [`step::Corrected`] | the step is split there, four secant iterations at most | within 0.007 % on 200 random orbits |
-//! | [`step::Smoothed`] | arctangents in its place | stiff; needs far shorter steps |
+//! | [`model::step::Banded`] | the chapter's band of 2η about it, field by stage | force wrong by up to 8 %, sections that never repeat |
+//! | [`model::step::Corrected`] | the step is split there, four secant iterations at most | within 0.007 % on 200 random orbits |
+//! | [`model::step::Smoothed`] | arctangents in its place | stiff; needs far shorter steps |
 //!
 //! The measured tables are in `docs/accuracy.md`.
 //!
@@ -64,16 +75,16 @@
 //!
 //! The section is taken once per drive period, at phase 0. z = p/n: p contacts in n periods, n the smallest
 //! number of periods after which the section repeats, not reduced (a doubled 1/1 is 2/2). `none`,
-//! `aperiodic` and `chatter` have stated rules: [`regime::Regime`].
+//! `aperiodic` and `chatter` have stated rules: [`model::regime::Regime`].
 //!
 //! ## In use
 //!
 //! ```
-//! use shared::drive::Drive;
-//! use shared::params::WIRES;
-//! use shared::rig::Rig;
-//! use shared::step::Corrected;
-//! use shared::twin::Twin;
+//! use shared::model::drive::Drive;
+//! use shared::model::params::WIRES;
+//! use shared::model::rig::Rig;
+//! use shared::model::step::Corrected;
+//! use shared::model::twin::Twin;
 //!
 //! // Wires, gap 0.0 mm, 1.5 times the natural frequency, 20 kHz, as the microcontroller computes it.
 //! let rig = Rig::<f32>::new(&WIRES)?;
@@ -101,27 +112,13 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod contact;
-pub mod contacts;
 pub mod control;
-pub mod drive;
 pub mod fault;
 pub mod forecast;
-pub mod identify;
 pub mod io;
 pub mod link;
-pub mod lockstep;
-pub mod params;
-pub mod regime;
-pub mod rig;
-pub mod scalar;
+pub mod model;
 pub mod sense;
 pub mod settings;
-pub mod step;
-pub mod store;
-pub mod switch;
-pub mod tangent;
-pub mod trig;
-pub mod twin;
 
-pub use scalar::Real;
+pub use model::scalar::Real;

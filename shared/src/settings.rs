@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use crate::io::Channel;
-use crate::params::{ParamError, RigParams};
+use crate::model::params::{ParamError, RigParams};
 
 /// Control ticks per second: one sample and one set-point each.
 pub const TICK_RATE_HZ: u32 = 20_000;
@@ -310,7 +310,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::PRESETS;
+    use crate::model::params::PRESETS;
 
     #[test]
     fn defaults_of_every_rig_pass_and_what_is_out_of_range_is_named() {

@@ -1,13 +1,13 @@
 //! The whole controller around the model itself as its plant: it finds the operating frequency and holds it.
 
 use shared::control::{Birth, Command, Lockstep, Mode, State, What};
-use shared::drive::Drive;
 use shared::io::{AdcCode, Channel, Frame, Output};
-use shared::params::{PRESETS, RigParams};
-use shared::rig::Rig;
+use shared::model::drive::Drive;
+use shared::model::params::{PRESETS, RigParams};
+use shared::model::rig::Rig;
+use shared::model::step::Corrected;
+use shared::model::twin::Twin;
 use shared::settings::{Settings, TICK_S};
-use shared::step::Corrected;
-use shared::twin::Twin;
 
 /// A rig that follows the drive without error, and sensors without noise.
 struct Plant {

@@ -5,15 +5,15 @@ use shared::control::{Birth, Command, Controller, MAX_BLOCK, Mode, Refused, Rese
 use shared::fault::{Fault, Record};
 use shared::forecast::{Forecast, Orbit, Row, Target};
 use shared::io::{AdcCode, Frame, Output};
-use shared::params::WIRES;
-use shared::regime::Regime;
+use shared::model::params::WIRES;
+use shared::model::regime::Regime;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 /// A forecast of a 1/1 about 3.6 Hz.
 fn forecast(id: u32) -> Forecast {
     let orbit = Orbit {
         force_n: 96.0,
-        impulse_ns: 0.031,
+        impulse_n_s: 0.031,
         approach_m_per_s: 0.08,
         onset_turns: 0.4,
         trace: -0.3,
@@ -243,7 +243,7 @@ proptest! {
                     prop_assert!(status.fault.is_some());
                 }
                 for number in [status.frequency_hz, status.amplitude_m, status.measured_amplitude_m,
-                    status.lag_rad, status.peak_n, status.impulse_ns, status.target_hz] {
+                    status.lag_rad, status.peak_n, status.impulse_n_s, status.target_hz] {
                     prop_assert!(number.is_finite(), "{:?}", status);
                 }
             }

@@ -18,8 +18,8 @@ use shared::link::{
     BAUD, Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
     ToBoard,
 };
-use shared::params::{BEAM_150, WIRES};
-use shared::regime::Regime;
+use shared::model::params::{BEAM_150, WIRES};
+use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 /// A device behind a pseudo-terminal until it is dropped.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use shared::control::{Command, Mode};
 use shared::io::{Frame, Output};
 use shared::link::{Exchange, FromBoard, MAX_FRAME, Packet, Recording, ToBoard, encode};
-use shared::params::PRESETS;
+use shared::model::params::PRESETS;
 use shared::settings::Settings;
 
 fn main() -> io::Result<()> {

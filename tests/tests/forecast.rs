@@ -5,11 +5,11 @@ use host_sim::orbit::{Multipliers, shoot};
 use host_sim::pick::{Answer, Limits, pick};
 use host_sim::rigfile::NamedRig;
 use host_sim::terminal::Progress as Bar;
-use shared::contact::Law;
 use shared::forecast::march::Model;
 use shared::forecast::shoot::{Progress, Shoot, Solution};
 use shared::forecast::{Forecast, Forecaster, Request, Target};
-use shared::params::{BEAM_150, LAWS, PRESETS, RigParams, WIRES};
+use shared::model::contact::Law;
+use shared::model::params::{BEAM_150, LAWS, PRESETS, RigParams, WIRES};
 
 fn forecast(request: &Request) -> Forecast {
     let mut forecaster = Forecaster::new();

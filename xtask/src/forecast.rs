@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use shared::{
     forecast::{Forecast, Forecaster, Request},
-    params::WIRES,
+    model::params::WIRES,
 };
 
 use crate::{Outcome, firmware, qemu};

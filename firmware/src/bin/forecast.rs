@@ -14,7 +14,7 @@ use cortex_m_semihosting::hprintln;
 use firmware::hardware::qemu;
 use shared::{
     forecast::{Forecaster, Request},
-    params::WIRES,
+    model::params::WIRES,
 };
 
 /// SysTick counts down from here: 24 bits.

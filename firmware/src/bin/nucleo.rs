@@ -38,9 +38,9 @@ mod app {
         forecast::{Forecast, Forecaster},
         io::{Frame, Output},
         link::Session,
-        params::WIRES,
+        link::store::Loaded,
+        model::params::WIRES,
         settings::Settings,
-        store::Loaded,
     };
 
     /// Bytes waiting for the wire at most.

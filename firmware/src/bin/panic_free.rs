@@ -15,7 +15,7 @@ use firmware::{BLOCK_TICKS, bench::Bench, desk::Desk};
 use shared::control::{Birth, Controller, Lockstep, MAX_BLOCK};
 use shared::io::{Frame, Output};
 use shared::link::{Decoder, FromBoard, MAX_FRAME, Packet, Recording, ToBoard, encode};
-use shared::params::WIRES;
+use shared::model::params::WIRES;
 use shared::settings::Settings;
 
 #[entry]

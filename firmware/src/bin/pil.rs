@@ -2,7 +2,7 @@
 //!
 //! The desktop writes a block of samples into a pipe and waits; here the control task runs on it, through the
 //! interrupt, then so many slices of the forecast in idle, and the answer goes back through another pipe
-//! ([`shared::lockstep`]). Time is what the plant says it is. `cargo xtask pil` compares all of it, bit for bit,
+//! ([`shared::link::in_the_loop`]). Time is what the plant says it is. `cargo xtask pil` compares all of it, bit for bit,
 //! with the same run on the desktop.
 #![no_main]
 #![no_std]
@@ -21,7 +21,7 @@ mod app {
     use shared::{
         control::{Lockstep, MAX_BLOCK},
         io::{Frame, Output},
-        lockstep::{LENGTH, MAX_EVENTS, MAX_MESSAGE, Reply, Request, encode},
+        link::in_the_loop::{LENGTH, MAX_EVENTS, MAX_MESSAGE, Reply, Request, encode},
     };
 
     /// What the control task works on and what it leaves.

@@ -26,7 +26,7 @@ mod app {
     use shared::{
         control::{Birth, Command, Lockstep, Mode, State},
         io::{Frame, Output},
-        params::WIRES,
+        model::params::WIRES,
         settings::{Settings, TICK_RATE_HZ},
     };
 

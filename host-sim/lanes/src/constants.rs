@@ -1,6 +1,6 @@
 //! A cell without units: what the lanes need of a rig at one drive frequency.
 //!
-//! Time is the drive phase τ = Ωt, the coordinate x is [`shared::rig`]'s q over its scale (A0/l or A0), so that x is
+//! Time is the drive phase τ = Ωt, the coordinate x is [`shared::model::rig`]'s q over its scale (A0/l or A0), so that x is
 //! measured from the surface in cart amplitudes and section tolerances are plain numbers. Then, with G = gap/A0,
 //!
 //! ```text
@@ -12,8 +12,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use shared::contact::Law;
-use shared::params::{RigParams, SupportParams, Torque};
+use shared::model::contact::Law;
+use shared::model::params::{RigParams, SupportParams, Torque};
 
 use super::Cell;
 

@@ -16,8 +16,8 @@ mod series;
 mod stay;
 mod touch;
 
-use shared::params::RigParams;
-use shared::regime::Regime;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
 
 pub use dispatch::{How, Instructions, Precision, Tried, try_run};
 pub use pool::Work;
@@ -30,7 +30,7 @@ pub struct Cell {
     pub params: RigParams,
     /// Drive frequency Ω/2π, Hz.
     pub frequency_hz: f64,
-    /// Coordinate and rate at the start, in the rig's coordinate ([`shared::rig`]).
+    /// Coordinate and rate at the start, in the rig's coordinate ([`shared::model::rig`]).
     pub start: [f64; 2],
     /// Drive phase at the start, turns from 0 to below 1. The section stays at phase 0: what comes before the first
     /// phase 0 is not counted as a cycle.

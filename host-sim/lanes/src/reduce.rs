@@ -1,6 +1,6 @@
 //! From the strobes of a cell to its outcome, and when a cell may stop early.
 
-use shared::regime::{MAX_PERIODS, Regime, SECTION_TOLERANCE};
+use shared::model::regime::{MAX_PERIODS, Regime, SECTION_TOLERANCE};
 
 use super::constants::Constants;
 use super::{Outcome, Plan, Strobe};
@@ -116,7 +116,7 @@ pub fn outcome(c: &Constants, records: &[Record], plan: &Plan, settled: Option<u
     }
 }
 
-/// The regime over a window, whose first record opens it, by the rule of [`shared::regime::Detector`].
+/// The regime over a window, whose first record opens it, by the rule of [`shared::model::regime::Detector`].
 pub fn regime(window: &[Record]) -> Regime {
     let periods = window.len() - 1;
     if !window[1..].iter().any(|r| r.touched) {
@@ -168,8 +168,8 @@ fn settled_after(records: &[Record], n: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::contacts::Period;
-    use shared::regime::Detector;
+    use shared::model::contacts::Period;
+    use shared::model::regime::Detector;
 
     /// A window of made-up strobes: repeating after `n`, with noise of `amount`, some contacts, perhaps chatter.
     fn window(seed: u64, length: usize, n: usize, amount: f64, chatter: bool) -> Vec<Record> {

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use shared::contacts::CHATTER_STAY_S;
+use shared::model::contacts::CHATTER_STAY_S;
 
 use super::constants::Constants;
 

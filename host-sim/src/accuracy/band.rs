@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 use shared::Real;
-use shared::contacts::Contact;
-use shared::drive::Drive;
-use shared::params::{BEAM_170, RigParams, SupportParams, TABLE_3_1};
-use shared::rig::Rig;
-use shared::step::{Banded, State, Stepper};
-use shared::switch::Band;
-use shared::twin::Twin;
+use shared::model::contacts::Contact;
+use shared::model::drive::Drive;
+use shared::model::params::{BEAM_170, RigParams, SupportParams, TABLE_3_1};
+use shared::model::rig::Rig;
+use shared::model::step::{Banded, State, Stepper};
+use shared::model::switch::Band;
+use shared::model::twin::Twin;
 
 use super::named::{Cell, Named};
 use super::{Method, Setting};

@@ -9,9 +9,9 @@ pub mod band;
 pub mod named;
 pub mod survey;
 
-use shared::drive::Drive;
-use shared::params::RigParams;
-use shared::regime::Regime;
+use shared::model::drive::Drive;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
 
 use crate::engine::{Engine, Machine, Plan, Precision, Recorder, Start, machine, observe};
 pub use crate::engine::{Method, Setting};

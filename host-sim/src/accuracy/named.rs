@@ -1,8 +1,8 @@
 //! A few named points: every stepper at every tick.
 
 use rayon::prelude::*;
-use shared::params::{RigParams, preset};
-use shared::regime::Regime;
+use shared::model::params::{RigParams, preset};
+use shared::model::regime::Regime;
 
 use super::{Method, Setting, from_settled};
 use crate::engine::{Plan, Precision};

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use shared::params::{PRESETS, RigParams};
-use shared::regime::Regime;
+use shared::model::params::{PRESETS, RigParams};
+use shared::model::regime::Regime;
 
 use super::{Outcome, Setting, real_frequency, settle, settle_reference};
 use crate::engine::{Plan, Start};

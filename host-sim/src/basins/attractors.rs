@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 
 use super::start::Fate;
 
 /// Two orbits of the same p/n are one attractor when a chain of orbits leads from one to the other whose sections' middles
 /// lie no farther apart than about this, in A0 and A0 Ω. A run that is told periodic may still be some
-/// [`shared::regime::SECTION_TOLERANCE`] per cycle away from where it is going, so this is much wider.
+/// [`shared::model::regime::SECTION_TOLERANCE`] per cycle away from where it is going, so this is much wider.
 const NEAR: f64 = 0.05;
 
 /// One way in which hammers end.

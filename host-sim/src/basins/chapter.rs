@@ -1,6 +1,6 @@
 //! The twelve points whose basins the chapter shows.
 
-use shared::params::preset;
+use shared::model::params::preset;
 
 use super::Query;
 use crate::error::UserError;

@@ -20,8 +20,8 @@ use serde::Serialize;
 
 use crate::engine::Engine;
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
-use crate::terminal::Progress;
 pub use attractors::Attractor;
 pub use entropy::{Entropy, Uncertainty};
 pub use share::Share;

@@ -1,7 +1,7 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
 use super::{Basins, Look};
-use crate::picture::{Axis, Bar, Color, Figure, Item, Panel, Raster, regime_color};
+use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, regime_color};
 
 /// The chapter's colours.
 const IMPACT: Color = Color::BLUE;

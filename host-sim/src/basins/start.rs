@@ -2,14 +2,14 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use shared::params::RigParams;
-use shared::regime::{MAX_PERIODS, Regime};
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::regime::{MAX_PERIODS, Regime};
+use shared::model::rig::Rig;
 
 use crate::engine::{Engine, Start};
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Outcome, Plan};
-use crate::terminal::Progress;
+use crate::progress::Progress;
 
 /// Displacement at which the usual window begins, m.
 const USUAL_LOW_M: f64 = -6e-3;
@@ -239,7 +239,7 @@ fn outcomes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     #[test]
     fn cells_fill_the_window_and_start_in_their_middles() {

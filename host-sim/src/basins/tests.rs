@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
-use shared::params::{BEAM_170, RigParams, WIRES};
-use shared::rig::Rig;
+use shared::model::params::{BEAM_170, RigParams, WIRES};
+use shared::model::rig::Rig;
 
 use super::*;
 use crate::reference::{Observer, Reference, Segment};

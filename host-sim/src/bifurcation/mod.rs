@@ -8,16 +8,16 @@ pub mod measured;
 pub mod picture;
 
 use serde::Serialize;
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use crate::engine::Engine;
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Outcome, Plan, Strobe};
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::sweep::Direction;
 use crate::table::{Row, tidy};
-use crate::terminal::Progress;
 
 pub use changes::{Change, Kind, Twofold};
 

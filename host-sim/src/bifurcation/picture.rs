@@ -2,8 +2,8 @@
 
 use super::measured::Measured;
 use super::{Diagram, Kind, Point};
-use crate::picture::{Axis, Color, Figure, Item, Mark, Panel};
 use crate::sweep::Direction;
+use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// What stands on the vertical axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,9 +13,10 @@ use crate::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, r
 use crate::error::UserError;
 use crate::lanes::Plan;
 use crate::map::request::chapter_frequencies_hz;
+use crate::progress::Progress;
 use crate::sweep::Direction;
 use crate::table::to_csv;
-use crate::terminal::{Chart, Progress};
+use plot::chart::Chart;
 
 /// In which order the frequencies are visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

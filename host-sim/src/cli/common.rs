@@ -8,8 +8,8 @@ use super::emit::check_format;
 use crate::engine::{Engine, Method, Plan, Precision, Setting, Start};
 use crate::error::UserError;
 use crate::files;
-use crate::picture::{Figure, render_png, render_svg};
 use crate::rigfile::{self, NamedRig};
+use plot::{Figure, render_png, render_svg};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {

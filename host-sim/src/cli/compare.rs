@@ -9,7 +9,7 @@ use crate::compare::{Comparison, Errors, Frame, Question, compare, picture};
 use crate::engine::Start;
 use crate::error::UserError;
 use crate::signal::Signal;
-use crate::terminal::Chart;
+use plot::chart::Chart;
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]

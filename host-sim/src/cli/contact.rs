@@ -5,7 +5,7 @@ use super::emit::{emit, tables};
 use crate::contact_law::picture::{blows, grid, over_speed};
 use crate::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, law_name, rows};
 use crate::error::UserError;
-use shared::contact::Law;
+use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Which {
@@ -119,7 +119,7 @@ fn some(speeds: &[f64]) -> Vec<f64> {
     kept
 }
 
-fn figure(case: &Case, all: &[Row]) -> Result<crate::picture::Figure, UserError> {
+fn figure(case: &Case, all: &[Row]) -> Result<plot::Figure, UserError> {
     let drawn: Vec<_> = match case.laws.as_slice() {
         [(_, law)] => some(&case.speeds)
             .into_iter()

@@ -4,8 +4,8 @@ use super::common::{Common, EngineName, pictures};
 use super::emit::{emit, tables};
 use crate::drop_test::{DropTest, Row, record};
 use crate::error::UserError;
-use crate::picture::{Axis, Color, Figure, Item, Panel};
-use crate::terminal::Chart;
+use plot::chart::Chart;
+use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -21,8 +21,8 @@ use crate::error::UserError;
 use crate::files::{self, read_text};
 #[cfg(unix)]
 use crate::link::live::Live;
+use crate::progress::Progress;
 use crate::table::{to_csv, to_parquet};
-use crate::terminal::Progress;
 
 /// A scenario behind a pseudo-terminal ends when it is interrupted; this is thirty years, s.
 #[cfg(unix)]

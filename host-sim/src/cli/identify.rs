@@ -9,10 +9,11 @@ use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::identify::ring::{self, Ring};
 use crate::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure, picture};
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::signal::Signal;
 use crate::table::to_csv;
-use crate::terminal::{Chart, Progress};
+use plot::chart::Chart;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -273,7 +274,7 @@ fn text(answer: &Answer) -> String {
             .map(|i| (i.impact as f64, i.model_peak_n));
         text.push('\n');
         text += &Chart::new("impact", "force peak, N")
-            .size(crate::terminal::terminal_width(), 10)
+            .size(plot::chart::terminal_width(), 10)
             .points("measured", seen.collect())
             .points("model", model.collect())
             .render();
@@ -281,12 +282,7 @@ fn text(answer: &Answer) -> String {
     text
 }
 
-fn figure(
-    rig: &NamedRig,
-    measured: &Measured,
-    fits: &[Fit],
-    settings: &Settings,
-) -> crate::picture::Figure {
+fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings) -> plot::Figure {
     let title = format!("Drop test {}: contact parameters", measured.name);
     let found = fits.first().map_or(String::new(), |fit| {
         let each = fit.parameters.iter().map(|p| {

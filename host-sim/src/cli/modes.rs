@@ -7,8 +7,9 @@ use super::drive::Over;
 use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
-use crate::picture::{Axis, Color, Figure, Item, Panel};
-use crate::terminal::{Chart, Progress};
+use crate::progress::Progress;
+use plot::chart::Chart;
+use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]

@@ -8,8 +8,9 @@ use crate::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
 use crate::continuation::{Along, End, Request, Special, curves, diagram, picture};
 use crate::engine::Engine;
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::rigfile::{self, NamedRig};
-use crate::terminal::{Chart, Progress};
+use plot::chart::Chart;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Axis {

@@ -11,8 +11,9 @@ use crate::lyapunov::{self, Exponents};
 use crate::poincare::against::{self, Against, Told};
 use crate::poincare::picture::{against_figure, figure};
 use crate::poincare::{Portrait, Request, SectionPoint, portrait};
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
-use crate::terminal::{Chart, Progress};
+use plot::chart::Chart;
 
 /// What the section is held against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -155,7 +156,7 @@ fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), Use
 }
 
 fn exponents(request: &Request) -> Result<Exponents, UserError> {
-    let rig = shared::rig::Rig::<f64>::new(&request.params)?;
+    let rig = shared::model::rig::Rig::<f64>::new(&request.params)?;
     let section = request
         .start
         .section(&rig, std::f64::consts::TAU * request.frequency_hz)?;

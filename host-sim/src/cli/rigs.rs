@@ -1,7 +1,7 @@
 //! `host-sim rigs`.
 
-use shared::contact::Law;
-use shared::params::{PRESETS, RigParams, SupportParams};
+use shared::model::contact::Law;
+use shared::model::params::{PRESETS, RigParams, SupportParams};
 
 use crate::error::UserError;
 use crate::rigfile;

@@ -9,10 +9,10 @@ use crate::engine::{
     Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
 };
 use crate::error::UserError;
-use crate::picture::{Axis, Color, Figure, Item, Panel, regime_color};
 use crate::rigfile::NamedRig;
 use crate::table::{Row, to_csv, to_parquet};
-use crate::terminal::Chart;
+use plot::chart::Chart;
+use plot::{Axis, Color, Figure, Item, Panel, regime_color};
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
@@ -146,7 +146,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     emit(common.format, &answer, row, || text(&answer, &recorder))
 }
 
-fn section_rows(seen: &Observation, rig: &shared::rig::Rig<f64>) -> Vec<SectionRow> {
+fn section_rows(seen: &Observation, rig: &shared::model::rig::Rig<f64>) -> Vec<SectionRow> {
     let row = |[q, v]: &[f64; 2]| SectionRow {
         relative_displacement_mm: rig.relative_displacement(*q) * 1e3,
         relative_velocity_m_per_s: rig.kinematics(*q, *v).rate,

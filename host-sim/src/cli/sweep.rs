@@ -7,10 +7,11 @@ use super::drive::Over;
 use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::pick::picture::by_regime;
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::progress::Progress;
 use crate::sweep::{Direction, Measured, MeasuredError, sweep};
 use crate::table::{Row, to_csv};
-use crate::terminal::{Chart, Progress};
+use plot::chart::Chart;
+use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]

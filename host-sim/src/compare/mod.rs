@@ -6,7 +6,7 @@ pub mod picture;
 mod simulated;
 
 use serde::Serialize;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use crate::engine::{Engine, Plan, Start};
 use crate::error::UserError;

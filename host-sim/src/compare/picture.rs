@@ -1,7 +1,7 @@
 //! Simulation (blue) and measurement (red) over each other, as the chapter draws them.
 
 use super::{Comparison, Frame, Row};
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Drive periods shown.
 const PERIODS: f64 = 6.0;

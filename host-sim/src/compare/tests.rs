@@ -1,6 +1,6 @@
 use super::*;
 use crate::engine::{Recorder, Start, machine, observe};
-use shared::params::{BEAM_170, WIRES};
+use shared::model::params::{BEAM_170, WIRES};
 
 const PLAN: Plan = Plan {
     cycles: 320,

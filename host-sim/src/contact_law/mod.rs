@@ -6,9 +6,9 @@ mod pull;
 pub mod undriven;
 
 use serde::Serialize;
-use shared::contact::Law;
-use shared::params::{BEAM_170, LAWS, RigParams, SupportParams};
-use shared::rig::Rig;
+use shared::model::contact::Law;
+use shared::model::params::{BEAM_170, LAWS, RigParams, SupportParams};
+use shared::model::rig::Rig;
 
 use crate::error::UserError;
 pub use pull::{Pull, unclamped};

@@ -1,11 +1,11 @@
 //! Figure 3.3 and its like: phase plane and force of single blows, restitution over speed.
 
-use shared::contact::Law;
-use shared::rig::Rig;
+use shared::model::contact::Law;
+use shared::model::rig::Rig;
 
 use super::{Row, blow, free_mass, motion, unclamped};
 use crate::error::UserError;
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Instants drawn per contact.
 const POINTS: usize = 300;

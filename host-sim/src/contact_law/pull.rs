@@ -1,6 +1,6 @@
 //! What a law would do if nothing kept it from pulling.
 
-use shared::rig::{Mode, Rig};
+use shared::model::rig::{Mode, Rig};
 
 use super::undriven::Blow;
 use crate::reference::Point;

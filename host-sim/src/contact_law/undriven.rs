@@ -3,7 +3,7 @@
 //! The steps and the location of the switches are the reference's ([`crate::reference`]), and so are the rig and
 //! its contact law; only the cart stands still, and errors are weighed by this motion's own size, not by a drive's.
 
-use shared::rig::{Mode, Rig};
+use shared::model::rig::{Mode, Rig};
 
 use crate::reference::flow::Field;
 use crate::reference::switching::{Arc, force_peak, locate};

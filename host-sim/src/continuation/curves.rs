@@ -1,13 +1,13 @@
 //! Where over gap and frequency the 1/1 doubles, folds and grazes: its special points at many gaps, joined to lines.
 
 use rayon::prelude::*;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::diagram::{Request, diagram};
 use super::family::{Node, dot, minus};
 use super::{Along, Special};
 use crate::error::UserError;
-use crate::terminal::Progress;
+use crate::progress::Progress;
 
 /// A line of special points of one kind, by rising gap.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Every curve of orbits that simulation at some frequencies (or gaps) finds, and the doubled ones they lead to.
 
-use shared::params::RigParams;
-use shared::regime::Regime;
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+use shared::model::rig::Rig;
 
 use super::family::{Along, Family, Node, between, dot, minus};
 use super::switching::doubled;
@@ -10,7 +10,7 @@ use super::{End, Special, Until, march};
 use crate::engine::Start;
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Plan};
-use crate::terminal::Progress;
+use crate::progress::Progress;
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use crate::orbit::{CLOSURE, Image, Orbit, after_periods};
 
@@ -87,7 +87,7 @@ impl Family {
         params: &RigParams,
         along: Along,
         periods: u8,
-    ) -> Result<Self, shared::params::ParamError> {
+    ) -> Result<Self, shared::model::params::ParamError> {
         let rig = Rig::<f64>::new(params)?;
         let scale = AMPLITUDES * rig.coordinate_scale();
         Ok(Self {

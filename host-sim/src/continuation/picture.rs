@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use super::curves::Line;
 use super::family::Node;
@@ -13,7 +13,7 @@ use super::{Along, Diagram, Family, Special};
 use crate::engine::Start;
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Plan};
-use crate::picture::{Axis, Color, Figure, Item, Mark, Panel, Stroke, regime_color};
+use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke, regime_color};
 
 /// What simulations show at their strobes: (parameter, value).
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! What is told of curves of orbits: a row per orbit and strobe, one per special point, one per curve.
 
 use serde::Serialize;
-use shared::rig::Rig;
+use shared::model::rig::Rig;
 
 use super::curves::Line;
 use super::family::Node;
@@ -165,7 +165,7 @@ pub fn names(diagram: &Diagram) -> Vec<String> {
 }
 
 /// Rows of the special points on lines over gap and frequency, named by kind and number.
-pub fn line_rows(params: &shared::params::RigParams, lines: &[Line]) -> Vec<SpecialRow> {
+pub fn line_rows(params: &shared::model::params::RigParams, lines: &[Line]) -> Vec<SpecialRow> {
     let number = |i: usize| {
         let kind = lines[i].special;
         1 + lines[..i].iter().filter(|l| l.special == kind).count()
@@ -239,7 +239,7 @@ fn special_row(diagram: &Diagram, node: &Node, kind: Special, name: &str) -> Spe
 }
 
 fn special_at(
-    params: &shared::params::RigParams,
+    params: &shared::model::params::RigParams,
     node: &Node,
     kind: Special,
     name: &str,
@@ -292,8 +292,12 @@ fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: &str) -> Vec<
 }
 
 /// Displacement (mm) and velocity relative to the cart (m/s) of a section point of `node`.
-pub fn seen(params: &shared::params::RigParams, node: &Node, section: [f64; 2]) -> (f64, f64) {
-    let params = shared::params::RigParams {
+pub fn seen(
+    params: &shared::model::params::RigParams,
+    node: &Node,
+    section: [f64; 2],
+) -> (f64, f64) {
+    let params = shared::model::params::RigParams {
         gap_m: node.gap_m,
         ..*params
     };

@@ -1,17 +1,17 @@
 //! Two bodies: hammer m in cart M, and the smooth flow of both between switches.
 //!
-//! The hammer's equation is [`shared::rig`]'s, relative to the cart. It is affine in the cart's acceleration
+//! The hammer's equation is [`shared::model::rig`]'s, relative to the cart. It is affine in the cart's acceleration
 //! ÿ, which enters as the inertial acceleration −ÿ: δ̈ = d0 − d1 ÿ. With the shaker's force Fs on the cart,
 //! M ÿ = Fs − m (ÿ + δ̈), so ÿ = (Fs − m d0)/(M + m (1 − d1)).
 
-use shared::rig::{Kinematics, Mode, Rig};
+use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::shaker::{Loop, Path};
 
 /// Where both bodies are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// The hammer's coordinate relative to the cart ([`shared::rig`]).
+    /// The hammer's coordinate relative to the cart ([`shared::model::rig`]).
     pub q: f64,
     /// Its rate.
     pub v: f64,

@@ -1,7 +1,7 @@
 //! The controller twice: in another processor behind two pipes, and in this one, bit for bit compared.
 //!
 //! The other processor closes the loop: its set-points move the plant. Whatever is asked of it is asked of the
-//! desktop's controller, too, and each pair of replies ([`shared::lockstep`]) is compared as bytes. As long as
+//! desktop's controller, too, and each pair of replies ([`shared::link::in_the_loop`]) is compared as bytes. As long as
 //! all are equal, the desktop alone would have made the same run.
 
 use std::collections::VecDeque;
@@ -9,7 +9,9 @@ use std::io::{Read, Write};
 
 use shared::control::{Birth, Command, Event, Lockstep, Refused, Status};
 use shared::io::{Frame, Output};
-use shared::lockstep::{LENGTH, MAX_EVENTS, MAX_MESSAGE, Reply, Request, decode, encode, length};
+use shared::link::in_the_loop::{
+    LENGTH, MAX_EVENTS, MAX_MESSAGE, Reply, Request, decode, encode, length,
+};
 use shared::settings::Settings;
 
 use super::local::birth;
@@ -256,7 +258,7 @@ pub fn end(requests: &mut impl Write) -> Result<(), UserError> {
 mod tests {
     use super::*;
     use shared::control::Mode;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
     use std::os::unix::net::UnixStream;
 
     /// Answers requests as the firmware does; `spoil` may change a set-point.

@@ -3,7 +3,7 @@
 use shared::control::{Birth, Command, Event, Lockstep, Refused, ResetCause, Status};
 use shared::fault::{Fault, Origin, Persisted, Record};
 use shared::io::{Frame, Output};
-use shared::params::ParamError;
+use shared::model::params::ParamError;
 use shared::settings::Settings;
 
 use super::under_test::{ControlUnderTest, Reset};

@@ -9,7 +9,7 @@
 use std::f64::consts::TAU;
 
 use rayon::prelude::*;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 use shared::settings::TICK_S;
 
 use super::bodies::State;

@@ -4,7 +4,7 @@ use shared::control::State;
 
 use super::log::state_name;
 use super::record::{BlockRow, Contact, Event, Observer, TickRow, What};
-use crate::picture::{Axis, Color, Figure, Item, Panel, Point, Stroke};
+use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
 /// Time between two points of a curve at first, s.
 const POINT_S: f64 = 0.05;
@@ -270,10 +270,10 @@ fn state_color(state: State) -> Option<Color> {
 mod tests {
     use shared::control::{Basin, Status};
     use shared::io::{Frame, Output};
-    use shared::regime::Regime;
+    use shared::model::regime::Regime;
 
     use super::*;
-    use crate::picture::render_svg;
+    use plot::render_svg;
 
     /// Watches `seconds` of a run: idle, a start at 1 s, a blow every half second, a fault at the end.
     fn watched(seconds: u32) -> Trace {
@@ -338,7 +338,7 @@ mod tests {
             lag_rad: 0.0,
             regime: Regime::None,
             peak_n: 0.0,
-            impulse_ns: 0.0,
+            impulse_n_s: 0.0,
             target_hz: 2.1,
             target_n: 0.0,
             basin: Basin::Unknown,

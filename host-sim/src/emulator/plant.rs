@@ -4,8 +4,8 @@
 //! tenth (so that the force sensor's filter has its samples). Both switches are located by bisection on steps
 //! of the integrator itself, to [`TIME_TOLERANCE_S`].
 
-use shared::params::{ParamError, RigParams};
-use shared::rig::{Kinematics, Mode, Rig};
+use shared::model::params::{ParamError, RigParams};
+use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::bodies::{Bodies, State, Totals};
 use super::record::Contact;

@@ -273,8 +273,8 @@ fn in_words(what: &Saying) -> String {
         }
         Saying::Best {
             frequency_hz,
-            impulse_ns,
-        } => format!("best so far: {frequency_hz:.3} Hz, {impulse_ns:.4} N s per contact"),
+            impulse_n_s,
+        } => format!("best so far: {frequency_hz:.3} Hz, {impulse_n_s:.4} N s per contact"),
         Saying::RegimeLost => "1/1 lost".into(),
         Saying::Doubling { frequency_hz } => format!("doubling at {frequency_hz:.3} Hz"),
         Saying::Basin(basin) => format!("basin: {}", basin_name(*basin)),

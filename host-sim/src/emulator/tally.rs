@@ -2,7 +2,7 @@
 
 use shared::control::{State, Status};
 use shared::fault::{Fault, Origin, Record};
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::record::{Contact, Event, TickRow, What};
 use super::scenario::{Change, Scenario};

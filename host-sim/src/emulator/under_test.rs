@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 use shared::control::{Command, Event, Mode, Refused, State, Status};
 use shared::io::{DacCode, Frame, Output};
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 use shared::settings::{Settings, TICK_S};
 
 /// Why the controller starts.
@@ -155,7 +155,7 @@ impl ControlUnderTest for FixedFrequency {
             lag_rad: 0.0,
             regime: Regime::None,
             peak_n: 0.0,
-            impulse_ns: 0.0,
+            impulse_n_s: 0.0,
             target_hz: 0.0,
             target_n: 0.0,
             basin: shared::control::Basin::Unknown,

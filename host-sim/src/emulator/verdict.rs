@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use shared::control::Basin;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::optimum::{Optimum, prescribed, two_bodies};
 use super::scenario::Scenario;

@@ -1,7 +1,7 @@
 //! Everything outside the controller: DAC, shaker, rig, sensors, ADC. One tick at a time.
 
 use shared::io::{Frame, Output, sample};
-use shared::params::{ParamError, RigParams};
+use shared::model::params::{ParamError, RigParams};
 
 use super::mock::{MockActuator, MockAdc};
 use super::plant::Plant;

@@ -1,8 +1,8 @@
 //! The reference behind the engines' interface.
 
-use shared::contacts::Period;
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::contacts::Period;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use super::{Machine, Recorder, Sample};
 use crate::error::UserError;
@@ -73,7 +73,7 @@ impl Observer for Sampler<'_> {
             self.recorder.samples.push(sample);
         };
         let (start, end) = (segment.start.t, segment.end.t);
-        if segment.mode == shared::rig::Mode::Contact {
+        if segment.mode == shared::model::rig::Mode::Contact {
             const PIECES: usize = 6;
             (0..=PIECES).for_each(|i| take(start + (end - start) * i as f64 / PIECES as f64));
             return;

@@ -5,10 +5,10 @@ mod event;
 pub mod recorder;
 pub mod switch;
 
-use shared::contacts::Period;
-use shared::params::RigParams;
-use shared::regime::{Detector, Regime};
-use shared::rig::Rig;
+use shared::model::contacts::Period;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
+use shared::model::rig::Rig;
 
 use crate::error::UserError;
 use crate::reference::Contact;

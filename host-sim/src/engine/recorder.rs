@@ -1,6 +1,6 @@
 //! What is kept of a run for pictures and tables.
 
-use shared::rig::Rig;
+use shared::model::rig::Rig;
 
 use crate::reference::Contact;
 

@@ -1,13 +1,13 @@
 //! The switch model of `shared` behind the engines' interface: any of its steppers, in f32 or f64.
 
 use shared::Real;
-use shared::contacts::Period;
-use shared::drive::{Drive, Stamp, TURN};
-use shared::params::RigParams;
-use shared::rig::Rig;
-use shared::step::{Banded, Corrected, Smoothed, State, Stepper};
-use shared::switch::Band;
-use shared::twin::Twin;
+use shared::model::contacts::Period;
+use shared::model::drive::{Drive, Stamp, TURN};
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+use shared::model::step::{Banded, Corrected, Smoothed, State, Stepper};
+use shared::model::switch::Band;
+use shared::model::twin::Twin;
 
 use super::{Machine, Recorder, Sample};
 use crate::error::UserError;
@@ -160,7 +160,7 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
     /// Keeps a finished contact and, now and then and always in contact, a sample.
     fn record(
         &self,
-        contact: Option<&shared::contacts::Contact<R>>,
+        contact: Option<&shared::model::contacts::Contact<R>>,
         force: R,
         recorder: &mut Recorder,
     ) {

@@ -6,9 +6,9 @@ use crate::basins::picture::parts;
 use crate::basins::{Basins, Query, Summary, cells, explore};
 use crate::engine::Engine;
 use crate::error::UserError;
-use crate::picture::{render_png, render_svg};
+use crate::progress::Progress;
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::{render_png, render_svg};
 
 /// A part per figure: its two points share nothing with the others'.
 pub const PARTS: [Part; 6] = [

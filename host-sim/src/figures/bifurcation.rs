@@ -1,6 +1,6 @@
 //! Bifurcation diagrams: figures 3.27–3.35 (wires, whole and in detail) and 3.43–3.45 (beams).
 
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::section::{files, rig};
 use super::{Effort, Page};
@@ -10,10 +10,10 @@ use crate::engine::Engine;
 use crate::error::UserError;
 use crate::lanes::Plan;
 use crate::lyapunov;
-use crate::picture::Figure;
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::sweep::{Direction, spread};
-use crate::terminal::Progress;
+use plot::Figure;
 
 /// Frequencies of the chapter's range on a rig, Hz: Ω/ω as 1.41 to 7.28 Hz on the wires.
 fn range(params: &RigParams, count: usize) -> Vec<f64> {

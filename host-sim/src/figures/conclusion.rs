@@ -1,7 +1,7 @@
 //! The chapter's conclusion: which frequency, and why in the field at 0.0 mm. Every rig is asked at three gaps.
 
 use serde::Serialize;
-use shared::params::preset;
+use shared::model::params::preset;
 
 use super::{Effort, Page, drawn, stem};
 use crate::basins::{Query, explore};
@@ -10,10 +10,10 @@ use crate::engine::Engine;
 use crate::error::UserError;
 use crate::pick::uncertainty::Uncertainty;
 use crate::pick::{Limits, Pick, jumping_at, pick};
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::progress::Progress;
 use crate::rigfile::{NamedRig, with_number};
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Every rig, and the gaps the chapter measures it at, mm.
 const RIGS: [(&str, [f64; 3]); 4] = [

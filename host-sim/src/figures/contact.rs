@@ -1,7 +1,7 @@
 //! Figures 3.3 (blows of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the four laws over
 //! approach speed.
 
-use shared::params::{RigParams, TABLE_3_1, WIRES};
+use shared::model::params::{RigParams, TABLE_3_1, WIRES};
 
 use super::{Effort, Page, drawn, stem};
 use crate::contact_law::picture::{blows, grid, over_speed};
@@ -9,10 +9,10 @@ use crate::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
 use crate::drop_test::{DropTest, record};
 use crate::error::UserError;
 use crate::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure, picture};
-use crate::picture::Figure;
+use crate::progress::Progress;
 use crate::signal::Signal;
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::Figure;
 
 /// Figure 3.3, and the four laws beside each other (beyond figure 3.2, which is a drawing).
 ///

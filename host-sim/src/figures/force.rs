@@ -2,17 +2,17 @@
 //! rest, and carried up and down, which shows the jumps.
 
 use serde::Serialize;
-use shared::params::{RigParams, preset};
-use shared::rig::Rig;
+use shared::model::params::{RigParams, preset};
+use shared::model::rig::Rig;
 
 use super::{Effort, Page, drawn, stem};
 use crate::engine::Start;
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Outcome, Plan};
-use crate::picture::{Axis, Color, Figure, Item, Panel, regime_group};
+use crate::progress::Progress;
 use crate::sweep::{jumps, spread};
 use crate::table::{Row, tidy, to_csv};
-use crate::terminal::Progress;
+use plot::{Axis, Color, Figure, Item, Panel, regime_group};
 
 /// Up and down count as different when their forces differ by more than this share.
 const JUMP_SHARE: f64 = 0.1;

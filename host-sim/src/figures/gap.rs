@@ -5,10 +5,10 @@ use crate::error::UserError;
 use crate::pick::gap_picture::figure;
 use crate::pick::gaps::{GapAdvice, advise};
 use crate::pick::{Limits, Uncertainty};
-use crate::picture::{render_png, render_svg};
+use crate::progress::Progress;
 use crate::rigfile;
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::{render_png, render_svg};
 
 /// The one part.
 pub const PARTS: [Part; 1] = [("gap advice", &["gap advice"], pages)];

@@ -2,8 +2,8 @@
 //! switch model disagrees.
 
 use serde::Serialize;
-use shared::params::preset;
-use shared::regime::Regime;
+use shared::model::params::preset;
+use shared::model::regime::Regime;
 
 use super::{Effort, Page, drawn, stem};
 use crate::engine::Setting;
@@ -13,11 +13,11 @@ use crate::map::agree::percent;
 use crate::map::measured::{Measured, hits};
 use crate::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
 use crate::map::{Agreement, Grid, Map, Request, Runner, alikeness, picture, run};
-use crate::picture::Figure;
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::sweep::{Direction, spread};
 use crate::table::{to_csv, to_parquet};
-use crate::terminal::Progress;
+use plot::Figure;
 
 /// Points at which the chapter shows measurement and computation together (figures 3.16–3.23) and names the regime:
 /// gap (mm), Ω/ω, p, n.

@@ -13,8 +13,8 @@ pub mod section;
 pub mod switch;
 
 use crate::error::UserError;
-use crate::picture::{Figure, render_png, render_svg};
-use crate::terminal::Progress;
+use crate::progress::Progress;
+use plot::{Figure, render_png, render_svg};
 
 /// One figure of the chapter (or one beyond it), made again.
 #[derive(Clone, Debug, PartialEq)]

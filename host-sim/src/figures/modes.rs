@@ -4,10 +4,10 @@ use super::{Effort, Page, drawn, stem};
 use crate::engine::Plan as Cycles;
 use crate::error::UserError;
 use crate::modes::{Beam, Plan, Row, Tip};
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use crate::progress::Progress;
 use crate::rigfile::{self, NamedRig};
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Numbers of modes compared.
 const COUNTS: [usize; 4] = [1, 2, 3, 5];

@@ -1,17 +1,17 @@
 //! Beyond the chapter's figures: the periodic orbits behind its bifurcation diagrams, stable and unstable, and where
 //! over the Peterka map the 1/1 doubles, folds and grazes.
 
-use shared::params::{RigParams, WIRES};
-use shared::rig::Rig;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::rig::Rig;
 
 use super::{Effort, Page, drawn, stem};
 use crate::continuation::table::{Answer, line_rows};
 use crate::continuation::{Along, Request, Special, curves, diagram, picture};
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Plan};
-use crate::picture::{Axis, Figure, Item, Panel, Raster, edges};
+use crate::progress::Progress;
 use crate::table::{tidy, to_csv};
-use crate::terminal::Progress;
+use plot::{Axis, Figure, Item, Panel, Raster, edges};
 
 /// A gap of the chapter's diagrams and what it says of it.
 struct Diagrammed {

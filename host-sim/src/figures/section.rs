@@ -1,16 +1,16 @@
 //! Sections, and the smoothing method against the switch: figures 3.4 and 3.16–3.23.
 
 use serde::Serialize;
-use shared::params::PRESETS;
+use shared::model::params::PRESETS;
 
 use super::{Effort, Page, drawn, stem};
 use crate::engine::Start;
 use crate::error::UserError;
-use crate::picture::Figure;
 use crate::poincare::{self, against};
+use crate::progress::Progress;
 use crate::rigfile::{NamedRig, with_number};
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::Figure;
 
 /// The preset called `name` at `gap_mm`.
 pub(super) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {

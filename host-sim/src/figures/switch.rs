@@ -2,18 +2,18 @@
 //! band with Runge–Kutta steps, and the four subspaces during one impact.
 
 use serde::Serialize;
-use shared::params::{BEAM_170, RigParams};
-use shared::rig::Rig;
-use shared::switch::{Band, Subspace, classify};
+use shared::model::params::{BEAM_170, RigParams};
+use shared::model::rig::Rig;
+use shared::model::switch::{Band, Subspace, classify};
 
 use super::{Effort, Page, drawn, stem};
 use crate::engine::{
     Engine, Machine, Method, Precision, Recorder, Sample, Setting, Start, machine,
 };
 use crate::error::UserError;
-use crate::picture::{Axis, Color, Figure, Item, Mark, Panel};
+use crate::progress::Progress;
 use crate::table::to_csv;
-use crate::terminal::Progress;
+use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// A mass on a spring: the beam rig at 170 mm, its stop 1 mm away, driven at 1.5 times its own frequency.
 const STOP: RigParams = RigParams {

@@ -3,9 +3,9 @@
 //! Impacts are compared one by one, the n-th with the n-th, each shifted in time to where it fits best: the flight
 //! in between is not what is sought, and the surface's flexibility makes it differ (section 3.3.2).
 
-use shared::contact::Law;
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use super::Misfit;
 use super::contacts::{Impact, Measured};

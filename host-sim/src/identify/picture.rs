@@ -1,10 +1,10 @@
 //! Figures 3.9 and 3.10 and what stands behind them: force of the first impacts, peaks over impact number, and the
 //! misfit over each parameter.
 
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::{Fit, Measured, beside};
-use crate::picture::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Impacts whose force is drawn.
 const DRAWN: usize = 2;
@@ -79,7 +79,7 @@ pub fn peaks(fits: &[Fit]) -> Panel {
             color: Color::RED,
             label: "measured".into(),
             radius: 4.0,
-            mark: crate::picture::Mark::Circle,
+            mark: plot::Mark::Circle,
         });
     }
     panel
@@ -122,7 +122,7 @@ fn profile(fit: &Fit, i: usize) -> Option<Panel> {
             x: end * scale,
             label: String::new(),
             color: Color::GREY,
-            stroke: crate::picture::Stroke::Dotted,
+            stroke: plot::Stroke::Dotted,
         });
     }
     Some(panel)

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use serde::Serialize;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::contacts::Measured;
 use super::search::nelder_mead;

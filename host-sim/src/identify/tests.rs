@@ -1,6 +1,6 @@
 use super::*;
 use crate::drop_test::{DropTest, record};
-use shared::params::{LAWS, WIRES};
+use shared::model::params::{LAWS, WIRES};
 
 const SETTINGS: Settings = Settings {
     release_m: -3e-3,

@@ -1,8 +1,8 @@
 //! What is sought, where it is sought, and where the searches begin.
 
-use shared::contact::Law;
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use super::contacts::Measured;
 use super::{Family, Settings};

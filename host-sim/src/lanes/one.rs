@@ -1,7 +1,7 @@
 //! One cell by one of the engines, without lanes.
 
-use shared::contacts::Period;
-use shared::regime::{Detector, MAX_PERIODS, SECTION_TOLERANCE};
+use shared::model::contacts::Period;
+use shared::model::regime::{Detector, MAX_PERIODS, SECTION_TOLERANCE};
 
 use super::{Cell, Outcome, Plan, Strobe};
 use crate::engine::{Engine, Start, machine_at, within_reach};

@@ -9,7 +9,7 @@ use shared::link::{
     Device, Exchange, ForecastPage, Given, Hello, Identified, Name, Notes, PROTOCOL_VERSION,
     Refusal,
 };
-use shared::params::ParamError;
+use shared::model::params::ParamError;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 /// Blocks kept while nobody takes them: two seconds of blocks of ten.

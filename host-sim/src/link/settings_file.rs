@@ -194,7 +194,7 @@ fn kind_name(kind: DriveKind) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::{BEAM_150, PRESETS, WIRES};
+    use shared::model::params::{BEAM_150, PRESETS, WIRES};
 
     #[test]
     fn what_is_written_reads_back_the_same_onto_any_base() {

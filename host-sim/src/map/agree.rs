@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand::seq::index::sample;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 
 use super::compute::cell_from_rest;
 use super::request::Request;
@@ -12,8 +12,8 @@ use super::{Map, MapCell};
 use crate::engine::Engine;
 use crate::error::UserError;
 use crate::lanes::{Plan, by_engine};
+use crate::progress::Progress;
 use crate::sweep::Direction;
-use crate::terminal::Progress;
 
 /// Two forces are the same when they differ by no more than this share of the larger.
 pub const FORCE_TOLERANCE: f64 = 1e-3;
@@ -233,7 +233,7 @@ mod tests {
     use super::*;
     use crate::map::Grid;
     use crate::rigfile::NamedRig;
-    use shared::params::{BEAM_150, BEAM_170, RigParams};
+    use shared::model::params::{BEAM_150, BEAM_170, RigParams};
 
     fn cell(regime: Regime, force_n: f64, uncertain: bool) -> MapCell {
         MapCell {

@@ -1,6 +1,6 @@
 //! The cells of one tile.
 
-use shared::rig::Rig;
+use shared::model::rig::Rig;
 
 use super::MapCell;
 use super::request::{Request, Runner};

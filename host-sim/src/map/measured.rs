@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
-use shared::regime::{MAX_PERIODS, Regime};
+use shared::model::regime::{MAX_PERIODS, Regime};
 
 use super::Map;
 use super::agree::{places, same_label};

@@ -13,7 +13,7 @@ mod store;
 pub mod summary;
 
 use serde::{Deserialize, Serialize, Serializer};
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 
 pub use self::agree::{Agreement, Alikeness, alikeness, audit};
 pub use self::request::{Request, Runner};

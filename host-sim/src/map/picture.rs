@@ -1,9 +1,9 @@
 //! Pictures of maps (figures 3.24–3.26 and 3.46–3.51), over Ω/ω and gap/A0 as the chapter draws them.
 
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 
 use super::Map;
-use crate::picture::{
+use plot::{
     Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges, regime_color, regime_group,
 };
 
@@ -178,9 +178,9 @@ fn regime_panel(map: &Map) -> Panel {
 mod tests {
     use super::*;
     use crate::map::{Grid, MapCell};
-    use crate::picture::render_svg;
     use crate::rigfile::NamedRig;
-    use shared::params::WIRES;
+    use plot::render_svg;
+    use shared::model::params::WIRES;
 
     fn map(regimes: &[Regime]) -> Map {
         let cell = |regime: &Regime| MapCell {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::ops::Range;
 
 use crc::{CRC_64_XZ, Crc};
-use shared::params::{RigParams, WIRES};
+use shared::model::params::{RigParams, WIRES};
 
 use super::Grid;
 use crate::engine::{Setting, check_frequency};
@@ -190,7 +190,7 @@ pub fn chapter_frequencies_hz(params: &RigParams) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::PRESETS;
+    use shared::model::params::PRESETS;
 
     #[test]
     fn the_default_is_the_chapter_s_grid_over_the_same_ratios_for_every_rig() {

@@ -9,7 +9,7 @@ use super::request::Request;
 use super::store::Store;
 use super::{Map, MapCell};
 use crate::error::UserError;
-use crate::terminal::Progress;
+use crate::progress::Progress;
 
 /// Makes the map of `request`. Tiles that `store` has are taken from it, the others are computed and kept there.
 /// The same map comes out whatever was there before, and for any number of threads.

@@ -1,7 +1,7 @@
 //! What a map comes to, in a few numbers.
 
 use serde::Serialize;
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 
 use super::{Label, Map};
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use shared::contacts::{Contact as Finished, Ledger, Period, Piece};
-use shared::drive::{Stamp, TURN};
+use shared::model::contacts::{Contact as Finished, Ledger, Period, Piece};
+use shared::model::drive::{Stamp, TURN};
 
 use super::contact::{Contact, Step};
 use super::flight::Flight;

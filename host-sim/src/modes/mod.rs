@@ -20,8 +20,8 @@ pub use beam::{Beam, BendingMode, Tip};
 pub use hammer::{Hammer, Watch};
 pub use observe::{Plan, Row, Seen, observe};
 
-use shared::contact::Law;
-use shared::params::{RigParams, SupportParams};
+use shared::model::contact::Law;
+use shared::model::params::{RigParams, SupportParams};
 
 use crate::error::UserError;
 

@@ -2,19 +2,19 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use shared::contacts::Period;
-use shared::params::RigParams;
-use shared::regime::{Detector, Regime};
+use shared::model::contacts::Period;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
 
 use super::flight::Flight;
 use super::hammer::{Hammer, Watch};
 use super::{Beam, MAX_MODES, ModalRig, PerMode, State, Tip};
 use crate::engine::Plan as Cycles;
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::reference::flow::Totals;
 use crate::rigfile::NamedRig;
 use crate::table::tidy;
-use crate::terminal::Progress;
 
 /// Samples of a flight per drive period: fine enough for a 900 Hz mode at 4 Hz drive, and for the extremes of the
 /// displacement to some 1e-4 of them.

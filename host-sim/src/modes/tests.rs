@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use shared::params::{BEAM_135, BEAM_150, BEAM_170, WIRES};
+use shared::model::params::{BEAM_135, BEAM_150, BEAM_170, WIRES};
 
 use super::flight::Flight;
 use super::*;
@@ -255,7 +255,7 @@ fn what_cannot_be_modelled_is_refused() {
     assert!(refused(BEAM_170, BEAM, 9).contains("from 1 to 8"));
     assert!(refused(at_gap(BEAM_170, -1e-3), BEAM, 2).contains("gap_mm is -1"));
     let hertz = RigParams {
-        contact: shared::params::LAWS[1].1,
+        contact: shared::model::params::LAWS[1].1,
         ..BEAM_170
     };
     assert!(refused(hertz, BEAM, 2).contains("spring-dashpot"));

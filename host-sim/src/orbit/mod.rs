@@ -2,8 +2,8 @@
 
 mod watch;
 
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 use crate::dual::Dual;
 use crate::reference::{Contact, Reference};
@@ -16,7 +16,7 @@ pub struct Orbit {
     pub frequency_hz: f64,
     /// Drive periods after which it repeats.
     pub periods: u8,
-    /// Coordinate and rate on the section, in the rig's coordinate ([`shared::rig`]).
+    /// Coordinate and rate on the section, in the rig's coordinate ([`shared::model::rig`]).
     pub section: [f64; 2],
     /// Every point on the section, `section` first: one for each drive period.
     pub strobes: Vec<[f64; 2]>,

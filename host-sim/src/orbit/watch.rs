@@ -1,6 +1,6 @@
 //! What is seen along an orbit: its contacts, its near misses, and whether the contact law was obeyed.
 
-use shared::rig::Mode;
+use shared::model::rig::Mode;
 
 use crate::reference::{Contact, Observer, Segment};
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::Serialize;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::sensitivity::Sensitivity;
 use super::uncertainty::Uncertainty;

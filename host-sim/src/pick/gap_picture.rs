@@ -1,7 +1,7 @@
 //! The picture of the gap advice: force, frequency and safe band, basin and multiplier over the gap.
 
 use super::gaps::{GapAdvice, GapRow};
-use crate::picture::{Axis, Color, Figure, Item, Mark, Panel};
+use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// Four panels over the gap; gaps that jump carry an orange diamond.
 pub fn figure(advice: &GapAdvice) -> Figure {

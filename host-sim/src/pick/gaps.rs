@@ -8,9 +8,9 @@ use crate::basins::start::{self, Drive, Fate, Window};
 use crate::basins::{Query, Share};
 use crate::engine::Engine;
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::rigfile::{NamedRig, with_number};
 use crate::table::tidy;
-use crate::terminal::Progress;
 
 /// A run ends on the orbit picked when the middle of its section is this near to the orbit's, in A0 and A0 Ω.
 const ON_ORBIT: f64 = 0.05;
@@ -325,7 +325,7 @@ fn why(rows: &[GapRow], advised: Option<&GapRow>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     fn made_up(gap_mm: f64, force: f64, jumps: bool, basin: f64) -> GapRow {
         let mut params = WIRES;

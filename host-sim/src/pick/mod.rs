@@ -16,16 +16,16 @@ pub mod sensitivity;
 pub mod uncertainty;
 
 use rayon::prelude::*;
-use shared::rig::Rig;
+use shared::model::rig::Rig;
 
 use crate::branch::{Branch, End, one_one_branches};
 use crate::engine::{Engine, Plan, Start};
 use crate::error::UserError;
 use crate::orbit::Orbit;
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::sweep::{Direction, jumps, single, spread, sweep};
 use crate::table::{Row, tidy};
-use crate::terminal::Progress;
 pub use answer::{Answer, jumping_at};
 use answer::{shaker, why};
 use choose::Field;

@@ -1,8 +1,8 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
 use super::Pick;
-use crate::picture::{Axis, Color, Figure, Item, OTHER_PERIODIC, Panel};
 use crate::table::Row;
+use plot::{Axis, Color, Figure, Item, OTHER_PERIODIC, Panel};
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
 

@@ -2,7 +2,7 @@
 //! every limit allows.
 
 use rayon::prelude::*;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 use super::uncertainty::Member;
 use crate::branch::Branch;
@@ -198,7 +198,7 @@ pub fn interval_where(
 mod tests {
     use super::*;
     use crate::branch::one_one_branches;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     #[test]
     fn the_maximum_is_found_inside_at_an_edge_and_against_a_limit() {

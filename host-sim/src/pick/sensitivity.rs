@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use shared::contact::Law;
-use shared::params::{RigParams, SupportParams};
+use shared::model::contact::Law;
+use shared::model::params::{RigParams, SupportParams};
 
 use super::uncertainty::scale_contact;
 use crate::branch::Branch;
@@ -186,7 +186,7 @@ fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     #[test]
     fn the_closed_form_gives_the_known_contact() {

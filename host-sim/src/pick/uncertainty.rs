@@ -3,8 +3,8 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-use shared::contact::Law;
-use shared::params::RigParams;
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
 
 /// Half-widths of what is not known exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -146,7 +146,7 @@ pub fn scale_contact(law: &Law<f64>, by_stiffness: f64, by_damping: f64) -> Law<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::params::WIRES;
+    use shared::model::params::WIRES;
 
     #[test]
     fn members_are_all_corners_and_the_same_samples_for_the_same_seed() {

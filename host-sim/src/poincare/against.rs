@@ -3,16 +3,16 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use shared::contacts::Period;
-use shared::regime::Detector;
-use shared::rig::Rig;
+use shared::model::contacts::Period;
+use shared::model::regime::Detector;
+use shared::model::rig::Rig;
 
 use super::cloud::{Apart, apart};
 use super::{Portrait, Request, portrait};
 use crate::error::UserError;
 use crate::lyapunov::{self, Exponents};
+use crate::progress::Progress;
 use crate::reference::smoothed::SmoothedReference;
-use crate::terminal::Progress;
 
 /// One width of the smoothing.
 #[derive(Clone, Debug)]

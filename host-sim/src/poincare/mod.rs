@@ -8,14 +8,14 @@ pub mod picture;
 use std::f64::consts::TAU;
 
 use serde::Serialize;
-use shared::params::RigParams;
-use shared::regime::{Detector, Regime};
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
+use shared::model::rig::Rig;
 
 use crate::engine::{self, Engine, Recorder, Sample, Start, machine, observe};
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::reference::{Observer, Reference, Segment};
-use crate::terminal::Progress;
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +123,7 @@ pub fn portrait(request: &Request, progress: &Progress) -> Result<Portrait, User
     let scale = rig.coordinate_scale();
     let mut detector = Detector::new(scale, scale * omega);
     let (q, v) = hammer.state();
-    detector.push(q, v, &shared::contacts::Period::default());
+    detector.push(q, v, &shared::model::contacts::Period::default());
     let mut sections = vec![Vec::with_capacity(request.points as usize); times.len()];
     let (mut force_n, steps) = (0.0_f64, hammer.steps());
     for period in 0..u64::from(request.points) {

@@ -3,8 +3,8 @@
 use super::against::Against;
 use super::{Portrait, Request, SectionPoint, TRAJECTORY_PERIODS};
 use crate::engine::Sample;
-use crate::picture::{Axis, Color, Figure, Item, Panel, regime_color};
 use crate::rigfile::NamedRig;
+use plot::{Axis, Color, Figure, Item, Panel, regime_color};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
 const VELOCITY: &str = "velocity relative to the cart, m/s";

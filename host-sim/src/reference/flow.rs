@@ -1,8 +1,8 @@
 //! The smooth flow on one side of the switch: adaptive steps of Dormand–Prince 8(5,3).
 
 use shared::Real;
-use shared::rig::{Kinematics, Mode, Rig};
-use shared::step::Smoothed;
+use shared::model::rig::{Kinematics, Mode, Rig};
+use shared::model::step::Smoothed;
 
 use super::tableau::{A, B, C, E3, E5, STAGES};
 use crate::dual::Dual;

@@ -14,9 +14,9 @@ pub mod tableau;
 
 use std::f64::consts::TAU;
 
-use shared::contacts::{CHATTER_STAY_S, Period};
-use shared::params::{ParamError, RigParams};
-use shared::rig::{Mode, Rig};
+use shared::model::contacts::{CHATTER_STAY_S, Period};
+use shared::model::params::{ParamError, RigParams};
+use shared::model::rig::{Mode, Rig};
 
 pub use flow::{Point, Scalar, Totals};
 
@@ -152,7 +152,7 @@ impl<R: Scalar> Reference<R> {
         Self::new(params, frequency_hz, rig.rest(), R::ZERO)
     }
 
-    /// A hammer at drive phase 0 at coordinate `q` and rate `v` (see [`shared::rig`] for the coordinate).
+    /// A hammer at drive phase 0 at coordinate `q` and rate `v` (see [`shared::model::rig`] for the coordinate).
     ///
     /// # Errors
     /// The first parameter out of range.

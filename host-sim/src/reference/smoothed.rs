@@ -5,9 +5,9 @@
 
 use std::f64::consts::TAU;
 
-use shared::params::RigParams;
-use shared::rig::{Mode, Rig};
-use shared::step::Smoothed;
+use shared::model::params::RigParams;
+use shared::model::rig::{Mode, Rig};
+use shared::model::step::Smoothed;
 
 use super::flow::{Field, Point, Scalar};
 use super::{FIRST_STEP_S, MAX_STEPS_PER_PERIOD, STEPS_PER_PERIOD, TOLERANCE};
@@ -49,7 +49,7 @@ impl<R: Scalar> SmoothedReference<R> {
         }
         if matches!(
             params.contact,
-            shared::contact::Law::LankaraniNikravesh { .. }
+            shared::model::contact::Law::LankaraniNikravesh { .. }
         ) {
             return Err(UserError::new(
                 "the smoothing method has no onset, which the Lankarani-Nikravesh law needs; choose another law",

@@ -4,7 +4,7 @@
 //! interior points and at every extremum of the indicator, so that a crossing and return inside one step
 //! is found; what the quintic suspects is then decided, and located, by steps of the integrator itself.
 
-use shared::rig::Mode;
+use shared::model::rig::Mode;
 
 use super::flow::{Field, Point, Scalar};
 use crate::golden::maximum;
@@ -156,7 +156,7 @@ fn exact_end<R: Scalar>(field: &Field<R>, end: &Point<R>, sign: f64) -> f64 {
 /// What a metre of penetration adds to the indicator.
 fn indicator_per_metre<R: Scalar>(field: &Field<R>) -> f64 {
     match field.rig.law() {
-        shared::contact::Law::SpringDashpot { stiffness, .. } => stiffness.to_f64(),
+        shared::model::contact::Law::SpringDashpot { stiffness, .. } => stiffness.to_f64(),
         _ => 1.0,
     }
 }

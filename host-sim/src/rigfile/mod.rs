@@ -5,7 +5,7 @@ mod table;
 
 use std::path::Path;
 
-use shared::params::{PRESETS, RigParams, preset};
+use shared::model::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::error::UserError;
@@ -248,8 +248,8 @@ pub(crate) fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::contact::Law;
-    use shared::params::{LAWS, SupportParams};
+    use shared::model::contact::Law;
+    use shared::model::params::{LAWS, SupportParams};
 
     fn file(text: &str) -> Result<NamedRig, UserError> {
         let dir = tempfile::tempdir().unwrap();

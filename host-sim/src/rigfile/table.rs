@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use shared::contact::Law;
-use shared::params::{LAWS, RigParams, SupportParams, Torque};
+use shared::model::contact::Law;
+use shared::model::params::{LAWS, RigParams, SupportParams, Torque};
 use toml::Value;
 
 use super::{KEYS, nearest};

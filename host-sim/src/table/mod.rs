@@ -5,7 +5,7 @@ mod parquet;
 mod read;
 
 use serde::Serialize;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 
 pub use self::parquet::to_parquet;
 pub use self::read::{Line, read_columns};

@@ -3,8 +3,10 @@
 use host_sim::emulator::bodies::State;
 use host_sim::emulator::plant::Plant;
 use host_sim::emulator::shaker::{Path, ShakerParams};
-use shared::contact::Law;
-use shared::params::{BEAM_150, LAWS, PRESETS, RigParams, SupportParams, TABLE_3_1, Torque, WIRES};
+use shared::model::contact::Law;
+use shared::model::params::{
+    BEAM_150, LAWS, PRESETS, RigParams, SupportParams, TABLE_3_1, Torque, WIRES,
+};
 
 use crate::support::{TICK_S, sine};
 

@@ -84,7 +84,7 @@ impl Observer for Watch {
             s.measured_amplitude_m,
             s.lag_rad,
             s.peak_n,
-            s.impulse_ns,
+            s.impulse_n_s,
             s.target_hz,
             s.target_n,
         ];

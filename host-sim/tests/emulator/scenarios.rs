@@ -8,7 +8,7 @@ use host_sim::emulator::run::run;
 use host_sim::emulator::scenario::{BUILTIN, load, parse};
 use host_sim::emulator::under_test::FixedFrequency;
 use host_sim::emulator::verdict::judge_by;
-use shared::params::{BEAM_150, WIRES};
+use shared::model::params::{BEAM_150, WIRES};
 
 use crate::support::TICK_S;
 

@@ -5,7 +5,7 @@ use host_sim::emulator::plant::Plant;
 use host_sim::emulator::sensors::{Defect, Errors, Noise, Sensor, SensorParams, Sensors};
 use host_sim::emulator::shaker::{Path, ShakerParams};
 use shared::io::{AdcCode, DacCode, Output, Reading, sample};
-use shared::params::{RigParams, WIRES};
+use shared::model::params::{RigParams, WIRES};
 use shared::settings::Settings;
 
 use crate::support::{TICK_S, on_the_sine, rest, sine};

@@ -5,9 +5,9 @@ use host_sim::emulator::record::Contact;
 use host_sim::emulator::shaker::ShakerParams;
 use host_sim::orbit::shoot;
 use host_sim::reference::{self, Reference};
-use shared::contacts::Period;
-use shared::params::{BEAM_135, BEAM_150, RigParams, WIRES};
-use shared::regime::{Detector, Regime};
+use shared::model::contacts::Period;
+use shared::model::params::{BEAM_135, BEAM_150, RigParams, WIRES};
+use shared::model::regime::{Detector, Regime};
 
 use crate::support::{TICK_S, contacts, on_the_sine, rest, sine};
 
@@ -74,7 +74,7 @@ fn regime_of_plant(params: &RigParams, hz: f64) -> Regime {
         for k in 0..per_period as u64 {
             let before = plant.bodies().mode;
             plant.tick(sine(params, hz, tick_s, k), true);
-            let onset = before != plant.bodies().mode && before == shared::rig::Mode::Flight;
+            let onset = before != plant.bodies().mode && before == shared::model::rig::Mode::Flight;
             period.onsets += u16::from(onset);
             period.touched |= plant.touched();
         }

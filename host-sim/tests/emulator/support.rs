@@ -6,8 +6,8 @@ use host_sim::emulator::bodies::State;
 use host_sim::emulator::plant::Plant;
 use host_sim::emulator::record::Contact;
 use host_sim::emulator::shaker::Path;
-use shared::params::RigParams;
-use shared::rig::Rig;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
 
 /// The controller's tick, s.
 pub const TICK_S: f64 = 50e-6;

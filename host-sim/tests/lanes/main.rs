@@ -6,9 +6,9 @@ use host_sim::lanes::{
     run_serial, run_with,
 };
 use rand::{Rng, SeedableRng};
-use shared::params::{BEAM_150, RigParams, WIRES};
-use shared::regime::Regime;
-use shared::rig::Rig;
+use shared::model::params::{BEAM_150, RigParams, WIRES};
+use shared::model::regime::Regime;
+use shared::model::rig::Rig;
 
 fn cell(rig: RigParams, gap_m: f64, frequency_hz: f64) -> Cell {
     let params = RigParams { gap_m, ..rig };
@@ -281,7 +281,7 @@ fn grazing_is_told_rightly_or_flagged() {
 
 #[test]
 fn what_lanes_cannot_run_goes_to_the_reference_and_what_cannot_be_is_an_error() {
-    let hertz = shared::params::LAWS[1].1;
+    let hertz = shared::model::params::LAWS[1].1;
     let mut one = cell(WIRES, 0.5e-3, 3.0);
     one.params.contact = hertz;
     let plan = Plan {

@@ -1,7 +1,7 @@
 //! Energy and momentum: what goes in comes out, on every rig.
 
 use host_sim::reference::{Contact, Observer, Reference, Segment};
-use shared::params::{PRESETS, RigParams, SupportParams, Torque};
+use shared::model::params::{PRESETS, RigParams, SupportParams, Torque};
 
 use crate::support::close;
 

@@ -5,8 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use shared::contact::Law;
-use shared::params::{BEAM_150, RigParams, SupportParams};
+use shared::model::contact::Law;
+use shared::model::params::{BEAM_150, RigParams, SupportParams};
 
 pub const NATURAL_HZ: f64 = 5.25;
 pub const ZETA: f64 = 0.02;

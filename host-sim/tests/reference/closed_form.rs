@@ -2,12 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use shared::drive::Drive;
-use shared::params::TABLE_3_1;
-use shared::rig::Rig;
-use shared::step::{Banded, Corrected, State};
-use shared::switch::Band;
-use shared::twin::Twin;
+use shared::model::drive::Drive;
+use shared::model::params::TABLE_3_1;
+use shared::model::rig::Rig;
+use shared::model::step::{Banded, Corrected, State};
+use shared::model::switch::Band;
+use shared::model::twin::Twin;
 
 use crate::support::{STANDSTILL_HZ, close, free_mass, reference_contact, stepped_contact};
 

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use host_sim::reference::{Contact, Observer, Reference, Segment};
-use shared::params::{BEAM_150, PRESETS, RigParams, SupportParams};
-use shared::rig::Mode;
+use shared::model::params::{BEAM_150, PRESETS, RigParams, SupportParams};
+use shared::model::rig::Mode;
 
 /// A linear oscillator without damping, released from rest: its flight is known in closed form.
 fn linear(gap_m: f64) -> RigParams {

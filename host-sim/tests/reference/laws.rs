@@ -1,7 +1,7 @@
-//! The laws' presets in `shared::params::LAWS`, solved anew.
+//! The laws' presets in `shared::model::params::LAWS`, solved anew.
 
-use shared::contact::Law;
-use shared::params::LAWS;
+use shared::model::contact::Law;
+use shared::model::params::LAWS;
 
 use crate::support::{close, reference_contact};
 

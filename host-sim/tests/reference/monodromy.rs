@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use host_sim::orbit::{Orbit, shoot};
 use host_sim::reference::{Contact, Reference};
-use shared::params::{PRESETS, RigParams, SupportParams};
-use shared::rig::Rig;
+use shared::model::params::{PRESETS, RigParams, SupportParams};
+use shared::model::rig::Rig;
 
 use crate::support::close;
 

@@ -5,9 +5,9 @@ use host_sim::engine::Switch;
 use host_sim::engine::{Machine, Precision};
 use host_sim::orbit::{Orbit, shoot};
 use host_sim::reference::Reference;
-use shared::params::{BEAM_150, RigParams, TABLE_3_1};
-use shared::step::{Banded, Corrected, Smoothed, Stepper};
-use shared::switch::Band;
+use shared::model::params::{BEAM_150, RigParams, TABLE_3_1};
+use shared::model::step::{Banded, Corrected, Smoothed, Stepper};
+use shared::model::switch::Band;
 
 use crate::support::{close, stepped_contact};
 

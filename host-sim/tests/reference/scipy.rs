@@ -5,8 +5,8 @@ use std::path::Path;
 use host_sim::engine::{Engine, Observation, Plan, Recorder, Start, machine, observe};
 use host_sim::reference::{Contact, Reference};
 use serde_json::Value;
-use shared::contact::Law;
-use shared::params::{RigParams, SupportParams, preset};
+use shared::model::contact::Law;
+use shared::model::params::{RigParams, SupportParams, preset};
 
 use crate::support::{close, reference_contact};
 

@@ -6,9 +6,9 @@ use host_sim::continuation::{
 };
 use host_sim::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use host_sim::orbit::{shoot, shoot_periods};
-use host_sim::terminal::Progress;
-use shared::params::{RigParams, WIRES};
-use shared::regime::Regime;
+use host_sim::progress::Progress;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::regime::Regime;
 
 use crate::bouncing::{Bouncing, NATURAL_HZ, ZETA, bouncing, stiffened};
 use crate::support::close;

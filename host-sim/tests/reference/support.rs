@@ -1,13 +1,13 @@
 //! What the tests share.
 
 use host_sim::reference::{Contact, Reference};
-use shared::contact::Law;
-use shared::drive::Drive;
-use shared::params::{BEAM_170, RigParams, SupportParams};
-use shared::rig::Rig;
-use shared::scalar::Real;
-use shared::step::{State, Stepper};
-use shared::twin::Twin;
+use shared::model::contact::Law;
+use shared::model::drive::Drive;
+use shared::model::params::{BEAM_170, RigParams, SupportParams};
+use shared::model::rig::Rig;
+use shared::model::scalar::Real;
+use shared::model::step::{State, Stepper};
+use shared::model::twin::Twin;
 
 /// Drive frequency of [`free_mass`], Hz: so slow that nothing happens during a contact.
 pub const STANDSTILL_HZ: f64 = 0.1;
@@ -46,7 +46,7 @@ pub fn stepped_contact<R: Real, S: Stepper<R>>(
     (mass_kg, law, approach): (f64, Law<f64>, f64),
     tick_s: f64,
     onset_ticks: f64,
-) -> shared::contacts::Contact<R> {
+) -> shared::model::contacts::Contact<R> {
     let rig = Rig::<R>::new(&free_mass(mass_kg, law)).unwrap();
     let q = -approach * tick_s * onset_ticks;
     let state = State::new(&rig, R::from_f64(q), R::from_f64(approach));

@@ -47,7 +47,7 @@ pub enum Advice {
         /// The move, in steps.
         moved: f32,
         /// Mean impulse of the best point measured, N·s.
-        impulse_ns: f32,
+        impulse_n_s: f32,
     },
 }
 
@@ -84,13 +84,13 @@ impl Climb {
         self.middle_hz * (1.0 + offset * self.probe.step)
     }
 
-    /// A drive period with one contact of `impulse_ns` has ended at [`Self::frequency_hz`].
-    pub fn strobe(&mut self, impulse_ns: f32) -> Advice {
+    /// A drive period with one contact of `impulse_n_s` has ended at [`Self::frequency_hz`].
+    pub fn strobe(&mut self, impulse_n_s: f32) -> Advice {
         if self.settle > 0 {
             self.settle -= 1;
             return Advice::Stay;
         }
-        self.sum += impulse_ns;
+        self.sum += impulse_n_s;
         self.count += 1;
         if self.count < self.probe.periods {
             return Advice::Stay;
@@ -111,7 +111,7 @@ impl Climb {
         Advice::Top {
             frequency_hz: self.middle_hz * (1.0 + moved * self.probe.step),
             moved,
-            impulse_ns: low.max(middle).max(high),
+            impulse_n_s: low.max(middle).max(high),
         }
     }
 

@@ -10,13 +10,13 @@ use super::search::Search;
 use super::self_test::SelfTest;
 use super::trim::Trim;
 use super::{Basin, Birth, Command, Mode, Refused, ResetCause, State, Status};
-use crate::drive::Drive;
 use crate::fault::{Fault, Persisted, Record};
 use crate::forecast::{Forecast, MAX_ROWS, Request, Row};
-use crate::identify::Identify;
 use crate::io::{Frame, Output};
-use crate::params::{ParamError, RigParams};
-use crate::regime::Regime;
+use crate::model::drive::Drive;
+use crate::model::params::{ParamError, RigParams};
+use crate::model::regime::Regime;
+use crate::sense::identify::Identify;
 use crate::sense::{Sense, Strobe};
 use crate::settings::{Settings, TICK_RATE_HZ};
 
@@ -343,7 +343,7 @@ impl Controller {
             lag_rad: last.lag_rad,
             regime: self.regime,
             peak_n: last.peak_n,
-            impulse_ns: last.impulse_ns,
+            impulse_n_s: last.impulse_n_s,
             target_hz: target.map_or(0.0, |t| t.frequency_hz),
             target_n: target.map_or(0.0, |t| t.orbit.force_n),
             basin: self.basin,

@@ -44,7 +44,7 @@ pub enum What {
         /// Frequency, Hz.
         frequency_hz: f32,
         /// Mean impulse per contact there, N·s.
-        impulse_ns: f32,
+        impulse_n_s: f32,
     },
     /// 1/1 was lost; it is sought again.
     RegimeLost,

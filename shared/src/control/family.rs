@@ -60,7 +60,7 @@ impl Family {
         if momentum <= 0.0 {
             return None;
         }
-        let ratio = pulse.impulse_ns / momentum;
+        let ratio = pulse.impulse_n_s / momentum;
         let outside = !(IMPULSE_RANGE.0..=IMPULSE_RANGE.1).contains(&ratio);
         let bad = run(&mut self.bad_pulses, outside, BAD_PULSES);
         if bad {
@@ -99,7 +99,7 @@ fn trip(origin: Origin, value: f32) -> Option<Trip> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
 
     fn family() -> Family {
         Family::new(&Settings::for_rig(&WIRES))
@@ -114,7 +114,7 @@ mod tests {
     fn contacts_no_contact_can_make_trip_and_possible_ones_do_not() {
         let pulse = |ratio: f32| Pulse {
             approach_m_per_s: 0.08,
-            impulse_ns: ratio * 0.298 * 0.08,
+            impulse_n_s: ratio * 0.298 * 0.08,
             ..Pulse::default()
         };
         let at = |relative_m: f32| Pulse {

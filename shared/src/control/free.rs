@@ -4,7 +4,7 @@
 //! left out: 0 on wires, 0.004 on beams). Where that is less than the gap, swinging free lasts beside
 //! striking, and a hammer that has lost the surface does not come back by itself.
 
-use crate::params::RigParams;
+use crate::model::params::RigParams;
 
 /// Share by which the free swing must pass the gap before contact is taken for certain.
 const MARGIN: f32 = 1.2;
@@ -53,7 +53,7 @@ impl FreeSwing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
 
     #[test]
     fn at_no_gap_it_must_touch_everywhere_and_at_a_large_one_near_resonance() {

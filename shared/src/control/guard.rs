@@ -3,9 +3,9 @@
 //! Counts are consecutive ticks, so that a single spoilt sample trips nothing; latencies are in the fault
 //! table of the documentation, and held by tests.
 
-use crate::drive::Stamp;
 use crate::fault::{Fault, Origin};
 use crate::io::{AdcCode, Channel, Frame, Reading};
+use crate::model::drive::Stamp;
 use crate::sense::Sample;
 use crate::settings::Settings;
 
@@ -211,7 +211,7 @@ fn trip(fault: Fault, origin: Origin, value: f32) -> Option<Trip> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
 
     fn at(cycle: u32, phase: u32) -> Stamp {
         Stamp { cycle, phase }

@@ -3,7 +3,7 @@
 use super::{Birth, Controller};
 use crate::forecast::{Forecast, Forecaster};
 use crate::io::{Frame, Output};
-use crate::params::ParamError;
+use crate::model::params::ParamError;
 use crate::settings::Settings;
 
 /// What an exchange brought, besides the outputs.

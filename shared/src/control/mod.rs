@@ -39,7 +39,7 @@ pub use trim::bits;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::Record;
-use crate::regime::Regime;
+use crate::model::regime::Regime;
 
 /// Samples in a block at most.
 pub const MAX_BLOCK: usize = 32;
@@ -147,7 +147,7 @@ pub struct Status {
     /// Measured peak force of the last drive period, N.
     pub peak_n: f32,
     /// Mean impulse per contact over the last drive periods, N·s.
-    pub impulse_ns: f32,
+    pub impulse_n_s: f32,
     /// The forecast's target, Hz; 0: none yet.
     pub target_hz: f32,
     /// The forecast's force there, N.

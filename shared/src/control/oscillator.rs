@@ -1,7 +1,7 @@
 //! The numeric oscillator behind the drive: phase-continuous, with slew-limited frequency and amplitude.
 
-use crate::drive::{Drive, DriveError};
 use crate::io::{DacCode, Output};
+use crate::model::drive::{Drive, DriveError};
 use crate::settings::{DriveKind, DriveSettings, TICK_S};
 
 /// A set-point per tick for a shaker's DAC, or a frequency set-point for a motor drive.
@@ -152,7 +152,7 @@ fn towards(from: f32, to: f32, step: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
     use crate::settings::Settings;
 
     #[test]

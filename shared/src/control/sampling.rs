@@ -5,9 +5,9 @@ use super::event::What;
 use super::search::Step;
 use super::trim::bits;
 use super::{Basin, State};
-use crate::identify::Estimates;
 use crate::io::Frame;
-use crate::params::RigParams;
+use crate::model::params::RigParams;
+use crate::sense::identify::Estimates;
 use crate::sense::{Pulse, Sample, Strobe};
 use crate::settings::DriveKind;
 
@@ -28,7 +28,7 @@ const GAP_SIGMA_M: f32 = 1e-5;
 
 /// The rig of the settings with what has been identified surely enough in place of what was set. Contact
 /// stiffness and damping stay as set: they cannot be told well enough from 20 kHz samples
-/// ([`crate::identify`]), and hardly move the target.
+/// ([`crate::sense::identify`]), and hardly move the target.
 fn learned(set: &RigParams, believed: &RigParams, found: &Estimates) -> RigParams {
     let mut rig = *believed;
     if let Some(natural) = found.natural_hz
@@ -163,14 +163,14 @@ impl Controller {
             Step::On => {}
             Step::Best {
                 frequency_hz,
-                impulse_ns,
+                impulse_n_s,
                 found,
             } => {
                 self.events.push(
                     self.tick,
                     What::Best {
                         frequency_hz,
-                        impulse_ns,
+                        impulse_n_s,
                     },
                 );
                 if found {

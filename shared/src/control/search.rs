@@ -7,7 +7,7 @@
 
 use super::climb::{Advice, Climb, Probe};
 use crate::forecast::Target;
-use crate::regime::Regime;
+use crate::model::regime::Regime;
 use crate::sense::Strobe;
 
 /// Distance kept from the ends of the forecast's stable band, relative.
@@ -52,7 +52,7 @@ pub enum Step {
         /// Frequency, Hz.
         frequency_hz: f32,
         /// Impulse per contact, N·s.
-        impulse_ns: f32,
+        impulse_n_s: f32,
         /// Whether Seek is over with it.
         found: bool,
     },
@@ -232,7 +232,7 @@ impl Search {
     fn climb(&mut self, mut climb: Climb, strobe: &Strobe, good: bool) -> Step {
         // A point measured at a bound, and not where it was asked for, would bend the parabola.
         let advice = if good {
-            climb.strobe(strobe.impulse_ns)
+            climb.strobe(strobe.impulse_n_s)
         } else {
             Advice::Stay
         };
@@ -246,12 +246,12 @@ impl Search {
             Advice::Top {
                 frequency_hz,
                 moved,
-                impulse_ns,
-            } => self.topped(frequency_hz, moved, impulse_ns),
+                impulse_n_s,
+            } => self.topped(frequency_hz, moved, impulse_n_s),
         }
     }
 
-    fn topped(&mut self, frequency_hz: f32, moved: f32, impulse_ns: f32) -> Step {
+    fn topped(&mut self, frequency_hz: f32, moved: f32, impulse_n_s: f32) -> Step {
         let top_hz = self.clear(frequency_hz);
         let held = libm::fabsf(top_hz - self.best_hz) < FOUND_STEPS * Probe::SEEK.step * top_hz;
         self.best_hz = top_hz;
@@ -264,14 +264,14 @@ impl Search {
             self.leg = Leg::Rest { periods: 0 };
             return Step::Best {
                 frequency_hz: top_hz,
-                impulse_ns,
+                impulse_n_s,
                 found: first,
             };
         }
         self.leg = self.start_climb();
         Step::Best {
             frequency_hz: top_hz,
-            impulse_ns,
+            impulse_n_s,
             found: false,
         }
     }

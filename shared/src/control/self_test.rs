@@ -123,7 +123,7 @@ impl SelfTest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
 
     fn run(sample: impl Fn(f32) -> Sample) -> (u32, Result<Zero, Trip>) {
         let mut test = SelfTest::new(&Settings::for_rig(&WIRES));

@@ -125,7 +125,7 @@ impl Trim {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
 
     fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
         for _ in 0..periods {

@@ -10,7 +10,7 @@ use super::settle::{Settle, Settled};
 use super::shoot::{Progress, Shoot, Solution};
 use super::stretch::Stretch;
 use super::{Forecast, MAX_ROWS, Request, Row};
-use crate::regime::Regime;
+use crate::model::regime::Regime;
 
 /// A run that ends this close to a stable 1/1 (in A0 and A0 Ω) is settling on it, however slowly.
 const NEAR_THE_ORBIT: f32 = 0.05;

@@ -11,14 +11,14 @@
 
 use core::f32::consts::TAU;
 
-use crate::contact::Law;
-use crate::contacts::{Ledger, Period};
-use crate::drive::{Drive, Stamp};
-use crate::params::{ParamError, RigParams};
-use crate::rig::{Mode, Rig};
-use crate::scalar::Real;
-use crate::step::{Corrected, Location, Span, State, piece};
-use crate::tangent::Tangent;
+use crate::model::contact::Law;
+use crate::model::contacts::{Ledger, Period};
+use crate::model::drive::{Drive, Stamp};
+use crate::model::params::{ParamError, RigParams};
+use crate::model::rig::{Mode, Rig};
+use crate::model::scalar::Real;
+use crate::model::step::{Corrected, Location, Span, State, piece};
+use crate::model::tangent::Tangent;
 
 /// Steps per drive period in flight.
 pub const STEPS_PER_PERIOD: u32 = 32;
@@ -142,7 +142,7 @@ pub struct Stretch {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Notes {
     /// ∫F dt since the notes were cleared, N·s.
-    pub impulse_ns: f32,
+    pub impulse_n_s: f32,
     /// The latest onset, and the penetration rate there, m/s.
     pub onset: Option<(Stamp, f32)>,
 }
@@ -230,7 +230,7 @@ impl March {
         let leg = Corrected::leg(rig, &span, &self.state, self.fresh, LOCATION);
         if self.state.mode == Mode::Contact {
             let piece = piece(rig, &span, (from, leg.at), &self.state, &leg.moved);
-            self.notes.impulse_ns += piece.impulse;
+            self.notes.impulse_n_s += piece.impulse;
             self.ledger.add(&piece);
         }
         self.state = leg.moved.state;

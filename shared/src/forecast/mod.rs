@@ -18,8 +18,8 @@ pub use forecaster::Forecaster;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use crate::params::RigParams;
-use crate::regime::Regime;
+use crate::model::params::RigParams;
+use crate::model::regime::Regime;
 
 /// Frequencies of a forecast at most.
 pub const MAX_ROWS: usize = 40;
@@ -57,7 +57,7 @@ pub struct Orbit {
     /// Peak contact force, N.
     pub force_n: f32,
     /// Impulse of the contact, N·s.
-    pub impulse_ns: f32,
+    pub impulse_n_s: f32,
     /// Approach speed, m/s.
     pub approach_m_per_s: f32,
     /// Drive phase at onset, turns.
@@ -176,7 +176,7 @@ impl Digest {
             return self.word(0);
         };
         self.number(orbit.force_n);
-        self.number(orbit.impulse_ns);
+        self.number(orbit.impulse_n_s);
         self.number(orbit.approach_m_per_s);
         self.number(orbit.onset_turns);
         self.number(orbit.trace);

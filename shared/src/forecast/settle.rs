@@ -2,8 +2,8 @@
 //! work set aside for it is done.
 
 use super::march::{March, Model, Setup, Stretch};
-use crate::regime::{Detector, Regime};
-use crate::scalar::Real;
+use crate::model::regime::{Detector, Regime};
+use crate::model::scalar::Real;
 
 /// The detector starts anew after these periods: what a transient left in its window would hide a
 /// repetition for good.

@@ -4,8 +4,8 @@
 use super::Orbit;
 use super::march::{March, Model, Setup, Stretch};
 use super::variation::Variation;
-use crate::contacts::Period;
-use crate::drive::TURN;
+use crate::model::contacts::Period;
+use crate::model::drive::TURN;
 
 /// Newton's steps before giving up.
 const ITERATIONS: u8 = 8;
@@ -166,13 +166,13 @@ impl Shoot {
         };
         let orbit = Orbit {
             force_n: period.peak_force,
-            impulse_ns: notes.impulse_ns,
+            impulse_n_s: notes.impulse_n_s,
             approach_m_per_s: approach,
             onset_turns: onset.phase as f32 * (1.0 / TURN) as f32,
             trace,
             determinant,
         };
-        if !(orbit.force_n.is_finite() && orbit.impulse_ns.is_finite()) {
+        if !(orbit.force_n.is_finite() && orbit.impulse_n_s.is_finite()) {
             return Progress::Lost;
         }
         Progress::Found(Solution {

@@ -5,7 +5,7 @@ use super::Target;
 use super::forecaster::{Forecaster, Stage};
 use super::refine::{Edge, Known, Peak, is_neighbour};
 use super::settle::Settled;
-use crate::regime::Regime;
+use crate::model::regime::Regime;
 
 /// The stretch of stable 1/1 that holds the target.
 #[derive(Clone, Copy, Debug, Default)]

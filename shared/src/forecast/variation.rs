@@ -6,11 +6,11 @@
 //! after the switch the rate has v′ + (a⁻ − a⁺) t_e′; the coordinate, whose rate does not jump, keeps q′.
 
 use super::march::{Model, Setup, Stretch};
-use crate::drive::Drive;
-use crate::rig::{Mode, Rig};
-use crate::scalar::Real;
-use crate::step::{Corrected, Span, State};
-use crate::tangent::Tangent;
+use crate::model::drive::Drive;
+use crate::model::rig::{Mode, Rig};
+use crate::model::scalar::Real;
+use crate::model::step::{Corrected, Span, State};
+use crate::model::tangent::Tangent;
 
 /// A hammer with its derivatives by the section it started on.
 #[derive(Clone, Copy, Debug)]

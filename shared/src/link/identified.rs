@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::identify::Identify;
+use crate::sense::identify::Identify;
 
 /// What the controller has learned of its rig. `None`: not told yet, or never plausibly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

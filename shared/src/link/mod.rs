@@ -31,10 +31,12 @@
 
 mod codec;
 mod identified;
+pub mod in_the_loop;
 mod message;
 mod queue;
 mod recording;
 mod session;
+pub mod store;
 #[cfg(test)]
 mod tests;
 
@@ -50,7 +52,7 @@ pub use recording::{Exchange, Given, MAX_GIVEN, Notes, Recording};
 pub use session::{Device, Session};
 
 /// Changes when an existing message does.
-pub const PROTOCOL_VERSION: u16 = 1;
+pub const PROTOCOL_VERSION: u16 = 2;
 
 /// Bits per second on the board's serial port, 8 data bits, no parity, 1 stop bit. Divides without a
 /// remainder on both ends of a NUCLEO-F446RE's virtual port (45 MHz / 20 and 36 MHz / 16), and carries a

@@ -7,8 +7,8 @@ use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, State, Status};
 use crate::fault::{Fault, Origin, Record};
 use crate::forecast::{Forecast, Orbit, Row, Target};
 use crate::io::{Frame, Output};
-use crate::params::{LAWS, PRESETS, WIRES};
-use crate::regime::Regime;
+use crate::model::params::{LAWS, PRESETS, WIRES};
+use crate::model::regime::Regime;
 use crate::settings::Settings;
 
 /// Numbers that postcard writes longest.
@@ -53,7 +53,7 @@ fn idle(tick: u32) -> Status {
         lag_rad: 0.0,
         regime: Regime::None,
         peak_n: 0.0,
-        impulse_ns: 0.0,
+        impulse_n_s: 0.0,
         target_hz: 0.0,
         target_n: 0.0,
         basin: Basin::Unknown,
@@ -65,7 +65,7 @@ fn idle(tick: u32) -> Status {
 fn forecast(rows: usize) -> Forecast {
     let orbit = Orbit {
         force_n: 96.0,
-        impulse_ns: 0.03,
+        impulse_n_s: 0.03,
         approach_m_per_s: 0.08,
         onset_turns: 0.2,
         trace: -0.4,
@@ -116,8 +116,8 @@ fn longest_answers() -> Vec<Answer> {
     ];
     for (_, rig) in PRESETS {
         for (_, contact) in LAWS {
-            let mut rig = crate::params::RigParams { contact, ..rig };
-            if let crate::params::SupportParams::Beams {
+            let mut rig = crate::model::params::RigParams { contact, ..rig };
+            if let crate::model::params::SupportParams::Beams {
                 cubic_stiffness_n_per_m3,
                 ..
             } = &mut rig.support

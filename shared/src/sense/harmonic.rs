@@ -104,7 +104,7 @@ impl Harmonic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::Drive;
+    use crate::model::drive::Drive;
 
     /// The cart over 5 periods at 2.73 Hz with an offset, and a ramp of speed after a blow once per period.
     fn measure(amplitude: f64, lag: f64, blow: f64) -> Fundamental {
@@ -118,7 +118,7 @@ mod tests {
                 cycle = now.cycle;
                 last = harmonic.strobe();
             }
-            let phase = f64::from(now.phase) / crate::drive::TURN;
+            let phase = f64::from(now.phase) / crate::model::drive::TURN;
             let angle = core::f64::consts::TAU * phase - lag;
             // What a position loop leaves of a blow at phase 0.3: gone after a tenth of a period.
             let since = phase - 0.3;

@@ -14,14 +14,15 @@
 //! must use the samples.
 
 pub mod harmonic;
+pub mod identify;
 pub mod observer;
 pub mod pulse;
 pub mod section;
 
 use serde::{Deserialize, Serialize};
 
-use crate::drive::Drive;
-use crate::regime::Regime;
+use crate::model::drive::Drive;
+use crate::model::regime::Regime;
 use crate::settings::{Settings, TICK_S};
 
 use harmonic::Harmonic;
@@ -50,7 +51,7 @@ pub struct Pulse {
     /// Largest force sample, N (the surface's ringing included).
     pub peak_n: f32,
     /// ∫F dt, N·s.
-    pub impulse_ns: f32,
+    pub impulse_n_s: f32,
     /// Time above the upper threshold, onset to first fall, interpolated, s; the fall is that of the force
     /// without its ringing.
     pub duration_s: f32,
@@ -74,7 +75,7 @@ pub struct Strobe {
     /// Largest force sample of the period, N.
     pub peak_n: f32,
     /// Impulse of the period's contacts, N·s.
-    pub impulse_ns: f32,
+    pub impulse_n_s: f32,
     /// Largest displacement of the hammer relative to the cart in the period, m, either way.
     pub travel_m: f32,
     /// Cart amplitude at the drive frequency, m.
@@ -189,7 +190,7 @@ impl Sense {
         self.harmonic.tick(sample.cart_m, sin, cos);
         let cart = self.harmonic.last();
         // A restart of the drive's phase is no frequency.
-        let angle = if increment <= crate::drive::MAX_INCREMENT {
+        let angle = if increment <= crate::model::drive::MAX_INCREMENT {
             increment as f32 * ANGLE_PER_PHASE
         } else {
             0.0
@@ -275,13 +276,13 @@ impl Sense {
         if let Some(current) = &mut self.current {
             let pulse = &mut current.pulse;
             pulse.peak_n = blow.peak_n;
-            pulse.impulse_ns = blow.sum_n * TICK;
+            pulse.impulse_n_s = blow.sum_n * TICK;
             pulse.duration_s = (blow.first_fall + blow.crossed_before) * TICK;
             current.ended = true;
-            let impulse_ns = pulse.impulse_ns;
-            self.period.impulse_ns += impulse_ns;
+            let impulse_n_s = pulse.impulse_n_s;
+            self.period.impulse_n_s += impulse_n_s;
             self.section
-                .impulse(current.cycle, current.phase, impulse_ns);
+                .impulse(current.cycle, current.phase, impulse_n_s);
         }
     }
 
@@ -335,7 +336,7 @@ impl Sense {
 }
 
 /// rad per unit of the drive's phase.
-const ANGLE_PER_PHASE: f32 = (core::f64::consts::TAU / crate::drive::TURN) as f32;
+const ANGLE_PER_PHASE: f32 = (core::f64::consts::TAU / crate::model::drive::TURN) as f32;
 
 #[inline]
 fn largest(so_far: f32, value: f32) -> f32 {

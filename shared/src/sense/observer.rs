@@ -21,7 +21,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::params::SupportParams;
+use crate::model::params::SupportParams;
 use crate::settings::Settings;
 
 /// Ticks per correction.
@@ -274,7 +274,7 @@ const MARGIN: u32 = 5;
 fn hold_ticks(settings: &Settings, tick_s: f32) -> u32 {
     let rig = &settings.rig;
     let stiffness = match rig.contact {
-        crate::contact::Law::SpringDashpot { stiffness, .. } => stiffness,
+        crate::model::contact::Law::SpringDashpot { stiffness, .. } => stiffness,
         // The nonlinear presets make the contact of Table 3.1.
         _ => 5.5e6,
     };
@@ -286,7 +286,7 @@ fn hold_ticks(settings: &Settings, tick_s: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::WIRES;
+    use crate::model::params::WIRES;
     use crate::settings::TICK_S;
     use std::vec::Vec;
 

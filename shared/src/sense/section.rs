@@ -1,6 +1,6 @@
 //! The measured regime z = p/n.
 //!
-//! The model's detector ([`crate::regime::Detector`]) asks for a section that repeats to 1e-3; a measured one
+//! The model's detector ([`crate::model::regime::Detector`]) asks for a section that repeats to 1e-3; a measured one
 //! never does. Here a drive period is described by what survives noise: the number of contacts, their
 //! impulse, the phase of the first onset, and the observer's displacement and rate at drive phase 0. Over
 //! a window of up to [`WINDOW`] periods every n up to [`LONGEST`] is tried: the periods are sorted into n
@@ -29,7 +29,7 @@
 mod fit;
 
 use super::Measured;
-use crate::regime::Regime;
+use crate::model::regime::Regime;
 use fit::{Entry, FEATURES, Fit, fit_of};
 
 /// Drive periods looked at.
@@ -115,11 +115,11 @@ impl Book {
         }
     }
 
-    fn impulse(&mut self, cycle: u32, impulse_ns: f32) {
+    fn impulse(&mut self, cycle: u32, impulse_n_s: f32) {
         let entry = self.slot(cycle);
         // None booked: the contact outlasted its period's closing.
         if entry.contacts > 0 {
-            entry.features[0] += impulse_ns;
+            entry.features[0] += impulse_n_s;
         }
     }
 
@@ -276,10 +276,10 @@ impl Section {
     }
 
     /// A contact that began then has ended, with this impulse, N·s.
-    pub fn impulse(&mut self, cycle: u32, phase: u32, impulse_ns: f32) {
-        self.at_zero.impulse(cycle, impulse_ns);
+    pub fn impulse(&mut self, cycle: u32, phase: u32, impulse_n_s: f32) {
+        self.at_zero.impulse(cycle, impulse_n_s);
         let (cycle, _) = half_later(cycle, phase);
-        self.at_half.impulse(cycle, impulse_ns);
+        self.at_half.impulse(cycle, impulse_n_s);
     }
 
     /// Displacement (in A0) and rate (in A0 Ω) at the start of period `cycle`.

@@ -6,8 +6,8 @@ use shared::forecast::{Forecast, Row};
 use shared::link::{
     Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
 };
-use shared::params::WIRES;
-use shared::regime::Regime;
+use shared::model::params::WIRES;
+use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 /// Obeys everything and remembers the settings.

@@ -1,9 +1,9 @@
 //! Bytes in the settings' flash.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use shared::params::WIRES;
+use shared::link::store::{IMAGE_BYTES, Loaded, Saved, Store};
+use shared::model::params::WIRES;
 use shared::settings::Settings;
-use shared::store::{IMAGE_BYTES, Loaded, Saved, Store};
 
 use super::CRC_32;
 

@@ -1,7 +1,7 @@
 //! Every contact is seen once, and measured.
 
 use host_sim::reference::Contact;
-use shared::params::{BEAM_150, RigParams, WIRES};
+use shared::model::params::{BEAM_150, RigParams, WIRES};
 use shared::sense::Pulse;
 use shared::settings::{Settings, TICK_S};
 
@@ -74,7 +74,7 @@ fn impulse_is_within_two_percent_if_the_ringing_has_none_of_its_own() {
     for ring in [Ring::None, Ring::Mode, Ring::Cosine] {
         let seen = watch(&settings, &WIRES, 1.5, &Sensors { ring, ..REAL });
         let pairs = matched(&seen);
-        let (mean, scatter) = spread(pairs.iter().map(|(c, p)| off(p.impulse_ns, c.impulse_n_s)));
+        let (mean, scatter) = spread(pairs.iter().map(|(c, p)| off(p.impulse_n_s, c.impulse_n_s)));
         assert!(mean.abs() < 0.02, "{mean}");
         assert!(scatter < 0.03, "{scatter}");
     }
@@ -82,7 +82,7 @@ fn impulse_is_within_two_percent_if_the_ringing_has_none_of_its_own() {
     // 8 % of the contact's. Momentum, m (approach + rebound), is not touched by it.
     let seen = watch(&settings, &WIRES, 1.5, &REAL);
     let pairs = matched(&seen);
-    let (mean, _) = spread(pairs.iter().map(|(c, p)| off(p.impulse_ns, c.impulse_n_s)));
+    let (mean, _) = spread(pairs.iter().map(|(c, p)| off(p.impulse_n_s, c.impulse_n_s)));
     assert!(mean > -0.1 && mean < -0.03, "{mean}");
     let momentum = |p: &Pulse| WIRES.mass_kg as f32 * (p.approach_m_per_s + p.rebound_m_per_s);
     let (mean, _) = spread(pairs.iter().map(|(c, p)| off(momentum(p), c.impulse_n_s)));

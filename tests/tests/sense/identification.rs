@@ -1,8 +1,8 @@
 //! What the rig tells of itself, with true parameters that differ from what is believed.
 
-use shared::contact::Law;
-use shared::identify::{Estimate, Estimates};
-use shared::params::{BEAM_150, RigParams, WIRES};
+use shared::model::contact::Law;
+use shared::model::params::{BEAM_150, RigParams, WIRES};
+use shared::sense::identify::{Estimate, Estimates};
 use shared::settings::Settings;
 
 use crate::rig::{REAL, Ring, Sensors};

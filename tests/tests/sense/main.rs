@@ -7,8 +7,8 @@ mod regimes;
 mod rig;
 
 use rig::{Recording, Sensors, record};
-use shared::identify::Identify;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
+use shared::sense::identify::Identify;
 use shared::sense::{Measured, Pulse, Sense, Strobe};
 use shared::settings::Settings;
 

@@ -1,7 +1,7 @@
 //! The measured regime: right with noise, deaf to one lost contact, quick after a change.
 
-use shared::params::{RigParams, WIRES};
-use shared::regime::Regime;
+use shared::model::params::{RigParams, WIRES};
+use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 use crate::rig::{REAL, Sensors};

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use host_sim::reference::{Contact, Observer, Reference, Segment};
-use shared::drive::Drive;
 use shared::io::{AdcCode, Channel};
-use shared::params::RigParams;
+use shared::model::drive::Drive;
+use shared::model::params::RigParams;
 use shared::sense::Sample;
 use shared::settings::{Settings, TICK_S};
 
@@ -80,7 +80,7 @@ impl Observer for Watch {
             let (q, _) = segment.at(t.max(start));
             self.relative.push(segment.rig.relative_displacement(q));
         }
-        if segment.mode == shared::rig::Mode::Contact {
+        if segment.mode == shared::model::rig::Mode::Contact {
             let fine = TICK_S / FINE as f64;
             let mut k = ((start + origin) / fine - 0.5).ceil().max(0.0);
             while (k + 0.5) * fine < end + origin {

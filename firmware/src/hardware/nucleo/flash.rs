@@ -20,8 +20,8 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use shared::{
+    link::store::{self, Loaded},
     settings::Settings,
-    store::{self, Loaded},
 };
 use stm32f4xx_hal::{
     flash::{FlashExt, LockedFlash},

@@ -9,7 +9,7 @@
 use cortex_m_semihosting::{syscall, syscall1};
 use heapless::Vec;
 use serde::de::DeserializeOwned;
-use shared::lockstep::{LENGTH, MAX_MESSAGE, decode, length};
+use shared::link::in_the_loop::{LENGTH, MAX_MESSAGE, decode, length};
 
 /// Longest command line, bytes.
 const COMMAND_LINE: usize = 512;

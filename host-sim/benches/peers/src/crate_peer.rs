@@ -9,7 +9,7 @@ use differential_equations::methods::ExplicitRungeKutta;
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 use host_sim::lanes::{Cell, Strobe};
-use shared::rig::{Kinematics, Rig};
+use shared::model::rig::{Kinematics, Rig};
 
 use crate::{CYCLES, RECORDED, Timing, timed, write};
 

@@ -6,8 +6,8 @@ use std::fs;
 use std::path::Path;
 
 use host_sim::lanes::{Cell, Strobe};
-use shared::contacts::Period;
-use shared::regime::{Detector, Regime};
+use shared::model::contacts::Period;
+use shared::model::regime::{Detector, Regime};
 
 use crate::Timing;
 

@@ -15,7 +15,7 @@ use cpu_time::ProcessTime;
 use host_sim::engine::Engine;
 use host_sim::lanes::{self, Cell, Outcome, Plan, Strobe};
 use serde::{Deserialize, Serialize};
-use shared::params::{RigParams, WIRES};
+use shared::model::params::{RigParams, WIRES};
 
 /// Drive cycles of a simulation.
 pub const CYCLES: u32 = 300;

@@ -12,8 +12,8 @@ use crate::basins::picture::figure;
 use crate::basins::{Basins, Query, Summary, Window, cells, explore};
 use crate::engine::Engine;
 use crate::error::UserError;
+use crate::progress::Progress;
 use crate::rigfile;
-use crate::terminal::Progress;
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("where").required(true).args(["ratio", "frequency", "chapter"])))]

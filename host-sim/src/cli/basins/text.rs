@@ -3,7 +3,7 @@
 use super::Line;
 use crate::basins::picture::caption;
 use crate::basins::{Basins, Entropy, Share, Summary};
-use crate::terminal::Chart;
+use plot::chart::Chart;
 
 /// Attractors listed.
 const LISTED: usize = 12;

@@ -10,7 +10,7 @@ use super::common::check_out_folder;
 use crate::error::UserError;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
 use crate::files;
-use crate::terminal::Progress;
+use crate::progress::Progress;
 use record::Record;
 
 #[derive(Debug, clap::Args)]

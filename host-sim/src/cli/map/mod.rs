@@ -17,10 +17,10 @@ use crate::error::UserError;
 use crate::map::{
     self, Map, Request, Store, Summary, agree, alikeness, measured, measured::Measured, picture,
 };
-use crate::picture::Figure;
+use crate::progress::Progress;
 use crate::sweep::Direction;
 use crate::table::{to_csv, to_parquet};
-use crate::terminal::Progress;
+use plot::Figure;
 
 /// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
 #[derive(Clone, Debug, clap::Args)]

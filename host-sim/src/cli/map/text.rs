@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use shared::regime::Regime;
+use shared::model::regime::Regime;
 
 use super::answer::Answer;
 use crate::map::agree::percent;
 use crate::map::{Map, Request, Summary};
-use crate::terminal::terminal_width;
+use plot::chart::terminal_width;
 
 /// Regimes named one by one.
 const NAMED: usize = 8;

@@ -6,7 +6,8 @@ use crate::error::UserError;
 use crate::pick::gap_picture::figure;
 use crate::pick::gaps::{GapAdvice, GapRow, advise, gap_steps};
 use crate::pick::{Limits, Uncertainty};
-use crate::terminal::{Chart, Progress};
+use crate::progress::Progress;
+use plot::chart::Chart;
 
 /// Gaps tried at most.
 const MOST_GAPS: usize = 1000;

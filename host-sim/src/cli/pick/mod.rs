@@ -6,7 +6,7 @@ mod text;
 use std::path::Path;
 
 use serde::Serialize;
-use shared::params::PRESETS;
+use shared::model::params::PRESETS;
 
 use super::common::{Common, EngineName, Format, pictures};
 use super::emit::emit;
@@ -14,9 +14,9 @@ use crate::error::UserError;
 use crate::pick::picture::figure;
 use crate::pick::uncertainty::Uncertainty;
 use crate::pick::{Answer, Limits, Pick, pick, steps};
+use crate::progress::Progress;
 use crate::rigfile::NamedRig;
 use crate::table::{to_csv, to_parquet};
-use crate::terminal::Progress;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -2,7 +2,7 @@
 
 use crate::branch::End;
 use crate::pick::{Answer, Pick, jumping_at};
-use crate::terminal::Chart;
+use plot::chart::Chart;
 
 /// One answer in full, several side by side.
 pub fn text(picks: &[Pick]) -> String {

@@ -45,7 +45,7 @@ pub(super) const STATUS: Channel = Channel {
             "number",
             "Measured peak force of the last period, N",
         ),
-        ("impulse_ns", "number", "Mean impulse per contact, N s"),
+        ("impulse_n_s", "number", "Mean impulse per contact, N s"),
         ("target_hz", "number", "The forecast's target, Hz"),
         ("target_n", "number", "The forecast's force there, N"),
         ("basin", "string", "Where the last disturbance ended"),

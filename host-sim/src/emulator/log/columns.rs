@@ -82,7 +82,7 @@ columns! {
     Lag "lag_rad" Float Block;
     Regime "regime" Text Block;
     Peak "peak_n" Float Block;
-    Impulse "impulse_ns" Float Block;
+    Impulse "impulse_n_s" Float Block;
     Target "target_hz" Float Block;
     TargetForce "target_n" Float Block;
     Basin "basin" Text Block;

@@ -4,8 +4,8 @@ use std::fs;
 use shared::control::{Basin, Birth, Command, Mode, ResetCause, State, Status};
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, DacCode, Frame, Output};
-use shared::params::PRESETS;
-use shared::regime::Regime;
+use shared::model::params::PRESETS;
+use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 use super::*;
@@ -49,7 +49,7 @@ fn status(k: usize) -> Status {
         lag_rad: 0.25,
         regime: Regime::None,
         peak_n: 96.5,
-        impulse_ns: 0.1,
+        impulse_n_s: 0.1,
         target_hz: 3.66,
         target_n: 96.0,
         basin: Basin::Impact,

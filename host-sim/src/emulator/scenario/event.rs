@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use shared::control;
-use shared::params::RigParams;
+use shared::model::params::RigParams;
 use toml::Value;
 
 use super::file::{complaint, out_of_range};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use shared::fault::Fault;
-use shared::params::{ParamError, RigParams};
+use shared::model::params::{ParamError, RigParams};
 use shared::settings::Settings;
 use toml::Value;
 

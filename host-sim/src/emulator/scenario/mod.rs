@@ -7,8 +7,8 @@ mod file;
 use std::path::Path;
 
 use serde::Deserialize;
-use shared::contact::Law;
-use shared::params::RigParams;
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
 use shared::settings::{Settings, TICK_S};
 
 use super::sensors::SensorParams;

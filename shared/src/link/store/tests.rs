@@ -5,7 +5,7 @@ use std::vec::Vec;
 use embedded_storage::nor_flash::{ErrorType, NorFlashErrorKind};
 
 use super::*;
-use crate::params::{LAWS, PRESETS, RigParams, WIRES};
+use crate::model::params::{LAWS, PRESETS, RigParams, WIRES};
 
 const SLOT: usize = 1024;
 const SLOTS: [Range<u32>; 2] = [0..SLOT as u32, SLOT as u32..2 * SLOT as u32];

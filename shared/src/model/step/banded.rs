@@ -1,10 +1,10 @@
 //! The band as the chapter uses it.
 
 use super::{Span, State, Stepper, book_at_end, runge_kutta};
-use crate::contacts::Ledger;
-use crate::rig::Rig;
-use crate::scalar::Real;
-use crate::switch::{Band, banded_force};
+use crate::model::contacts::Ledger;
+use crate::model::rig::Rig;
+use crate::model::scalar::Real;
+use crate::model::switch::{Band, banded_force};
 
 /// The switch model with a band and nothing else: each Runge–Kutta stage uses the field of the subspace
 /// it lies in.

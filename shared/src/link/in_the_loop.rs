@@ -108,8 +108,8 @@ mod tests {
     use crate::control::State;
     use crate::fault::{Fault, Origin, Record};
     use crate::io::{AdcCode, DacCode};
-    use crate::params::PRESETS;
-    use crate::regime::Regime;
+    use crate::model::params::PRESETS;
+    use crate::model::regime::Regime;
 
     fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
         message: &M,
@@ -171,7 +171,7 @@ mod tests {
                 lag_rad: 1.0,
                 regime: Regime::None,
                 peak_n: 1.0,
-                impulse_ns: 1.0,
+                impulse_n_s: 1.0,
                 target_hz: 1.0,
                 target_n: 1.0,
                 basin: crate::control::Basin::Impact,

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scalar::Real;
+use crate::model::scalar::Real;
 
 /// A contact law with its parameters (SI: N, m, s).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

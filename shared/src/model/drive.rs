@@ -8,7 +8,7 @@
 
 use core::f64::consts::TAU;
 
-use crate::scalar::{Compensated, Real};
+use crate::model::scalar::{Compensated, Real};
 
 /// One turn of the accumulator.
 pub const TURN: f64 = 4_294_967_296.0;

@@ -1,9 +1,9 @@
 //! The switch model with the step split where the switch falls.
 
 use super::{Span, State, Stepper, piece, runge_kutta};
-use crate::contacts::Ledger;
-use crate::rig::{Mode, Rig};
-use crate::scalar::Real;
+use crate::model::contacts::Ledger;
+use crate::model::rig::{Mode, Rig};
+use crate::model::scalar::Real;
 
 /// Switches located in one part of a tick; a third waits for the next part.
 pub const MAX_SWITCHES: usize = 2;
@@ -251,8 +251,8 @@ impl<R: Real> Stepper<R> for Corrected {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::Drive;
-    use crate::params::{BEAM_170, RigParams};
+    use crate::model::drive::Drive;
+    use crate::model::params::{BEAM_170, RigParams};
 
     #[test]
     fn a_contact_within_one_tick_is_not_folded_into_its_onset() {

@@ -1,12 +1,9 @@
-//! Charts drawn with letters, and a progress bar, for people at a terminal.
+//! Charts drawn with letters, for a terminal.
 
-use std::io::{IsTerminal, stderr, stdout};
-use std::time::Duration;
+use std::io::{IsTerminal, stdout};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
-use crate::picture::Range;
-use crate::picture::ticks::{Ticks, axis_range, is_drawable};
+use crate::Range;
+use crate::ticks::{Ticks, axis_range, is_drawable};
 
 #[cfg(test)]
 mod tests;
@@ -30,7 +27,7 @@ pub fn wants_color() -> bool {
 /// get a mark of their own.
 ///
 /// ```
-/// use host_sim::terminal::Chart;
+/// use plot::chart::Chart;
 /// let sweep = (0..100).map(|i| (f64::from(i), f64::from(i * i))).collect();
 /// let text = Chart::new("frequency, Hz", "force, N")
 ///     .size(60, 12)
@@ -354,53 +351,4 @@ fn with_dot(letter: char, column: usize, row: usize) -> char {
         0x2800
     };
     char::from_u32(dots | DOTS[column][row]).unwrap_or(letter)
-}
-
-/// A bar with count and time left on standard error; silent when `quiet` or
-/// when standard error is not a terminal. Clones and threads share one count.
-#[derive(Debug, Clone)]
-pub struct Progress {
-    bar: ProgressBar,
-}
-
-impl Progress {
-    /// Starts counting to `total` steps of `what`.
-    pub fn new(what: impl Into<String>, total: u64, quiet: bool) -> Self {
-        let target = if quiet || !stderr().is_terminal() {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
-        let bar = ProgressBar::with_draw_target(Some(total), target);
-        let look = "{msg} [{bar:30}] {pos}/{len}, {eta} left";
-        let style = ProgressStyle::with_template(look)
-            .unwrap_or_else(|_| ProgressStyle::default_bar())
-            .progress_chars("=> ");
-        bar.set_style(style);
-        bar.set_message(what.into());
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(Duration::from_millis(250));
-        }
-        Self { bar }
-    }
-
-    /// Adds finished steps; may be called from any thread.
-    pub fn inc(&self, steps: u64) {
-        self.bar.inc(steps);
-    }
-
-    /// Writes a line above the bar; silent when the bar is.
-    pub fn note(&self, line: &str) {
-        self.bar.println(line);
-    }
-
-    /// Steps finished so far.
-    pub fn done(&self) -> u64 {
-        self.bar.position()
-    }
-
-    /// Removes the bar. Dropping the last clone does the same.
-    pub fn finish(&self) {
-        self.bar.finish_and_clear();
-    }
 }

@@ -131,16 +131,3 @@ fn numbers_are_short() {
         ]
     );
 }
-
-#[test]
-fn progress_counts_from_many_threads() {
-    let progress = Progress::new("points", 400, true);
-    std::thread::scope(|scope| {
-        for _ in 0..4 {
-            scope.spawn(|| (0..100).for_each(|_| progress.inc(1)));
-        }
-    });
-    assert_eq!(progress.done(), 400);
-    assert!(progress.bar.is_hidden());
-    progress.finish();
-}

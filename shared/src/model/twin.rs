@@ -1,11 +1,11 @@
 //! The twin: rig, drive, stepper and state, advanced a tick at a time.
 
-use crate::contacts::{Contact, Ledger, Period};
-use crate::drive::{Drive, DriveError};
-use crate::regime::Detector;
-use crate::rig::Rig;
-use crate::scalar::Real;
-use crate::step::{Span, State, Stepper};
+use crate::model::contacts::{Contact, Ledger, Period};
+use crate::model::drive::{Drive, DriveError};
+use crate::model::regime::Detector;
+use crate::model::rig::Rig;
+use crate::model::scalar::Real;
+use crate::model::step::{Span, State, Stepper};
 
 /// The section at drive phase 0 and the period that ended there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
     /// A twin of `rig` in `state` under `drive`.
     pub fn new(rig: Rig<R>, drive: Drive<R>, stepper: S, state: State<R>) -> Self {
         let mut ledger = Ledger::default();
-        if state.mode == crate::rig::Mode::Contact {
+        if state.mode == crate::model::rig::Mode::Contact {
             ledger.resume(drive.now(), state.approach);
         }
         Self {

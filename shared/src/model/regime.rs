@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::Period;
-use crate::scalar::Real;
+use crate::model::contacts::Period;
+use crate::model::scalar::Real;
 
 /// Longest section period looked for.
 pub const MAX_PERIODS: usize = 16;

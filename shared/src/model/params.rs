@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::Law;
+use crate::model::contact::Law;
 
 /// Standard gravity as the chapter uses it, m/s².
 pub const GRAVITY_M_PER_S2: f64 = 9.81;

@@ -38,8 +38,8 @@
 pub mod contact;
 mod statistics;
 
-use crate::contact::Law;
-use crate::params::SupportParams;
+use crate::model::contact::Law;
+use crate::model::params::SupportParams;
 use crate::sense::{Pulse, Sample};
 use crate::settings::{Settings, TICK_S};
 use contact::{Above, spring_dashpot};

@@ -18,15 +18,15 @@ pub(crate) use corrected::Location;
 pub use corrected::{Corrected, MAX_ITERATIONS, MAX_SWITCHES};
 pub use smoothed::Smoothed;
 
-use crate::contacts::{Ledger, Piece};
-use crate::drive::{Drive, Stamp};
-use crate::rig::{Kinematics, Mode, Rig};
-use crate::scalar::{Compensated, Real};
+use crate::model::contacts::{Ledger, Piece};
+use crate::model::drive::{Drive, Stamp};
+use crate::model::rig::{Kinematics, Mode, Rig};
+use crate::model::scalar::{Compensated, Real};
 
 /// The state of the hammer: plain data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State<R> {
-    /// Generalised coordinate relative to the contact configuration, m or rad ([`crate::rig`]).
+    /// Generalised coordinate relative to the contact configuration, m or rad ([`crate::model::rig`]).
     pub q: Compensated<R>,
     /// Its rate, m/s or rad/s.
     pub v: Compensated<R>,

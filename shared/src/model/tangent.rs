@@ -8,7 +8,7 @@
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use crate::scalar::Real;
+use crate::model::scalar::Real;
 
 /// A value and its partial derivatives.
 #[derive(Clone, Copy, Debug, Default)]

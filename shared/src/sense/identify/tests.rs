@@ -1,7 +1,7 @@
 //! Identification on made-up flights and contacts.
 
 use super::*;
-use crate::params::WIRES;
+use crate::model::params::WIRES;
 
 /// The hammer swinging freely in a cart that moves as it likes.
 fn swing(identify: &mut Identify, natural_hz: f64, seconds: f64) {

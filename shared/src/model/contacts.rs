@@ -1,7 +1,7 @@
 //! Bookkeeping of contacts: what each one did, how many there were in a drive period.
 
-use crate::drive::Stamp;
-use crate::scalar::Real;
+use crate::model::drive::Stamp;
+use crate::model::scalar::Real;
 
 /// A stay longer than this, after three onsets within one period, is chatter: s.
 pub const CHATTER_STAY_S: f64 = 5e-3;

@@ -4,7 +4,7 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-use crate::trig;
+use crate::model::trig;
 
 /// A real number the model can be computed in.
 ///
@@ -45,7 +45,7 @@ pub trait Real:
     /// `(sin x, 1 − cos x)` for an angle in rad.
     ///
     /// `1 − cos x` is returned in place of `cos x` because it keeps its relative accuracy near zero,
-    /// where the model lives. Error bounds: see [`crate::trig`].
+    /// where the model lives. Error bounds: see [`crate::model::trig`].
     fn sin_versin(self) -> (Self, Self);
 
     /// |x|.

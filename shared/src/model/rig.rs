@@ -10,9 +10,9 @@
 //! Everything is relative to the cart, which moves as y = A0 sin Ωt; its acceleration enters as the
 //! inertial acceleration `drive` = A0 Ω² sin Ωt.
 
-use crate::contact::Law;
-use crate::params::{ParamError, RigParams, SupportParams, Torque};
-use crate::scalar::Real;
+use crate::model::contact::Law;
+use crate::model::params::{ParamError, RigParams, SupportParams, Torque};
+use crate::model::scalar::Real;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Support<R> {
@@ -369,7 +369,7 @@ fn rest_coordinate(params: &RigParams) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::{BEAM_150, PRESETS, WIRES};
+    use crate::model::params::{BEAM_150, PRESETS, WIRES};
 
     fn close(a: f64, b: f64, relative: f64) {
         assert!((a - b).abs() <= relative * b.abs(), "{a} against {b}");
@@ -447,11 +447,11 @@ mod tests {
 
     #[test]
     fn a_hammer_pressed_on_rests_in_equilibrium() {
-        let soft = crate::contact::Law::SpringDashpot {
+        let soft = crate::model::contact::Law::SpringDashpot {
             stiffness: 200.0,
             damping: 1.0,
         };
-        let laws = crate::params::LAWS.iter().map(|(_, law)| *law);
+        let laws = crate::model::params::LAWS.iter().map(|(_, law)| *law);
         for contact in laws.chain([soft]) {
             for (_, params) in PRESETS {
                 for gap_m in [-1e-20, -1e-9, -0.05e-3, -1e-3] {

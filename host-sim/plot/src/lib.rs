@@ -6,7 +6,7 @@
 //! Font License 1.1), and the same figure always gives the same bytes.
 //!
 //! ```
-//! use host_sim::picture::{Axis, Figure, Item, Panel, regime_color, render_svg};
+//! use plot::{Axis, Figure, Item, Panel, regime_color, render_svg};
 //!
 //! let curve = (0..50).map(|i| (20.0 + f64::from(i), 300.0 + 5.0 * f64::from(i))).collect();
 //! let figure = Figure::new("Impact force over drive frequency").panel(
@@ -16,7 +16,7 @@
 //! );
 //! let svg = render_svg(&figure)?;
 //! assert!(svg.contains("peak force, N"));
-//! # Ok::<(), host_sim::picture::PictureError>(())
+//! # Ok::<(), plot::PictureError>(())
 //! ```
 //!
 //! # Maps and clouds of points
@@ -30,7 +30,7 @@
 //! - [`Item::Cloud`] (by [`Item::cloud`]): up to millions of points, a dot each: bifurcation diagrams, sections.
 //!
 //! ```
-//! use host_sim::picture::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges, render_svg};
+//! use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges, render_svg};
 //!
 //! // Three frequencies by two gaps.
 //! let x = edges(1.0, 2.0, 3);
@@ -49,10 +49,11 @@
 //!             .item(Item::cloud("", Color::INK, dots.collect())),
 //!     );
 //! assert_eq!(render_svg(&figure)?.matches("<image").count(), 3);
-//! # Ok::<(), host_sim::picture::PictureError>(())
+//! # Ok::<(), plot::PictureError>(())
 //! ```
 
 mod canvas;
+pub mod chart;
 mod colorbar;
 mod data;
 mod item;
@@ -65,7 +66,7 @@ mod render;
 mod series;
 #[cfg(test)]
 mod tests;
-pub(crate) mod ticks;
+mod ticks;
 
 pub use item::Item;
 pub use palette::{

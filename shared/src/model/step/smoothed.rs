@@ -3,9 +3,9 @@
 use core::f64::consts::FRAC_1_PI;
 
 use super::{Span, State, Stepper, book_at_end, runge_kutta};
-use crate::contacts::Ledger;
-use crate::rig::Rig;
-use crate::scalar::Real;
+use crate::model::contacts::Ledger;
+use crate::model::rig::Rig;
+use crate::model::scalar::Real;
 
 /// Arctangents in place of the switch: F is multiplied by (½ + atan(δ/ε_α)/π)(½ + atan(F/ε_β)/π).
 ///

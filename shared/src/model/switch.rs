@@ -1,8 +1,8 @@
 //! The Filippov switch model: two indicators, four vector fields, two band widths (equations 3-19 to
 //! 3-29).
 
-use crate::contact::Law;
-use crate::scalar::Real;
+use crate::model::contact::Law;
+use crate::model::scalar::Real;
 
 /// Widths of the band around the switching surface.
 ///
@@ -69,7 +69,7 @@ pub fn banded_force<R: Real>(law: &Law<R>, delta: R, rate: R, approach: R, band:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::TABLE_3_1;
+    use crate::model::params::TABLE_3_1;
 
     #[test]
     fn the_four_subspaces() {

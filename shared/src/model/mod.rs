@@ -1,0 +1,15 @@
+//! The hammer's motion: parameters, equations, the switch at the impact surface, a tick of it all, and the
+//! regime it ends in. Plain numbers in and out: nothing here knows a sensor, a controller or a message.
+
+pub mod contact;
+pub mod contacts;
+pub mod drive;
+pub mod params;
+pub mod regime;
+pub mod rig;
+pub mod scalar;
+pub mod step;
+pub mod switch;
+pub mod tangent;
+pub mod trig;
+pub mod twin;
