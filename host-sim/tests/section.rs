@@ -10,7 +10,7 @@ use host_sim::poincare::{self, against, portrait};
 use host_sim::reference::Reference;
 use host_sim::rigfile::NamedRig;
 use host_sim::sweep::{Direction, spread};
-use host_sim::terminal::Progress;
+use host_sim::progress::Progress;
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
