@@ -4,12 +4,12 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use host_sim::emulator::local::Local;
-use host_sim::emulator::plant::Plant;
-use host_sim::emulator::run::run;
-use host_sim::emulator::scenario::{Scenario, load, parse};
-use host_sim::emulator::sensors::{Errors, SensorParams, Sensors};
-use host_sim::emulator::shaker::{ShakerParams, Smoother};
+use emulator::local::Local;
+use emulator::plant::Plant;
+use emulator::run::run;
+use emulator::scenario::{Scenario, load, parse};
+use emulator::sensors::{Errors, SensorParams, Sensors};
+use emulator::shaker::{ShakerParams, Smoother};
 use shared::model::params::{RigParams, preset};
 use shared::settings::{Settings, TICK_S};
 

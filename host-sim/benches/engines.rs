@@ -5,11 +5,11 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use host_sim::engine::{Engine, Machine, Plan, Recorder, Start, machine, observe};
-use host_sim::orbit::shoot;
-use host_sim::pick::{Limits, pick};
 use host_sim::progress::Progress;
-use host_sim::rigfile::NamedRig;
+use numerics::NamedRig;
+use numerics::engine::{Engine, Machine, Plan, Recorder, Start, machine, observe};
+use numerics::orbit::shoot;
+use numerics::pick::{Limits, pick};
 use shared::Real;
 use shared::model::drive::Drive;
 use shared::model::params::{RigParams, WIRES};

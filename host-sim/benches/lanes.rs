@@ -2,8 +2,8 @@
 //! switch model, over cells spread evenly over the chapter's map.
 
 use divan::{Bencher, counter::ItemsCount};
-use host_sim::engine::{Engine, Setting};
-use host_sim::lanes::{Cell, How, Instructions, Plan, Precision, run_one, run_with};
+use numerics::engine::{Engine, Setting};
+use numerics::lanes::{Cell, How, Instructions, Plan, Precision, run_one, run_with};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 

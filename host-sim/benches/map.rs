@@ -6,13 +6,13 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use host_sim::lanes::Plan;
-use host_sim::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use host_sim::map::{Grid, Request, Runner, run};
+use files::table::{to_csv, to_parquet};
 use host_sim::progress::Progress;
-use host_sim::rigfile::NamedRig;
-use host_sim::sweep::Direction;
-use host_sim::table::{to_csv, to_parquet};
+use numerics::NamedRig;
+use numerics::lanes::Plan;
+use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
+use numerics::map::{Grid, Request, Runner, run};
+use numerics::sweep::Direction;
 use shared::model::params::WIRES;
 
 fn main() {

@@ -5,12 +5,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use host_sim::accuracy::band::{self, Row};
-use host_sim::accuracy::named::{self, Cell};
-use host_sim::accuracy::survey::{self, Compared, Edge, Spread};
-use host_sim::accuracy::{Method, Setting};
-use host_sim::engine::Precision;
-use host_sim::error::UserError;
+use files::UserError;
+use numerics::accuracy::band::{self, Row};
+use numerics::accuracy::named::{self, Cell};
+use numerics::accuracy::survey::{self, Compared, Edge, Spread};
+use numerics::accuracy::{Method, Setting};
+use numerics::engine::Precision;
 use shared::model::step::{Banded, Corrected};
 use shared::model::switch::Band;
 
@@ -206,7 +206,7 @@ fn survey_section() -> Result<String, UserError> {
 }
 
 fn edge_text(tick_us: f64, c: &Compared, look: &Edge) -> String {
-    let say = |o: &host_sim::accuracy::Outcome| format!("{}, {:.2} N", o.regime, o.force_n);
+    let say = |o: &numerics::accuracy::Outcome| format!("{}, {:.2} N", o.regime, o.force_n);
     let strayed: Vec<_> = look.strayed().map(say).collect();
     format!(
         "| {tick_us} µs | {} | {:.4} | {:.4} | {} | {} of {}: {} | {} |\n",

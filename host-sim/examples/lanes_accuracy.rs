@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use host_sim::engine::Engine;
-use host_sim::lanes::{Cell, How, Outcome, Plan, Precision, by_engine, run_with};
+use numerics::engine::Engine;
+use numerics::lanes::{Cell, How, Outcome, Plan, Precision, by_engine, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::regime::Regime;

@@ -5,6 +5,12 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+impl numerics::progress::Progress for Progress {
+    fn advance(&self, steps: u64) {
+        self.inc(steps);
+    }
+}
+
 /// A bar with count and time left on standard error; silent when `quiet` or
 /// when standard error is not a terminal. Clones and threads share one count.
 #[derive(Debug, Clone)]

@@ -9,9 +9,9 @@ use shared::control::{Birth, Lockstep};
 use shared::io::Output;
 use shared::settings::Settings;
 
-use crate::emulator::log::{Cell, Input, Logged, Reader, Samples, cells, names};
-use crate::error::UserError;
 use crate::progress::Progress;
+use emulator::log::{Cell, Input, Logged, Reader, Samples, cells, names};
+use files::UserError;
 
 /// What a replay came to.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,7 +150,7 @@ mod tests {
     use shared::model::params::PRESETS;
 
     use super::*;
-    use crate::emulator::log::{Block, Header, Tick, Writer};
+    use emulator::log::{Block, Header, Tick, Writer};
 
     const BLOCK: usize = 10;
 

@@ -6,8 +6,8 @@
 
 use std::sync::LazyLock;
 
-use host_sim::accuracy::Setting;
-use host_sim::accuracy::survey::{
+use numerics::accuracy::Setting;
+use numerics::accuracy::survey::{
     Compared, Edge, Point, REQUIREMENT, Spread, compare, compare_near, points,
 };
 

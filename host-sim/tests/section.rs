@@ -1,16 +1,16 @@
 //! Sections and bifurcation diagrams against what is known otherwise.
 
-use host_sim::bifurcation::measured::Measured;
-use host_sim::bifurcation::{Diagram, Kind, Request, diagrams, rows};
-use host_sim::branch::{Branch, End};
-use host_sim::engine::{Engine, Start};
-use host_sim::lanes::Plan;
-use host_sim::orbit::shoot;
-use host_sim::poincare::{self, against, portrait};
-use host_sim::reference::Reference;
-use host_sim::rigfile::NamedRig;
-use host_sim::sweep::{Direction, spread};
 use host_sim::progress::Progress;
+use numerics::NamedRig;
+use numerics::bifurcation::measured::Measured;
+use numerics::bifurcation::{Diagram, Kind, Request, diagrams, rows};
+use numerics::branch::{Branch, End};
+use numerics::engine::{Engine, Start};
+use numerics::lanes::Plan;
+use numerics::orbit::shoot;
+use numerics::poincare::{self, against, portrait};
+use numerics::reference::Reference;
+use numerics::sweep::{Direction, spread};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
@@ -51,7 +51,7 @@ fn the_doubling_is_where_the_multiplier_says() {
     let found = diagram.changes.iter().find(|c| c.kind == Kind::Doubling);
     let found = found.expect("a doubling");
     assert!(
-        found.lasting && (found.below.as_str(), found.above.as_str()) == ("1/1", "2/2"),
+        found.lasting && found.below.is(1, 1) && found.above.is(2, 2),
         "{found:?}"
     );
     assert!(found.within_hz < 1e-4);

@@ -8,7 +8,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crate::support::{Folder, csv_rows, finish, number, wait};
-use host_sim::emulator::log::Reader;
+use emulator::log::Reader;
 use host_sim::link::{Board, Server, client};
 use serialport::{SerialPort, TTYPort};
 use shared::control::{Birth, Command, Controller, Mode, Refused, State, Status};

@@ -1,10 +1,10 @@
 //! The microcontroller's forecast (f32, long steps) against the reference (f64, located events).
 
-use host_sim::engine::{Engine, Plan, Recorder, Start, machine, observe};
-use host_sim::orbit::{Multipliers, shoot};
-use host_sim::pick::{Answer, Limits, pick};
-use host_sim::rigfile::NamedRig;
 use host_sim::progress::Progress as Bar;
+use numerics::NamedRig;
+use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use numerics::orbit::{Multipliers, shoot};
+use numerics::pick::{Answer, Limits, pick};
 use shared::forecast::march::Model;
 use shared::forecast::shoot::{Progress, Shoot, Solution};
 use shared::forecast::{Forecast, Forecaster, Request, Target};

@@ -4,19 +4,22 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::common::{Common, pictures};
+use super::common::Common;
 use super::drive::Over;
 use super::emit::{emit, tables};
-use crate::bifurcation::measured::{Distance, Measured};
-use crate::bifurcation::picture::{Abscissa, figure};
-use crate::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, rows};
-use crate::error::UserError;
-use crate::lanes::Plan;
-use crate::map::request::chapter_frequencies_hz;
+use crate::pictures::bifurcation::{Abscissa, figure};
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::sweep::Direction;
-use crate::table::to_csv;
+use files::UserError;
+use files::table::to_csv;
+use numerics::bifurcation::measured::{Distance, Measured};
+use numerics::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, rows};
+use numerics::lanes::Plan;
+use numerics::map::request::chapter_frequencies_hz;
+use numerics::row::regime_as_text;
+use numerics::sweep::Direction;
 use plot::chart::Chart;
+use shared::model::regime::Regime;
 
 /// In which order the frequencies are visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -83,12 +86,14 @@ struct Told {
 
 /// A change in a table.
 #[derive(Serialize)]
-struct ChangeRow<'a> {
+struct ChangeRow {
     gap_mm: f64,
     direction: &'static str,
     change: &'static str,
-    below: &'a str,
-    above: &'a str,
+    #[serde(serialize_with = "regime_as_text")]
+    below: Regime,
+    #[serde(serialize_with = "regime_as_text")]
+    above: Regime,
     frequency_hz: f64,
     frequency_ratio: f64,
     within_hz: f64,
@@ -99,7 +104,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
     common.check_out()?;
     let request = request(args)?;
-    let measured = args.measured.as_deref().map(Measured::read).transpose()?;
+    let measured = args
+        .measured
+        .as_deref()
+        .map(crate::measured::diagram)
+        .transpose()?;
     let progress = Progress::new("simulations", request.simulations(), common.quiet);
     let diagrams = diagrams(&request, &progress)?;
     progress.finish();
@@ -119,7 +128,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
                 1 => "bifurcation".to_owned(),
                 _ => format!("bifurcation-gap-{:?}mm", same[0].gap_mm),
             };
-            contents.extend(pictures(&name, &figure(&all, abscissa, measured.as_ref()))?);
+            contents.extend(drawn(&name, &figure(&all, abscissa, measured.as_ref()))?);
         }
         common.write(dir, &contents)?;
     }
@@ -128,7 +137,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 fn request(args: &Args) -> Result<Request, UserError> {
     let common = &args.common;
-    let rig = crate::rigfile::load(&common.rig, &common.set)?;
+    let rig = files::rigfile::load(&common.rig, &common.set)?;
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     if args.recorded == 0 || args.recorded > args.cycles {
@@ -139,7 +148,7 @@ fn request(args: &Args) -> Result<Request, UserError> {
     }
     let mut gaps_mm = common
         .gaps()
-        .unwrap_or_else(|| vec![crate::table::tidy(rig.params.gap_m * 1e3)]);
+        .unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
     Ok(Request {
@@ -200,13 +209,13 @@ fn answer(request: &Request, diagrams: &[Diagram], measured: Option<&Measured>) 
     }
 }
 
-fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow<'_>> {
+fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow> {
     told.changes.iter().map(|c| ChangeRow {
         gap_mm: told.gap_mm,
         direction: told.direction,
         change: c.kind.words(),
-        below: &c.below,
-        above: &c.above,
+        below: c.below,
+        above: c.above,
         frequency_hz: c.frequency_hz,
         frequency_ratio: c.frequency_ratio,
         within_hz: c.within_hz,
@@ -270,8 +279,8 @@ fn changes_text(told: &Told) -> String {
             c.frequency_hz,
             c.within_hz,
             c.frequency_ratio,
-            c.below,
-            c.above,
+            c.below.to_string(),
+            c.above.to_string(),
             c.kind.words()
         );
     }

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 
 use super::emit::check_format;
-use crate::engine::{Engine, Method, Plan, Precision, Setting, Start};
-use crate::error::UserError;
-use crate::files;
-use crate::rigfile::{self, NamedRig};
-use plot::{Figure, render_png, render_svg};
+use files::UserError;
+use numerics::engine::{Engine, Method, Plan, Precision, Setting, Start};
+
+use files::rigfile;
+use numerics::NamedRig;
+use shared::model::params::RigParams;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EngineName {
@@ -113,8 +114,7 @@ impl Common {
                     gaps.len()
                 )));
             };
-            rig.params =
-                rigfile::with_number(&rig.params, "gap_mm", gap).map_err(|e| e.at("--gap"))?;
+            rig.params = at_gap(&rig.params, gap, "--gap")?;
         }
         Ok(rig)
     }
@@ -207,7 +207,7 @@ impl Common {
 
     /// Writes files into `dir` and says so.
     pub fn write(&self, dir: &Path, contents: &[(String, Vec<u8>)]) -> Result<(), UserError> {
-        let paths = files::write_all(dir, contents)?;
+        let paths = files::write::write_all(dir, contents)?;
         let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
         self.note(&format!("wrote {}", names.join(", ")));
         Ok(())
@@ -222,15 +222,7 @@ pub fn check_out_folder(dir: &Path) -> Result<(), UserError> {
             dir.display()
         )));
     }
-    Ok(files::check_folder(dir)?)
-}
-
-/// A figure as `NAME.svg` and `NAME.png`.
-pub fn pictures(name: &str, figure: &Figure) -> Result<Vec<(String, Vec<u8>)>, UserError> {
-    Ok(vec![
-        (format!("{name}.svg"), render_svg(figure)?.into_bytes()),
-        (format!("{name}.png"), render_png(figure)?),
-    ])
+    Ok(files::write::check_folder(dir)?)
 }
 
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -341,4 +333,17 @@ mod tests {
         assert_eq!(parse_start("-2.5,0.1"), Ok(Start::Moving(-2.5e-3, 0.1)));
         assert!(parse_start("up").is_err() && parse_start("1,nan").is_err());
     }
+}
+
+/// `params` at a gap of `gap_mm`, which the option `option` gives.
+///
+/// # Errors
+/// If any parameter is out of range.
+pub fn at_gap(
+    params: &RigParams,
+    gap_mm: f64,
+    option: impl std::fmt::Display,
+) -> Result<RigParams, UserError> {
+    let there = params.with_gap_mm(gap_mm);
+    there.map_err(|error| UserError::from(error).at(option))
 }

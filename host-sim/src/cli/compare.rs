@@ -2,13 +2,16 @@
 
 use std::path::PathBuf;
 
-use super::common::{Common, Cycles, parse_start, pictures};
+use super::choice::choice;
+use super::common::{Common, Cycles, parse_start};
 use super::drive::At;
 use super::emit::{emit, tables};
-use crate::compare::{Comparison, Errors, Frame, Question, compare, picture};
-use crate::engine::Start;
-use crate::error::UserError;
-use crate::signal::Signal;
+use crate::pictures;
+use crate::pictures::drawn;
+use files::UserError;
+use numerics::compare::{Comparison, Errors, Frame, Question, compare};
+use numerics::engine::Start;
+use numerics::signal::Signal;
 use plot::chart::Chart;
 
 #[derive(Debug, clap::Args)]
@@ -26,7 +29,7 @@ pub struct Args {
     drive: At,
 
     /// The frame of the measured displacement
-    #[arg(long, value_enum, default_value = "fixed")]
+    #[arg(long, value_parser = choice::<Frame>(), default_value = "fixed")]
     frame: Frame,
 
     /// Compare from this time of the record, s
@@ -62,7 +65,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             return Err(UserError::new(format!("{option} is NaN, must be a number")));
         }
     }
-    let whole = Signal::read(&args.file)?;
+    let whole = crate::record::read(&args.file)?;
     let signal = whole.between(
         args.from.unwrap_or(f64::NEG_INFINITY),
         args.to.unwrap_or(f64::INFINITY),
@@ -73,10 +76,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             "{} against {}, gap {:?} mm",
             signal.name,
             rig.name,
-            crate::table::tidy(rig.params.gap_m * 1e3)
+            numerics::row::tidy(rig.params.gap_m * 1e3)
         );
-        let figure = picture::figure(title, &comparison, args.frame);
-        let mut contents = pictures("compare", &figure)?;
+        let figure = pictures::compare::figure(title, &comparison, args.frame);
+        let mut contents = drawn("compare", &figure)?;
         contents.extend(tables(
             "compare",
             common.format,

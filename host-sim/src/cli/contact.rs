@@ -1,10 +1,11 @@
 //! `host-sim contact`.
 
-use super::common::{Common, EngineName, parse_range, pictures};
+use super::common::{Common, EngineName, parse_range};
 use super::emit::{emit, tables};
-use crate::contact_law::picture::{blows, grid, over_speed};
-use crate::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, law_name, rows};
-use crate::error::UserError;
+use crate::pictures::contact_law::{blows, grid, over_speed};
+use crate::pictures::drawn;
+use files::UserError;
+use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, law_name, rows};
 use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -57,7 +58,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     if let Some(dir) = &common.out {
         let figure = figure(&case, &all)?;
-        let mut contents = pictures("contact", &figure)?;
+        let mut contents = drawn("contact", &figure)?;
         contents.extend(tables("contact", common.format, &all, &all)?);
         common.write(dir, &contents)?;
     }

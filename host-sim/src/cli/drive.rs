@@ -2,8 +2,8 @@
 //! it may be left out is for the command to say.
 
 use super::common::parse_range;
-use crate::error::UserError;
-use crate::table::tidy;
+use files::UserError;
+use numerics::row::tidy;
 
 /// One drive frequency.
 #[derive(Clone, Copy, Debug, clap::Args)]

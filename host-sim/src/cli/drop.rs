@@ -1,9 +1,10 @@
 //! `host-sim drop`.
 
-use super::common::{Common, EngineName, pictures};
+use super::common::{Common, EngineName};
 use super::emit::{emit, tables};
-use crate::drop_test::{DropTest, Row, record};
-use crate::error::UserError;
+use crate::pictures::drawn;
+use files::UserError;
+use numerics::drop_test::{DropTest, Row, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -91,7 +92,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;
     if let Some(dir) = &common.out {
-        let mut contents = pictures("drop", &figure(&rig.name, &test, &rows))?;
+        let mut contents = drawn("drop", &figure(&rig.name, &test, &rows))?;
         contents.extend(tables("drop", common.format, &rows, &rows)?);
         common.write(dir, &contents)?;
     }

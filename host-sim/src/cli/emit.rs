@@ -5,8 +5,8 @@ use std::io::{IsTerminal, stdout};
 use serde::Serialize;
 
 use super::common::Format;
-use crate::error::UserError;
-use crate::table::{to_csv, to_parquet};
+use files::UserError;
+use files::table::{to_csv, to_parquet};
 
 /// Writes the answer on standard output: `text` for a person, `answer` as JSON, or `rows` as CSV or Parquet.
 /// Parquet goes to a file or a program alone, never to a terminal ([`check_format`] has refused that unless there is

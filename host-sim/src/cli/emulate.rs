@@ -6,23 +6,24 @@ use serde::Serialize;
 use shared::control::Birth;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-use super::common::{Format, check_out_folder, pictures};
+use super::common::{Format, check_out_folder};
 use super::emit::{check_format, emit};
-use crate::emulator::local::Local;
-use crate::emulator::log::{Header, Logs};
-use crate::emulator::picture::{About, Trace, figure};
-use crate::emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
-use crate::emulator::run::run as emulate;
-use crate::emulator::scenario::{self, BUILTIN, Scenario};
-use crate::emulator::timeline::Timeline;
-use crate::emulator::under_test::Reset;
-use crate::emulator::verdict::{Verdict, judge};
-use crate::error::UserError;
-use crate::files::{self, read_text};
 #[cfg(unix)]
 use crate::link::live::Live;
+use crate::pictures::drawn;
+use crate::pictures::emulate::{About, Trace, figure};
 use crate::progress::Progress;
-use crate::table::{to_csv, to_parquet};
+use emulator::local::Local;
+use emulator::log::{Header, Logs};
+use emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
+use emulator::run::run as emulate;
+use emulator::scenario::{self, BUILTIN, Scenario};
+use emulator::timeline::Timeline;
+use emulator::under_test::Reset;
+use emulator::verdict::{Verdict, judge};
+use files::UserError;
+use files::read_text;
+use files::table::{to_csv, to_parquet};
 
 /// A scenario behind a pseudo-terminal ends when it is interrupted; this is thirty years, s.
 #[cfg(unix)]
@@ -224,7 +225,7 @@ fn write(
         paths.extend(logs.finish()?);
     }
     let name = file_name(scenario);
-    let mut contents = pictures(&name, &figure(&watch.trace, &about(scenario, verdict)))?;
+    let mut contents = drawn(&name, &figure(&watch.trace, &about(scenario, verdict)))?;
     contents.push((
         format!("{name}.json"),
         super::to_json(verdict)?.into_bytes(),
@@ -237,7 +238,7 @@ fn write(
         let bytes = to_parquet(lines(&watch.timeline))?;
         contents.push((format!("{name}-timeline.parquet"), bytes));
     }
-    paths.extend(files::write_all(dir, &contents)?);
+    paths.extend(files::write::write_all(dir, &contents)?);
     if !args.quiet {
         let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
         super::say(&format!("wrote {}", names.join(", ")));

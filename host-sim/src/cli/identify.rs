@@ -4,15 +4,18 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::common::{Common, EngineName, pictures};
+use super::choice::choice;
+use super::common::{Common, EngineName};
 use super::emit::{emit, tables};
-use crate::error::UserError;
-use crate::identify::ring::{self, Ring};
-use crate::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure, picture};
+use crate::pictures;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile::NamedRig;
-use crate::signal::Signal;
-use crate::table::to_csv;
+use files::UserError;
+use files::table::to_csv;
+use numerics::NamedRig;
+use numerics::identify::ring::{self, Ring};
+use numerics::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure};
+use numerics::signal::Signal;
 use plot::chart::Chart;
 
 #[derive(Debug, clap::Args)]
@@ -25,7 +28,7 @@ pub struct Args {
     common: Common,
 
     /// Which laws to seek (repeat it for several) [default: spring-dashpot]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Family>())]
     law: Vec<Family>,
 
     /// All four laws
@@ -33,7 +36,7 @@ pub struct Args {
     all_laws: bool,
 
     /// What to make small [default: both, one after the other]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<Misfit>())]
     misfit: Option<Misfit>,
 
     /// Where the hammer was let go at rest, mm from its rest position; negative: away from the surface [default: the
@@ -93,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     common.engine()?;
     let rig = common.rig()?;
-    let signal = Signal::read(&args.file)?;
+    let signal = crate::record::read(&args.file)?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
     let families = match (args.all_laws, args.law.as_slice()) {
@@ -118,10 +121,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let answer = Answer {
         file: &measured.name,
         rig: &rig.name,
-        gap_mm: crate::table::tidy(rig.params.gap_m * 1e3),
-        release_mm: crate::table::tidy(settings.release_m * 1e3),
+        gap_mm: numerics::row::tidy(rig.params.gap_m * 1e3),
+        release_mm: numerics::row::tidy(settings.release_m * 1e3),
         impacts: measured.impacts.len(),
-        sampling_hz: crate::table::tidy(1.0 / measured.sample_s),
+        sampling_hz: numerics::row::tidy(1.0 / measured.sample_s),
         noise_n: measured.noise_n,
         offset_n: measured.offset_n,
         ring,
@@ -129,7 +132,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     let rows = rows(&fits);
     if let Some(dir) = &common.out {
-        let mut contents = pictures("identify", &figure(&rig, &measured, &fits, &settings))?;
+        let mut contents = drawn("identify", &figure(&rig, &measured, &fits, &settings))?;
         contents.extend(tables("identify", common.format, &answer, &rows)?);
         if let Some(fit) = fits.first() {
             contents.push(("identify-impacts.csv".into(), to_csv(&fit.impacts)));
@@ -176,7 +179,7 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
 
 fn rows(fits: &[Fit]) -> Vec<Row> {
     let of = |fit: &'_ Fit| -> Vec<Row> {
-        let row = |p: &crate::identify::Estimate| Row {
+        let row = |p: &numerics::identify::Estimate| Row {
             law: fit.law,
             misfit: fit.misfit,
             parameter: p.key,
@@ -305,8 +308,8 @@ fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings
     let subtitle = format!(
         "{}, gap {:?} mm, let go at {:?} mm. {found}. In brackets 95 % profile likelihood intervals.",
         rig.name,
-        crate::table::tidy(rig.params.gap_m * 1e3),
-        crate::table::tidy(settings.release_m * 1e3)
+        numerics::row::tidy(rig.params.gap_m * 1e3),
+        numerics::row::tidy(settings.release_m * 1e3)
     );
-    picture::figure(title, subtitle, measured, &rig.params, fits)
+    pictures::identify::figure(title, subtitle, measured, &rig.params, fits)
 }

@@ -2,6 +2,7 @@
 
 mod basins;
 mod bifurcation;
+mod choice;
 mod common;
 mod compare;
 mod contact;
@@ -29,8 +30,7 @@ use std::sync::Mutex;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::UserError;
-use crate::files;
+use files::UserError;
 
 /// Which frequency to run a vibro-impact hammer at, how hard it will strike, and whether it stays there.
 #[derive(Debug, Parser)]
@@ -117,7 +117,7 @@ pub fn run(arguments: impl IntoIterator<Item = String>) -> i32 {
             say(words);
         }
         // Whoever interrupts a run finds no half files.
-        files::end(130)
+        files::write::end(130)
     });
     let done = match cli.command {
         Command::Pick(args) => pick::run(&args).map(|()| 0),

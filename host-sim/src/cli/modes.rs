@@ -2,12 +2,14 @@
 
 use serde::Serialize;
 
-use super::common::{Common, Cycles, EngineName, pictures};
+use super::choice::choice;
+use super::common::{Common, Cycles, EngineName};
 use super::drive::Over;
 use super::emit::{emit, tables};
-use crate::error::UserError;
-use crate::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
+use crate::pictures::drawn;
 use crate::progress::Progress;
+use files::UserError;
+use numerics::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -34,7 +36,7 @@ pub struct Args {
     beam_mass: f64,
 
     /// How the hammer holds the springs' end
-    #[arg(long, value_enum, default_value = "guided")]
+    #[arg(long, value_parser = choice::<Tip>(), default_value = "guided")]
     tip: Tip,
 
     #[command(flatten)]
@@ -111,7 +113,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         rows: &rows,
     };
     if let Some(dir) = &common.out {
-        let mut files = pictures("modes", &figure(&rows, &args.modes))?;
+        let mut files = drawn("modes", &figure(&rows, &args.modes))?;
         files.extend(tables("modes", common.format, &answer, &rows)?);
         common.write(dir, &files)?;
     }

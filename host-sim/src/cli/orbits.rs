@@ -2,14 +2,16 @@
 
 use clap::ValueEnum;
 
-use super::common::{Common, parse_range, pictures};
+use super::common::{Common, at_gap, parse_range};
 use super::emit::{emit, tables};
-use crate::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
-use crate::continuation::{Along, End, Request, Special, curves, diagram, picture};
-use crate::engine::Engine;
-use crate::error::UserError;
+use crate::pictures;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile::{self, NamedRig};
+use files::UserError;
+use numerics::NamedRig;
+use numerics::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
+use numerics::continuation::{Along, End, Request, Special, curves, diagram};
+use numerics::engine::Engine;
 use plot::chart::Chart;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -81,9 +83,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     progress.finish();
     let answer = Answer::new(&rig.name, &found);
     if let Some(dir) = &common.out {
-        let behind = picture::simulated(&found, usize::from(args.behind))?;
-        let figure = picture::figure(&rig.name, &found, &behind);
-        let mut contents = pictures("orbits", &figure)?;
+        let behind = pictures::orbits::simulated(&found, usize::from(args.behind))?;
+        let figure = pictures::orbits::figure(&rig.name, &found, &behind);
+        let mut contents = drawn("orbits", &figure)?;
         contents.extend(tables("orbits", common.format, &answer, &answer.orbits)?);
         common.write(dir, &contents)?;
     }
@@ -105,7 +107,7 @@ fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
     let gaps_m = parse_range(gaps).map_err(|e| UserError::new(format!("--gaps {gaps}: {e}")))?;
     let gaps_m: Vec<f64> = gaps_m.into_iter().map(|mm| mm * 1e-3).collect();
     for gap_m in [gaps_m.first(), gaps_m.last()].into_iter().flatten() {
-        rigfile::with_number(&rig.params, "gap_mm", gap_m * 1e3).map_err(|e| e.at("--gaps"))?;
+        at_gap(&rig.params, gap_m * 1e3, "--gaps")?;
     }
     let ratios = ratios(args, rig)?;
     let progress = Progress::new("gaps", gaps_m.len() as u64, common.quiet);
@@ -114,8 +116,8 @@ fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
     progress.finish();
     let rows = line_rows(&rig.params, &lines);
     if let Some(dir) = &common.out {
-        let figure = picture::lines_figure(&rig.name, &rig.params, &lines);
-        let mut contents = pictures("orbits-curves", &figure)?;
+        let figure = pictures::orbits::lines_figure(&rig.name, &rig.params, &lines);
+        let mut contents = drawn("orbits-curves", &figure)?;
         contents.extend(tables("orbits-curves", common.format, &rows, &rows)?);
         common.write(dir, &contents)?;
     }
@@ -160,7 +162,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
             let gaps = args.gaps.as_deref().unwrap_or("0:3.56");
             let (from, to) = ends("--gaps", gaps)?;
             for mm in [from, to] {
-                rigfile::with_number(&rig.params, "gap_mm", mm).map_err(|e| e.at("--gaps"))?;
+                at_gap(&rig.params, mm, "--gaps")?;
             }
             let unit = rig.params.amplitude_m * 1e3;
             (Along::Gap(hz), (from / unit, to / unit))
@@ -240,7 +242,7 @@ fn text(answer: &Answer) -> String {
     let stable = |stable: bool| {
         let orbits = answer.orbits.iter();
         let shown = orbits.filter(|o| o.strobe == 1 && o.stable == stable);
-        let x = |o: &crate::continuation::table::OrbitRow| match answer.along {
+        let x = |o: &numerics::continuation::table::OrbitRow| match answer.along {
             "gap" => o.gap_mm,
             _ => o.frequency_ratio,
         };

@@ -5,10 +5,10 @@ use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
 use super::print;
-use crate::emulator::in_the_loop::{InTheLoop, end};
-use crate::emulator::run::run as run_scenario;
-use crate::emulator::scenario::{Scenario, load};
-use crate::error::UserError;
+use emulator::in_the_loop::{InTheLoop, end};
+use emulator::run::run as run_scenario;
+use emulator::scenario::{Scenario, load};
+use files::UserError;
 
 /// Where the processor's rate and the tick's would leave this many cycles per tick.
 const CYCLES_PER_TICK: f64 = 180e6 / 20e3;

@@ -2,17 +2,18 @@
 
 use serde::Serialize;
 
-use super::common::{Common, EngineName, parse_start, pictures};
+use super::common::{Common, EngineName, parse_start};
 use super::drive::At;
 use super::emit::{emit, tables};
-use crate::engine::Start;
-use crate::error::UserError;
-use crate::lyapunov::{self, Exponents};
-use crate::poincare::against::{self, Against, Told};
-use crate::poincare::picture::{against_figure, figure};
-use crate::poincare::{Portrait, Request, SectionPoint, portrait};
+use crate::pictures::drawn;
+use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::Progress;
-use crate::rigfile::NamedRig;
+use files::UserError;
+use numerics::NamedRig;
+use numerics::engine::Start;
+use numerics::lyapunov::{self, Exponents};
+use numerics::poincare::against::{self, Against, Told};
+use numerics::poincare::{Portrait, Request, SectionPoint, portrait};
 use plot::chart::Chart;
 
 /// What the section is held against.
@@ -86,7 +87,7 @@ struct Answer {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
     common.check_out()?;
-    if common.engine()? != crate::engine::Engine::Event || common.engine != EngineName::Event {
+    if common.engine()? != numerics::engine::Engine::Event || common.engine != EngineName::Event {
         return Err(UserError::new(
             "poincare runs the event engine; for the switch model's section use simulate --engine switch",
         ));
@@ -149,7 +150,7 @@ fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), Use
     let answer = answer(rig, request, &portrait, exponents);
     if let Some(dir) = &common.out {
         let mut contents = tables("poincare", common.format, &answer, &rows)?;
-        contents.extend(pictures("poincare", &figure(rig, request, &portrait))?);
+        contents.extend(drawn("poincare", &figure(rig, request, &portrait))?);
         common.write(dir, &contents)?;
     }
     emit(common.format, &answer, &rows, || text(&answer, &portrait))
@@ -164,7 +165,12 @@ fn exponents(request: &Request) -> Result<Exponents, UserError> {
         transient: request.transient,
         periods: request.points,
     };
-    lyapunov::exponents(&request.params, request.frequency_hz, section, plan)
+    Ok(lyapunov::exponents(
+        &request.params,
+        request.frequency_hz,
+        section,
+        plan,
+    )?)
 }
 
 fn answer(
@@ -176,9 +182,9 @@ fn answer(
     let params = &request.params;
     Answer {
         rig: rig.name.clone(),
-        gap_mm: crate::table::tidy(params.gap_m * 1e3),
-        frequency_hz: crate::table::tidy(request.frequency_hz),
-        frequency_ratio: crate::table::tidy(request.frequency_hz / params.natural_frequency_hz()),
+        gap_mm: numerics::row::tidy(params.gap_m * 1e3),
+        frequency_hz: numerics::row::tidy(request.frequency_hz),
+        frequency_ratio: numerics::row::tidy(request.frequency_hz / params.natural_frequency_hz()),
         regime: portrait.regime.to_string(),
         force_n: portrait.force_n,
         force_ratio: portrait.force_n / params.weight_n(),
@@ -195,7 +201,7 @@ fn heading(rig: &NamedRig, request: &Request) -> String {
     format!(
         "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n",
         rig.name,
-        crate::table::tidy(request.params.gap_m * 1e3),
+        numerics::row::tidy(request.params.gap_m * 1e3),
         request.frequency_hz,
         request.frequency_hz / request.params.natural_frequency_hz()
     )
@@ -248,7 +254,7 @@ fn run_against(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), Use
     if let Some(dir) = &common.out {
         let mut contents = tables("poincare-against", common.format, &rows, &rows)?;
         let figure = against_figure(rig, request, &found);
-        contents.extend(pictures("poincare-against", &figure)?);
+        contents.extend(drawn("poincare-against", &figure)?);
         common.write(dir, &contents)?;
     }
     emit(common.format, &rows, &rows, || {

@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use super::common::Format;
 use super::emit::{check_format, emit};
-use crate::emulator::log::{Reader, TICK_US};
-use crate::error::UserError;
 use crate::progress::Progress;
 use crate::replay::{Replayed, replay};
+use emulator::log::{Reader, TICK_US};
+use files::UserError;
 
 /// Exit code: 0 the same decisions, 1 they differ, 2 the log cannot be used.
 #[derive(Debug, clap::Args)]

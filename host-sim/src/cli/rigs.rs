@@ -3,8 +3,8 @@
 use shared::model::contact::Law;
 use shared::model::params::{PRESETS, RigParams, SupportParams};
 
-use crate::error::UserError;
-use crate::rigfile;
+use files::UserError;
+use files::rigfile;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

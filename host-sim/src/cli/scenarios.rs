@@ -1,8 +1,8 @@
 //! `host-sim scenarios`.
 
-use crate::emulator::scenario::{self, BUILTIN};
-use crate::error::UserError;
-use crate::rigfile::nearest;
+use emulator::scenario::{self, BUILTIN};
+use files::UserError;
+use files::rigfile::nearest;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

@@ -2,17 +2,20 @@
 
 use serde::Serialize;
 
-use super::common::{Common, Cycles, Format, parse_start, pictures};
+use super::common::{Common, Cycles, Format, parse_start};
 use super::drive::At;
 use super::emit::emit;
-use crate::engine::{
+use crate::pictures::drawn;
+use files::UserError;
+use files::table::{to_csv, to_parquet};
+use numerics::NamedRig;
+use numerics::engine::{
     Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
 };
-use crate::error::UserError;
-use crate::rigfile::NamedRig;
-use crate::table::{Row, to_csv, to_parquet};
+use numerics::row::Row;
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel, regime_color};
+use shared::model::regime::Regime;
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
@@ -118,12 +121,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             _ => "f64",
         },
         tick_us: match engine {
-            Engine::Switch(setting) => Some(crate::table::tidy(setting.tick_s * 1e6)),
+            Engine::Switch(setting) => Some(numerics::row::tidy(setting.tick_s * 1e6)),
             Engine::Event => None,
         },
     };
     if let Some(dir) = &common.out {
-        let mut contents = pictures("simulate", &figure(&rig, &answer.row, &recorder, &section))?;
+        let mut contents = drawn("simulate", &figure(&rig, &answer.row, &recorder, &section))?;
         contents.push((
             "simulate.json".into(),
             super::to_json(&answer)?.into_bytes(),
@@ -189,14 +192,14 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
         "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency), {} engine\n",
         row.rig, row.gap_mm, row.frequency_hz, row.frequency_ratio, answer.engine
     );
-    let meaning = match row.regime.as_str() {
-        "none" => "no contact in the recorded cycles".to_owned(),
-        "aperiodic" => format!(
+    let meaning = match row.regime {
+        Regime::None => "no contact in the recorded cycles".to_owned(),
+        Regime::Aperiodic { .. } => format!(
             "no repetition within 16 drive periods ({} contacts in the last 16)",
             row.impacts
         ),
-        "chatter" => format!("{} contacts that die out into a stay", row.impacts),
-        _ => format!(
+        Regime::Chatter { .. } => format!("{} contacts that die out into a stay", row.impacts),
+        Regime::Periodic { .. } => format!(
             "{} in {}",
             count(u32::from(row.impacts), "contact"),
             count(u32::from(row.periods.unwrap_or(0)), "drive period")
@@ -268,6 +271,6 @@ fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]
             Panel::new(Axis::new(displacement), Axis::new(velocity))
                 .titled("Poincaré section at drive phase 0")
                 .without_legend()
-                .item(Item::points("section", regime_color(&row.regime), strobes)),
+                .item(Item::points("section", regime_color(&row.regime.to_string()), strobes)),
         )
 }

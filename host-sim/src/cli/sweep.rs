@@ -2,14 +2,17 @@
 
 use std::path::PathBuf;
 
-use super::common::{Common, Cycles, Format, pictures};
+use super::choice::choice;
+use super::common::{Common, Cycles, Format};
 use super::drive::Over;
 use super::emit::{emit, tables};
-use crate::error::UserError;
-use crate::pick::picture::by_regime;
+use crate::pictures::drawn;
+use crate::pictures::pick::by_regime;
 use crate::progress::Progress;
-use crate::sweep::{Direction, Measured, MeasuredError, sweep};
-use crate::table::{Row, to_csv};
+use files::UserError;
+use files::table::to_csv;
+use numerics::row::Row;
+use numerics::sweep::{Direction, Measured, MeasuredError, sweep};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -23,7 +26,7 @@ pub struct Args {
     drive: Over,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
-    #[arg(long, value_enum, default_value = "rest")]
+    #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     direction: Direction,
 
     #[command(flatten)]
@@ -42,7 +45,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();
     let frequencies = args.drive.hz(natural_hz)?.unwrap_or_default();
-    let measured = args.measured.as_deref().map(Measured::read).transpose()?;
+    let measured = args
+        .measured
+        .as_deref()
+        .map(crate::measured::force_curve)
+        .transpose()?;
     // A picture of one direction is laid over the other, so that a jump shows.
     let both = args.direction != Direction::Rest && common.out.is_some();
     let runs = frequencies.len() as u64 * if both { 2 } else { 1 };
@@ -65,7 +72,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             measured.as_ref(),
             error,
         );
-        let mut contents = pictures("sweep", &figure)?;
+        let mut contents = drawn("sweep", &figure)?;
         contents.extend(tables("sweep", common.format, &rows, &rows)?);
         if let (Some(others), Some(other)) = (&others, other) {
             contents.push((format!("sweep-{}.csv", other.name()), to_csv(others)));

@@ -1,14 +1,14 @@
 //! Figures 3.36–3.38 and 3.52–3.54: basins of attraction, and the gap advice as a page beyond the chapter.
 
 use super::{Effort, Page, Part};
-use crate::basins::chapter::{POINTS, Point};
-use crate::basins::picture::parts;
-use crate::basins::{Basins, Query, Summary, cells, explore};
-use crate::engine::Engine;
-use crate::error::UserError;
+use crate::pictures::basins::parts;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::table::to_csv;
-use plot::{render_png, render_svg};
+use files::UserError;
+use files::table::to_csv;
+use numerics::basins::chapter::{POINTS, Point};
+use numerics::basins::{Basins, Query, Summary, cells, explore};
+use numerics::engine::Engine;
 
 /// A part per figure: its two points share nothing with the others'.
 pub const PARTS: [Part; 6] = [
@@ -49,7 +49,7 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 
 fn query(point: &Point, effort: Effort) -> Result<Query, UserError> {
     match effort {
-        Effort::Full => point.query(500, 500),
+        Effort::Full => Ok(point.query(500, 500)?),
         Effort::Coarse => Ok(Query {
             cycles: 120,
             recorded: 40,
@@ -79,10 +79,7 @@ fn page(figure: &'static str, effort: Effort, progress: &Progress) -> Result<Vec
     let title = format!("Basins of attraction, {rig}: impact / no impact");
     let picture = parts(format!("Figure {figure}: {title}"), &shown);
     let stem = format!("figure-{}", figure.replace('.', "-"));
-    let mut files = vec![
-        (format!("{stem}.svg"), render_svg(&picture)?.into_bytes()),
-        (format!("{stem}.png"), render_png(&picture)?),
-    ];
+    let mut files = drawn(&stem, &picture)?;
     let mut said = Vec::new();
     for (point, basins, summary) in &found {
         files.push((

@@ -4,16 +4,18 @@ use shared::model::params::RigParams;
 
 use super::section::{files, rig};
 use super::{Effort, Page};
-use crate::bifurcation::picture::{Abscissa, Look, Quantity, figure, panel};
-use crate::bifurcation::{Diagram, Request, changes, diagrams, rows};
-use crate::engine::Engine;
-use crate::error::UserError;
-use crate::lanes::Plan;
-use crate::lyapunov;
+use crate::pictures::bifurcation::{Abscissa, Look, Quantity, figure, panel};
 use crate::progress::Progress;
-use crate::rigfile::NamedRig;
-use crate::sweep::{Direction, spread};
+use files::UserError;
+use numerics::NamedRig;
+use numerics::bifurcation::{Diagram, Request, changes, diagrams, rows};
+use numerics::engine::Engine;
+use numerics::lanes::Plan;
+use numerics::lyapunov;
+use numerics::row::kind;
+use numerics::sweep::{Direction, spread};
 use plot::Figure;
+use shared::model::regime::Regime;
 
 /// Frequencies of the chapter's range on a rig, Hz: Ω/ω as 1.41 to 7.28 Hz on the wires.
 fn range(params: &RigParams, count: usize) -> Vec<f64> {
@@ -53,15 +55,15 @@ fn compute(
         plan: plan(effort),
         locate: effort == Effort::Full,
     };
-    diagrams(&request, progress)
+    Ok(diagrams(&request, progress)?)
 }
 
 /// Lowest and highest Ω/ω of the first unbroken run of `regime` above `from` (Ω/ω) that lasts for at least three
 /// frequencies.
-fn band(diagram: &Diagram, regime: &str, from: f64) -> Option<(f64, f64)> {
+fn band(diagram: &Diagram, regime: Regime, from: f64) -> Option<(f64, f64)> {
     let runs = diagram
         .stations
-        .chunk_by(|a, b| a.row.regime == b.row.regime);
+        .chunk_by(|a, b| kind(a.row.regime) == kind(b.row.regime));
     let run = runs
         .into_iter()
         .find(|r| r.len() >= 3 && r[0].row.regime == regime && r[0].row.frequency_ratio > from)?;
@@ -102,8 +104,22 @@ fn wires(effort: Effort, progress: &Progress, what: &Wires) -> Result<Vec<Page>,
         &all,
         progress,
     )?;
-    let first = band(&whole[0], "1/1", 0.0);
-    let second = band(&whole[0], "1/2", first.map_or(0.0, |b| b.1));
+    let first = band(
+        &whole[0],
+        Regime::Periodic {
+            impacts: 1,
+            periods: 1,
+        },
+        0.0,
+    );
+    let second = band(
+        &whole[0],
+        Regime::Periodic {
+            impacts: 1,
+            periods: 2,
+        },
+        first.map_or(0.0, |b| b.1),
+    );
     let from = first.map_or(1.0, |b| b.1) - 0.1;
     let to = second
         .map_or(from + 0.8, |b| b.0 + 0.15)
@@ -188,8 +204,8 @@ fn tell(
     (first, second): (Band, Band),
 ) -> Result<String, UserError> {
     let end = first.map(|b| b.1);
-    let after = detail.changes.iter().find(|c| c.below == "1/1");
-    let doubled = after.is_some_and(|c| c.above == "2/2");
+    let after = detail.changes.iter().find(|c| c.below.is(1, 1));
+    let doubled = after.is_some_and(|c| c.above.is(2, 2));
     let chaos = most_chaotic(effort, detail)?;
     let verdict = match (what.chaos, doubled, &chaos) {
         (false, true, _) | (true, _, Some((_, "chaotic", _))) => "Agrees",
@@ -234,8 +250,8 @@ fn most_chaotic(
 ) -> Result<Option<(f64, &'static str, lyapunov::Exponents)>, UserError> {
     let runs = diagram
         .stations
-        .chunk_by(|a, b| a.row.regime == b.row.regime);
-    let wild = runs.filter(|r| r[0].row.regime == "aperiodic");
+        .chunk_by(|a, b| kind(a.row.regime) == kind(b.row.regime));
+    let wild = runs.filter(|r| matches!(r[0].row.regime, Regime::Aperiodic { .. }));
     let Some(longest) = wild.max_by_key(|r| r.len()) else {
         return Ok(None);
     };
@@ -321,8 +337,15 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
             };
             let title = format!("{letter}) gap {:?} mm", diagram.gap_mm);
             figure = figure.panel(panel(&[diagram], look).without_legend().titled(title));
-            let first = band(diagram, "1/1", 0.0);
-            let inside = diagram.stations.iter().filter(|s| s.row.regime == "1/1");
+            let first = band(
+                diagram,
+                Regime::Periodic {
+                    impacts: 1,
+                    periods: 1,
+                },
+                0.0,
+            );
+            let inside = diagram.stations.iter().filter(|s| s.row.regime.is(1, 1));
             let largest = inside
                 .flat_map(|s| &s.points)
                 .map(|p| p.displacement_mm.abs());

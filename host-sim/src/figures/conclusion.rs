@@ -3,16 +3,18 @@
 use serde::Serialize;
 use shared::model::params::preset;
 
-use super::{Effort, Page, drawn, stem};
-use crate::basins::{Query, explore};
-use crate::branch::End;
-use crate::engine::Engine;
-use crate::error::UserError;
-use crate::pick::uncertainty::Uncertainty;
-use crate::pick::{Limits, Pick, jumping_at, pick};
+use super::{Effort, Page, stem};
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile::{NamedRig, with_number};
-use crate::table::to_csv;
+use crate::words::pick::{jumping_at, why};
+use files::UserError;
+use files::table::to_csv;
+use numerics::NamedRig;
+use numerics::basins::{Query, explore};
+use numerics::branch::End;
+use numerics::engine::Engine;
+use numerics::pick::uncertainty::Uncertainty;
+use numerics::pick::{Limits, Pick, pick};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Every rig, and the gaps the chapter measures it at, mm.
@@ -106,7 +108,7 @@ fn at(
     let params = preset(name).ok_or_else(|| UserError::new(format!("no rig {name}")))?;
     let rig = NamedRig {
         name: name.to_owned(),
-        params: with_number(&params, "gap_mm", gap_mm)?,
+        params: params.with_gap_mm(gap_mm)?,
     };
     let uncertainty = (samples > 0).then(|| Uncertainty {
         samples,
@@ -138,9 +140,9 @@ fn at(
             * (answer.stable_one_one_hz[1] / answer.operating_frequency_hz - 1.0),
         jumps_from_hz: answer.jump_range_hz.map(|j| j[0]),
         jumps_to_hz: answer.jump_range_hz.map(|j| j[1]),
-        regime_from_rest: answer.regime_from_rest.clone(),
+        regime_from_rest: answer.regime_from_rest.to_string(),
         one_one_from_percent: 100.0 * share,
-        why: answer.why.clone(),
+        why: why(answer),
     };
     Ok(Some((row, found)))
 }

@@ -3,15 +3,17 @@
 
 use shared::model::params::{RigParams, TABLE_3_1, WIRES};
 
-use super::{Effort, Page, drawn, stem};
-use crate::contact_law::picture::{blows, grid, over_speed};
-use crate::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
-use crate::drop_test::{DropTest, record};
-use crate::error::UserError;
-use crate::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure, picture};
+use super::{Effort, Page, stem};
+use crate::pictures;
+use crate::pictures::contact_law::{blows, grid, over_speed};
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::signal::Signal;
-use crate::table::to_csv;
+use files::UserError;
+use files::table::to_csv;
+use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
+use numerics::drop_test::{DropTest, record};
+use numerics::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure};
+use numerics::signal::Signal;
 use plot::Figure;
 
 /// Figure 3.3, and the four laws beside each other (beyond figure 3.2, which is a drawing).
@@ -180,7 +182,7 @@ fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<P
     let found = found(&peaks, &force, &calm);
     let name = stem(number);
     let impacts = to_csv(&peaks.impacts);
-    let figure = picture::figure(
+    let figure = pictures::identify::figure(
         format!("Drop test from {release_mm} mm, spring-dashpot"),
         format!(
             "The \"measurement\" is synthetic: the model with Table 3.1, noise {NOISE_N} N, and the surface ringing at 3 kHz with half the peak. The chapter's raw data are not public."
@@ -213,7 +215,7 @@ fn synthetic(
         force_n: Some(rows.iter().map(|r| r.force_n).collect()),
         ..Signal::default()
     };
-    measure(&signal, settings)
+    Ok(measure(&signal, settings)?)
 }
 
 fn found(peaks: &Fit, force: &Fit, calm: &Fit) -> String {

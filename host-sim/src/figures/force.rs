@@ -5,14 +5,18 @@ use serde::Serialize;
 use shared::model::params::{RigParams, preset};
 use shared::model::rig::Rig;
 
-use super::{Effort, Page, drawn, stem};
-use crate::engine::Start;
-use crate::error::UserError;
-use crate::lanes::{self, Cell, Outcome, Plan};
+use super::{Effort, Page, stem};
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::sweep::{jumps, spread};
-use crate::table::{Row, tidy, to_csv};
+use files::UserError;
+use files::table::to_csv;
+use numerics::engine::Start;
+use numerics::lanes::{self, Cell, Outcome, Plan};
+use numerics::row::regime_as_text;
+use numerics::row::{Row, tidy};
+use numerics::sweep::{jumps, spread};
 use plot::{Axis, Color, Figure, Item, Panel, regime_group};
+use shared::model::regime::Regime;
 
 /// Up and down count as different when their forces differ by more than this share.
 const JUMP_SHARE: f64 = 0.1;
@@ -148,7 +152,7 @@ fn row(rig: &str, cell: &Cell, seen: &Outcome) -> Row {
         frequency_ratio: tidy(cell.frequency_hz / params.natural_frequency_hz()),
         impacts: seen.regime.impacts(),
         periods: seen.regime.periods(),
-        regime: seen.regime.to_string(),
+        regime: seen.regime,
         force_ratio: seen.force_n / params.weight_n(),
         force_n: seen.force_n,
         approach_speed_m_per_s: None,
@@ -225,7 +229,8 @@ struct Told<'a> {
     gap_mm: f64,
     frequency_hz: f64,
     frequency_ratio: f64,
-    regime: &'a str,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
     force_ratio: f64,
     force_n: f64,
 }
@@ -264,7 +269,7 @@ fn page(
             gap_mm: r.gap_mm,
             frequency_hz: r.frequency_hz,
             frequency_ratio: r.frequency_ratio,
-            regime: &r.regime,
+            regime: r.regime,
             force_ratio: r.force_ratio,
             force_n: r.force_n,
         })
@@ -299,7 +304,7 @@ fn panel(curve: &Curve, titled: bool) -> Panel {
     ));
     let mut groups: Vec<(&str, Vec<(f64, f64)>)> = Vec::new();
     for row in &curve.rest {
-        let name = regime_group(&row.regime);
+        let name = regime_group(&row.regime.to_string());
         match groups.iter_mut().find(|(known, _)| *known == name) {
             Some((_, points)) => points.push(at(row)),
             None => groups.push((name, vec![at(row)])),
@@ -334,21 +339,21 @@ fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
     }
 }
 
-/// The strongest row of a regime.
-fn strongest<'a>(rows: &'a [Row], regime: &str) -> Option<&'a Row> {
-    let of = rows.iter().filter(|r| r.regime == regime);
+/// The strongest 1/1.
+fn strongest(rows: &[Row]) -> Option<&Row> {
+    let of = rows.iter().filter(|r| r.regime.is(1, 1));
     of.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
 }
 
 /// What a curve shows, from its own numbers.
 fn found(curve: &Curve) -> String {
     let mut told = format!("Gap {:?} mm:", gap_mm(&curve.params));
-    match strongest(&curve.rest, "1/1") {
+    match strongest(&curve.rest) {
         Some(best) => {
             let ends: Vec<f64> = curve
                 .rest
                 .iter()
-                .filter(|r| r.regime == "1/1")
+                .filter(|r| r.regime.is(1, 1))
                 .map(|r| r.frequency_ratio)
                 .collect();
             told += &format!(
@@ -395,7 +400,7 @@ fn found(curve: &Curve) -> String {
 fn between(curves: &[Curve]) -> String {
     let best: Vec<f64> = curves
         .iter()
-        .filter_map(|c| strongest(&c.up, "1/1").map(|r| r.force_ratio))
+        .filter_map(|c| strongest(&c.up).map(|r| r.force_ratio))
         .collect();
     let [a, b, c] = best[..] else {
         return "Not every gap has a 1/1 when carried up.".to_owned();

@@ -1,14 +1,15 @@
 //! Beyond the chapter's figures: its recommendation of 0.0 mm, from numbers.
 
 use super::{Effort, Page, Part};
-use crate::error::UserError;
-use crate::pick::gap_picture::figure;
-use crate::pick::gaps::{GapAdvice, advise};
-use crate::pick::{Limits, Uncertainty};
+use crate::pictures::drawn;
+use crate::pictures::gaps::figure;
 use crate::progress::Progress;
-use crate::rigfile;
-use crate::table::to_csv;
-use plot::{render_png, render_svg};
+use crate::words::gaps::GapTable;
+use files::UserError;
+use files::rigfile;
+use files::table::to_csv;
+use numerics::pick::gaps::advise;
+use numerics::pick::{Limits, Uncertainty};
 
 /// The one part.
 pub const PARTS: [Part; 1] = [("gap advice", &["gap advice"], pages)];
@@ -29,25 +30,21 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     };
     let limits = Limits::default();
     let advice = advise(&rig, &gaps_mm, uncertainty, limits, (starts, 1), progress)?;
+    let advice = GapTable::from(&advice);
     let picture = figure(&advice);
+    let mut files = drawn("figure-gap-advice", &picture)?;
+    files.push(("figure-gap-advice.csv".to_owned(), to_csv(&advice.gaps)));
     Ok(vec![Page {
         figure: "gap advice",
         title: "Why 0.0 mm: the pick over gaps, wires".to_owned(),
         chapter: "It is recommended to operate with a 0.0 mm gap, because the impact forces are in the same range as at higher gaps, where nonlinear jumps occur, which is not the case at 0.0 mm, where about the largest force occurs over a wider frequency range.",
         found: found(&advice),
         command: "host-sim pick --gaps 0:3.5:0.5 --out DIR".to_owned(),
-        files: vec![
-            (
-                "figure-gap-advice.svg".to_owned(),
-                render_svg(&picture)?.into_bytes(),
-            ),
-            ("figure-gap-advice.png".to_owned(), render_png(&picture)?),
-            ("figure-gap-advice.csv".to_owned(), to_csv(&advice.gaps)),
-        ],
+        files,
     }])
 }
 
-fn found(advice: &GapAdvice) -> String {
+fn found(advice: &GapTable) -> String {
     let verdict = match advice.advised_gap_mm {
         Some(0.0) => "Agrees.",
         Some(_) => "Differs.",

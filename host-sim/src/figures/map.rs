@@ -5,18 +5,20 @@ use serde::Serialize;
 use shared::model::params::preset;
 use shared::model::regime::Regime;
 
-use super::{Effort, Page, drawn, stem};
-use crate::engine::Setting;
-use crate::error::UserError;
-use crate::lanes::Plan;
-use crate::map::agree::percent;
-use crate::map::measured::{Measured, hits};
-use crate::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use crate::map::{Agreement, Grid, Map, Request, Runner, alikeness, picture, run};
+use super::{Effort, Page, stem};
+use crate::pictures;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile::NamedRig;
-use crate::sweep::{Direction, spread};
-use crate::table::{to_csv, to_parquet};
+use files::UserError;
+use files::table::{to_csv, to_parquet};
+use numerics::NamedRig;
+use numerics::engine::Setting;
+use numerics::lanes::Plan;
+use numerics::map::agree::percent;
+use numerics::map::measured::{Measured, hits};
+use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
+use numerics::map::{Agreement, Grid, Map, Request, Runner, alikeness, run};
+use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
 /// Points at which the chapter shows measurement and computation together (figures 3.16–3.23) and names the regime:
@@ -45,7 +47,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         chapter: "At 0.0 mm several contacts a period, then 1/1, a doubling near Ω/ω = 2.7 and 1/2 by 3.8; a large area of 1/1 and one of 1/2, and above 1.5 A0 between them many regimes side by side. 209,916 simulations took 120 hours.",
         found: format!("{} {}", shares(&map), unrest(&map)),
         command: "host-sim map --rig wires --out out".to_owned(),
-        files: with_cells("3.24", &picture::regimes(&map), &map)?,
+        files: with_cells("3.24", &pictures::map::regimes(&map), &map)?,
     };
     Ok(vec![
         first,
@@ -72,8 +74,8 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         let map = chapter_map(rig, effort, progress)?;
         let fine = detail_map(rig, effort, progress)?;
         let named = basins.map(|(ratio, gap)| (ratio, gap, format!("basin {ratio:.2}, {gap:.2}")));
-        let detail = picture::detail(&fine, DETAIL.0, DETAIL.1, &named);
-        let mut files = with_cells(regimes, &picture::regimes(&map), &map)?;
+        let detail = pictures::map::detail(&fine, DETAIL.0, DETAIL.1, &named);
+        let mut files = with_cells(regimes, &pictures::map::regimes(&map), &map)?;
         files.extend(drawn(&format!("{}-detail", stem(regimes)), &detail)?);
         let command = format!("host-sim map --rig {rig} --out out");
         pages.push(Page {
@@ -120,7 +122,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     let switch = by(Runner::Switch(Setting::corrected_f32(5e-5)))?;
     let agreement = Agreement::of(exact.cells.iter().zip(&switch.cells));
     let stem = stem("switch-map");
-    let figure = picture::differences(&exact, &switch, "the switch model (f32, 50 µs)");
+    let figure = pictures::map::differences(&exact, &switch, "the switch model (f32, 50 µs)");
     let mut files = drawn(&stem, &figure)?;
     files.push((
         format!("{stem}-exact.csv"),
@@ -179,7 +181,11 @@ fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, U
         gaps_mm: gaps.into_iter().step_by(step).collect(),
         frequencies_hz: hz.into_iter().step_by(step).collect(),
     };
-    run(&request(rig, grid, plan, Runner::Lanes), None, progress)
+    Ok(run(
+        &request(rig, grid, plan, Runner::Lanes),
+        None,
+        progress,
+    )?)
 }
 
 fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
@@ -195,7 +201,11 @@ fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, Us
         gaps_mm: spread(low * amplitude_mm, high * amplitude_mm, rows),
         frequencies_hz: spread(from * natural_hz, to * natural_hz, columns),
     };
-    run(&request(rig, grid, plan, Runner::Lanes), None, progress)
+    Ok(run(
+        &request(rig, grid, plan, Runner::Lanes),
+        None,
+        progress,
+    )?)
 }
 
 /// How many cells show a regime.
@@ -211,7 +221,7 @@ fn counts(map: &Map) -> Vec<Count> {
     for cell in &map.cells {
         match found
             .iter_mut()
-            .find(|(r, _)| crate::map::agree::same_label(*r, cell.regime))
+            .find(|(r, _)| numerics::map::agree::same_label(*r, cell.regime))
         {
             Some((_, n)) => *n += 1,
             None => found.push((cell.regime, 1)),
@@ -283,7 +293,7 @@ fn unrest(map: &Map) -> String {
             for j in (1..ratios.len()).filter(|j| (from..=to).contains(&ratios[*j])) {
                 let [a, b] = [j - 1, j].map(|j| map.cell(row, j).regime);
                 pairs += 1;
-                differ += usize::from(!crate::map::agree::same_label(a, b));
+                differ += usize::from(!numerics::map::agree::same_label(a, b));
             }
         }
         percent(differ, pairs)
@@ -315,7 +325,7 @@ fn measured(map: &Map) -> Result<Page, UserError> {
         .collect();
     let agree = hits(&points, map);
     let stem = stem("3.25");
-    let mut files = drawn(&stem, &picture::with_points(map, &seen))?;
+    let mut files = drawn(&stem, &pictures::map::with_points(map, &seen))?;
     let mut table = String::from("gap_mm,frequency_hz,regime\n");
     for (gap, hz, regime) in seen {
         table += &format!("{gap},{hz},{regime}\n");
@@ -410,7 +420,7 @@ fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, User
         None => " At no gap is it met at the upper edge of 1/1.".to_owned(),
     };
     let stem = stem(figure);
-    let mut files = drawn(&stem, &picture::by_force(map))?;
+    let mut files = drawn(&stem, &pictures::map::by_force(map))?;
     files.push((format!("{stem}.csv"), to_csv(&rows)));
     Ok(Page {
         figure,
@@ -432,7 +442,7 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
     let told = format!("{}.", lines.join("; "));
     let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();
-    let mut files = drawn(&stem, &picture::side_by_side(&maps, &told))?;
+    let mut files = drawn(&stem, &pictures::map::side_by_side(&maps, &told))?;
     files.push((
         format!("{stem}.json"),
         serde_json::to_vec_pretty(&found).unwrap_or_default(),

@@ -12,9 +12,8 @@ pub mod orbits;
 pub mod section;
 pub mod switch;
 
-use crate::error::UserError;
 use crate::progress::Progress;
-use plot::{Figure, render_png, render_svg};
+use files::UserError;
 
 /// One figure of the chapter (or one beyond it), made again.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,17 +151,6 @@ pub const DRAWINGS: [(&str, &str); 7] = [
 /// How the files of a figure begin: `figure-3-27` for "3.27".
 pub fn stem(figure: &str) -> String {
     format!("figure-{}", figure.replace(['.', ' '], "-"))
-}
-
-/// `picture` as the files `NAME.svg` and `NAME.png`.
-///
-/// # Errors
-/// A picture too crowded to be drawn.
-pub fn drawn(name: &str, picture: &Figure) -> Result<Vec<(String, Vec<u8>)>, UserError> {
-    Ok(vec![
-        (format!("{name}.svg"), render_svg(picture)?.into_bytes()),
-        (format!("{name}.png"), render_png(picture)?),
-    ])
 }
 
 #[cfg(test)]

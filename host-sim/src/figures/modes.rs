@@ -1,12 +1,14 @@
 //! Beyond the chapter: the beam springs with more than one bending mode.
 
-use super::{Effort, Page, drawn, stem};
-use crate::engine::Plan as Cycles;
-use crate::error::UserError;
-use crate::modes::{Beam, Plan, Row, Tip};
+use super::{Effort, Page, stem};
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile::{self, NamedRig};
-use crate::table::to_csv;
+use files::UserError;
+use files::rigfile;
+use files::table::to_csv;
+use numerics::NamedRig;
+use numerics::engine::Plan as Cycles;
+use numerics::modes::{Beam, Plan, Row, Tip};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Numbers of modes compared.
@@ -74,14 +76,14 @@ fn rows(
 ) -> Result<Vec<Row>, UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequencies_hz: Vec<_> = ratios.map(|ratio| ratio * natural).collect();
-    Plan {
+    let plan = Plan {
         rig,
         beam,
         counts: &COUNTS,
         frequencies_hz: &frequencies_hz,
         cycles,
-    }
-    .run(progress)
+    };
+    Ok(plan.run(progress)?)
 }
 
 fn files(name: &str, figure: &Figure, rows: &[Row]) -> Result<Vec<(String, Vec<u8>)>, UserError> {
@@ -132,7 +134,7 @@ fn pairs(rows: &[Row]) -> Vec<(&Row, &Row)> {
             let of = |count| same.iter().find(|row| row.modes == count);
             Some((of(most)?, of(1)?))
         })
-        .filter(|(a, b)| a.regime == "1/1" && b.regime == "1/1")
+        .filter(|(a, b)| a.regime.is(1, 1) && b.regime.is(1, 1))
         .collect()
 }
 

@@ -4,13 +4,16 @@
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
-use super::{Effort, Page, drawn, stem};
-use crate::continuation::table::{Answer, line_rows};
-use crate::continuation::{Along, Request, Special, curves, diagram, picture};
-use crate::error::UserError;
-use crate::lanes::{self, Cell, Plan};
+use super::{Effort, Page, stem};
+use crate::pictures;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::table::{tidy, to_csv};
+use files::UserError;
+use files::table::to_csv;
+use numerics::continuation::table::{Answer, line_rows};
+use numerics::continuation::{Along, Request, Special, curves, diagram};
+use numerics::lanes::{self, Cell, Plan};
+use numerics::row::tidy;
 use plot::{Axis, Figure, Item, Panel, Raster, edges};
 
 /// A gap of the chapter's diagrams and what it says of it.
@@ -75,8 +78,8 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
     };
     let found = diagram(&params, &request, &Progress::new("", 1, true))?;
     let answer = Answer::new("wires", &found);
-    let simulated = picture::simulated(&found, behind)?;
-    let figure = picture::figure("wires", &found, &simulated);
+    let simulated = pictures::orbits::simulated(&found, behind)?;
+    let figure = pictures::orbits::figure("wires", &found, &simulated);
     let name = stem(gap.figure);
     let mut files = drawn(&name, &figure)?;
     files.push((format!("{name}.csv"), to_csv(&answer.orbits)));
@@ -154,7 +157,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         Effort::Coarse => (7, 8, 5, 6),
     };
     let (gap_mm, hz) = ((0.0, 3.56), (1.41, 7.28));
-    let along = |(from, to): (f64, f64), count: usize| crate::sweep::spread(from, to, count);
+    let along = |(from, to): (f64, f64), count: usize| numerics::sweep::spread(from, to, count);
     let (columns, rows) = (along(gap_mm, gaps), along(hz, frequencies));
     let regimes = regimes(&columns, &rows)?;
     progress.inc(1);
@@ -175,7 +178,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     panel
         .items
         .push(Item::Raster(Raster::regimes(x, y, gaps, regimes)));
-    panel.items.extend(picture::line_items(&lines));
+    panel.items.extend(pictures::orbits::line_items(&lines));
     let figure = Figure::new("Wires: where the 1/1 doubles, folds and grazes, over the Peterka map")
         .subtitle("Areas: what simulations from rest settle on. Lines: special points of the 1/1 orbits, stable or not, followed at each gap.")
         .size(1100, 820)
@@ -191,7 +194,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         .iter()
         .filter(|l| l.nodes.len() > 2)
         .map(|l| {
-            let end = |n: &crate::continuation::Node| {
+            let end = |n: &numerics::continuation::Node| {
                 format!(
                     "{:?} mm {:.3} Hz",
                     tidy(n.gap_m * 1e3),

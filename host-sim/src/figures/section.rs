@@ -3,13 +3,14 @@
 use serde::Serialize;
 use shared::model::params::PRESETS;
 
-use super::{Effort, Page, drawn, stem};
-use crate::engine::Start;
-use crate::error::UserError;
-use crate::poincare::{self, against};
+use super::{Effort, Page, stem};
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile::{NamedRig, with_number};
-use crate::table::to_csv;
+use files::UserError;
+use files::table::to_csv;
+use numerics::NamedRig;
+use numerics::engine::Start;
+use numerics::poincare::{self, against};
 use plot::Figure;
 
 /// The preset called `name` at `gap_mm`.
@@ -18,7 +19,7 @@ pub(super) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
     let (_, params) = found.ok_or_else(|| UserError::new(format!("there is no preset {name}")))?;
     Ok(NamedRig {
         name: name.to_owned(),
-        params: with_number(&params, "gap_mm", gap_mm)?,
+        params: params.with_gap_mm(gap_mm)?,
     })
 }
 
@@ -57,7 +58,7 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
     let words = found.smoothed.iter().map(|s| {
         format!(
             "{:?} µm: {}, {:.3} A0 away, {:.0} % of the boxes not shared, {:.0} steps per drive period",
-            crate::table::tidy(s.epsilon_m * 1e6),
+            numerics::row::tidy(s.epsilon_m * 1e6),
             match s.told.section_periods {
                 Some(n) => format!("repeats after {n}"),
                 None => "does not repeat".to_owned(),
@@ -88,7 +89,7 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
         ),
         files: files(
             "3.4",
-            &poincare::picture::against_figure(&rig, &request, &found),
+            &crate::pictures::poincare::against_figure(&rig, &request, &found),
             &found.rows(),
         )?,
     }])
@@ -193,7 +194,7 @@ pub fn portraits(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
             ),
             files: files(
                 number,
-                &poincare::picture::chapter(&rig, &request, &portrait),
+                &crate::pictures::poincare::chapter(&rig, &request, &portrait),
                 &portrait.sections[0],
             )?,
         })

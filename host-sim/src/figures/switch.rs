@@ -6,13 +6,14 @@ use shared::model::params::{BEAM_170, RigParams};
 use shared::model::rig::Rig;
 use shared::model::switch::{Band, Subspace, classify};
 
-use super::{Effort, Page, drawn, stem};
-use crate::engine::{
+use super::{Effort, Page, stem};
+use crate::pictures::drawn;
+use crate::progress::Progress;
+use files::UserError;
+use files::table::to_csv;
+use numerics::engine::{
     Engine, Machine, Method, Precision, Recorder, Sample, Setting, Start, machine,
 };
-use crate::error::UserError;
-use crate::progress::Progress;
-use crate::table::to_csv;
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// A mass on a spring: the beam rig at 170 mm, its stop 1 mm away, driven at 1.5 times its own frequency.

@@ -9,7 +9,7 @@ use shared::link::ToBoard;
 use shared::settings::TICK_RATE_HZ;
 
 use super::client::{Client, state_name};
-use crate::error::UserError;
+use files::UserError;
 
 /// How often the status is asked for: several times per drive period, and well within the link's timeout.
 const LOOK: Duration = Duration::from_millis(20);

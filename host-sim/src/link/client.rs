@@ -11,7 +11,7 @@ use shared::link::{
     encode,
 };
 
-use crate::error::UserError;
+use files::UserError;
 
 /// How long an answer may take. The board answers within milliseconds; a computer's serial driver may not.
 const PATIENCE: Duration = Duration::from_millis(700);

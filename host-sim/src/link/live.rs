@@ -11,9 +11,9 @@ use shared::link::Device;
 use shared::settings::{Settings, TICK_S};
 
 use super::{Board, Server};
-use crate::emulator::local::birth;
-use crate::emulator::under_test::{ControlUnderTest, Reset};
-use crate::error::UserError;
+use emulator::local::birth;
+use emulator::under_test::{ControlUnderTest, Reset};
+use files::UserError;
 
 /// Farther behind than this, the lost time is given up and not caught up with.
 const SLACK: Duration = Duration::from_millis(100);

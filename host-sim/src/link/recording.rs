@@ -8,8 +8,8 @@ use shared::control::{Birth, Command, State};
 use shared::link::{Answer, Exchange, FromBoard, Hello, ToBoard};
 
 use super::client::{Client, state_name};
-use crate::emulator::log::{Block, Header, Input, Samples, Tick, Writer};
-use crate::error::UserError;
+use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
+use files::UserError;
 
 /// A board that streams nothing for so long has stopped.
 const PATIENCE: Duration = Duration::from_secs(3);

@@ -3,8 +3,8 @@
 use shared::settings::{DriveKind, Settings};
 use toml::{Table, Value};
 
-use crate::error::UserError;
-use crate::rigfile::{self, nearest};
+use files::UserError;
+use files::rigfile::{self, nearest};
 
 /// Every number: section, key, meaning.
 const NUMBERS: [(&str, &str, &str); 23] = [

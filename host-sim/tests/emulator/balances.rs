@@ -1,8 +1,8 @@
 //! Momentum and energy of both bodies: what goes in comes out.
 
-use host_sim::emulator::bodies::State;
-use host_sim::emulator::plant::Plant;
-use host_sim::emulator::shaker::{Path, ShakerParams};
+use emulator::bodies::State;
+use emulator::plant::Plant;
+use emulator::shaker::{Path, ShakerParams};
 use shared::model::contact::Law;
 use shared::model::params::{
     BEAM_150, LAWS, PRESETS, RigParams, SupportParams, TABLE_3_1, Torque, WIRES,

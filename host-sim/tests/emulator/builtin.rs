@@ -1,11 +1,11 @@
 //! Every scenario that comes with the program, run with the controller in this process: each must come to what
 //! it says it expects.
 
-use host_sim::emulator::local::Local;
-use host_sim::emulator::run::run;
-use host_sim::emulator::scenario::{BUILTIN, Scenario, load};
-use host_sim::emulator::tally::Tally;
-use host_sim::emulator::verdict::{Verdict, judge, judge_by};
+use emulator::local::Local;
+use emulator::run::run;
+use emulator::scenario::{BUILTIN, Scenario, load};
+use emulator::tally::Tally;
+use emulator::verdict::{Verdict, judge, judge_by};
 
 /// A run, unwatched.
 pub fn ran(scenario: &Scenario) -> Tally {

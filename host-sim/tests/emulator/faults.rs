@@ -1,7 +1,7 @@
 //! Every fault tripped by injection, the drive off within its stated ticks; and a twin just below the threshold
 //! in which nothing trips.
 
-use host_sim::emulator::scenario::{Act, Scenario, load};
+use emulator::scenario::{Act, Scenario, load};
 use shared::fault::Fault;
 
 use crate::builtin::verdict;
@@ -192,7 +192,7 @@ fn link_timeout() {
 /// A controller that starts with a fault has its drive off from the first tick; after a plain power-on it waits
 /// without one.
 fn born_faulty(name: &str) {
-    use host_sim::emulator::under_test::Reset;
+    use emulator::under_test::Reset;
     trips(name, Some(0));
     let mut scenario = load(name).unwrap();
     scenario.expect.faults.clear();

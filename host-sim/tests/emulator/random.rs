@@ -3,12 +3,12 @@
 //!
 //! `PROPTEST_CASES=5000 cargo test -p host-sim --test emulator random` for more than the 250 run here.
 
-use host_sim::emulator::local::Local;
-use host_sim::emulator::record::{BlockRow, Observer, TickRow};
-use host_sim::emulator::run::run;
-use host_sim::emulator::scenario::{Act, Fault, Scenario, Timed, parse};
-use host_sim::emulator::sensors::Sensor;
-use host_sim::emulator::under_test::Reset;
+use emulator::local::Local;
+use emulator::record::{BlockRow, Observer, TickRow};
+use emulator::run::run;
+use emulator::scenario::{Act, Fault, Scenario, Timed, parse};
+use emulator::sensors::Sensor;
+use emulator::under_test::Reset;
 use proptest::prelude::*;
 use shared::control::State;
 use shared::io::{AdcCode, Channel, Reading};

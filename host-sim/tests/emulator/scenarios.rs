@@ -1,13 +1,13 @@
 //! Scenarios as people write them, and runs of them.
 
-use host_sim::emulator::local::Local;
-use host_sim::emulator::optimum::{held_force, prescribed};
-use host_sim::emulator::plant::Plant;
-use host_sim::emulator::record::{BlockRow, Event, Observer, TickRow, What};
-use host_sim::emulator::run::run;
-use host_sim::emulator::scenario::{BUILTIN, load, parse};
-use host_sim::emulator::under_test::FixedFrequency;
-use host_sim::emulator::verdict::judge_by;
+use emulator::local::Local;
+use emulator::optimum::{held_force, prescribed};
+use emulator::plant::Plant;
+use emulator::record::{BlockRow, Event, Observer, TickRow, What};
+use emulator::run::run;
+use emulator::scenario::{BUILTIN, load, parse};
+use emulator::under_test::FixedFrequency;
+use emulator::verdict::judge_by;
 use shared::model::params::{BEAM_150, WIRES};
 
 use crate::support::TICK_S;
@@ -175,7 +175,7 @@ fn a_clock_that_is_fast_makes_the_drive_fast() {
 struct Onsets(Vec<f64>);
 
 impl Observer for Onsets {
-    fn contact(&mut self, contact: &host_sim::emulator::record::Contact) {
+    fn contact(&mut self, contact: &emulator::record::Contact) {
         self.0.push(contact.onset_s);
     }
 }

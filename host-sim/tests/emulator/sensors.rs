@@ -1,9 +1,9 @@
 //! Sensors and lines: what the controller gets to see.
 
-use host_sim::emulator::mock::{MockActuator, MockAdc};
-use host_sim::emulator::plant::Plant;
-use host_sim::emulator::sensors::{Defect, Errors, Noise, Sensor, SensorParams, Sensors};
-use host_sim::emulator::shaker::{Path, ShakerParams};
+use emulator::mock::{MockActuator, MockAdc};
+use emulator::plant::Plant;
+use emulator::sensors::{Defect, Errors, Noise, Sensor, SensorParams, Sensors};
+use emulator::shaker::{Path, ShakerParams};
 use shared::io::{AdcCode, DacCode, Output, Reading, sample};
 use shared::model::params::{RigParams, WIRES};
 use shared::settings::Settings;

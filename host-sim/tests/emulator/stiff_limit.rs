@@ -1,10 +1,10 @@
 //! Prescribed motion, and the two bodies on their way to it, against the reference.
 
-use host_sim::emulator::plant::Plant;
-use host_sim::emulator::record::Contact;
-use host_sim::emulator::shaker::ShakerParams;
-use host_sim::orbit::shoot;
-use host_sim::reference::{self, Reference};
+use emulator::plant::Plant;
+use emulator::record::Contact;
+use emulator::shaker::ShakerParams;
+use numerics::orbit::shoot;
+use numerics::reference::{self, Reference};
 use shared::model::contacts::Period;
 use shared::model::params::{BEAM_135, BEAM_150, RigParams, WIRES};
 use shared::model::regime::{Detector, Regime};

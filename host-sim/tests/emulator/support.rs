@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::emulator::bodies::State;
-use host_sim::emulator::plant::Plant;
-use host_sim::emulator::record::Contact;
-use host_sim::emulator::shaker::Path;
+use emulator::bodies::State;
+use emulator::plant::Plant;
+use emulator::record::Contact;
+use emulator::shaker::Path;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 

@@ -1,7 +1,7 @@
 //! The lanes against the reference, and against themselves on other instructions, chunks and threads.
 
-use host_sim::engine::Engine;
-use host_sim::lanes::{
+use numerics::engine::Engine;
+use numerics::lanes::{
     Cell, How, Instructions, Outcome, Plan, Precision, Report, by_engine, run, run_reported,
     run_serial, run_with,
 };

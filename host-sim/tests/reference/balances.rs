@@ -1,6 +1,6 @@
 //! Energy and momentum: what goes in comes out, on every rig.
 
-use host_sim::reference::{Contact, Observer, Reference, Segment};
+use numerics::reference::{Contact, Observer, Reference, Segment};
 use shared::model::params::{PRESETS, RigParams, SupportParams, Torque};
 
 use crate::support::close;

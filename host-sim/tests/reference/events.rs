@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::reference::{Contact, Observer, Reference, Segment};
+use numerics::reference::{Contact, Observer, Reference, Segment};
 use shared::model::params::{BEAM_150, PRESETS, RigParams, SupportParams};
 use shared::model::rig::Mode;
 

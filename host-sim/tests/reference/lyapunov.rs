@@ -3,9 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::lyapunov::{BLOCKS, Exponents, Plan, exponents, of_smoothed};
-use host_sim::orbit::{Multipliers, shoot};
-use host_sim::reference::{Contact, Reference};
+use numerics::lyapunov::{BLOCKS, Exponents, Plan, exponents, of_smoothed};
+use numerics::orbit::{Multipliers, shoot};
+use numerics::reference::{Contact, Reference};
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, BEAM_170, RigParams, SupportParams, WIRES};
 use shared::model::rig::Rig;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::orbit::{Orbit, shoot};
-use host_sim::reference::{Contact, Reference};
+use numerics::orbit::{Orbit, shoot};
+use numerics::reference::{Contact, Reference};
 use shared::model::params::{PRESETS, RigParams, SupportParams};
 use shared::model::rig::Rig;
 

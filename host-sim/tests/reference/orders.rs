@@ -1,10 +1,10 @@
 //! How the steppers' errors fall with the tick.
 
-use host_sim::accuracy::{Method, Setting};
-use host_sim::engine::Switch;
-use host_sim::engine::{Machine, Precision};
-use host_sim::orbit::{Orbit, shoot};
-use host_sim::reference::Reference;
+use numerics::accuracy::{Method, Setting};
+use numerics::engine::Switch;
+use numerics::engine::{Machine, Precision};
+use numerics::orbit::{Orbit, shoot};
+use numerics::reference::Reference;
 use shared::model::params::{BEAM_150, RigParams, TABLE_3_1};
 use shared::model::step::{Banded, Corrected, Smoothed, Stepper};
 use shared::model::switch::Band;
@@ -70,7 +70,7 @@ fn orbit() -> Orbit {
         tick_s: FINEST_S,
     };
     let asked = 1.5 * params().natural_frequency_hz();
-    let frequency_hz = host_sim::accuracy::real_frequency(setting, asked).unwrap();
+    let frequency_hz = numerics::accuracy::real_frequency(setting, asked).unwrap();
     let mut hammer = Reference::<f64>::at_rest(&params(), frequency_hz).unwrap();
     for _ in 0..200 {
         hammer.run_period(&mut ());

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use host_sim::engine::{Engine, Observation, Plan, Recorder, Start, machine, observe};
-use host_sim::reference::{Contact, Reference};
+use numerics::engine::{Engine, Observation, Plan, Recorder, Start, machine, observe};
+use numerics::reference::{Contact, Reference};
 use serde_json::Value;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams, preset};

@@ -1,12 +1,12 @@
 //! Period doubling, fold and graze as continuation finds them, against the closed form of the bouncing oscillator
 //! ([`crate::bouncing`]), against the linear response, and against what simulation does beyond them.
 
-use host_sim::continuation::{
+use host_sim::progress::Progress;
+use numerics::continuation::{
     Along, Curve, End, Family, Node, Origin, Request, Special, Until, diagram, march,
 };
-use host_sim::engine::{Engine, Plan, Recorder, Start, machine, observe};
-use host_sim::orbit::{shoot, shoot_periods};
-use host_sim::progress::Progress;
+use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use numerics::orbit::{shoot, shoot_periods};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::regime::Regime;
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use host_sim::orbit::{Orbit, shoot};
+use numerics::orbit::{Orbit, shoot};
 
 use crate::bouncing::{Bouncing, NATURAL_HZ, bouncing, stiffened};
 

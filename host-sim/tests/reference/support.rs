@@ -1,6 +1,6 @@
 //! What the tests share.
 
-use host_sim::reference::{Contact, Reference};
+use numerics::reference::{Contact, Reference};
 use shared::model::contact::Law;
 use shared::model::drive::Drive;
 use shared::model::params::{BEAM_170, RigParams, SupportParams};

@@ -222,6 +222,16 @@ impl RigParams {
         self
     }
 
+    /// The same rig at a gap of `gap_mm`, mm.
+    ///
+    /// # Errors
+    /// If any parameter is out of range.
+    pub fn with_gap_mm(mut self, gap_mm: f64) -> Result<Self, ParamError> {
+        self.gap_m = gap_mm / 1e3;
+        self.check()?;
+        Ok(self)
+    }
+
     /// Checks every parameter.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Every contact is seen once, and measured.
 
-use host_sim::reference::Contact;
+use numerics::reference::Contact;
 use shared::model::params::{BEAM_150, RigParams, WIRES};
 use shared::sense::Pulse;
 use shared::settings::{Settings, TICK_S};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::reference::{Contact, Observer, Reference, Segment};
+use numerics::reference::{Contact, Observer, Reference, Segment};
 use shared::io::{AdcCode, Channel};
 use shared::model::drive::Drive;
 use shared::model::params::RigParams;

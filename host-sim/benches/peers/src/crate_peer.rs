@@ -8,7 +8,7 @@ use differential_equations::interpolate::Interpolation;
 use differential_equations::methods::ExplicitRungeKutta;
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
-use host_sim::lanes::{Cell, Strobe};
+use numerics::lanes::{Cell, Strobe};
 use shared::model::rig::{Kinematics, Rig};
 
 use crate::{CYCLES, RECORDED, Timing, timed, write};

@@ -5,7 +5,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use host_sim::lanes::{Cell, Strobe};
+use numerics::lanes::{Cell, Strobe};
 use shared::model::contacts::Period;
 use shared::model::regime::{Detector, Regime};
 

@@ -12,8 +12,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use cpu_time::ProcessTime;
-use host_sim::engine::Engine;
-use host_sim::lanes::{self, Cell, Outcome, Plan, Strobe};
+use numerics::engine::Engine;
+use numerics::lanes::{self, Cell, Outcome, Plan, Strobe};
 use serde::{Deserialize, Serialize};
 use shared::model::params::{RigParams, WIRES};
 
@@ -95,7 +95,7 @@ fn ours(out: &Path) -> Result<(), Box<dyn Error>> {
     let fast = || lanes::run(&cells, &plan).expect("the map's cells run");
     let reference = || lanes::by_engine(Engine::Event, &cells, &plan).expect("the map's cells run");
     let engines: [(&str, &str, Run); 2] = [
-        ("ours", "host_sim::lanes::run", &fast),
+        ("ours", "numerics::lanes::run", &fast),
         ("reference", "host_sim's reference (order 8, 1e-12)", &reference),
     ];
     for (name, title, run) in engines {

@@ -4,16 +4,16 @@ mod text;
 
 use serde::Serialize;
 
-use super::common::{Common, Format, pictures};
+use super::common::{Common, Format, at_gap};
 use super::drive::At;
 use super::emit::{emit, tables};
-use crate::basins::chapter::{POINTS, Point};
-use crate::basins::picture::figure;
-use crate::basins::{Basins, Query, Summary, Window, cells, explore};
-use crate::engine::Engine;
-use crate::error::UserError;
+use crate::pictures::basins::figure;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::rigfile;
+use files::UserError;
+use numerics::basins::chapter::{POINTS, Point};
+use numerics::basins::{Basins, Query, Summary, Window, cells, explore};
+use numerics::engine::Engine;
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("where").required(true).args(["ratio", "frequency", "chapter"])))]
@@ -157,8 +157,7 @@ fn own(args: &Args) -> Result<Query, UserError> {
     let mut rig = args.common.rig()?;
     if let Some(ratio) = args.gap_ratio {
         let gap_mm = ratio * rig.params.amplitude_m * 1e3;
-        rig.params = rigfile::with_number(&rig.params, "gap_mm", gap_mm)
-            .map_err(|e| e.at(format!("--gap-ratio {ratio}")))?;
+        rig.params = at_gap(&rig.params, gap_mm, format!("--gap-ratio {ratio}"))?;
     }
     let natural_hz = rig.params.natural_frequency_hz();
     let hz = args.drive.hz(natural_hz);
@@ -178,7 +177,7 @@ fn write(common: &Common, found: &[Found]) -> Result<(), UserError> {
             Some(point) => format!("basins-{}{}", point.figure.replace('.', "-"), point.part),
             None => "basins".to_owned(),
         };
-        contents.extend(pictures(&name, &figure(&one.basins))?);
+        contents.extend(drawn(&name, &figure(&one.basins))?);
         let rows = cells::rows(&one.basins);
         contents.extend(tables(&name, common.format, &one.summary, &rows)?);
     }
@@ -236,7 +235,7 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
     let line = |one| {
         let Found { point, summary, .. }: &Found = one;
         let random = summary.impact_share_random;
-        let look = |look: Option<&crate::basins::Look>| look.map(|l| l.impact.value());
+        let look = |look: Option<&numerics::basins::Look>| look.map(|l| l.impact.value());
         Line {
             figure: point.map_or(String::new(), |p| format!("{} {}", p.figure, p.part)),
             rig: &summary.rig,

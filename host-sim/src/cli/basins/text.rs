@@ -1,8 +1,8 @@
 //! Basins as a person reads them.
 
 use super::Line;
-use crate::basins::picture::caption;
-use crate::basins::{Basins, Entropy, Share, Summary};
+use crate::pictures::basins::caption;
+use numerics::basins::{Basins, Entropy, Share, Summary};
 use plot::chart::Chart;
 
 /// Attractors listed.

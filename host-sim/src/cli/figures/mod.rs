@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::common::check_out_folder;
-use crate::error::UserError;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
-use crate::files;
+use files::UserError;
+
 use crate::progress::Progress;
 use record::Record;
 
@@ -125,10 +125,10 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .flat_map(|page| &page.files)
         .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
         .collect();
-    files::write_all(&args.out, &all)?;
+    files::write::write_all(&args.out, &all)?;
     let record = Record::new(key, name, seconds, &pages);
     let text = super::to_json(&record)?;
-    files::write(args.out.join(record::file_name(name)), text)?;
+    files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)
 }
 
@@ -153,7 +153,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         ("index.html", page),
         ("index.json", super::to_json(&index)?),
     ];
-    files::write_all(&args.out, &files)?;
+    files::write::write_all(&args.out, &files)?;
     Ok(())
 }
 

@@ -6,8 +6,8 @@ use std::path::Path;
 use crc::{CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
 
-use crate::error::UserError;
 use crate::figures::{Effort, Page};
+use files::UserError;
 
 /// A part of the figures as it was made.
 #[derive(Debug, Deserialize, Serialize)]

@@ -14,13 +14,13 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::common::Format;
 use super::emit::check_format;
-use crate::error::UserError;
-use crate::files::{self, read_text};
 use crate::link::by_hand::{self, Plan};
 use crate::link::client::{self, Client};
 use crate::link::{recording, settings_file};
-use crate::rigfile;
-use crate::table::to_csv;
+use files::UserError;
+use files::read_text;
+use files::rigfile;
+use files::table::to_csv;
 use show::line;
 
 type Port = Client<Box<dyn SerialPort>>;
@@ -341,7 +341,7 @@ fn sweep(port: &mut Port, plan: &Sweep) -> Result<(), UserError> {
 }
 
 fn write_points(path: &Path, points: &[by_hand::Point]) -> Result<(), UserError> {
-    files::write(path, to_csv(points))?;
+    files::write::write(path, to_csv(points))?;
     super::say(&format!("wrote {}", path.display()));
     Ok(())
 }

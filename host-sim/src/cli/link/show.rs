@@ -10,8 +10,8 @@ use shared::settings::TICK_RATE_HZ;
 
 use super::super::{common::Format, emit::emit, print, still_read, to_json};
 use super::Port;
-use crate::error::UserError;
 use crate::link::client::state_name;
+use files::UserError;
 
 /// One line: what a person wants to know at a glance.
 pub fn line(status: &Status) -> String {

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::requests;
-use crate::error::UserError;
-use crate::map::measured::Hits;
-use crate::map::{Agreement, Alikeness, Label, Map, MapCell, Request, Summary};
+use files::UserError;
+use numerics::map::measured::Hits;
+use numerics::map::{Agreement, Alikeness, Map, MapCell, Request, Summary};
 
 /// Everything that was found.
 pub struct Answer<'a> {
@@ -51,7 +51,7 @@ struct MapJson<'a> {
 
 #[derive(Serialize)]
 struct Layers {
-    regime: Vec<Label>,
+    regime: Vec<String>,
     impacts: Vec<u16>,
     periods: Vec<Option<u8>>,
     force_ratio: Vec<f64>,
@@ -93,7 +93,7 @@ fn map<'a>(request: &'a Request, map: &'a Map, summary: &'a Summary) -> MapJson<
         frequencies_hz: &map.grid.frequencies_hz,
         frequency_ratios: map.frequency_ratios(),
         layers: Layers {
-            regime: layer(map, |c| Label(c.regime)),
+            regime: layer(map, |c| c.regime.to_string()),
             impacts: layer(map, |c| c.regime.impacts()),
             periods: layer(map, |c| c.regime.periods()),
             force_ratio: (0..map.cells.len()).map(|i| map.force_ratio(i)).collect(),

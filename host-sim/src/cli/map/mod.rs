@@ -10,16 +10,19 @@ use std::path::{Path, PathBuf};
 use answer::Answer;
 use rayon::prelude::*;
 
-use super::common::{Common, Format, pictures};
+use super::choice::choice;
+use super::common::{Common, Format};
 use super::drive::Over;
 use super::emit::emit;
-use crate::error::UserError;
-use crate::map::{
-    self, Map, Request, Store, Summary, agree, alikeness, measured, measured::Measured, picture,
-};
+use crate::pictures;
+use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::sweep::Direction;
-use crate::table::{to_csv, to_parquet};
+use crate::tiles::Store;
+use files::UserError;
+use files::table::{to_csv, to_parquet};
+use numerics::error::{Error, MapError};
+use numerics::map::{self, Map, Request, Summary, agree, alikeness, measured, measured::Measured};
+use numerics::sweep::Direction;
 use plot::Figure;
 
 /// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
@@ -45,7 +48,7 @@ pub struct Args {
     settle: Option<u32>,
 
     /// Each cell from rest, or at each gap the state carried up or down the frequencies
-    #[arg(long, value_enum, default_value = "rest")]
+    #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     from: Direction,
 
     /// Every cell by the event-located reference instead of the fast engine (hours, not seconds)
@@ -98,7 +101,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     args.common.check_out()?;
     let requests = requests::requests(args)?;
     check(args, &requests)?;
-    let points = args.measured.as_deref().map(measured::read).transpose()?;
+    let points = args
+        .measured
+        .as_deref()
+        .map(crate::measured::regimes)
+        .transpose()?;
     let work = || make(args, &requests, points.as_deref());
     match args.threads {
         None => work(),
@@ -188,11 +195,29 @@ fn maps(
     stores: &[Store],
     progress: &Progress,
 ) -> Result<Vec<Map>, UserError> {
-    let one = |(i, request)| match stores.get(i) {
-        Some(store) if args.merge => map::merge(request, store),
-        store => map::run(request, store, progress),
+    let one = |(i, request): (usize, &Request)| -> Result<Map, UserError> {
+        let store: Option<&Store> = stores.get(i);
+        match store {
+            Some(store) if args.merge => {
+                map::merge(request, store).map_err(|error| merge_error(error, store))
+            }
+            _ => {
+                let tiles = store.map(|store| store as &dyn map::Tiles);
+                Ok(map::run(request, tiles, progress)?)
+            }
+        }
     };
     requests.iter().enumerate().map(one).collect()
+}
+
+/// Tiles that are missing are named with the folder they are missing from.
+fn merge_error(error: Error, store: &Store) -> UserError {
+    match error {
+        Error::Map(MapError::MissingTiles { .. }) => {
+            UserError::from(error).at(store.dir().display())
+        }
+        other => other.into(),
+    }
 }
 
 /// The rows that a format needs.
@@ -311,9 +336,7 @@ type Files = Vec<(String, Vec<u8>)>;
 
 fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Files, UserError> {
     let figures = figures(answer, points);
-    let drawn = figures
-        .par_iter()
-        .map(|(name, figure)| pictures(name, figure));
+    let drawn = figures.par_iter().map(|(name, figure)| drawn(name, figure));
     let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
     Ok(drawn.into_iter().flatten().collect())
 }
@@ -344,11 +367,11 @@ fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)
             Some(points) if i == 0 => {
                 let seen = measured::on_map(points, map).into_iter();
                 let seen = seen.map(|(p, _)| (p.gap_mm, p.frequency_hz, p.regime));
-                picture::with_points(map, &seen.collect::<Vec<_>>())
+                pictures::map::with_points(map, &seen.collect::<Vec<_>>())
             }
-            _ => picture::regimes(map),
+            _ => pictures::map::regimes(map),
         };
-        figures.push((format!("{name}-force"), picture::by_force(map)));
+        figures.push((format!("{name}-force"), pictures::map::by_force(map)));
         figures.push((name, regimes));
     }
     if let (Some(_), [map, .., other]) = (&answer.against, answer.maps) {
@@ -357,14 +380,14 @@ fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)
             let from = r.from.name();
             format!("engine {}, from {from}", r.runner.name())
         });
-        let figure = picture::differences(map, other, &what);
+        let figure = pictures::map::differences(map, other, &what);
         figures.push((format!("{first}-against"), figure));
     }
     if !answer.alikeness.is_empty() {
         let beside = answer.maps.len() - usize::from(answer.against.is_some());
         let maps: Vec<_> = answer.maps[..beside].iter().collect();
         let lines: Vec<_> = answer.alikeness.iter().map(|a| a.line()).collect();
-        let figure = picture::side_by_side(&maps, &lines.join(". "));
+        let figure = pictures::map::side_by_side(&maps, &lines.join(". "));
         figures.push((format!("{first}-beside"), figure));
     }
     figures

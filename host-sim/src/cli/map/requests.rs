@@ -4,15 +4,17 @@ use std::ops::Range;
 
 use clap::ValueEnum;
 
+use super::super::common::at_gap;
 use super::Args;
-use crate::engine::{Engine, Method, Precision, Setting};
-use crate::error::UserError;
-use crate::lanes::Plan;
-use crate::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use crate::map::{Grid, Request, Runner};
-use crate::rigfile::{self, NamedRig};
-use crate::sweep::Direction;
-use crate::table::tidy;
+use files::UserError;
+use files::rigfile;
+use numerics::NamedRig;
+use numerics::engine::{Engine, Method, Precision, Setting};
+use numerics::lanes::Plan;
+use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
+use numerics::map::{Grid, Request, Runner};
+use numerics::row::tidy;
+use numerics::sweep::Direction;
 
 /// What a second map is made by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -166,7 +168,7 @@ fn grid(args: &Args, rig: &NamedRig) -> Result<Grid, UserError> {
         )));
     }
     for gap in [gaps_mm.first(), gaps_mm.last()].into_iter().flatten() {
-        rigfile::with_number(&rig.params, "gap_mm", *gap).map_err(|e| e.at("--gap"))?;
+        at_gap(&rig.params, *gap, "--gap")?;
     }
     Ok(Grid {
         gaps_mm,

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use shared::model::regime::Regime;
 
 use super::answer::Answer;
-use crate::map::agree::percent;
-use crate::map::{Map, Request, Summary};
+use numerics::map::agree::percent;
+use numerics::map::{Map, Request, Summary};
 use plot::chart::terminal_width;
 
 /// Regimes named one by one.
@@ -60,7 +60,7 @@ fn one(request: &Request, map: &Map, summary: &Summary) -> String {
         ends(&map.grid.frequencies_hz, "Hz"),
         summary.cells,
         match request.from {
-            crate::sweep::Direction::Rest => "from rest".to_owned(),
+            numerics::sweep::Direction::Rest => "from rest".to_owned(),
             other => format!("carried {}", other.name()),
         },
         request.runner.name(),
@@ -71,7 +71,7 @@ fn one(request: &Request, map: &Map, summary: &Summary) -> String {
     text.push('\n');
     let shares = summary.regimes.iter().take(NAMED);
     let shares: Vec<_> = shares
-        .map(|s| format!("{} {}", s.regime.0, percent(s.cells, summary.cells)))
+        .map(|s| format!("{} {}", s.regime, percent(s.cells, summary.cells)))
         .collect();
     let more = summary.regimes.len().saturating_sub(NAMED);
     let more = if more > 0 {

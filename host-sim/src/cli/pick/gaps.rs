@@ -1,12 +1,15 @@
 //! `host-sim pick --gaps`.
 
-use super::super::common::{Common, parse_range, pictures};
+use super::super::common::{Common, at_gap, parse_range};
 use super::super::emit::{emit, tables};
-use crate::error::UserError;
-use crate::pick::gap_picture::figure;
-use crate::pick::gaps::{GapAdvice, GapRow, advise, gap_steps};
-use crate::pick::{Limits, Uncertainty};
+use crate::pictures::drawn;
+use crate::pictures::gaps::figure;
 use crate::progress::Progress;
+use crate::words::gaps::{GapRow, GapTable};
+use files::UserError;
+use numerics::pick::gaps::{advise, gap_steps};
+use numerics::pick::{Limits, Uncertainty};
+use numerics::row::tidy;
 use plot::chart::Chart;
 
 /// Gaps tried at most.
@@ -45,18 +48,22 @@ pub fn run(
     let total = gap_steps(list.len(), uncertainty, gaps.starts);
     let progress = Progress::new("rigs and starts tried", total, common.quiet);
     let starts = (gaps.starts, gaps.seed);
+    for gap_mm in &list {
+        at_gap(&rig.params, tidy(*gap_mm), "--gaps")?;
+    }
     let advice = advise(&rig, &list, uncertainty, limits, starts, &progress)?;
+    let advice = GapTable::from(&advice);
     progress.finish();
     if let Some(dir) = &common.out {
         let name = format!("pick-gaps-{}", rig.name);
-        let mut contents = pictures(&name, &figure(&advice))?;
+        let mut contents = drawn(&name, &figure(&advice))?;
         contents.extend(tables(&name, common.format, &advice, &advice.gaps)?);
         common.write(dir, &contents)?;
     }
     emit(common.format, &advice, &advice.gaps, || describe(&advice))
 }
 
-fn describe(advice: &GapAdvice) -> String {
+fn describe(advice: &GapTable) -> String {
     let mut text = format!("{}\n\n", advice.why);
     text += "  gap, mm  run at, Hz  ratio  force/weight (largest)  safe band, Hz        band, %  multiplier  jumps, Hz        from rest  basin, % (95 %)\n";
     for row in &advice.gaps {

@@ -8,15 +8,19 @@ use std::path::Path;
 use serde::Serialize;
 use shared::model::params::PRESETS;
 
-use super::common::{Common, EngineName, Format, pictures};
+use super::common::{Common, EngineName, Format};
 use super::emit::emit;
-use crate::error::UserError;
-use crate::pick::picture::figure;
-use crate::pick::uncertainty::Uncertainty;
-use crate::pick::{Answer, Limits, Pick, pick, steps};
+use crate::pictures::drawn;
+use crate::pictures::pick::figure;
 use crate::progress::Progress;
-use crate::rigfile::NamedRig;
-use crate::table::{to_csv, to_parquet};
+use crate::words::pick::Worded;
+use files::UserError;
+use files::table::{to_csv, to_parquet};
+use numerics::NamedRig;
+use numerics::pick::uncertainty::Uncertainty;
+use numerics::pick::{Answer, Limits, Pick, pick, steps};
+use numerics::row::regime_as_text;
+use shared::model::regime::Regime;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -170,7 +174,7 @@ fn at_the_field_s_gap(common: &Common, name: &str) -> Result<NamedRig, UserError
         common.note(&format!(
             "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (say --gap to keep it)",
             rig.name,
-            crate::table::tidy(rig.params.gap_m * 1e3)
+            numerics::row::tidy(rig.params.gap_m * 1e3)
         ));
         rig.params.gap_m = 0.0;
     }
@@ -235,7 +239,7 @@ fn write(common: &Common, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
         [one] => format!("pick-{}", one.answer.rig),
         _ => "pick-all".to_owned(),
     };
-    let mut contents = pictures(&name, &figure(picks))?;
+    let mut contents = drawn(&name, &figure(picks))?;
     contents.push((
         format!("{name}.json"),
         super::to_json(&json(picks)?)?.into_bytes(),
@@ -253,8 +257,11 @@ fn write(common: &Common, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
 /// One answer as an object, several as a list.
 fn json(picks: &[Pick]) -> Result<serde_json::Value, UserError> {
     let value = match picks {
-        [one] => serde_json::to_value(&one.answer),
-        _ => serde_json::to_value(picks.iter().map(|p| &p.answer).collect::<Vec<_>>()),
+        [one] => serde_json::to_value(Worded::from(&one.answer)),
+        _ => {
+            let worded = picks.iter().map(|p| Worded::from(&p.answer));
+            serde_json::to_value(worded.collect::<Vec<_>>())
+        }
     };
     value.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
 }
@@ -289,7 +296,8 @@ struct Line<'a> {
     gap_mm: f64,
     operating_frequency_hz: f64,
     frequency_ratio: f64,
-    regime: &'a str,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
     force_ratio: f64,
     force_n: f64,
     force_ratio_worst: f64,
@@ -312,7 +320,7 @@ impl<'a> From<&'a Answer> for Line<'a> {
             gap_mm: a.gap_mm,
             operating_frequency_hz: a.operating_frequency_hz,
             frequency_ratio: a.frequency_ratio,
-            regime: &a.regime,
+            regime: a.regime,
             force_ratio: a.force_ratio,
             force_n: a.force_n,
             force_ratio_worst: a.force_ratio_worst,

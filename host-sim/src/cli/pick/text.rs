@@ -1,7 +1,8 @@
 //! The answer as a person reads it.
 
-use crate::branch::End;
-use crate::pick::{Answer, Pick, jumping_at};
+use crate::words::pick::{jumping_at, why};
+use numerics::branch::End;
+use numerics::pick::{Answer, Pick};
 use plot::chart::Chart;
 
 /// One answer in full, several side by side.
@@ -52,7 +53,11 @@ fn one_text(pick: &Pick) -> String {
     let a = &pick.answer;
     let mut text = format!(
         "{}, gap {:?} mm: run it at {:.4} Hz ({:.3} times the natural frequency)\n{}\n\n",
-        a.rig, a.gap_mm, a.operating_frequency_hz, a.frequency_ratio, a.why
+        a.rig,
+        a.gap_mm,
+        a.operating_frequency_hz,
+        a.frequency_ratio,
+        why(a)
     );
     let mut line = |name: &str, what: String| text += &format!("  {name:<18} {what}\n");
     line("regime", from_rest(a));

@@ -1,0 +1,43 @@
+//! The emulator: a rig that is not there, closed around the controller that will be.
+//!
+//! Data goes round: set-point codes → shaker → cart and hammer → sensors → codes → controller. Time is true
+//! rig time, counted in the controller's ticks; samples and set-points go in blocks, so the loop is one block
+//! late, as on the board.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`shaker`] | from a set-point code to a force on the cart |
+//! | [`bodies`] | the equations of cart and hammer, and a step of them |
+//! | [`plant`] | a tick of true motion, switches located |
+//! | [`filter`], [`sensors`] | from what is true to codes |
+//! | [`mock`] | ADC, DAC and pins behind the traits of [`shared::io`] |
+//! | [`scenario`], [`schedule`] | what happens when; TOML |
+//! | [`world`] | everything outside the controller |
+//! | [`under_test`], [`local`] | the controller, wherever it runs; in this process |
+//! | [`in_the_loop`] | in an emulated processor and in this process, compared |
+//! | [`run`] | world and controller, block by block |
+//! | [`optimum`] | the best the true rig can do |
+//! | [`tally`], [`verdict`] | what a run came to, by the true force |
+//! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
+//! | [`timeline`] | what happened, in words |
+//! | [`record`] | what a run tells those who watch it |
+
+pub mod bodies;
+pub mod filter;
+pub mod in_the_loop;
+pub mod local;
+pub mod log;
+pub mod mock;
+pub mod optimum;
+pub mod plant;
+pub mod record;
+pub mod run;
+pub mod scenario;
+pub mod schedule;
+pub mod sensors;
+pub mod shaker;
+pub mod tally;
+pub mod timeline;
+pub mod under_test;
+pub mod verdict;
+pub mod world;

@@ -1,0 +1,321 @@
+use std::collections::BTreeMap;
+use std::fs;
+
+use shared::control::{Basin, Birth, Command, Mode, ResetCause, State, Status};
+use shared::fault::{Fault, Origin, Record};
+use shared::io::{AdcCode, DacCode, Frame, Output};
+use shared::model::params::PRESETS;
+use shared::model::regime::Regime;
+use shared::settings::Settings;
+
+use super::*;
+use crate::record::Contact;
+use files::UserError;
+
+const BLOCK: usize = 10;
+
+fn header() -> Header {
+    let (_, rig) = PRESETS[0];
+    let mut settings = Settings::for_rig(&rig);
+    settings.rig.mass_kg = 0.1 + 0.2; // not a short decimal
+    Header {
+        source: "emulator".into(),
+        settings,
+        birth: Birth {
+            reset: ResetCause::Watchdog,
+            record: status(21).fault,
+            settings_corrupt: true,
+        },
+        block_ticks: BLOCK as u32,
+        scenario: Some("name = \"a test\"\n".into()),
+    }
+}
+
+fn status(k: usize) -> Status {
+    Status {
+        tick: (k * BLOCK) as u32,
+        state: if k < 7 { State::Idle } else { State::Hold },
+        fault: (k > 20).then_some(Record {
+            fault: Fault::OverForce,
+            origin: Origin::Force,
+            tick: 77,
+            value: 401.5,
+            frequency_hz: 3.5,
+        }),
+        limits: 3,
+        frequency_hz: 3.0 + 0.1 * k as f32,
+        amplitude_m: -0.0,
+        measured_amplitude_m: f32::NAN,
+        lag_rad: 0.25,
+        regime: Regime::None,
+        peak_n: 96.5,
+        impulse_n_s: 0.1,
+        target_hz: 3.66,
+        target_n: 96.0,
+        basin: Basin::Impact,
+        reseeks: 2,
+        overruns: u32::MAX,
+    }
+}
+
+/// A block whose every value depends on `k`; a spike of force in one tick of block 13.
+fn block(k: usize) -> Block {
+    let tick = |i: usize| {
+        let n = k * BLOCK + i;
+        let spike = k == 13 && i == 4;
+        Tick {
+            frame: Frame {
+                force: AdcCode(if spike { 3000 } else { 600 + (n % 7) as u16 }),
+                hammer: AdcCode((n * 31 % 4096) as u16),
+                cart: AdcCode((n * 17 % 4096) as u16),
+                emergency: n % 97 == 96,
+            },
+            output: Output {
+                dac: DacCode((n * 13 % 4096) as u16),
+                frequency_hz: 3.0 + n as f32 * 1e-3,
+                enable: n.is_multiple_of(2),
+            },
+            truth: Some(Truth {
+                force_n: if spike { 96.0 } else { 0.0 },
+                hammer_m: f64::from(n as f32 * 0.5) * 1e-3,
+                cart_m: 0.0,
+            }),
+        }
+    };
+    Block {
+        inputs: match k {
+            0 => vec![Input::Command(Command::Start(Mode::Automatic))],
+            3 => vec![Input::Overrun, Input::Settings(header().settings)],
+            4 => vec![Input::Born(header().settings, Birth::default())],
+            _ => Vec::new(),
+        },
+        samples: match k {
+            5 => Samples::Lost,
+            6 => Samples::Blind,
+            _ => Samples::Came,
+        },
+        forecast: (k != 6).then_some(k == 8),
+        slices: Some(4),
+        ticks: (0..BLOCK).map(tick).collect(),
+        status: (k != 9).then(|| status(k)),
+        state: (k == 9).then_some(State::Ramp),
+    }
+}
+
+fn as_logged(k: usize) -> Logged {
+    let block = block(k);
+    Logged {
+        first_tick: (k * BLOCK) as u64,
+        inputs: block.inputs,
+        samples: block.samples,
+        forecast: block.forecast,
+        slices: block.slices,
+        ticks: block.ticks,
+        state: match &block.status {
+            Some(status) => Some(state_name(status.state)),
+            None => block.state.map(state_name),
+        },
+        status: block.status.as_ref().map(|s| cells(s).to_vec()),
+    }
+}
+
+fn write(path: &std::path::Path, blocks: usize) {
+    let mut writer = Writer::create(path, &header()).unwrap();
+    for k in 0..blocks {
+        writer.block(&block(k)).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn what_is_written_is_read_bit_for_bit() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.parquet");
+    // More than one row group.
+    let blocks = 20_500;
+    write(&path, blocks);
+    let mut reader = Reader::open(&path).unwrap();
+    assert_eq!(reader.header(), &header());
+    assert_eq!(reader.ticks(), (blocks * BLOCK) as u64);
+    for k in 0..blocks {
+        assert_eq!(reader.block().unwrap().unwrap(), as_logged(k), "block {k}");
+    }
+    assert_eq!(reader.block().unwrap(), None);
+}
+
+#[test]
+fn a_recording_has_no_truth() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("board.parquet");
+    let mut writer = Writer::create(&path, &header()).unwrap();
+    let mut recorded = block(1);
+    recorded.ticks.truncate(3);
+    for tick in &mut recorded.ticks {
+        tick.truth = None;
+    }
+    recorded.status = None;
+    recorded.state = None;
+    recorded.slices = None;
+    writer.block(&recorded).unwrap();
+    writer.finish().unwrap();
+    let read = Reader::open(&path).unwrap().block().unwrap().unwrap();
+    assert_eq!(read.ticks, recorded.ticks);
+    assert_eq!((read.status, read.state, read.slices), (None, None, None));
+}
+
+#[test]
+fn a_log_broken_off_leaves_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut writer = Writer::create(dir.path().join("a.parquet"), &header()).unwrap();
+    writer.block(&block(0)).unwrap();
+    drop(writer);
+    let mut writer = mcap::Writer::create(dir.path().join("a.mcap"), &header()).unwrap();
+    writer.block(&block(0)).unwrap();
+    drop(writer);
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
+}
+
+/// Opens and reads to the end.
+fn read_all(path: &std::path::Path) -> Result<(), UserError> {
+    let mut reader = Reader::open(path)?;
+    while reader.block()?.is_some() {}
+    Ok(())
+}
+
+#[test]
+fn cut_or_foreign_files_get_one_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.parquet");
+    write(&path, 40);
+    read_all(&path).unwrap();
+    let whole = fs::read(&path).unwrap();
+    let bad = dir.path().join("bad.parquet");
+    for length in [0, 3, 4, 100, whole.len() / 2, whole.len() - 1] {
+        fs::write(&bad, &whole[..length]).unwrap();
+        let line = read_all(&bad).unwrap_err().to_string();
+        assert!(line.contains("bad.parquet"), "{line}");
+        assert!(line.contains("again"), "{line}");
+        assert_eq!(line.lines().count(), 1, "{line}");
+    }
+    fs::write(&bad, b"frequency_hz,force_n\n1,2\n").unwrap();
+    assert!(read_all(&bad).is_err());
+    assert!(read_all(&dir.path().join("none")).is_err());
+    assert!(read_all(dir.path()).is_err());
+}
+
+#[test]
+fn damage_is_an_error_or_other_data_but_no_panic() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.parquet");
+    write(&path, 40);
+    let whole = fs::read(&path).unwrap();
+    let bad = dir.path().join("bad.parquet");
+    let mut refused = 0;
+    for at in (0..whole.len()).step_by(61) {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 0x55;
+        fs::write(&bad, &damaged).unwrap();
+        refused += usize::from(read_all(&bad).is_err());
+    }
+    assert!(refused > 0);
+}
+
+#[test]
+fn another_version_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.parquet");
+    write(&path, 4);
+    let mut bytes = fs::read(&path).unwrap();
+    let format = b"vibro-impact run 1";
+    let found: Vec<_> = (0..bytes.len() - format.len())
+        .filter(|i| bytes[*i..].starts_with(format))
+        .collect();
+    for at in found {
+        bytes[at + format.len() - 1] = b'0';
+    }
+    fs::write(&path, bytes).unwrap();
+    let line = read_all(&path).unwrap_err().to_string();
+    assert!(line.contains("another version"), "{line}");
+}
+
+#[test]
+fn foxglove_gets_every_channel_and_the_peak() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.mcap");
+    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
+    let blocks = 400; // 4000 ticks, 0.2 s
+    for k in 0..blocks {
+        writer.block(&block(k)).unwrap();
+    }
+    let contact = Contact {
+        onset_s: 0.0067,
+        peak_force_n: 96.0,
+        ..Contact::default()
+    };
+    writer.contact(&contact).unwrap();
+    writer.event(0.1, "the gap widens").unwrap();
+    let fault = writer.fault(0.15, Fault::OverForce, Origin::Force, 400.0);
+    fault.unwrap();
+    writer.finish().unwrap();
+
+    let bytes = fs::read(&path).unwrap();
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    let mut strongest: (f64, u64) = (0.0, 0);
+    for message in ::mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let channel = &message.channel;
+        let schema = channel.schema.as_ref().unwrap();
+        assert_eq!(
+            (channel.message_encoding.as_str(), schema.encoding.as_str()),
+            ("json", "jsonschema")
+        );
+        let schema: serde_json::Value = serde_json::from_slice(&schema.data).unwrap();
+        assert_eq!(schema["type"], "object");
+        let data: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+        for key in data.as_object().unwrap().keys() {
+            assert!(
+                schema["properties"][key]["type"].is_string(),
+                "{key} is not in the schema of {}",
+                channel.topic
+            );
+        }
+        if channel.topic == "/force" && data["true_n"].as_f64().unwrap() > strongest.0 {
+            strongest = (data["true_n"].as_f64().unwrap(), message.log_time);
+        }
+        *counts.entry(channel.topic.clone()).or_default() += 1;
+    }
+    let expected = [
+        ("/contacts", 1),
+        ("/displacement", 40),
+        ("/events", 1),
+        ("/faults", 1),
+        ("/force", 20),
+        // Every 200 ticks, the first block's, and the change of state in block 7.
+        ("/status", 20 + 2),
+    ];
+    let expected = expected.map(|(topic, count)| (topic.to_owned(), count));
+    assert_eq!(counts, BTreeMap::from(expected));
+    // The spike of tick 134, at 6.7 ms, has kept its height and time.
+    assert_eq!(strongest, (96.0, 134 * 50_000));
+}
+
+#[test]
+fn a_status_that_stays_is_told_ten_times_a_second() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("still.mcap");
+    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
+    for k in 0..2000 {
+        let mut still = block(0);
+        still.status = Some(Status {
+            tick: k,
+            measured_amplitude_m: 0.0,
+            ..status(0)
+        });
+        writer.block(&still).unwrap(); // a second in all
+    }
+    writer.finish().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let messages = ::mcap::MessageStream::new(&bytes).unwrap();
+    let told = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
+    assert_eq!(told.count(), 1 + 10);
+}

@@ -1,0 +1,169 @@
+//! The best a rig can do: what a run is measured by.
+//!
+//! Under prescribed motion it is the strongest stable 1/1 of the reference, as `pick --nominal` finds it. A
+//! cart that recoils is another matter: a blow of the wires' hammer throws the cart forward by some 7 % of the
+//! approach speed, and the hammer rebounds that much slower in the fixed frame; no controller can hold the
+//! force of prescribed motion then. So for two bodies the plant itself is driven along a pure sine whose
+//! fundamental on the cart is A0, started on the reference's orbit, and its force searched over frequency.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+use shared::model::params::RigParams;
+use shared::settings::TICK_S;
+
+use super::bodies::State;
+use super::plant::Plant;
+use super::shaker::{Path, ShakerParams};
+use numerics::branch::{Branch, one_one_branches};
+use numerics::orbit::Orbit;
+use numerics::pick::search::maximise;
+
+/// Ratios Ω/ω searched for the optimum.
+const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
+/// Where the two bodies are tried, relative to the reference's optimum.
+const TRIED: [f64; 8] = [0.91, 0.93, 0.95, 0.97, 0.99, 1.01, 1.03, 1.05];
+/// Drive periods settled before the cart's amplitude is measured and corrected, each time.
+const SETTLED: [u32; 3] = [40, 20, 30];
+/// Drive periods measured.
+const MEASURED: u32 = 10;
+
+/// A frequency and the force there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Optimum {
+    /// Hz.
+    pub frequency_hz: f64,
+    /// Largest force of a drive period, N.
+    pub force_n: f64,
+}
+
+/// The branch of the strongest stable 1/1 of `rig` under prescribed motion, and its strongest orbit.
+pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
+    let largest = |b: &Branch| b.orbits.iter().map(|o| o.force_n).fold(0.0, f64::max);
+    let branch = one_one_branches(rig, SEARCH_RATIOS)
+        .into_iter()
+        .max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
+    let within = (branch.low.frequency_hz, branch.high.frequency_hz);
+    let force = |hz: f64| branch.at(rig, hz).map(|orbit| (orbit.force_n, orbit));
+    let (_, orbit) = maximise(&branch, within, force)?;
+    Some((branch, orbit))
+}
+
+/// The strongest 1/1 of `rig` with a cart that recoils under `shaker`, near the one under prescribed motion.
+pub fn two_bodies(rig: &RigParams, shaker: &ShakerParams) -> Option<Optimum> {
+    let (branch, top) = prescribed(rig)?;
+    let at = |frequency_hz: f64| {
+        let section = branch.at(rig, frequency_hz)?.section;
+        let plant = Plant::new(rig, shaker, TICK_S).ok()?;
+        let force_n = held_force(plant, rig, frequency_hz, section)?;
+        Some(Optimum {
+            frequency_hz,
+            force_n,
+        })
+    };
+    let tried: Vec<Option<Optimum>> = TRIED
+        .par_iter()
+        .map(|ratio| at(ratio * top.frequency_hz))
+        .collect();
+    let force = |i: usize| tried.get(i).copied().flatten();
+    let (i, best) = (0..tried.len())
+        .filter_map(|i| Some((i, force(i)?)))
+        .max_by(|a, b| a.1.force_n.total_cmp(&b.1.force_n))?;
+    let neighbours = i.checked_sub(1).and_then(force).zip(force(i + 1));
+    // The top of the parabola through the best and its neighbours.
+    let refined = neighbours.and_then(|(a, b)| {
+        let bend = a.force_n - 2.0 * best.force_n + b.force_n;
+        let shift = 0.5 * (a.force_n - b.force_n) / bend;
+        at(best.frequency_hz + shift * (b.frequency_hz - best.frequency_hz))
+    });
+    [Some(best), refined]
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| a.force_n.total_cmp(&b.force_n))
+}
+
+/// Mean over drive periods of the largest force of `plant`, driven at `frequency_hz` with the rig's amplitude
+/// as the fundamental of its cart; none if it does not strike exactly once per period.
+pub fn held_force(
+    plant: Plant,
+    rig: &RigParams,
+    frequency_hz: f64,
+    section: [f64; 2],
+) -> Option<f64> {
+    // Whole ticks per period.
+    let ticks = (1.0 / (frequency_hz * TICK_S)).round();
+    let omega = TAU * frequency_hz;
+    let mut run = Sine {
+        plant: plant.with_tick(1.0 / (frequency_hz * ticks)),
+        ticks: ticks as u32,
+        omega,
+        amplitude_m: rig.amplitude_m,
+    };
+    run.plant.set_state(State {
+        q: section[0],
+        v: section[1],
+        y: 0.0,
+        w: rig.amplitude_m * omega,
+    });
+    let mut last = None;
+    for settle in SETTLED {
+        for _ in 0..settle {
+            run.period();
+        }
+        let mut sum = Period::default();
+        for _ in 0..MEASURED {
+            let period = run.period();
+            sum.force_n += period.force_n;
+            sum.sine_m += period.sine_m;
+            sum.cosine_m += period.cosine_m;
+            sum.contacts += period.contacts;
+        }
+        let share = 1.0 / f64::from(MEASURED);
+        let fundamental_m = share * sum.sine_m.hypot(sum.cosine_m);
+        last = (sum.contacts == MEASURED).then_some((share * sum.force_n, fundamental_m));
+        run.amplitude_m *= rig.amplitude_m / fundamental_m;
+    }
+    let (force_n, fundamental_m) = last?;
+    // The last correction was small; force goes with the amplitude.
+    Some(force_n * rig.amplitude_m / fundamental_m)
+}
+
+/// A plant on a sine.
+struct Sine {
+    plant: Plant,
+    ticks: u32,
+    omega: f64,
+    amplitude_m: f64,
+}
+
+/// What a period brought.
+#[derive(Default)]
+struct Period {
+    force_n: f64,
+    contacts: u32,
+    sine_m: f64,
+    cosine_m: f64,
+}
+
+impl Sine {
+    fn period(&mut self) -> Period {
+        let mut period = Period::default();
+        let count = f64::from(self.ticks);
+        let tick_s = TAU / (self.omega * count);
+        let (a, w) = (self.amplitude_m, self.amplitude_m * self.omega);
+        let (mut sin, mut cos) = (0.0, 1.0);
+        for k in 1..=self.ticks {
+            let next = (TAU * f64::from(k) / count).sin_cos();
+            let path = Path::new(tick_s, (a * sin, w * cos), (a * next.0, w * next.1));
+            (sin, cos) = next;
+            self.plant.tick(path, true);
+            for contact in self.plant.finished() {
+                period.force_n = period.force_n.max(contact.peak_force_n);
+                period.contacts += 1;
+            }
+            period.sine_m += 2.0 / count * self.plant.cart_m() * sin;
+            period.cosine_m += 2.0 / count * self.plant.cart_m() * cos;
+        }
+        period
+    }
+}

@@ -1,0 +1,310 @@
+//! What happens during a run, and when.
+
+use serde::Deserialize;
+use shared::control;
+use shared::model::params::RigParams;
+use toml::Value;
+
+use super::file::{complaint, out_of_range};
+use super::{Change, LONGEST_S};
+use crate::sensors::{Defect, Sensor};
+use crate::under_test::Reset;
+use files::UserError;
+
+/// Something that happens at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timed {
+    /// When, s of rig time.
+    pub at_s: f64,
+    /// What.
+    pub act: Act,
+}
+
+/// Whom the controller obeys after a start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// It seeks and holds by itself.
+    #[default]
+    Automatic,
+    /// Set-points.
+    Manual,
+}
+
+impl From<Mode> for control::Mode {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Automatic => Self::Automatic,
+            Mode::Manual => Self::Manual,
+        }
+    }
+}
+
+/// What is wrong with a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fault {
+    /// Its wire is open.
+    Open,
+    /// It is at its upper rail.
+    Saturated,
+    /// It is at its lower rail.
+    SaturatedLow,
+    /// Its code stays.
+    Frozen,
+    /// Its gain is wrong by `times`.
+    Gain,
+}
+
+impl Fault {
+    /// As the sensors know it.
+    pub fn defect(self, times: Option<f64>) -> Defect {
+        match self {
+            Self::Open => Defect::Open,
+            Self::Saturated => Defect::Saturated,
+            Self::SaturatedLow => Defect::SaturatedLow,
+            Self::Frozen => Defect::Frozen,
+            Self::Gain => Defect::Gain(times.unwrap_or(1.0)),
+        }
+    }
+}
+
+fn once() -> u32 {
+    1
+}
+
+/// What happens.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Act {
+    /// The controller is told to start.
+    Start {
+        /// By itself, or by hand.
+        #[serde(default)]
+        mode: Mode,
+    },
+    /// It is told to stop.
+    Stop {},
+    /// It is told to clear its fault.
+    ClearFault {},
+    /// It is told frequency and amplitude.
+    SetPoint {
+        /// Hz.
+        frequency_hz: f64,
+        /// mm.
+        amplitude_mm: f64,
+    },
+    /// From now on the link is in command and says so twice a second.
+    Link {},
+    /// The link falls silent.
+    LinkLoss {},
+    /// The emergency-stop chain opens.
+    EmergencyStop {
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
+    },
+    /// A sensor goes wrong.
+    SensorFault {
+        /// Which.
+        sensor: Sensor,
+        /// How.
+        fault: Fault,
+        /// With `gain` and only there: how many times too large it reads.
+        times: Option<f64>,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
+    },
+    /// The hammer is pushed.
+    Push {
+        /// Change of its speed towards the surface, m/s.
+        speed_m_per_s: f64,
+    },
+    /// The control task overruns before each of so many blocks.
+    Overrun {
+        /// Blocks.
+        #[serde(default = "once")]
+        blocks: u32,
+        /// One block in so many.
+        #[serde(default = "once")]
+        every: u32,
+    },
+    /// Blocks of samples do not come.
+    LostBlock {
+        /// Blocks.
+        #[serde(default = "once")]
+        blocks: u32,
+        /// One block in so many.
+        #[serde(default = "once")]
+        every: u32,
+    },
+    /// The rig changes.
+    Drift {
+        /// In so long, s.
+        over_s: f64,
+        /// Natural frequency, % more.
+        #[serde(default)]
+        natural_frequency_percent: f64,
+        /// Contact stiffness, % more.
+        #[serde(default)]
+        contact_stiffness_percent: f64,
+        /// Contact damping, % more.
+        #[serde(default)]
+        contact_damping_percent: f64,
+        /// Clearance, mm more.
+        #[serde(default)]
+        gap_offset_mm: f64,
+    },
+    /// The controller is reset.
+    Reset {
+        /// By what.
+        cause: Reset,
+    },
+}
+
+impl Act {
+    /// The change a drift makes.
+    pub fn change(&self) -> Option<(Change, f64)> {
+        match *self {
+            Self::Drift {
+                over_s,
+                natural_frequency_percent,
+                contact_stiffness_percent,
+                contact_damping_percent,
+                gap_offset_mm,
+            } => Some((
+                Change {
+                    natural_frequency_percent,
+                    contact_stiffness_percent,
+                    contact_damping_percent,
+                    gap_offset_mm,
+                },
+                over_s,
+            )),
+            _ => None,
+        }
+    }
+
+    /// Numbers that must be sane: key, value, and from where to where it may be.
+    fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
+        let long = |s: Option<f64>| ("for_s", s.unwrap_or(1.0), (1e-6, LONGEST_S));
+        match *self {
+            Self::SetPoint {
+                frequency_hz,
+                amplitude_mm,
+            } => vec![
+                ("frequency_hz", frequency_hz, (1e-3, 1e4)),
+                ("amplitude_mm", amplitude_mm, (0.0, 100.0)),
+            ],
+            Self::EmergencyStop { for_s } => vec![long(for_s)],
+            Self::SensorFault { times, for_s, .. } => vec![
+                ("times", times.unwrap_or(1.0), (-100.0, 100.0)),
+                long(for_s),
+            ],
+            Self::Push { speed_m_per_s } => vec![("speed_m_per_s", speed_m_per_s, (-10.0, 10.0))],
+            Self::Overrun { blocks, every } | Self::LostBlock { blocks, every } => {
+                let most = (1.0, f64::from(u32::MAX));
+                vec![
+                    ("blocks", f64::from(blocks), most),
+                    ("every", f64::from(every), most),
+                ]
+            }
+            Self::Drift { over_s, .. } => vec![("over_s", over_s, (0.0, LONGEST_S))],
+            _ => vec![],
+        }
+    }
+
+    /// Whether it can happen to `rig`.
+    fn check(&self, rig: &RigParams) -> Result<(), UserError> {
+        for (key, value, (from, to)) in self.numbers() {
+            if !(from..=to).contains(&value) {
+                return Err(out_of_range(key, value, &format!("{from} to {to}")));
+            }
+        }
+        match *self {
+            Self::SensorFault { fault, times, .. } => match (fault, times) {
+                (Fault::Gain, None) => Err(UserError::new(
+                    "fault = \"gain\" needs times = N: how many times too large the sensor reads",
+                )),
+                (Fault::Gain, Some(_)) | (_, None) => Ok(()),
+                (_, Some(_)) => Err(UserError::new(
+                    "times goes with fault = \"gain\" alone; leave it out",
+                )),
+            },
+            Self::Drift { .. } => {
+                let (change, _) = self.change().unwrap_or_default();
+                if change == Change::default() {
+                    return Err(UserError::new(format!(
+                        "a drift that changes nothing; give at least one of {}",
+                        Change::KEYS.join(", ")
+                    )));
+                }
+                change.check()?;
+                Ok(change.apply(rig, 1.0).check()?)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// In words, for the timeline.
+    pub fn text(&self) -> String {
+        let for_so_long = |s: Option<f64>| s.map_or(String::new(), |s| format!(" for {s} s"));
+        match self {
+            Self::Start {
+                mode: Mode::Automatic,
+            } => "start".into(),
+            Self::Start { mode: Mode::Manual } => "start by hand".into(),
+            Self::Stop {} => "stop".into(),
+            Self::ClearFault {} => "clear fault".into(),
+            Self::SetPoint {
+                frequency_hz,
+                amplitude_mm,
+            } => format!("set point {frequency_hz} Hz, {amplitude_mm} mm"),
+            Self::Link {} => "link in command".into(),
+            Self::LinkLoss {} => "link silent".into(),
+            Self::EmergencyStop { for_s } => format!("emergency stop{}", for_so_long(*for_s)),
+            Self::SensorFault {
+                sensor,
+                fault: Fault::Gain,
+                times,
+                for_s,
+            } => format!(
+                "{sensor:?} sensor reads {} times too large{}",
+                times.unwrap_or(1.0),
+                for_so_long(*for_s)
+            ),
+            Self::SensorFault {
+                sensor,
+                fault,
+                for_s,
+                ..
+            } => format!("{sensor:?} sensor {fault:?}{}", for_so_long(*for_s)).to_lowercase(),
+            Self::Push { speed_m_per_s } => format!("push by {speed_m_per_s} m/s"),
+            Self::Overrun { blocks, every } => format!("{blocks} overruns, one block in {every}"),
+            Self::LostBlock { blocks, every } => {
+                format!("{blocks} blocks of samples lost, one in {every}")
+            }
+            Self::Drift { over_s, .. } => format!("the rig drifts for {over_s} s"),
+            Self::Reset { cause } => format!("reset: {cause:?}").to_lowercase(),
+        }
+    }
+}
+
+/// An event from its table, that happens to `rig`.
+///
+/// # Errors
+/// One line.
+pub fn timed(mut table: toml::Table, duration_s: f64, rig: &RigParams) -> Result<Timed, UserError> {
+    let at_s = match table.remove("at_s") {
+        Some(Value::Float(s)) => s,
+        Some(Value::Integer(s)) => s as f64,
+        _ => return Err(UserError::new("at_s = SECONDS is missing")),
+    };
+    if !(0.0..=duration_s).contains(&at_s) {
+        return Err(UserError::new(format!(
+            "at_s is {at_s}, must be from 0 to duration_s = {duration_s}"
+        )));
+    }
+    let act = Act::deserialize(Value::Table(table)).map_err(|e| complaint(e.message()))?;
+    act.check(rig)?;
+    Ok(Timed { at_s, act })
+}

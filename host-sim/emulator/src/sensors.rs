@@ -1,0 +1,262 @@
+//! From what is true to what the ADC reads.
+//!
+//! Force: contact force at every tenth of a tick, plus the surface's ringing, through the anti-alias filter.
+//! Displacements: through theirs. Then gain error, offset, Gaussian noise, the conditioner's rails and 12 bits.
+
+use std::f64::consts::TAU;
+
+use numerics::drop_test::{RINGING_DECAY_S, RINGING_HZ};
+use numerics::noise::Noise;
+use serde::Deserialize;
+use shared::io::{ADC_FULL_SCALE, AdcCode, Channel};
+use shared::settings::Settings;
+
+use super::filter::Butterworth;
+use super::plant::{Blow, INNER, Plant};
+
+/// What the conditioners give at the rails, as codes: past `LOW_RAIL` and `HIGH_RAIL`, short of an open wire.
+const RAILS: (f64, f64) = (100.0, 3995.0);
+
+/// Below this, N, the force signal's filter and ringing are at rest.
+const QUIET_N: f64 = 1e-6;
+
+/// One sensor's errors, in the sensor's unit (N or m).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Added to the value.
+    pub offset: f64,
+    /// The value is read 1 + this times too large.
+    pub gain_error: f64,
+    /// Standard deviation of a sample.
+    pub noise: f64,
+}
+
+/// The sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorParams {
+    /// Force, N.
+    pub force: Errors,
+    /// Hammer displacement, m.
+    pub hammer: Errors,
+    /// Cart displacement, m.
+    pub cart: Errors,
+    /// Corner of the force signal's anti-alias filter, Hz.
+    pub force_filter_hz: f64,
+    /// Corner of the displacements' anti-alias filters, Hz.
+    pub displacement_filter_hz: f64,
+    /// The surface's ringing, Hz.
+    pub ringing_hz: f64,
+    /// Its first amplitude as a share of the contact's peak.
+    pub ringing_share: f64,
+    /// Its time constant, s.
+    pub ringing_decay_s: f64,
+}
+
+impl Default for SensorParams {
+    fn default() -> Self {
+        Self {
+            force: Errors::default(),
+            hammer: Errors::default(),
+            cart: Errors::default(),
+            force_filter_hz: 6000.0,
+            displacement_filter_hz: 2000.0,
+            ringing_hz: RINGING_HZ,
+            ringing_share: 0.5,
+            ringing_decay_s: RINGING_DECAY_S,
+        }
+    }
+}
+
+/// A sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sensor {
+    /// Contact force.
+    Force,
+    /// Hammer displacement.
+    Hammer,
+    /// Cart displacement.
+    Cart,
+}
+
+/// What is wrong with a sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Defect {
+    /// The wire is open: code 0.
+    Open,
+    /// At the upper rail.
+    Saturated,
+    /// At the lower rail.
+    SaturatedLow,
+    /// The code stays where it was.
+    Frozen,
+    /// The value is read this many times too large.
+    Gain(f64),
+}
+
+/// The surface's ringing: after each contact's largest force it swings about zero, falling first.
+#[derive(Clone, Debug)]
+struct Ringing {
+    decay_per_s: f64,
+    omega: f64,
+    share: f64,
+    /// Over one inner step: what the phasor is turned and shrunk by.
+    turn: (f64, f64),
+    phasor: (f64, f64),
+}
+
+impl Ringing {
+    fn new(params: &SensorParams, step_s: f64) -> Self {
+        let mut ringing = Self {
+            decay_per_s: 1.0 / params.ringing_decay_s,
+            omega: TAU * params.ringing_hz,
+            share: params.ringing_share,
+            turn: (1.0, 0.0),
+            phasor: (0.0, 0.0),
+        };
+        ringing.turn = ringing.after(1.0, step_s);
+        ringing
+    }
+
+    /// A phasor of `amplitude` after `s`.
+    fn after(&self, amplitude: f64, s: f64) -> (f64, f64) {
+        let size = amplitude * (-self.decay_per_s * s).exp();
+        let (sin, cos) = (self.omega * s).sin_cos();
+        (size * cos, size * sin)
+    }
+
+    fn is_quiet(&self) -> bool {
+        self.phasor.0.abs() < QUIET_N && self.phasor.1.abs() < QUIET_N
+    }
+
+    /// The ringing after one more inner step, in which `blow` fell `late_s` before its end.
+    fn next(&mut self, blow: Option<(f64, f64)>) -> f64 {
+        let ((a, b), (c, d)) = (self.phasor, self.turn);
+        self.phasor = (a * c - b * d, a * d + b * c);
+        if let Some((peak_n, late_s)) = blow {
+            let new = self.after(self.share * peak_n, late_s);
+            self.phasor = (self.phasor.0 + new.0, self.phasor.1 + new.1);
+        }
+        -self.phasor.1
+    }
+}
+
+/// One channel from value to code.
+#[derive(Clone, Debug)]
+struct Line {
+    believed: Channel,
+    errors: Errors,
+    defect: Option<Defect>,
+    code: AdcCode,
+}
+
+impl Line {
+    fn new(believed: Channel, errors: Errors) -> Self {
+        Self {
+            believed,
+            errors,
+            defect: None,
+            code: AdcCode(believed.zero_code as u16),
+        }
+    }
+
+    /// Reads `value` disturbed by `noise` standard deviations.
+    #[inline]
+    fn read(&mut self, value: f64, noise: f64) -> AdcCode {
+        let gain = match self.defect {
+            None => 1.0,
+            Some(Defect::Gain(times)) => times,
+            Some(Defect::Frozen) => return self.code,
+            Some(Defect::Open) => return AdcCode(0),
+            Some(Defect::Saturated) => return AdcCode(ADC_FULL_SCALE),
+            Some(Defect::SaturatedLow) => return AdcCode(RAILS.0 as u16),
+        };
+        let Errors {
+            offset,
+            gain_error,
+            noise: deviation,
+        } = self.errors;
+        let seen = gain * (1.0 + gain_error) * value + offset + deviation * noise;
+        let unit = f64::from(self.believed.unit_per_code);
+        let code = f64::from(self.believed.zero_code) + seen / unit;
+        // Clamped to the rails, so it fits; a value that is no number reads as the lower one.
+        self.code = AdcCode((code + 0.5).max(RAILS.0).min(RAILS.1) as u16);
+        self.code
+    }
+}
+
+/// Force and displacement sensors.
+#[derive(Clone, Debug)]
+pub struct Sensors {
+    lines: [Line; 3],
+    force_filter: Butterworth,
+    filters: [Butterworth; 2],
+    ringing: Ringing,
+    tick_s: f64,
+    noise: Noise,
+    noisy: bool,
+}
+
+impl Sensors {
+    /// Sensors with the calibration of `settings`, in error by `params`; a tick lasts `tick_s`.
+    pub fn new(params: &SensorParams, settings: &Settings, tick_s: f64, seed: u64) -> Self {
+        let inner_s = tick_s / INNER as f64;
+        let displacement = Butterworth::new(params.displacement_filter_hz, tick_s);
+        Self {
+            lines: [
+                Line::new(settings.force, params.force),
+                Line::new(settings.hammer, params.hammer),
+                Line::new(settings.cart, params.cart),
+            ],
+            force_filter: Butterworth::new(params.force_filter_hz, inner_s),
+            filters: [displacement.clone(), displacement],
+            ringing: Ringing::new(params, inner_s),
+            tick_s,
+            noise: Noise::new(seed),
+            noisy: [params.force, params.hammer, params.cart]
+                .iter()
+                .any(|e| e.noise != 0.0),
+        }
+    }
+
+    /// Makes a sensor defective, or whole again.
+    pub fn set_defect(&mut self, sensor: Sensor, defect: Option<Defect>) {
+        self.lines[sensor as usize].defect = defect;
+    }
+
+    /// Codes of force, hammer and cart at the end of the plant's tick.
+    #[inline]
+    pub fn read(&mut self, plant: &Plant) -> [AdcCode; 3] {
+        let force = self.force(plant.touched(), plant.inner_forces_n(), plant.blows());
+        let [hammer_filter, cart_filter] = &mut self.filters;
+        let values = [
+            force,
+            hammer_filter.next(plant.hammer_m()),
+            cart_filter.next(plant.cart_m()),
+        ];
+        let mut codes = [AdcCode::default(); 3];
+        for ((code, line), value) in codes.iter_mut().zip(&mut self.lines).zip(values) {
+            let noise = if self.noisy { self.noise.sample() } else { 0.0 };
+            *code = line.read(value, noise);
+        }
+        codes
+    }
+
+    /// The force signal at the end of a tick, N.
+    #[inline]
+    fn force(&mut self, touched: bool, inner: &[f64; INNER], blows: &[Blow]) -> f64 {
+        if !touched && self.ringing.is_quiet() && self.force_filter.is_below(QUIET_N) {
+            return 0.0;
+        }
+        let width = self.tick_s / INNER as f64;
+        let mut out = 0.0;
+        for (k, force) in inner.iter().enumerate() {
+            let end = (k + 1) as f64 * width;
+            let within = |b: &&Blow| b.at_s > end - width && b.at_s <= end;
+            let blow = blows.iter().find(within);
+            let ringing = self.ringing.next(blow.map(|b| (b.peak_n, end - b.at_s)));
+            out = self.force_filter.next(force + ringing);
+        }
+        out
+    }
+}

@@ -1,0 +1,262 @@
+//! Whether a run did what it had to, judged by the true contact force and never by the sensor's.
+
+use serde::Serialize;
+use shared::control::Basin;
+use shared::model::params::RigParams;
+
+use super::optimum::{Optimum, prescribed, two_bodies};
+use super::scenario::Scenario;
+use super::schedule::state_name;
+use super::tally::{Held, Tally};
+use numerics::row::tidy;
+
+/// A fault, as it is told.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FaultLine {
+    /// Its number.
+    pub code: u8,
+    /// Its name.
+    pub name: &'static str,
+    /// When its condition was seen, s of rig time.
+    pub at_s: f64,
+    /// Ticks from then until the drive was off; none: it never was.
+    pub drive_off_after_ticks: Option<u64>,
+    /// Ticks from what the scenario last did until the drive was off.
+    pub drive_off_after_injection_ticks: Option<u64>,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// `pass` or `fail`.
+    pub verdict: &'static str,
+    /// What was expected and did not come; empty for a pass.
+    pub why: Vec<String>,
+    /// The controller's state at the end.
+    pub final_state: &'static str,
+    /// From the first start to Hold, s.
+    pub time_to_hold_s: Option<f64>,
+    /// Mean drive frequency in Hold, Hz.
+    pub frequency_hz: Option<f64>,
+    /// Mean over the drive periods in Hold of the largest true force, over the hammer's weight.
+    pub force_ratio_mean: Option<f64>,
+    /// The true rig's optimum ([`super::optimum`]), Hz: with its cart's recoil, unless the scenario prescribes the
+    /// cart's motion. Of a rig that changes: mean over the periods in Hold.
+    pub optimum_frequency_hz: Option<f64>,
+    /// Its force ratio.
+    pub optimum_force_ratio: Option<f64>,
+    /// Held force over the optimum's.
+    pub force_share: Option<f64>,
+    /// The true rig's optimum if its cart did not recoil (`pick --nominal`), Hz.
+    pub prescribed_optimum_frequency_hz: Option<f64>,
+    /// Its force ratio.
+    pub prescribed_optimum_force_ratio: Option<f64>,
+    /// Faults, as they tripped.
+    pub faults: Vec<FaultLine>,
+    /// Overruns of the control task.
+    pub overruns: u32,
+    /// Times the regime was lost and sought again.
+    pub reseeks: u16,
+    /// Which basin the last disturbance ended in, as the controller says.
+    pub basin: &'static str,
+    /// And as it truly is: contact in the last twenty drive periods, or none.
+    pub true_basin: &'static str,
+    /// Contacts.
+    pub contacts: u64,
+    /// Largest true force, over the hammer's weight.
+    pub largest_force_ratio: f64,
+    /// Largest displacement of the hammer relative to the cart, mm.
+    pub largest_travel_mm: f64,
+    /// Rig time, s.
+    pub duration_s: f64,
+}
+
+/// A basin's name as scenarios write it.
+pub fn basin_name(basin: Basin) -> &'static str {
+    match basin {
+        Basin::Unknown => "unknown",
+        Basin::Impact => "impact",
+        Basin::NoImpact => "no-impact",
+    }
+}
+
+/// The optimum, and the one under prescribed motion, weighed over a change of the rig.
+fn optimum_of_run(scenario: &Scenario, tally: &Tally) -> [Option<Optimum>; 2] {
+    let plain = |rig: &RigParams| {
+        prescribed(rig).map(|(_, orbit)| Optimum {
+            frequency_hz: orbit.frequency_hz,
+            force_n: orbit.force_n,
+        })
+    };
+    let full = |rig: &RigParams| {
+        if scenario.prescribed {
+            plain(rig)
+        } else {
+            two_bodies(rig, &scenario.shaker)
+        }
+    };
+    let Some(drifted) = tally.drifted else {
+        return [full(&scenario.true_rig), plain(&scenario.true_rig)];
+    };
+    let Held {
+        periods,
+        drifted: sum,
+        ..
+    } = tally.held;
+    let share = if periods > 0 {
+        sum / periods as f64
+    } else {
+        1.0
+    };
+    let between = |a: Option<Optimum>, b: Option<Optimum>| {
+        let (a, b) = a.zip(b)?;
+        Some(Optimum {
+            frequency_hz: a.frequency_hz + share * (b.frequency_hz - a.frequency_hz),
+            force_n: a.force_n + share * (b.force_n - a.force_n),
+        })
+    };
+    [
+        between(full(&drifted.from), full(&drifted.to)),
+        between(plain(&drifted.from), plain(&drifted.to)),
+    ]
+}
+
+/// Whether the hammer strikes at the end of the run.
+fn true_basin(tally: &Tally) -> Basin {
+    const PERIODS: f64 = 20.0;
+    let hz = tally.status.map_or(0.0, |s| f64::from(s.frequency_hz));
+    let strikes = tally
+        .last_contact_s
+        .is_some_and(|last| (tally.end_s() - last) * hz < PERIODS);
+    if strikes {
+        Basin::Impact
+    } else {
+        Basin::NoImpact
+    }
+}
+
+/// Judges what a run of `scenario` came to. Searches the true rig's optimum, which takes seconds.
+pub fn judge(scenario: &Scenario, tally: &Tally) -> Verdict {
+    judge_by(scenario, tally, optimum_of_run(scenario, tally))
+}
+
+/// Judges what a run of `scenario` came to by an optimum that is known, and one under prescribed motion.
+pub fn judge_by(
+    scenario: &Scenario,
+    tally: &Tally,
+    [best, prescribed]: [Option<Optimum>; 2],
+) -> Verdict {
+    let weight = scenario.true_rig.weight_n();
+    let mean = |sum: f64| (tally.held.periods > 0).then(|| sum / tally.held.periods as f64);
+    let force_n = mean(tally.held.force_n);
+    let status = tally.status;
+    let tick_s = scenario.tick_s();
+    let faults = tally.faults.iter().map(|f| FaultLine {
+        code: f.fault.code(),
+        name: f.fault.name(),
+        at_s: tidy(f.tick as f64 * tick_s),
+        drive_off_after_ticks: f.off_after,
+        drive_off_after_injection_ticks: f
+            .off_after
+            .zip(f.injected)
+            .map(|(off, at)| (f.tick + off).saturating_sub(at)),
+    });
+    let mut verdict = Verdict {
+        scenario: scenario.name.clone(),
+        verdict: "pass",
+        why: Vec::new(),
+        final_state: state_name(tally.final_state()),
+        time_to_hold_s: tally
+            .hold_s
+            .zip(tally.started_s)
+            .map(|(hold, start)| tidy(hold - start)),
+        frequency_hz: mean(tally.held.frequency_hz),
+        force_ratio_mean: force_n.map(|n| n / weight),
+        optimum_frequency_hz: best.map(|b| b.frequency_hz),
+        optimum_force_ratio: best.map(|b| b.force_n / weight),
+        force_share: force_n.zip(best).map(|(n, b)| n / b.force_n),
+        prescribed_optimum_frequency_hz: prescribed.map(|b| b.frequency_hz),
+        prescribed_optimum_force_ratio: prescribed.map(|b| b.force_n / weight),
+        faults: faults.collect(),
+        overruns: status.map_or(0, |s| s.overruns),
+        reseeks: status.map_or(0, |s| s.reseeks),
+        basin: basin_name(status.map_or(Basin::Unknown, |s| s.basin)),
+        true_basin: basin_name(true_basin(tally)),
+        contacts: tally.contacts,
+        largest_force_ratio: tally.largest_n / weight,
+        largest_travel_mm: 1e3 * tally.largest_travel_m,
+        duration_s: tidy(tally.end_s()),
+    };
+    verdict.why = complaints(scenario, tally, &verdict);
+    if !verdict.why.is_empty() {
+        verdict.verdict = "fail";
+    }
+    verdict
+}
+
+/// What was expected and did not come.
+fn complaints(scenario: &Scenario, tally: &Tally, verdict: &Verdict) -> Vec<String> {
+    let expect = &scenario.expect;
+    let mut why = Vec::new();
+    let mut word = |what: &str, want: &Option<String>, got: &str| {
+        if let Some(want) = want
+            && want != got
+        {
+            why.push(format!("{what} is {got}, expected {want}"));
+        }
+    };
+    word("final state", &expect.final_state, verdict.final_state);
+    word("basin", &expect.basin, verdict.basin);
+    word("true basin", &expect.basin, verdict.true_basin);
+    let tripped: Vec<_> = verdict.faults.iter().map(|f| f.name).collect();
+    if tripped != expect.faults {
+        let list = |names: &[&str]| match names {
+            [] => "none".to_owned(),
+            names => names.join(", "),
+        };
+        let wanted: Vec<_> = expect.faults.iter().map(String::as_str).collect();
+        why.push(format!(
+            "faults: {}, expected {}",
+            list(&tripped),
+            list(&wanted)
+        ));
+    }
+    let told = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.4}"));
+    if let Some(least) = expect.min_force_share
+        && verdict.force_share.is_none_or(|share| share < least)
+    {
+        let share = told(verdict.force_share);
+        why.push(format!("force share is {share}, expected at least {least}"));
+    }
+    if let Some(limit) = expect.hold_within_s
+        && verdict.time_to_hold_s.is_none_or(|s| s > limit)
+    {
+        let s = told(verdict.time_to_hold_s);
+        why.push(format!("time to Hold is {s} s, expected at most {limit}"));
+    }
+    if let Some(least) = expect.min_reseeks
+        && verdict.reseeks < least
+    {
+        why.push(format!(
+            "{} reseeks, expected at least {least}",
+            verdict.reseeks
+        ));
+    }
+    if let Some(most) = expect.drive_off_within_ticks {
+        for fault in &verdict.faults {
+            if fault.drive_off_after_ticks.is_none_or(|t| t > most) {
+                let ticks = told(fault.drive_off_after_ticks.map(|t| t as f64));
+                why.push(format!(
+                    "{}: drive off after {ticks} ticks, expected at most {most}",
+                    fault.name
+                ));
+            }
+        }
+    }
+    if !tally.finite {
+        why.push("the controller put out what is not a number".into());
+    }
+    why
+}

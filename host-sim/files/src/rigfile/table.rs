@@ -1,0 +1,282 @@
+//! A rig as keys and values, both ways.
+
+use std::collections::BTreeMap;
+
+use shared::model::contact::Law;
+use shared::model::params::{LAWS, RigParams, SupportParams, Torque};
+use toml::Value;
+
+use super::{KEYS, nearest};
+use crate::UserError;
+
+/// Keys and values of a rig.
+pub type Table = BTreeMap<String, Value>;
+
+/// Lays `changes` over `base`: what one key decides for others follows it.
+///
+/// # Errors
+/// A key or a law that does not exist.
+pub fn overlay(base: &mut Table, changes: Table) -> Result<(), UserError> {
+    for key in changes.keys() {
+        if !KEYS.iter().any(|(k, _)| k == key) {
+            let hint = nearest(key, KEYS.iter().map(|(k, _)| *k));
+            return Err(UserError::new(format!(
+                "there is no parameter '{key}'{hint}; `host-sim rigs wires` prints them all"
+            )));
+        }
+    }
+    let has = |key: &str| changes.contains_key(key);
+    if has("contact_law") {
+        let law = text(&changes, "contact_law")?;
+        let (_, preset) = LAWS.iter().find(|(n, _)| *n == law).ok_or_else(|| {
+            let names: Vec<_> = LAWS.iter().map(|(n, _)| *n).collect();
+            UserError::new(format!(
+                "contact_law is '{law}', must be one of {}",
+                names.join(", ")
+            ))
+        })?;
+        if base.get("contact_law").and_then(Value::as_str) != Some(law) {
+            base.retain(|key, _| !key.starts_with("contact_"));
+            law_to_table(preset, base);
+        }
+    }
+    // On wires, length and frequency say the same thing: the one given decides.
+    let length_given = has("wire_length_mm") || has("gravity_m_per_s2");
+    match (length_given, has("natural_frequency_hz")) {
+        (true, false) => {
+            base.remove("natural_frequency_hz");
+        }
+        (false, true) => {
+            base.remove("wire_length_mm");
+        }
+        _ => {}
+    }
+    base.extend(changes);
+    Ok(())
+}
+
+/// Every parameter of a rig.
+pub fn to_table(params: &RigParams) -> Table {
+    let mut table = Table::new();
+    let mut put = |key: &str, value: f64| {
+        table.insert(key.to_owned(), Value::Float(value));
+    };
+    put("mass_kg", params.mass_kg);
+    put("cart_mass_kg", params.cart_mass_kg);
+    put("amplitude_mm", to_mm(params.amplitude_m));
+    put("gap_mm", to_mm(params.gap_m));
+    put("natural_frequency_hz", params.natural_frequency_hz());
+    match params.support {
+        SupportParams::Wires {
+            length_m,
+            gravity_m_per_s2,
+            torque,
+            ..
+        } => {
+            put("wire_length_mm", to_mm(length_m));
+            put("gravity_m_per_s2", gravity_m_per_s2);
+            let torque = match torque {
+                Torque::Literal => "literal",
+                Torque::Cosine => "cosine",
+            };
+            table.insert("torque".into(), Value::String(torque.into()));
+            table.insert("support".into(), Value::String("wires".into()));
+        }
+        SupportParams::Beams {
+            damping_ratio,
+            cubic_stiffness_n_per_m3,
+            ..
+        } => {
+            put("damping_ratio", damping_ratio);
+            if let Some(cubic) = cubic_stiffness_n_per_m3 {
+                put("cubic_stiffness_n_per_m3", cubic);
+            }
+            table.insert("support".into(), Value::String("beams".into()));
+        }
+    }
+    law_to_table(&params.contact, &mut table);
+    table
+}
+
+fn law_to_table(law: &Law<f64>, table: &mut Table) {
+    let mut put = |key: &str, value: f64| {
+        table.insert(key.to_owned(), Value::Float(value));
+    };
+    put("contact_stiffness_n_per_m", law.stiffness());
+    let name = match *law {
+        Law::SpringDashpot { damping, .. } => {
+            put("contact_damping_n_s_per_m", damping);
+            "spring-dashpot"
+        }
+        Law::Hertz { exponent, .. } => {
+            put("contact_exponent", exponent);
+            "hertz"
+        }
+        Law::HuntCrossley {
+            exponent,
+            damping_ratio,
+            ..
+        } => {
+            put("contact_exponent", exponent);
+            put("contact_damping_ratio_s_per_m", damping_ratio);
+            "hunt-crossley"
+        }
+        Law::LankaraniNikravesh {
+            exponent,
+            restitution,
+            ..
+        } => {
+            put("contact_exponent", exponent);
+            put("contact_restitution", restitution);
+            "lankarani-nikravesh"
+        }
+    };
+    table.insert("contact_law".into(), Value::String(name.into()));
+}
+
+/// The rig that a table with every parameter describes.
+///
+/// # Errors
+/// A key that is missing, out of place or out of range.
+pub fn from_table(table: &Table) -> Result<RigParams, UserError> {
+    let mut left = table.clone();
+    let params = RigParams {
+        support: support_from(&mut left)?,
+        mass_kg: take(&mut left, "mass_kg")?,
+        cart_mass_kg: take(&mut left, "cart_mass_kg")?,
+        amplitude_m: take(&mut left, "amplitude_mm")? / 1e3,
+        gap_m: take(&mut left, "gap_mm")? / 1e3,
+        contact: law_from(&mut left)?,
+    };
+    if let Some(key) = left.keys().next() {
+        return Err(UserError::new(format!(
+            "{key} does not apply to this rig's support or contact law; leave it out or change support or contact_law"
+        )));
+    }
+    params.check()?;
+    Ok(params)
+}
+
+fn support_from(table: &mut Table) -> Result<SupportParams, UserError> {
+    let support = text(table, "support")?.to_owned();
+    table.remove("support");
+    match support.as_str() {
+        "wires" => {
+            let gravity_m_per_s2 = take(table, "gravity_m_per_s2")?;
+            let torque = match table.remove("torque").as_ref().map(|v| v.as_str()) {
+                None | Some(Some("literal")) => Torque::Literal,
+                Some(Some("cosine")) => Torque::Cosine,
+                Some(_) => return Err(UserError::new("torque must be literal or cosine")),
+            };
+            let length = optional(table, "wire_length_mm")?.map(|mm| mm / 1e3);
+            let frequency = optional(table, "natural_frequency_hz")?;
+            let (length_m, natural_frequency_hz) = match (length, frequency) {
+                (Some(length), Some(frequency)) => (length, frequency),
+                (Some(length), None) => (
+                    length,
+                    (gravity_m_per_s2 / length).sqrt() / std::f64::consts::TAU,
+                ),
+                (None, Some(frequency)) => {
+                    let omega = std::f64::consts::TAU * frequency;
+                    let length = gravity_m_per_s2 / (omega * omega);
+                    // A frequency that is no number is the fault to name, not the length it gives.
+                    if !(frequency > 0.0 && frequency.is_finite()) {
+                        return Err(UserError::new(format!(
+                            "natural_frequency_hz is {frequency}, must be a positive number"
+                        )));
+                    }
+                    (length, frequency)
+                }
+                (None, None) => return Err(missing("wire_length_mm")),
+            };
+            Ok(SupportParams::Wires {
+                length_m,
+                gravity_m_per_s2,
+                natural_frequency_hz,
+                torque,
+            })
+        }
+        "beams" => Ok(SupportParams::Beams {
+            natural_frequency_hz: take(table, "natural_frequency_hz")?,
+            damping_ratio: take(table, "damping_ratio")?,
+            cubic_stiffness_n_per_m3: optional(table, "cubic_stiffness_n_per_m3")?,
+        }),
+        other => Err(UserError::new(format!(
+            "support is '{other}', must be wires or beams"
+        ))),
+    }
+}
+
+fn law_from(table: &mut Table) -> Result<Law<f64>, UserError> {
+    let law = text(table, "contact_law")?.to_owned();
+    table.remove("contact_law");
+    let stiffness = take(table, "contact_stiffness_n_per_m")?;
+    match law.as_str() {
+        "spring-dashpot" => Ok(Law::SpringDashpot {
+            stiffness,
+            damping: take(table, "contact_damping_n_s_per_m")?,
+        }),
+        "hertz" => Ok(Law::Hertz {
+            stiffness,
+            exponent: take(table, "contact_exponent")?,
+        }),
+        "hunt-crossley" => Ok(Law::HuntCrossley {
+            stiffness,
+            exponent: take(table, "contact_exponent")?,
+            damping_ratio: take(table, "contact_damping_ratio_s_per_m")?,
+        }),
+        "lankarani-nikravesh" => Ok(Law::LankaraniNikravesh {
+            stiffness,
+            exponent: take(table, "contact_exponent")?,
+            restitution: take(table, "contact_restitution")?,
+        }),
+        other => Err(UserError::new(format!(
+            "contact_law is '{other}', which is not known"
+        ))),
+    }
+}
+
+fn text<'a>(table: &'a Table, key: &str) -> Result<&'a str, UserError> {
+    let value = table.get(key).ok_or_else(|| missing(key))?;
+    value
+        .as_str()
+        .ok_or_else(|| UserError::new(format!("{key} is {value}, must be a word in quotes")))
+}
+
+fn take(table: &mut Table, key: &str) -> Result<f64, UserError> {
+    optional(table, key)?.ok_or_else(|| missing(key))
+}
+
+fn optional(table: &mut Table, key: &str) -> Result<Option<f64>, UserError> {
+    table
+        .remove(key)
+        .map(|value| {
+            as_number(&value)
+                .ok_or_else(|| UserError::new(format!("{key} is {value}, must be a number")))
+        })
+        .transpose()
+}
+
+/// A TOML number.
+pub fn as_number(value: &Value) -> Option<f64> {
+    value
+        .as_float()
+        .or_else(|| value.as_integer().map(|i| i as f64))
+}
+
+fn missing(key: &str) -> UserError {
+    UserError::new(format!(
+        "{key} is missing; give it, or begin with preset = \"wires\""
+    ))
+}
+
+/// Millimetres, without the last-digit noise of a multiplication.
+fn to_mm(metres: f64) -> f64 {
+    let mm = metres * 1e3;
+    let tidy = (mm * 1e9).round() / 1e9;
+    if (tidy - mm).abs() <= 1e-12 * mm.abs() {
+        tidy
+    } else {
+        mm
+    }
+}

@@ -1,0 +1,21 @@
+//! Tables: rows of any kind as CSV or Parquet, and back from CSV.
+
+mod columns;
+mod parquet;
+mod read;
+
+use serde::Serialize;
+
+pub use self::parquet::to_parquet;
+pub use self::read::{Line, read_columns};
+
+/// Rows as CSV with a header line.
+pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer
+            .serialize(row)
+            .expect("a row of plain values always serialises");
+    }
+    writer.into_inner().expect("writing to memory cannot fail")
+}

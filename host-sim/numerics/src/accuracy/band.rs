@@ -1,0 +1,181 @@
+//! How narrow the chapter's band must be, and how small a tick it then needs.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+use shared::Real;
+use shared::model::contacts::Contact;
+use shared::model::drive::Drive;
+use shared::model::params::{BEAM_170, RigParams, SupportParams, TABLE_3_1};
+use shared::model::rig::Rig;
+use shared::model::step::{Banded, State, Stepper};
+use shared::model::switch::Band;
+use shared::model::twin::Twin;
+
+use super::named::{Cell, Named};
+use super::{Method, Setting};
+use crate::engine::{Plan, Precision};
+use crate::error::Error;
+use crate::pick::sensitivity::{contact_damping_ratio, restitution};
+
+/// Where the band is studied.
+pub const POINT: Named = Named {
+    rig: "beam-150",
+    gap_mm: 1.0,
+    ratio: 1.5,
+};
+
+/// Ticks, µs: one that resolves the band, and three that do not.
+pub const TICKS_US: [f64; 4] = [0.05, 1.0, 10.0, 50.0];
+
+/// Started on the orbit; it contracts tenfold within three periods.
+const PLAN: Plan = Plan {
+    cycles: 10,
+    transient: 6,
+};
+
+/// η_α compared, m.
+pub const ETA_ALPHA_M: [f64; 6] = [1e-5, 1e-6, 1e-7, 5e-8, 1e-8, 1e-9];
+
+/// η_β compared, N.
+pub const ETA_BETA_N: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
+
+/// ε_α of the smoothing method compared, m (ε_β is 1e7 N/m times that).
+pub const EPSILON_M: [f64; 4] = [1e-6, 2.5e-7, 6.25e-8, 1.5e-8];
+
+/// What a width came to at each of [`TICKS_US`].
+pub type Row = Vec<Option<Cell>>;
+
+fn rows(widths: &[f64], method: impl Fn(f64) -> Method + Sync) -> Vec<(f64, Row)> {
+    let row = |width: &f64| {
+        let at = |tick_us: &f64| {
+            let setting = Setting {
+                method: method(*width),
+                precision: Precision::F64,
+                tick_s: tick_us * 1e-6,
+            };
+            POINT.cell(setting, PLAN)
+        };
+        (*width, TICKS_US.iter().map(at).collect())
+    };
+    widths.par_iter().map(row).collect()
+}
+
+/// Errors against η_α, with η_β = 0.001 N.
+pub fn by_eta_alpha() -> Vec<(f64, Row)> {
+    rows(&ETA_ALPHA_M, |eta_alpha_m| Method::Banded {
+        eta_alpha_m,
+        eta_beta_n: 1e-3,
+    })
+}
+
+/// Errors against η_β, with η_α = 1e-8 m.
+pub fn by_eta_beta() -> Vec<(f64, Row)> {
+    rows(&ETA_BETA_N, |eta_beta_n| Method::Banded {
+        eta_alpha_m: 1e-8,
+        eta_beta_n,
+    })
+}
+
+/// Errors of the smoothing method against ε_α.
+pub fn by_epsilon() -> Vec<(f64, Row)> {
+    rows(&EPSILON_M, |epsilon_alpha_m| Method::Smoothed {
+        epsilon_alpha_m,
+        epsilon_beta_n: 1e7 * epsilon_alpha_m,
+    })
+}
+
+/// What the band does to one contact of a free mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loss {
+    /// η_α, m.
+    pub eta_alpha_m: f64,
+    /// 2 η_α ci/m, m/s.
+    pub formula_m_per_s: f64,
+    /// What the approach speed would have to be less by, without a band, for the same rebound, m/s.
+    pub equivalent_m_per_s: f64,
+}
+
+/// Approach speed of the single contacts, m/s.
+pub const APPROACH_M_PER_S: f64 = 0.08;
+
+/// Contact damping ratio of the free mass on the spring-dashpot of Table 3.1.
+fn damping_ratio() -> f64 {
+    contact_damping_ratio(&free_mass()).expect("Table 3.1 is a spring-dashpot")
+}
+
+/// A mass that nothing but the surface acts on.
+fn free_mass() -> RigParams {
+    RigParams {
+        support: SupportParams::Beams {
+            natural_frequency_hz: 1e-3,
+            damping_ratio: 0.0,
+            cubic_stiffness_n_per_m3: Some(0.0),
+        },
+        amplitude_m: 1e-6,
+        contact: TABLE_3_1,
+        ..BEAM_170
+    }
+}
+
+/// One contact of a free mass at 0.08 m/s, begun `clearance_m` before the surface.
+fn single<R: Real, S: Stepper<R>>(
+    stepper: S,
+    tick_s: f64,
+    clearance_m: f64,
+) -> Result<Option<Contact<R>>, Error> {
+    let rig = Rig::<R>::new(&free_mass())?;
+    let state = State::new(
+        &rig,
+        R::from_f64(-clearance_m),
+        R::from_f64(APPROACH_M_PER_S),
+    );
+    let mut twin = Twin::new(rig, Drive::new(0.1, tick_s)?, stepper, state);
+    Ok((0..1_000_000).find_map(|_| twin.tick().contact))
+}
+
+/// Largest errors of (peak force, rebound speed) of one contact of a free mass, over onsets anywhere in
+/// the tick, in f32. The law is linear, so they hold for every approach speed.
+///
+/// # Errors
+/// None for ticks that resolve the drive.
+pub fn worst_single<S: Stepper<f32> + Copy>(stepper: S, tick_s: f64) -> Result<(f64, f64), Error> {
+    const ONSETS: u32 = 100;
+    let mass_kg = free_mass().mass_kg;
+    let (mut force, mut rebound) = (0.0_f64, 0.0_f64);
+    for k in 0..ONSETS {
+        let ticks = 2.0 + (f64::from(k) + 0.5) / f64::from(ONSETS);
+        let contact = single(stepper, tick_s, APPROACH_M_PER_S * tick_s * ticks)?;
+        let (peak, back) = contact.map_or((f64::NAN, f64::NAN), |c| {
+            (f64::from(c.peak_force), f64::from(c.rebound_speed))
+        });
+        force = force.max((peak / peak_force(mass_kg) - 1.0).abs());
+        rebound =
+            rebound.max((back / (restitution(damping_ratio()) * APPROACH_M_PER_S) - 1.0).abs());
+    }
+    Ok((force, rebound))
+}
+
+/// Peak force of the spring-dashpot of Table 3.1 at [`APPROACH_M_PER_S`], in closed form, N.
+fn peak_force(mass_kg: f64) -> f64 {
+    let zeta = damping_ratio();
+    let omega = (TABLE_3_1.stiffness() / mass_kg).sqrt();
+    let angle = (3.0 * zeta.acos() - PI) / (1.0 - zeta * zeta).sqrt();
+    mass_kg * APPROACH_M_PER_S * omega * (-zeta * angle).exp()
+}
+
+/// What the band takes from one contact at 0.08 m/s, at a tick of 2 ns.
+///
+/// # Errors
+/// None for positive widths.
+pub fn loss(eta_alpha_m: f64) -> Result<Loss, Error> {
+    let mass_kg = free_mass().mass_kg;
+    let band = Band::new(eta_alpha_m, 0.0);
+    let contact = single::<f64, _>(Banded { band }, 2e-9, 2.0 * eta_alpha_m)?;
+    let rebound = contact.map_or(f64::NAN, |c| c.rebound_speed);
+    Ok(Loss {
+        eta_alpha_m,
+        formula_m_per_s: 2.0 * eta_alpha_m * TABLE_3_1.onset_force(1.0) / mass_kg,
+        equivalent_m_per_s: APPROACH_M_PER_S - rebound / restitution(damping_ratio()),
+    })
+}

@@ -1,0 +1,118 @@
+//! How far the switch model's steppers are from the event-located reference: what `docs/accuracy.md` is
+//! made from.
+//!
+//! [`Method`] names a stepper with its settings, [`settle`] runs it to a periodic orbit, and
+//! [`settle_reference`] runs the reference at the very frequency the switch model's phase accumulator
+//! rounded to, so that both are asked the same question.
+
+pub mod band;
+pub mod named;
+pub mod survey;
+
+use shared::model::drive::Drive;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+
+use crate::engine::{Engine, Machine, Plan, Precision, Recorder, Start, machine, observe};
+pub use crate::engine::{Method, Setting};
+use crate::error::Error;
+
+/// What a run came to over its recorded periods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Frequency really driven, Hz.
+    pub frequency_hz: f64,
+    /// Impact regime.
+    pub regime: Regime,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// Approach speed of the contact with that force, m/s (0 without contact).
+    pub approach_m_per_s: f64,
+    /// Coordinate and rate on the last section.
+    pub section: [f64; 2],
+}
+
+impl Outcome {
+    /// Error of this outcome's force relative to another's.
+    pub fn force_error(&self, truth: &Self) -> f64 {
+        self.force_n / truth.force_n - 1.0
+    }
+
+    /// Error of this outcome's approach speed relative to another's.
+    pub fn approach_error(&self, truth: &Self) -> f64 {
+        self.approach_m_per_s / truth.approach_m_per_s - 1.0
+    }
+}
+
+/// Runs the switch model as `setting` says.
+///
+/// # Errors
+/// A parameter, frequency or start that cannot be.
+pub fn settle(
+    setting: Setting,
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+) -> Result<Outcome, Error> {
+    let mut machine = machine(Engine::Switch(setting), params, frequency_hz, start)?;
+    outcome(machine.as_mut(), plan)
+}
+
+/// Runs the reference.
+///
+/// # Errors
+/// As [`settle`].
+pub fn settle_reference(
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+) -> Result<Outcome, Error> {
+    let mut machine = machine(Engine::Event, params, frequency_hz, start)?;
+    outcome(machine.as_mut(), plan)
+}
+
+/// How long the reference runs from rest before it counts as settled.
+pub const SETTLING: Plan = Plan {
+    cycles: 600,
+    transient: 480,
+};
+
+/// The settled reference, and the switch model started from where the reference ended.
+///
+/// # Errors
+/// As [`settle`].
+pub fn from_settled(
+    setting: Setting,
+    params: &RigParams,
+    frequency_hz: f64,
+    plan: Plan,
+) -> Result<(Outcome, Outcome), Error> {
+    let real = real_frequency(setting, frequency_hz)?;
+    let truth = settle_reference(params, real, Start::Rest, SETTLING)?;
+    let start = Start::Section(truth.section);
+    Ok((truth, settle(setting, params, frequency_hz, start, plan)?))
+}
+
+/// The frequency a `setting` really runs at when asked for `frequency_hz`.
+///
+/// # Errors
+/// A frequency or tick the drive refuses.
+pub fn real_frequency(setting: Setting, frequency_hz: f64) -> Result<f64, Error> {
+    Ok(match setting.precision {
+        Precision::F32 => Drive::<f32>::new(frequency_hz, setting.tick_s)?.frequency_hz(),
+        Precision::F64 => Drive::<f64>::new(frequency_hz, setting.tick_s)?.frequency_hz(),
+    })
+}
+
+fn outcome(machine: &mut dyn Machine, plan: Plan) -> Result<Outcome, Error> {
+    let seen = observe(machine, plan, &mut Recorder::default())?;
+    Ok(Outcome {
+        frequency_hz: seen.frequency_hz,
+        regime: seen.regime,
+        force_n: seen.force_n,
+        approach_m_per_s: seen.strongest.map_or(0.0, |c| c.approach_speed_m_per_s),
+        section: machine.section(),
+    })
+}

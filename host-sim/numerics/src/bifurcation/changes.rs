@@ -1,0 +1,308 @@
+//! Where a diagram changes: the number of its branches, or a branch that breaks off; and where two directions differ.
+
+use serde::Serialize;
+
+use shared::model::regime::Regime;
+
+use super::{Diagram, Station};
+use crate::error::Error;
+use crate::lanes::{Cell, Outcome};
+use crate::row::{kind, regime_as_text};
+
+/// What happens between two neighbouring frequencies, read by rising frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// n and p become twice as many.
+    Doubling,
+    /// n and p become half as many.
+    Halving,
+    /// Contact begins.
+    ContactBegins,
+    /// Contact ends.
+    ContactEnds,
+    /// A motion that repeats is followed by one that does not within 16 periods.
+    LosesPeriod,
+    /// The reverse.
+    FindsPeriod,
+    /// As many periods, another number of contacts: a contact grazes in or out.
+    Contacts,
+    /// Another p/n that is none of these.
+    Other,
+    /// The same p/n, but the points leap.
+    Jump,
+}
+
+impl Kind {
+    /// For a person.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Doubling => "period doubles",
+            Self::Halving => "period halves",
+            Self::ContactBegins => "contact begins",
+            Self::ContactEnds => "contact ends",
+            Self::LosesPeriod => "no longer repeats",
+            Self::FindsPeriod => "repeats again",
+            Self::Contacts => "another number of contacts",
+            Self::Other => "another p/n",
+            Self::Jump => "jump",
+        }
+    }
+}
+
+/// A change between two neighbouring frequencies.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// What.
+    pub kind: Kind,
+    /// Regime below.
+    #[serde(serialize_with = "regime_as_text")]
+    pub below: Regime,
+    /// Regime above.
+    #[serde(serialize_with = "regime_as_text")]
+    pub above: Regime,
+    /// Where, Hz: the middle of what it was narrowed down to.
+    pub frequency_hz: f64,
+    /// The same over the natural frequency.
+    pub frequency_ratio: f64,
+    /// Half the width of what it was narrowed down to, Hz.
+    pub within_hz: f64,
+    /// Branches (points of the section) below and above; none where the motion does not repeat.
+    pub branches: [Option<u8>; 2],
+    /// Whether both sides last for three frequencies at least: a lasting change, not one of the many within chaos.
+    pub lasting: bool,
+    /// Stations it lies between.
+    #[serde(skip)]
+    span: std::ops::Range<usize>,
+}
+
+/// A range of frequencies over which two directions end differently.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Twofold {
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// First frequency, Hz.
+    pub from_hz: f64,
+    /// Last frequency, Hz.
+    pub to_hz: f64,
+    /// Regime carried up, at the first.
+    #[serde(serialize_with = "regime_as_text")]
+    pub up: Regime,
+    /// Regime carried down, at the first.
+    #[serde(serialize_with = "regime_as_text")]
+    pub down: Regime,
+}
+
+/// Frequencies a regime must last for to count as lasting.
+const LASTING: usize = 3;
+/// A jump moves the points by more than this share of A0, and by [`LEAP`] times what their neighbours move.
+const JUMP_SHARE: f64 = 0.1;
+const LEAP: f64 = 6.0;
+/// Points of more periods than this are too many to tell which moved where.
+const MOST_FOLLOWED: u8 = 4;
+/// Times the interval with a change in it is halved.
+const HALVINGS: usize = 10;
+
+/// Every change between neighbouring stations, not narrowed down.
+///
+/// Beside a doubling transients are long: a few stations there may not have settled. Where they alone part a motion from
+/// the same one doubled or halved, that is one change.
+pub fn find(diagram: &Diagram) -> Vec<Change> {
+    let stations = &diagram.stations;
+    let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
+    for k in 0..stations.len() {
+        match runs.last_mut() {
+            Some(run) if label(&stations[run.start]) == label(&stations[k]) => run.end = k + 1,
+            _ => runs.push(k..k + 1),
+        }
+    }
+    let unsettled = |run: &std::ops::Range<usize>| {
+        run.len() < LASTING && label(&stations[run.start]) == APERIODIC
+    };
+    let mut changes = Vec::new();
+    let mut at = 0;
+    while at < runs.len() {
+        let run = runs[at].clone();
+        let amplitude_mm = diagram.params.amplitude_m * 1e3;
+        let leaping = (run.start + 1..run.end).filter(|k| leaps(stations, *k, amplitude_mm));
+        changes.extend(leaping.map(|k| change(diagram, k - 1..k, Kind::Jump, run.len() > LASTING)));
+        let next = |ahead: usize| runs.get(at + ahead);
+        let over = next(1).filter(|r| unsettled(r)).and_then(|_| next(2));
+        let ahead = match over.map(|r| between(&stations[run.end - 1], &stations[r.start])) {
+            Some(Some(Kind::Doubling | Kind::Halving)) => 2,
+            _ => 1,
+        };
+        if let Some(other) = next(ahead) {
+            let span = run.end - 1..other.start;
+            if let Some(kind) = between(&stations[span.start], &stations[span.end]) {
+                let lasting = run.len() >= LASTING && other.len() >= LASTING;
+                changes.push(change(diagram, span, kind, lasting));
+            }
+        }
+        at += ahead;
+    }
+    changes
+}
+
+/// The change between the stations at both ends of `span`.
+fn change(diagram: &Diagram, span: std::ops::Range<usize>, kind: Kind, lasting: bool) -> Change {
+    let (a, b) = (&diagram.stations[span.start], &diagram.stations[span.end]);
+    let (low, high) = (a.row.frequency_hz, b.row.frequency_hz);
+    let frequency_hz = 0.5 * (low + high);
+    Change {
+        kind,
+        below: a.row.regime,
+        above: b.row.regime,
+        frequency_hz,
+        frequency_ratio: frequency_hz / diagram.params.natural_frequency_hz(),
+        within_hz: 0.5 * (high - low),
+        branches: [a.row.periods, b.row.periods],
+        lasting,
+        span,
+    }
+}
+
+/// What counts as the same motion: p/n; all that does not repeat is one.
+fn label(station: &Station) -> Regime {
+    match station.row.periods {
+        None if station.row.regime != Regime::None => APERIODIC,
+        _ => kind(station.row.regime),
+    }
+}
+
+const APERIODIC: Regime = Regime::Aperiodic { impacts: 0 };
+
+/// What lies between two motions; none if they have the same name.
+fn between(a: &Station, b: &Station) -> Option<Kind> {
+    if label(a) == label(b) {
+        return None;
+    }
+    let (silent_a, silent_b) = (a.row.regime == Regime::None, b.row.regime == Regime::None);
+    Some(match (a.row.periods, b.row.periods) {
+        _ if silent_a => Kind::ContactBegins,
+        _ if silent_b => Kind::ContactEnds,
+        (Some(_), None) => Kind::LosesPeriod,
+        (None, Some(_)) => Kind::FindsPeriod,
+        (None, None) => Kind::Other,
+        (Some(n), Some(m)) => {
+            let (p, q) = (u32::from(a.row.impacts), u32::from(b.row.impacts));
+            let (n, m) = (u32::from(n), u32::from(m));
+            if m == 2 * n && q == 2 * p {
+                Kind::Doubling
+            } else if n == 2 * m && p == 2 * q {
+                Kind::Halving
+            } else if n == m && p != q {
+                Kind::Contacts
+            } else {
+                Kind::Other
+            }
+        }
+    })
+}
+
+/// Whether the points of a motion that repeats leap between stations k − 1 and k, though its name stays.
+fn leaps(stations: &[Station], k: usize, amplitude_mm: f64) -> bool {
+    let here = moved(&stations[k - 1], &stations[k]);
+    let beside = |a: usize, b: usize| match (stations.get(a), stations.get(b)) {
+        (Some(a), Some(b)) if label(a) == label(b) => moved(a, b),
+        _ => None,
+    };
+    let before = k.checked_sub(2).and_then(|a| beside(a, k - 1));
+    let after = beside(k, k + 1);
+    let usual = before.into_iter().chain(after).reduce(f64::max);
+    let usual = usual.unwrap_or(0.0);
+    here.is_some_and(|d| d > JUMP_SHARE * amplitude_mm && d > LEAP * usual)
+}
+
+/// How far the points of two motions of the same n lie apart, mm: the largest distance, in order of size.
+fn moved(a: &Station, b: &Station) -> Option<f64> {
+    let sorted = |s: &Station| {
+        let n = usize::from(s.row.periods.filter(|n| *n <= MOST_FOLLOWED)?);
+        let last = s.points.len().checked_sub(n)?;
+        let mut x: Vec<f64> = s.points[last..].iter().map(|p| p.displacement_mm).collect();
+        x.sort_by(f64::total_cmp);
+        Some(x)
+    };
+    let (x, y) = (sorted(a)?, sorted(b)?);
+    let apart = x.iter().zip(&y).map(|(a, b)| (a - b).abs());
+    (x.len() == y.len()).then(|| apart.fold(0.0, f64::max))
+}
+
+/// Narrows the lasting changes of a diagram down by halving the interval between the two frequencies, each run
+/// beginning where the frequency on the side one comes from began.
+pub fn locate(
+    diagram: &mut Diagram,
+    run: &impl Fn(&[Cell]) -> Result<Vec<Outcome>, Error>,
+) -> Result<(), Error> {
+    let down = diagram.direction == crate::sweep::Direction::Down;
+    let natural = diagram.params.natural_frequency_hz();
+    // Of each change: interval, the motion it is told from, and the state to begin from.
+    let mut open: Vec<(usize, f64, f64, [f64; 2])> = Vec::new();
+    for (i, change) in diagram.changes.iter().enumerate() {
+        if change.lasting && change.kind != Kind::Jump {
+            let (a, b) = (
+                &diagram.stations[change.span.start],
+                &diagram.stations[change.span.end],
+            );
+            let start = if down { a.start } else { b.start };
+            open.push((i, a.row.frequency_hz, b.row.frequency_hz, start));
+        }
+    }
+    for _ in 0..HALVINGS {
+        let cells: Vec<_> = open
+            .iter()
+            .map(|(_, low, high, start)| Cell {
+                params: diagram.params,
+                frequency_hz: 0.5 * (low + high),
+                start: *start,
+                phase: 0.0,
+            })
+            .collect();
+        let outcomes = run(&cells)?;
+        for ((i, low, high, _), (cell, outcome)) in open.iter_mut().zip(cells.iter().zip(outcomes))
+        {
+            let found = super::station("", cell, &outcome)?;
+            let change = &diagram.changes[*i];
+            let below = label(&diagram.stations[change.span.start]) == label(&found);
+            let above = label(&diagram.stations[change.span.end]) == label(&found);
+            // Something else in between belongs to the side that does not repeat, or to what is come to.
+            let is_below = below || (!above && (is_chaos(change.below) || down));
+            if is_below {
+                *low = cell.frequency_hz;
+            } else {
+                *high = cell.frequency_hz;
+            }
+        }
+    }
+    for (i, low, high, _) in open {
+        let change = &mut diagram.changes[i];
+        change.frequency_hz = 0.5 * (low + high);
+        change.frequency_ratio = change.frequency_hz / natural;
+        change.within_hz = 0.5 * (high - low);
+    }
+    Ok(())
+}
+
+fn is_chaos(regime: Regime) -> bool {
+    matches!(regime, Regime::Aperiodic { .. } | Regime::Chatter { .. })
+}
+
+/// Where the diagrams up and down differ: [`crate::sweep::jumps`] of their forces at a fifth, as ranges.
+pub fn twofold(up: &Diagram, down: &Diagram) -> Vec<Twofold> {
+    const SHARE: f64 = 0.2;
+    let rows = |d: &Diagram| d.stations.iter().map(|s| s.row.clone()).collect::<Vec<_>>();
+    let (up_rows, down_rows) = (rows(up), rows(down));
+    let weight = up.params.weight_n();
+    let differing = crate::sweep::jumps(&up_rows, &down_rows, weight, SHARE);
+    let index = |hz: f64| up_rows.iter().position(|r| r.frequency_hz == hz);
+    let indices: Vec<usize> = differing.into_iter().filter_map(index).collect();
+    let ranges = indices.chunk_by(|a, b| b - a == 1);
+    let range = |r: &[usize]| Twofold {
+        gap_mm: up.gap_mm,
+        from_hz: up_rows[r[0]].frequency_hz,
+        to_hz: up_rows[r[r.len() - 1]].frequency_hz,
+        up: up_rows[r[0]].regime,
+        down: down_rows[r[0]].regime,
+    };
+    ranges.map(range).collect()
+}

@@ -1,0 +1,296 @@
+//! Bifurcation diagrams (figures 3.27–3.35 and 3.43–3.45): the section's points over the drive frequency.
+//!
+//! The section is taken at drive phase 0, where the cart passes its middle: there the displacement in the fixed frame,
+//! x = l sin θ + A0 sin Ωt or x = Δ + A0 sin Ωt, is the displacement relative to the cart.
+
+pub mod changes;
+pub mod measured;
+
+use serde::Serialize;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+use shared::model::rig::Rig;
+
+use crate::engine::Engine;
+use crate::error::Error;
+use crate::lanes::{self, Cell, Outcome, Plan, Strobe};
+use crate::progress::{Progress, step};
+use crate::row::NamedRig;
+use crate::row::{Row, regime_as_text, tidy};
+use crate::sweep::Direction;
+
+pub use changes::{Change, Kind, Twofold};
+
+/// One point of a diagram, as a table shows it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PointRow {
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// "rest", "up" or "down".
+    pub direction: &'static str,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Ω/ω.
+    pub frequency_ratio: f64,
+    /// Regime over the recorded periods.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
+    /// Displacement at drive phase 0, in the fixed frame and relative to the cart alike, mm.
+    pub displacement_mm: f64,
+    /// Its rate relative to the cart, m/s.
+    pub relative_velocity_m_per_s: f64,
+    /// Largest contact force in the drive period that ended there, N.
+    pub force_n: f64,
+    /// The same over m g.
+    pub force_ratio: f64,
+    /// Contacts that began in that period.
+    pub contacts: u16,
+}
+
+/// A point of the section in a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Displacement, mm.
+    pub displacement_mm: f64,
+    /// Rate, m/s.
+    pub velocity_m_per_s: f64,
+    /// Largest contact force of the period that ended there, N.
+    pub force_n: f64,
+    /// Contacts that began in it.
+    pub contacts: u16,
+}
+
+/// What one frequency of a diagram showed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// Regime and force, as `sweep` tells them.
+    pub row: Row,
+    /// Points of the section, oldest first: as many as the motion has periods; if it does not repeat, all recorded.
+    pub points: Vec<Point>,
+    /// Whether the section had converged.
+    pub settled: bool,
+    /// Coordinate and rate it began from.
+    pub start: [f64; 2],
+    /// Coordinate and rate at the end.
+    pub end: [f64; 2],
+}
+
+/// The diagram of one gap and direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagram {
+    /// The rig, with the gap.
+    pub params: RigParams,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// How the frequencies were visited.
+    pub direction: Direction,
+    /// By rising frequency, whatever the direction.
+    pub stations: Vec<Station>,
+    /// Where the number of branches changes, or a branch breaks off.
+    pub changes: Vec<Change>,
+}
+
+/// What to compute.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The rig; its own gap is not used.
+    pub rig: NamedRig,
+    /// Gaps, mm.
+    pub gaps_mm: Vec<f64>,
+    /// Frequencies, Hz, rising.
+    pub frequencies_hz: Vec<f64>,
+    /// Directions.
+    pub directions: Vec<Direction>,
+    /// What integrates: the event engine runs through [`lanes`].
+    pub engine: Engine,
+    /// Cycles of each simulation; its strobes are the points.
+    pub plan: Plan,
+    /// Whether changes are located by bisection between two frequencies.
+    pub locate: bool,
+}
+
+impl Request {
+    /// Simulations in all, location apart.
+    pub fn simulations(&self) -> u64 {
+        (self.gaps_mm.len() * self.frequencies_hz.len() * self.directions.len()) as u64
+    }
+
+    fn run(&self, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
+        match self.engine {
+            Engine::Event => lanes::run(cells, &self.plan),
+            Engine::Switch(_) => lanes::by_engine(self.engine, cells, &self.plan),
+        }
+    }
+}
+
+/// A chain: one gap in one direction.
+struct Chain {
+    params: RigParams,
+    gap_mm: f64,
+    direction: Direction,
+    rest: [f64; 2],
+}
+
+/// Computes every diagram, gap by gap and within a gap direction by direction.
+///
+/// From rest, every frequency is a cell of its own. Carried up or down, all chains go on together from frequency to
+/// frequency, each from where it was.
+///
+/// # Errors
+/// A parameter or frequency that cannot be; a hammer that leaves what the model describes.
+pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
+    let mut chains = Vec::new();
+    for gap_mm in &request.gaps_mm {
+        let params = request.rig.params.with_gap_mm(*gap_mm)?;
+        let rest = [Rig::<f64>::new(&params)?.rest(), 0.0];
+        chains.extend(request.directions.iter().map(|direction| Chain {
+            params,
+            gap_mm: tidy(*gap_mm),
+            direction: *direction,
+            rest,
+        }));
+    }
+    let mut stations: Vec<Vec<Station>> = Vec::new();
+    for chain in &chains {
+        stations.push(match chain.direction {
+            Direction::Rest => from_rest(request, chain, progress)?,
+            Direction::Up | Direction::Down => Vec::new(),
+        });
+    }
+    for direction in [Direction::Up, Direction::Down] {
+        carry(request, &chains, direction, &mut stations, progress)?;
+    }
+    let mut diagrams = Vec::with_capacity(chains.len());
+    for (chain, stations) in chains.into_iter().zip(stations) {
+        let mut diagram = Diagram {
+            params: chain.params,
+            gap_mm: chain.gap_mm,
+            direction: chain.direction,
+            stations,
+            changes: Vec::new(),
+        };
+        diagram.changes = changes::find(&diagram);
+        if request.locate {
+            changes::locate(&mut diagram, &|cells| request.run(cells))?;
+        }
+        diagrams.push(diagram);
+    }
+    Ok(diagrams)
+}
+
+/// Simulations handed over at once, so that progress shows.
+const BATCH: usize = 256;
+
+fn from_rest(
+    request: &Request,
+    chain: &Chain,
+    progress: &dyn Progress,
+) -> Result<Vec<Station>, Error> {
+    let mut stations = Vec::with_capacity(request.frequencies_hz.len());
+    for some in request.frequencies_hz.chunks(BATCH) {
+        let cells: Vec<_> = some.iter().map(|hz| cell(chain, *hz, chain.rest)).collect();
+        let outcomes = request.run(&cells)?;
+        for (cell, outcome) in cells.iter().zip(outcomes) {
+            stations.push(station(&request.rig.name, cell, &outcome)?);
+        }
+        step(progress, some.len() as u64)?;
+    }
+    Ok(stations)
+}
+
+fn carry(
+    request: &Request,
+    chains: &[Chain],
+    direction: Direction,
+    stations: &mut [Vec<Station>],
+    progress: &dyn Progress,
+) -> Result<(), Error> {
+    let going: Vec<usize> = (0..chains.len())
+        .filter(|i| chains[*i].direction == direction)
+        .collect();
+    let mut order = request.frequencies_hz.clone();
+    if direction == Direction::Down {
+        order.reverse();
+    }
+    for hz in order {
+        let start = |i: &usize| stations[*i].last().map_or(chains[*i].rest, |s| s.end);
+        let cells: Vec<_> = going
+            .iter()
+            .map(|i| cell(&chains[*i], hz, start(i)))
+            .collect();
+        let outcomes = request.run(&cells)?;
+        for ((i, cell), outcome) in going.iter().zip(&cells).zip(outcomes) {
+            stations[*i].push(station(&request.rig.name, cell, &outcome)?);
+        }
+        step(progress, going.len() as u64)?;
+    }
+    if direction == Direction::Down {
+        going.iter().for_each(|i| stations[*i].reverse());
+    }
+    Ok(())
+}
+
+fn cell(chain: &Chain, frequency_hz: f64, start: [f64; 2]) -> Cell {
+    Cell {
+        params: chain.params,
+        frequency_hz,
+        start,
+        phase: 0.0,
+    }
+}
+
+/// What a cell's outcome is in a diagram.
+fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Error> {
+    let params = &cell.params;
+    let rig = Rig::<f64>::new(params)?;
+    let point = |s: &Strobe| Point {
+        displacement_mm: rig.relative_displacement(s.q) * 1e3,
+        velocity_m_per_s: rig.kinematics(s.q, s.v).rate,
+        force_n: s.force_n,
+        contacts: s.onsets,
+    };
+    let repeats = outcome.regime.periods().map_or(usize::MAX, usize::from);
+    let from = outcome.strobes.len().saturating_sub(repeats);
+    Ok(Station {
+        row: Row {
+            rig: rig_name.to_owned(),
+            gap_mm: tidy(params.gap_m * 1e3),
+            frequency_hz: tidy(cell.frequency_hz),
+            frequency_ratio: tidy(cell.frequency_hz / params.natural_frequency_hz()),
+            impacts: outcome.regime.impacts(),
+            periods: outcome.regime.periods(),
+            regime: outcome.regime,
+            force_ratio: outcome.force_n / params.weight_n(),
+            force_n: outcome.force_n,
+            approach_speed_m_per_s: None,
+            contact_time_ms: None,
+        },
+        points: outcome.strobes[from..].iter().map(point).collect(),
+        settled: outcome.settled_after.is_some(),
+        start: cell.start,
+        end: outcome.section,
+    })
+}
+
+/// Every point of every diagram, in their order.
+pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
+    let mut rows = Vec::new();
+    for diagram in diagrams {
+        let weight = diagram.params.weight_n();
+        for station in &diagram.stations {
+            rows.extend(station.points.iter().map(|p| PointRow {
+                gap_mm: diagram.gap_mm,
+                direction: diagram.direction.name(),
+                frequency_hz: station.row.frequency_hz,
+                frequency_ratio: station.row.frequency_ratio,
+                regime: station.row.regime.clone(),
+                displacement_mm: p.displacement_mm,
+                relative_velocity_m_per_s: p.velocity_m_per_s,
+                force_n: p.force_n,
+                force_ratio: p.force_n / weight,
+                contacts: p.contacts,
+            }));
+        }
+    }
+    rows
+}

@@ -1,0 +1,242 @@
+//! The drive's frequency and phase in a record.
+
+use std::f64::consts::TAU;
+
+use super::{Frame, Question, Simulated};
+use crate::error::{Error, RecordError};
+use crate::golden::maximum;
+use crate::identify::{Settings, measure};
+use crate::signal::Signal;
+
+/// Samples that are compared when a shift or a pitch is tried, at most.
+const TRIED_SAMPLES: usize = 2000;
+
+/// Shifts tried per drive period.
+const SHIFTS: u32 = 160;
+
+/// The hammer may answer at a fraction of the drive: multiples of its pitch that are tried as the drive.
+const MULTIPLES: u32 = 4;
+
+/// Drive frequencies to try, Hz, and where they are from.
+pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, &'static str), Error> {
+    if let Some(frequency_hz) = question.frequency_hz {
+        return Ok((vec![frequency_hz], "given"));
+    }
+    let natural = question.params.natural_frequency_hz();
+    let range = (0.3 * natural, 12.0 * natural);
+    if let Some(cart) = &signal.cart_mm {
+        let (hz, explained) = pitch(&signal.time_s, cart, range);
+        if explained > 0.5 {
+            return Ok((vec![hz], "cart"));
+        }
+        if moves(cart, question) {
+            return Err(signal.lacks(RecordError::UnsteadyCart));
+        }
+    }
+    let slowest = (0.3 * natural / f64::from(MULTIPLES), range.1);
+    let base = match (&signal.displacement_mm, &signal.force_n) {
+        (Some(displacement), _) => pitch(&signal.time_s, displacement, slowest).0,
+        (None, Some(_)) => blows_per_second(signal)?,
+        (None, None) => {
+            return Err(signal.lacks(RecordError::NothingToCompare));
+        }
+    };
+    Ok((
+        (1..=MULTIPLES).map(|k| base * f64::from(k)).collect(),
+        "record",
+    ))
+}
+
+/// Whether the cart moves at all: a column that no sensor stands behind holds noise.
+fn moves(cart: &[f64], question: &Question) -> bool {
+    let n = cart.len() as f64;
+    let mean = cart.iter().sum::<f64>() / n;
+    let rms = (cart.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
+    rms > 0.1 * question.params.amplitude_m * 1e3
+}
+
+/// How often the force record is struck, Hz.
+fn blows_per_second(signal: &Signal) -> Result<f64, Error> {
+    let all = Settings {
+        release_m: 0.0,
+        seek_release: false,
+        seek_exponent: false,
+        impacts: usize::MAX,
+    };
+    let impacts = measure(signal, &all)?.impacts;
+    let (Some(first), Some(last)) = (impacts.first(), impacts.last()) else {
+        return Err(signal.lacks(RecordError::NoContacts));
+    };
+    if impacts.len() < 3 {
+        return Err(signal.lacks(RecordError::FewContacts(impacts.len())));
+    }
+    Ok((impacts.len() - 1) as f64 / (last.at_s - first.at_s))
+}
+
+/// The frequency (Hz, within `range`) of the sinusoid that explains most of `values`, and the share of their
+/// variance it explains.
+pub fn pitch(times: &[f64], values: &[f64], range: (f64, f64)) -> (f64, f64) {
+    let every = times.len().div_ceil(TRIED_SAMPLES);
+    let kept = |all: &[f64]| all.iter().step_by(every).copied().collect::<Vec<_>>();
+    let (few, values) = (kept(times), kept(values));
+    let share = |hz: f64| Swing::new(&few, &values, hz).explained;
+    let span = times.last().map_or(1.0, |t| t - times[0]);
+    let step = 0.2 / span;
+    let count = (((range.1 - range.0) / step) as usize).clamp(1, 20_000);
+    let tried = (0..=count).map(|i| range.0 + (range.1 - range.0) * i as f64 / count as f64);
+    let best = tried.max_by(|a, b| share(*a).total_cmp(&share(*b)));
+    let best = best.unwrap_or(range.0);
+    let near = ((best - step).max(range.0), (best + step).min(range.1));
+    let hz = maximum(share, near, 1e-6 * best, best);
+    (hz, share(hz))
+}
+
+/// The sinusoid c cos Ωt + s sin Ωt, about a mean, that is closest to a record by least squares.
+struct Swing {
+    cosine: f64,
+    sine: f64,
+    /// Share of the record's variance it explains.
+    explained: f64,
+}
+
+impl Swing {
+    fn new(times: &[f64], values: &[f64], hz: f64) -> Self {
+        let n = times.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let (mut cc, mut cs, mut ss, mut c1, mut s1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut cy, mut sy, mut yy) = (0.0, 0.0, 0.0);
+        for (t, y) in times.iter().zip(values) {
+            let (s, c) = (TAU * hz * t).sin_cos();
+            cc += c * c;
+            cs += c * s;
+            ss += s * s;
+            c1 += c;
+            s1 += s;
+            cy += c * (y - mean);
+            sy += s * (y - mean);
+            yy += (y - mean).powi(2);
+        }
+        // With the mean free, too.
+        let (cc, cs, ss) = (cc - c1 * c1 / n, cs - c1 * s1 / n, ss - s1 * s1 / n);
+        let determinant = cc * ss - cs * cs;
+        if determinant <= 1e-9 * cc * ss {
+            return Self {
+                cosine: 0.0,
+                sine: 0.0,
+                explained: 0.0,
+            };
+        }
+        let cosine = (cy * ss - sy * cs) / determinant;
+        let sine = (sy * cc - cy * cs) / determinant;
+        Self {
+            cosine,
+            sine,
+            explained: (cosine * cy + sine * sy) / yy,
+        }
+    }
+}
+
+/// What is to be added to the record's times so that it lies best over the simulation, s, and the misfit there
+/// (the share of the record's square that is left).
+pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64) {
+    let period = 1.0 / simulated.frequency_hz;
+    let misfit = |shift: f64| left(signal, simulated, frame, shift);
+    let least = |tried: &mut dyn Iterator<Item = f64>| {
+        tried
+            .map(|s| (s, misfit(s)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0.0, f64::INFINITY))
+    };
+    // The cart's own phase leaves whole periods open.
+    if let Some(phase) = signal
+        .cart_mm
+        .as_ref()
+        .and_then(|cart| cart_swing(signal, cart, simulated.frequency_hz))
+        .map(|(_, phase)| phase)
+    {
+        let each = (0..simulated.periods).map(|k| (phase + f64::from(k)) * period);
+        return least(&mut { each });
+    }
+    let count = simulated.periods * SHIFTS;
+    let step = period / f64::from(SHIFTS);
+    let (near, _) = least(&mut (0..count).map(|i| f64::from(i) * step));
+    let best = maximum(
+        |s| -misfit(s),
+        (near - step, near + step),
+        1e-4 * step,
+        near,
+    );
+    (best.rem_euclid(simulated.span_s()), misfit(best))
+}
+
+/// The cart's amplitude (mm) and the drive's phase at the record's time 0 (turns), from its motion y = A0 sin Ωt.
+pub fn cart_swing(signal: &Signal, cart: &[f64], hz: f64) -> Option<(f64, f64)> {
+    let swing = Swing::new(&signal.time_s, cart, hz);
+    let phase = (swing.cosine.atan2(swing.sine) / TAU).rem_euclid(1.0);
+    (swing.explained > 0.5).then(|| (swing.cosine.hypot(swing.sine), phase))
+}
+
+/// Share of the record's square about its mean that a shift leaves: of the displacement, or else of the force.
+fn left(signal: &Signal, simulated: &Simulated, frame: Frame, shift: f64) -> f64 {
+    let values = signal.displacement_mm.as_ref().or(signal.force_n.as_ref());
+    let Some(values) = values else {
+        return f64::INFINITY;
+    };
+    let by_force = signal.displacement_mm.is_none();
+    // A force is short: no sample of it may be passed over.
+    let every = if by_force {
+        1
+    } else {
+        values.len().div_ceil(TRIED_SAMPLES)
+    };
+    let pairs: Vec<(f64, f64)> = signal
+        .time_s
+        .iter()
+        .zip(values)
+        .step_by(every)
+        .map(|(t, y)| {
+            let at = simulated.at(t + shift, frame);
+            (
+                *y,
+                if by_force {
+                    at.force_n
+                } else {
+                    at.displacement_mm
+                },
+            )
+        })
+        .collect();
+    let n = pairs.len() as f64;
+    let mean = pairs.iter().map(|p| p.0).sum::<f64>() / n;
+    let bias = pairs.iter().map(|p| p.1 - p.0).sum::<f64>() / n;
+    let all = pairs.iter().map(|p| (p.0 - mean).powi(2)).sum::<f64>();
+    let apart = pairs
+        .iter()
+        .map(|p| (p.1 - p.0 - bias).powi(2))
+        .sum::<f64>();
+    apart / all
+}
+
+/// The rate of `values` by a least-squares line through the samples within `half_s` of each.
+pub fn rate(times: &[f64], values: &[f64], half_s: f64) -> Vec<f64> {
+    let slope = |i: usize| {
+        let from = times
+            .partition_point(|t| *t < times[i] - half_s)
+            .min(i.saturating_sub(1));
+        let to = times
+            .partition_point(|t| *t <= times[i] + half_s)
+            .max(i + 2)
+            .min(times.len());
+        let n = (to - from) as f64;
+        let mean_t = times[from..to].iter().map(|t| t - times[i]).sum::<f64>() / n;
+        let mean_y = values[from..to].iter().sum::<f64>() / n;
+        let (mut tt, mut ty) = (0.0, 0.0);
+        for (t, y) in times[from..to].iter().zip(&values[from..to]) {
+            let d = t - times[i] - mean_t;
+            tt += d * d;
+            ty += d * (y - mean_y);
+        }
+        ty / tt
+    };
+    (0..times.len()).map(slope).collect()
+}

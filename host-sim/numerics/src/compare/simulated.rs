@@ -1,0 +1,180 @@
+//! The simulated motion over its period, at any instant.
+
+use shared::model::regime::Regime;
+
+use crate::engine::{Plan, Recorder, Sample, machine, observe};
+use crate::error::Error;
+
+use super::{Frame, Question};
+
+/// Time between samples kept, s: ten to a contact.
+const SAMPLE_S: f64 = 5e-5;
+
+/// Samples per drive period kept, at least and at most.
+const SAMPLES: (f64, f64) = (400.0, 20_000.0);
+
+/// Drive periods kept of a motion that does not repeat.
+const UNREPEATED: u32 = 16;
+
+/// A settled motion.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// The drive, Hz.
+    pub frequency_hz: f64,
+    /// "p/n", "none", "aperiodic" or "chatter".
+    pub regime: Regime,
+    /// Whether it repeats.
+    pub repeats: bool,
+    /// Drive periods kept: those of one repetition, or as many as are there.
+    pub periods: u32,
+    /// Largest contact force of the recorded cycles, N.
+    pub force_n: f64,
+    /// Contacts over drive periods.
+    pub contacts_per_period: f64,
+    /// How long the strongest contact lasted, s.
+    pub contact_time_s: Option<f64>,
+    /// Section points in both frames are the samples at whole periods; here all samples, time from drive phase 0.
+    pub samples: Vec<Sample>,
+}
+
+/// The motion at an instant, in the frame asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct At {
+    /// mm.
+    pub displacement_mm: f64,
+    /// m/s.
+    pub velocity_m_per_s: f64,
+    /// N.
+    pub force_n: f64,
+}
+
+impl Simulated {
+    /// The hammer of `question` driven at `frequency_hz` from its start, settled.
+    ///
+    /// # Errors
+    /// A rig or frequency that cannot be.
+    pub fn new(question: &Question, frequency_hz: f64) -> Result<Self, Error> {
+        let plan = Plan {
+            // The last periods are sampled; there must be enough of them.
+            cycles: question
+                .plan
+                .cycles
+                .max(question.plan.transient + UNREPEATED),
+            ..question.plan
+        };
+        let mut hammer = machine(
+            question.engine,
+            &question.params,
+            frequency_hz,
+            question.start,
+        )?;
+        let frequency_hz = hammer.frequency_hz();
+        let per_period = (1.0 / (frequency_hz * SAMPLE_S)).clamp(SAMPLES.0, SAMPLES.1);
+        let early = Plan {
+            cycles: plan.cycles - UNREPEATED,
+            transient: plan.transient.min(plan.cycles - UNREPEATED - 1),
+        };
+        let mut quiet = Recorder::default();
+        let settled = observe(hammer.as_mut(), early, &mut quiet)?;
+        let mut recorder = Recorder {
+            samples_per_period: per_period as usize,
+            ..Recorder::default()
+        };
+        let last = Plan {
+            cycles: UNREPEATED,
+            transient: 0,
+        };
+        let seen = observe(hammer.as_mut(), last, &mut recorder)?;
+        let n = settled.regime.periods().map(u32::from);
+        let silent = settled.regime == Regime::None;
+        let repeats = n.is_some() || silent;
+        let periods = n.unwrap_or(if silent { 1 } else { UNREPEATED });
+        let contacts = recorder.contacts.len() as f64 / f64::from(UNREPEATED);
+        let mut simulated = Self {
+            frequency_hz,
+            regime: settled.regime,
+            repeats,
+            periods,
+            force_n: settled.force_n.max(seen.force_n),
+            contacts_per_period: contacts,
+            contact_time_s: settled.strongest.or(seen.strongest).map(|c| c.duration_s),
+            samples: recorder.samples,
+        };
+        simulated.keep_last(f64::from(plan.cycles));
+        Ok(simulated)
+    }
+
+    /// Keeps the last repetition, its time from 0.
+    fn keep_last(&mut self, end_turns: f64) {
+        let begin = (end_turns - f64::from(self.periods)) / self.frequency_hz;
+        let slack = 1e-6 / self.frequency_hz;
+        self.samples.retain(|s| s.time_s >= begin - slack);
+        for sample in &mut self.samples {
+            sample.time_s -= begin;
+        }
+    }
+
+    /// How long it takes to repeat, s.
+    pub fn span_s(&self) -> f64 {
+        f64::from(self.periods) / self.frequency_hz
+    }
+
+    /// The motion at `time_s` after drive phase 0 (any number of repetitions on).
+    pub fn at(&self, time_s: f64, frame: Frame) -> At {
+        let span = self.span_s();
+        let time = time_s.rem_euclid(span);
+        let n = self.samples.len();
+        let after = self.samples.partition_point(|s| s.time_s <= time);
+        let (a, b) = (&self.samples[(after + n - 1) % n], &self.samples[after % n]);
+        let from = if after == 0 {
+            a.time_s - span
+        } else {
+            a.time_s
+        };
+        let to = if after == n {
+            b.time_s + span
+        } else {
+            b.time_s
+        };
+        let share = if to > from {
+            (time - from) / (to - from)
+        } else {
+            0.0
+        };
+        let mix = |x: f64, y: f64| x + share * (y - x);
+        let (da, db) = (frame.of(a), frame.of(b));
+        At {
+            displacement_mm: mix(da.0, db.0),
+            velocity_m_per_s: mix(da.1, db.1),
+            force_n: mix(a.force_n, b.force_n),
+        }
+    }
+
+    /// Farthest to farthest, mm.
+    pub fn peak_to_peak_mm(&self, frame: Frame) -> f64 {
+        let all = || self.samples.iter().map(|s| frame.of(s).0);
+        all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Displacement (mm) and velocity (m/s) at each drive phase 0.
+    pub fn section(&self, frame: Frame) -> Vec<(f64, f64)> {
+        let at = |k: u32| {
+            let at = self.at(f64::from(k) / self.frequency_hz, frame);
+            (at.displacement_mm, at.velocity_m_per_s)
+        };
+        (0..self.periods).map(at).collect()
+    }
+}
+
+impl Frame {
+    /// Displacement (mm) and velocity (m/s) of a sample in this frame.
+    pub fn of(self, sample: &Sample) -> (f64, f64) {
+        match self {
+            Self::Fixed => (sample.displacement_mm, sample.velocity_m_per_s),
+            Self::Relative => (
+                sample.relative_displacement_mm,
+                sample.relative_velocity_m_per_s,
+            ),
+        }
+    }
+}

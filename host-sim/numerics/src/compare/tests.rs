@@ -1,0 +1,187 @@
+use super::*;
+use crate::engine::{Recorder, Start, machine, observe};
+use shared::model::params::{BEAM_170, WIRES};
+
+const PLAN: Plan = Plan {
+    cycles: 320,
+    transient: 300,
+};
+
+/// A record made by the reference itself, 20 kHz, its clock begun `lead_s` after a drive phase 0.
+fn made(
+    params: &RigParams,
+    frequency_hz: f64,
+    lead_s: f64,
+    spoil: impl Fn(usize) -> f64,
+) -> Signal {
+    made_from(Start::Rest, params, frequency_hz, lead_s, spoil)
+}
+
+fn made_from(
+    start: Start,
+    params: &RigParams,
+    frequency_hz: f64,
+    lead_s: f64,
+    spoil: impl Fn(usize) -> f64,
+) -> Signal {
+    let mut hammer = machine(Engine::Event, params, frequency_hz, start).unwrap();
+    let mut recorder = Recorder {
+        samples_per_period: (20e3 / frequency_hz) as usize,
+        ..Recorder::default()
+    };
+    observe(hammer.as_mut(), PLAN, &mut recorder).unwrap();
+    let begin = f64::from(PLAN.transient) / frequency_hz + lead_s;
+    let kept: Vec<_> = recorder
+        .samples
+        .iter()
+        .filter(|s| s.time_s >= begin)
+        .collect();
+    Signal {
+        name: "made up".into(),
+        time_s: kept.iter().map(|s| s.time_s - begin).collect(),
+        displacement_mm: Some(
+            kept.iter()
+                .enumerate()
+                .map(|(i, s)| s.displacement_mm + spoil(i))
+                .collect(),
+        ),
+        force_n: Some(kept.iter().map(|s| s.force_n).collect()),
+        cart_mm: None,
+    }
+}
+
+fn question(frequency_hz: Option<f64>) -> Question {
+    Question {
+        params: WIRES,
+        engine: Engine::Event,
+        start: Start::Rest,
+        frequency_hz,
+        plan: PLAN,
+        frame: Frame::Fixed,
+    }
+}
+
+#[test]
+fn a_record_made_by_the_model_lies_on_it_with_its_phase_found() {
+    let hz = 1.5 * 1.82;
+    let signal = made(&WIRES, hz, 0.1234, |_| 0.0);
+    let seen = compare(&signal, &question(Some(hz))).unwrap().errors;
+    assert!(seen.regime.is(1, 1));
+    // Interpolated between samples 50 µs apart; the velocity jumps by 0.1 m/s within a contact.
+    assert!(seen.displacement_rms_mm.unwrap() < 1e-3, "{seen:?}");
+    assert!((seen.shift_s - 0.1234).abs() < 2e-5, "{seen:?}");
+    assert!(seen.force_peak_percent.unwrap().abs() < 2.0, "{seen:?}");
+    assert!((seen.measured_contacts_per_period.unwrap() - 1.0).abs() < 0.06);
+    let (over, true_ms) = (
+        seen.measured_contact_time_ms.unwrap(),
+        seen.simulated_contact_time_ms.unwrap(),
+    );
+    // Counted in samples of 50 µs.
+    assert!((over - true_ms).abs() < 0.06, "{over} {true_ms}");
+}
+
+/// Figure 3.52 a: from rest 1/1, but the motion that never touches is stable, too. Without contact the beams are a
+/// linear oscillator: A0 r²/(1 − r²) sin Ωt, which stays short of the gap of 1.6 A0.
+#[test]
+fn of_two_motions_at_one_frequency_the_start_chooses() {
+    let params = RigParams {
+        gap_m: 1.6 * BEAM_170.amplitude_m,
+        ..BEAM_170
+    };
+    let ratio = 1.8_f64;
+    let hz = ratio * params.natural_frequency_hz();
+    let omega = std::f64::consts::TAU * hz;
+    let swing = params.amplitude_m * ratio.powi(2) / (1.0 - ratio.powi(2));
+    let start = Start::Moving(0.0, swing * omega);
+    let signal = made_from(start, &params, hz, 0.05, |_| 0.0);
+    let seen = |start| {
+        let question = Question {
+            params,
+            start,
+            ..question(Some(hz))
+        };
+        compare(&signal, &question).unwrap().errors
+    };
+    let (same, other) = (seen(start), seen(Start::Rest));
+    assert_eq!(same.regime, Regime::None);
+    assert!(other.regime.is(1, 1));
+    assert!(same.displacement_rms_mm.unwrap() < 1e-3, "{same:?}");
+    assert!(other.displacement_rms_mm.unwrap() > 0.3, "{other:?}");
+    // Relative 1.446 A0 against the cart's A0: 0.446 A0 in the fixed frame, both ways.
+    let travel = 2.0 * 1e3 * (swing.abs() - params.amplitude_m);
+    assert!(
+        (same.measured_peak_to_peak_mm.unwrap() / travel - 1.0).abs() < 0.02,
+        "{same:?}"
+    );
+}
+
+#[test]
+fn a_period_two_orbit_finds_its_drive_and_its_place() {
+    // 0.0 mm, 3.8: 1/2. The strongest pitch is half the drive.
+    let hz = 3.8 * 1.82;
+    let signal = made(&WIRES, hz, 0.02, |_| 0.0);
+    let seen = compare(&signal, &question(None)).unwrap().errors;
+    assert!(seen.regime.is(1, 2));
+    assert!((seen.frequency_hz / hz - 1.0).abs() < 1e-3, "{seen:?}");
+    assert!(seen.displacement_rms_percent.unwrap() < 2.0, "{seen:?}");
+}
+
+#[test]
+fn what_is_wrong_with_a_record_shows_in_the_errors() {
+    let hz = 1.5 * 1.82;
+    // An offset of 0.2 mm and noise of ±0.1 mm in turn.
+    let spoil = |i: usize| 0.2 + if i.is_multiple_of(2) { 0.1 } else { -0.1 };
+    let signal = made(&WIRES, hz, 0.0, spoil);
+    let seen = compare(&signal, &question(Some(hz))).unwrap().errors;
+    assert!(
+        (seen.displacement_mean_mm.unwrap() + 0.2).abs() < 1e-3,
+        "{seen:?}"
+    );
+    let expected = (0.2_f64.powi(2) + 0.1_f64.powi(2)).sqrt();
+    assert!(
+        (seen.displacement_rms_mm.unwrap() - expected).abs() < 1e-3,
+        "{seen:?}"
+    );
+}
+
+#[test]
+fn the_carts_motion_gives_frequency_and_phase() {
+    let hz = 1.5 * 1.82;
+    let mut signal = made(&WIRES, hz, 0.05, |_| 0.0);
+    let phase = std::f64::consts::TAU * hz;
+    let cart = signal
+        .time_s
+        .iter()
+        .map(|t| 0.89 * (phase * (t + 0.05)).sin());
+    signal.cart_mm = Some(cart.collect());
+    let seen = compare(&signal, &question(None)).unwrap().errors;
+    assert_eq!(seen.frequency_from, "cart");
+    assert!((seen.frequency_hz / hz - 1.0).abs() < 1e-5, "{seen:?}");
+    assert!((seen.shift_s - 0.05).abs() < 1e-5, "{seen:?}");
+    assert!((seen.cart_amplitude_mm.unwrap() / 0.89 - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_cart_whose_frequency_moves_is_refused_and_one_that_stands_still_is_passed_over() {
+    let hz = 1.5 * 1.82;
+    let mut signal = made(&WIRES, hz, 0.05, |_| 0.0);
+    let turns = |t: f64| hz * t * (1.0 + 0.05 * t);
+    let cart = signal
+        .time_s
+        .iter()
+        .map(|t| 0.89 * (std::f64::consts::TAU * turns(*t)).sin());
+    signal.cart_mm = Some(cart.collect());
+    let refused = compare(&signal, &question(None)).unwrap_err().to_string();
+    assert!(refused.contains("--from and --to"), "{refused}");
+    // Told the frequency, it says that the cart's phase is not used.
+    let seen = compare(&signal, &question(Some(hz))).unwrap().errors;
+    assert!(
+        seen.notes
+            .iter()
+            .any(|n| n.contains("its phase is not used")),
+        "{seen:?}"
+    );
+    signal.cart_mm = Some(vec![0.001; signal.time_s.len()]);
+    let seen = compare(&signal, &question(None)).unwrap().errors;
+    assert_eq!(seen.frequency_from, "record");
+}

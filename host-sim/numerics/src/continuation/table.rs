@@ -1,0 +1,309 @@
+//! What is told of curves of orbits: a row per orbit and strobe, one per special point, one per curve.
+
+use serde::Serialize;
+use shared::model::rig::Rig;
+
+use super::curves::Line;
+use super::family::Node;
+use super::{Along, Curve, Diagram, End, Origin, Special};
+use crate::row::tidy;
+
+/// One strobe of an orbit. Units are in the names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OrbitRow {
+    /// Name of the curve, "1/1" or "1/1 b".
+    pub branch: String,
+    /// Which orbit of the curve, in order along it, from 1.
+    pub orbit: usize,
+    /// Which of its drive phases 0, from 1.
+    pub strobe: u8,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Ω/ω.
+    pub frequency_ratio: f64,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// Displacement at the strobe, mm: at drive phase 0 the same in the fixed frame and relative to the cart.
+    pub displacement_mm: f64,
+    /// Velocity relative to the cart at the strobe, m/s.
+    pub velocity_m_per_s: f64,
+    /// p: contacts of the orbit.
+    pub impacts: u16,
+    /// n: drive periods of the orbit.
+    pub periods: u8,
+    /// Largest contact force of the orbit over m g.
+    pub force_ratio: f64,
+    /// Largest contact force in the drive period that begins with this strobe, over m g.
+    pub period_force_ratio: f64,
+    /// First multiplier, real part.
+    pub multiplier_1_re: f64,
+    /// First multiplier, imaginary part.
+    pub multiplier_1_im: f64,
+    /// Second multiplier, real part.
+    pub multiplier_2_re: f64,
+    /// Second multiplier, imaginary part.
+    pub multiplier_2_im: f64,
+    /// The larger modulus.
+    pub multiplier_modulus: f64,
+    /// Whether both lie inside the unit circle.
+    pub stable: bool,
+    /// What is special about the orbit.
+    pub special: Option<&'static str>,
+}
+
+/// A special point, as told beside the curves.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpecialRow {
+    /// Name of the curve or of the line.
+    pub branch: String,
+    /// Which kind.
+    pub special: &'static str,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Ω/ω.
+    pub frequency_ratio: f64,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// Displacement at drive phase 0, mm.
+    pub displacement_mm: f64,
+    /// Velocity relative to the cart at drive phase 0, m/s.
+    pub velocity_m_per_s: f64,
+    /// p.
+    pub impacts: u16,
+    /// n.
+    pub periods: u8,
+    /// Largest contact force over m g.
+    pub force_ratio: f64,
+    /// The larger modulus of the multipliers.
+    pub multiplier_modulus: f64,
+}
+
+/// A curve as a whole.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BranchRow {
+    /// Its name.
+    pub branch: String,
+    /// p.
+    pub impacts: u16,
+    /// n.
+    pub periods: u8,
+    /// Orbits on it.
+    pub orbits: usize,
+    /// Smallest and largest Ω/ω, or gap/A0, on it.
+    pub range: [f64; 2],
+    /// Stretches of the same parameter that are stable.
+    pub stable: Vec<[f64; 2]>,
+    /// Largest force on a stable stretch, over m g; none if there is no stable orbit.
+    pub largest_stable_force_ratio: Option<f64>,
+    /// How it ends on either side.
+    pub ends: [End; 2],
+    /// The curve it leaves at a period doubling; none: a simulation settled on it.
+    pub doubled_from: Option<String>,
+}
+
+/// Everything told of a diagram.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// Name of the rig.
+    pub rig: String,
+    /// "frequency" or "gap".
+    pub along: &'static str,
+    /// The curves.
+    pub branches: Vec<BranchRow>,
+    /// Their special points.
+    pub special_points: Vec<SpecialRow>,
+    /// Every orbit.
+    pub orbits: Vec<OrbitRow>,
+}
+
+impl Answer {
+    /// Of a diagram of the rig called `name`.
+    pub fn new(name: &str, diagram: &Diagram) -> Self {
+        let names = names(diagram);
+        let curves = || diagram.curves.iter().zip(&names);
+        let branches = curves().map(|(curve, name)| branch_row(curve, name, &names, diagram));
+        let specials = curves().flat_map(|(curve, name)| {
+            let row = |(node, kind)| special_row(diagram, node, kind, name);
+            curve.specials().map(row).collect::<Vec<_>>()
+        });
+        let orbits = curves().flat_map(|(curve, name)| {
+            let rows = |(i, node)| orbit_rows(diagram, node, i + 1, name);
+            curve
+                .nodes
+                .iter()
+                .enumerate()
+                .flat_map(rows)
+                .collect::<Vec<_>>()
+        });
+        Self {
+            rig: name.to_owned(),
+            along: match diagram.request.along {
+                Along::Frequency => "frequency",
+                Along::Gap(_) => "gap",
+            },
+            branches: branches.collect(),
+            special_points: specials.collect(),
+            orbits: orbits.collect(),
+        }
+    }
+}
+
+/// Names of the curves: the regime, with a letter from the second of a regime on.
+pub fn names(diagram: &Diagram) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for curve in &diagram.curves {
+        let regime = curve.regime();
+        let taken = |name: &String| *name == regime || name.starts_with(&format!("{regime} "));
+        let before = names.iter().filter(|n| taken(n)).count();
+        names.push(match before {
+            0 => regime,
+            n if n < 26 => format!("{regime} {}", char::from(b'a' + n as u8)),
+            n => format!("{regime} {}", n + 1),
+        });
+    }
+    names
+}
+
+/// Rows of the special points on lines over gap and frequency, named by kind and number.
+pub fn line_rows(params: &shared::model::params::RigParams, lines: &[Line]) -> Vec<SpecialRow> {
+    let number = |i: usize| {
+        let kind = lines[i].special;
+        1 + lines[..i].iter().filter(|l| l.special == kind).count()
+    };
+    let rows = lines.iter().enumerate().flat_map(|(i, line)| {
+        let name = format!("{} {}", line.special.name(), number(i));
+        let row = move |node: &Node| special_at(params, node, line.special, &name);
+        line.nodes.iter().map(row).collect::<Vec<_>>()
+    });
+    rows.collect()
+}
+
+fn branch_row(curve: &Curve, name: &str, names: &[String], diagram: &Diagram) -> BranchRow {
+    let parameters = || curve.nodes.iter().map(Node::parameter);
+    let stable: Vec<[f64; 2]> = stretches(&curve.nodes)
+        .into_iter()
+        .filter(|(_, stable)| *stable)
+        .map(|(nodes, _)| {
+            let ends = [nodes[0].parameter(), nodes[nodes.len() - 1].parameter()];
+            [ends[0].min(ends[1]), ends[0].max(ends[1])].map(tidy)
+        })
+        .collect();
+    let forces = curve.nodes.iter().filter(|n| n.orbit.is_stable());
+    let largest = forces
+        .map(|n| n.orbit.force_n / diagram.params.weight_n())
+        .reduce(f64::max);
+    BranchRow {
+        branch: name.to_owned(),
+        impacts: curve.impacts(),
+        periods: curve.periods(),
+        orbits: curve.nodes.len(),
+        range: [
+            tidy(parameters().fold(f64::INFINITY, f64::min)),
+            tidy(parameters().fold(f64::NEG_INFINITY, f64::max)),
+        ],
+        stable,
+        largest_stable_force_ratio: largest,
+        ends: curve.ends,
+        doubled_from: match curve.origin {
+            Origin::Simulation => None,
+            Origin::Doubling(from) => Some(names[from].clone()),
+        },
+    }
+}
+
+/// The curve cut where stability changes, which is at special points: neighbours share the orbit at the cut.
+pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], bool)> {
+    // A special orbit lies on the border; the other end of the piece tells.
+    let of = |pair: &[Node]| {
+        let tells = if pair[0].special.is_some() {
+            &pair[1]
+        } else {
+            &pair[0]
+        };
+        tells.orbit.is_stable()
+    };
+    let mut found = Vec::new();
+    let mut from = 0;
+    for (i, pair) in nodes.windows(2).enumerate() {
+        let next = nodes.get(i + 1..i + 3);
+        if next.is_none_or(|next| of(next) != of(pair)) {
+            found.push((&nodes[from..i + 2], of(pair)));
+            from = i + 1;
+        }
+    }
+    found
+}
+
+fn special_row(diagram: &Diagram, node: &Node, kind: Special, name: &str) -> SpecialRow {
+    special_at(&diagram.params, node, kind, name)
+}
+
+fn special_at(
+    params: &shared::model::params::RigParams,
+    node: &Node,
+    kind: Special,
+    name: &str,
+) -> SpecialRow {
+    let orbit = &node.orbit;
+    let (displacement_mm, velocity_m_per_s) = seen(params, node, orbit.section);
+    SpecialRow {
+        branch: name.to_owned(),
+        special: kind.name(),
+        frequency_hz: tidy(orbit.frequency_hz),
+        frequency_ratio: tidy(orbit.frequency_hz / params.natural_frequency_hz()),
+        gap_mm: tidy(node.gap_m * 1e3),
+        displacement_mm,
+        velocity_m_per_s,
+        impacts: orbit.impacts,
+        periods: orbit.periods,
+        force_ratio: orbit.force_n / params.weight_n(),
+        multiplier_modulus: orbit.multipliers().modulus(),
+    }
+}
+
+fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: &str) -> Vec<OrbitRow> {
+    let (params, orbit) = (&diagram.params, &node.orbit);
+    let [(a_re, a_im), (b_re, b_im)] = orbit.eigenvalues();
+    let row = |(k, section): (usize, &[f64; 2])| {
+        let (displacement_mm, velocity_m_per_s) = seen(params, node, *section);
+        OrbitRow {
+            branch: name.to_owned(),
+            orbit: number,
+            strobe: k as u8 + 1,
+            frequency_hz: tidy(orbit.frequency_hz),
+            frequency_ratio: tidy(orbit.frequency_hz / params.natural_frequency_hz()),
+            gap_mm: tidy(node.gap_m * 1e3),
+            displacement_mm,
+            velocity_m_per_s,
+            impacts: orbit.impacts,
+            periods: orbit.periods,
+            force_ratio: orbit.force_n / params.weight_n(),
+            period_force_ratio: orbit.period_forces_n[k] / params.weight_n(),
+            multiplier_1_re: a_re,
+            multiplier_1_im: a_im,
+            multiplier_2_re: b_re,
+            multiplier_2_im: b_im,
+            multiplier_modulus: orbit.multipliers().modulus(),
+            stable: orbit.is_stable(),
+            special: node.special.map(Special::name),
+        }
+    };
+    orbit.strobes.iter().enumerate().map(row).collect()
+}
+
+/// Displacement (mm) and velocity relative to the cart (m/s) of a section point of `node`.
+pub fn seen(
+    params: &shared::model::params::RigParams,
+    node: &Node,
+    section: [f64; 2],
+) -> (f64, f64) {
+    let params = shared::model::params::RigParams {
+        gap_m: node.gap_m,
+        ..*params
+    };
+    let Ok(rig) = Rig::<f64>::new(&params) else {
+        return (f64::NAN, f64::NAN);
+    };
+    let rate = rig.kinematics(section[0], section[1]).rate;
+    (rig.relative_displacement(section[0]) * 1e3, rate)
+}

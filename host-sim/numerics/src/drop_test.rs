@@ -1,0 +1,312 @@
+//! A drop test as a sensor would see it, made from the model: the hammer is held out, let go at rest with no drive,
+//! falls back, strikes and strikes again, ever more softly (figures 3.8 to 3.10 of the chapter, whose raw data are
+//! not public).
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+use shared::model::params::RigParams;
+use shared::model::rig::{Mode, Rig};
+
+use crate::contact_law::undriven::{Blow, Piece, Undriven};
+use crate::error::{DropTestError, Error};
+use crate::noise::Noise;
+
+/// How the test is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DropTest {
+    /// Displacement from rest at which the hammer is let go (l sin θ or Δ), m: negative, away from the surface.
+    pub release_m: f64,
+    /// Impacts in the record.
+    pub impacts: usize,
+    /// Samples per second.
+    pub sampling_hz: f64,
+    /// Standard deviation of a force sample, N.
+    pub noise_n: f64,
+    /// First amplitude of the surface's ringing over the impact's peak; 0: none.
+    pub ringing_share: f64,
+    /// Its frequency, Hz.
+    pub ringing_hz: f64,
+    /// Its time constant, s.
+    pub ringing_decay_s: f64,
+    /// Bits of the force channel, over a range from −`full_scale_n` to `full_scale_n`; 0: not quantised.
+    pub bits: u32,
+    /// Range of the force channel, N.
+    pub full_scale_n: f64,
+    /// Of the noise.
+    pub seed: u64,
+}
+
+impl Default for DropTest {
+    /// Released 3 mm out; four impacts, 50 kHz, nothing that disturbs. The ringing's pitch and decay are the
+    /// emulator's.
+    fn default() -> Self {
+        Self {
+            release_m: -3e-3,
+            impacts: 4,
+            sampling_hz: 50e3,
+            noise_n: 0.0,
+            ringing_share: 0.0,
+            ringing_hz: RINGING_HZ,
+            ringing_decay_s: RINGING_DECAY_S,
+            bits: 0,
+            full_scale_n: 100.0,
+            seed: 1,
+        }
+    }
+}
+
+/// One sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Since the release, s.
+    pub time_s: f64,
+    /// Force as the sensor has it, N.
+    pub force_n: f64,
+    /// Displacement from rest (l sin θ or Δ), without noise, mm.
+    pub displacement_mm: f64,
+    /// The hammer's acceleration towards the surface, without noise, m/s².
+    pub acceleration_m_per_s2: f64,
+}
+
+/// Frequency at which the impact surface rings after a contact, Hz.
+pub const RINGING_HZ: f64 = 3000.0;
+
+/// Time constant with which the ringing dies away, s.
+pub const RINGING_DECAY_S: f64 = 2e-3;
+
+/// After the last impact, s.
+const AFTER_S: f64 = 0.02;
+
+/// A hammer that has not struck so often by then is not waited for, s.
+const PATIENCE_S: f64 = 60.0;
+
+/// Most samples of a record.
+const MOST_SAMPLES: f64 = 5e6;
+
+/// The first `count` impacts of a hammer let go at `release_m` with no drive; fewer if the hammer comes to rest, or
+/// does not reach the surface, first.
+///
+/// # Errors
+/// A release that is not out of contact, or out of the rig's reach.
+pub fn impacts(
+    params: &RigParams,
+    rig: &Rig<f64>,
+    release_m: f64,
+    count: usize,
+) -> Result<Vec<Blow>, Error> {
+    let mut hammer = released(params, rig, release_m)?;
+    Ok((0..count)
+        .map_while(|_| hammer.next_blow(PATIENCE_S))
+        .collect())
+}
+
+/// A hammer at rest at `release_m`.
+fn released<'a>(
+    params: &RigParams,
+    rig: &'a Rig<f64>,
+    release_m: f64,
+) -> Result<Undriven<'a>, Error> {
+    let q = rig.coordinate_at(release_m);
+    if !q.is_finite() {
+        return Err(DropTestError::OutOfReach { release_m }.into());
+    }
+    if rig.kinematics(q, 0.0).delta >= 0.0 {
+        return Err(DropTestError::NotClear {
+            release_m,
+            gap_m: params.gap_m,
+        }
+        .into());
+    }
+    let natural_hz = params.natural_frequency_hz();
+    let size = (q - rig.coordinate_at(0.0)).abs().max(1e-9);
+    Ok(Undriven::new(
+        rig,
+        (q, 0.0),
+        (size, size * TAU * natural_hz),
+        1.0 / (24.0 * natural_hz),
+    ))
+}
+
+/// The record.
+///
+/// # Errors
+/// A parameter that cannot be, or a hammer that never strikes.
+pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
+    let rig = Rig::<f64>::new(params)?;
+    let blows = impacts(params, &rig, test.release_m, test.impacts)?;
+    let Some(last) = blows.last() else {
+        return Err(DropTestError::NoContact.into());
+    };
+    let until = last.contact.onset_s + last.contact.duration_s + AFTER_S;
+    let count = until * test.sampling_hz;
+    if count > MOST_SAMPLES {
+        return Err(DropTestError::Samples {
+            count,
+            most: MOST_SAMPLES,
+        }
+        .into());
+    }
+    let pieces = pieces(params, &rig, test.release_m, until)?;
+    let mut noise = Noise::new(test.seed);
+    let mut at = 0;
+    let rows = (0..=count as usize).map(|i| {
+        let time_s = i as f64 / test.sampling_hz;
+        while at + 1 < pieces.len() && pieces[at].end_s() < time_s {
+            at += 1;
+        }
+        let (q, v) = pieces[at].at(time_s);
+        let force = pieces[at].force(&rig, time_s);
+        let kinematics = rig.kinematics(q, v);
+        let acceleration = rig.acceleration(&kinematics, v, 0.0, force);
+        let disturbed = force + ringing(test, &blows, time_s) + test.noise_n * noise.sample();
+        Row {
+            time_s,
+            force_n: quantised(test, disturbed),
+            displacement_mm: rig.relative_displacement(q) * 1e3,
+            acceleration_m_per_s2: rig.penetration_acceleration(&kinematics, v, acceleration),
+        }
+    });
+    Ok(rows.collect())
+}
+
+/// The whole motion until `until_s`.
+fn pieces(
+    params: &RigParams,
+    rig: &Rig<f64>,
+    release_m: f64,
+    until_s: f64,
+) -> Result<Vec<Piece>, Error> {
+    let mut hammer = released(params, rig, release_m)?;
+    let mut pieces: Vec<Piece> = Vec::new();
+    while hammer.now().t < until_s {
+        let (piece, _, _) = hammer.advance().ok_or(DropTestError::Lost)?;
+        pieces.push(piece);
+        // A contact that lasts has no end to wait for.
+        if pieces.len() > 1_000_000 && piece.mode == Mode::Contact {
+            break;
+        }
+    }
+    Ok(pieces)
+}
+
+/// The surface's ringing: after each impact's largest force it swings about zero, falling first.
+fn ringing(test: &DropTest, blows: &[Blow], time_s: f64) -> f64 {
+    if test.ringing_share == 0.0 {
+        return 0.0;
+    }
+    let one = |blow: &Blow| {
+        let since = time_s - blow.contact.peak_at_s;
+        // After forty time constants 4e-18 is left.
+        if !(0.0..=40.0 * test.ringing_decay_s).contains(&since) {
+            return 0.0;
+        }
+        let size = test.ringing_share * blow.contact.peak_force_n;
+        -size * (-since / test.ringing_decay_s).exp() * (TAU * test.ringing_hz * since).sin()
+    };
+    blows.iter().map(one).sum()
+}
+
+/// To the nearest code, and the range's ends where it is beyond.
+fn quantised(test: &DropTest, force_n: f64) -> f64 {
+    if test.bits == 0 {
+        return force_n;
+    }
+    let step = 2.0 * test.full_scale_n / 2.0_f64.powi(test.bits as i32);
+    let highest = test.full_scale_n - step;
+    ((force_n / step).round() * step).clamp(-test.full_scale_n, highest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::model::params::{BEAM_170, WIRES};
+
+    /// On wires at gap 0 the hammer is back after a quarter and then every half swing, and each blow takes the
+    /// closed form's share of its speed.
+    #[test]
+    fn impacts_come_every_half_swing_and_fall_by_the_restitution() {
+        let rig = Rig::new(&WIRES).unwrap();
+        let blows = impacts(&WIRES, &rig, -3e-3, 4).unwrap();
+        let half_swing = std::f64::consts::PI * (0.075_f64 / 9.81).sqrt();
+        // In a swing of 3 mm on 75 mm the period is (1 + θ²/16) times that of a small one: 1.0001.
+        assert!((blows[0].contact.onset_s / (0.5 * half_swing) - 1.0).abs() < 1.2e-4);
+        let speed = 3e-3 * (9.81_f64 / 0.075).sqrt();
+        let first = blows[0].contact.approach_speed_m_per_s;
+        assert!((first / speed - 1.0).abs() < 1e-3, "{first} {speed}");
+        for pair in blows.windows(2) {
+            let ratio = pair[1].contact.peak_force_n / pair[0].contact.peak_force_n;
+            // The restoring force in contact is 1e-5 of the surface's.
+            assert!((ratio - 0.316902).abs() < 2e-4, "{ratio}");
+            let apart = pair[1].contact.onset_s - pair[0].contact.onset_s;
+            assert!((apart / half_swing - 1.0).abs() < 3e-3, "{apart}");
+        }
+    }
+
+    #[test]
+    fn the_record_holds_what_the_impacts_were() {
+        let test = DropTest {
+            sampling_hz: 200e3,
+            impacts: 2,
+            ..DropTest::default()
+        };
+        let rows = record(&BEAM_170, &test).unwrap();
+        let rig = Rig::new(&BEAM_170).unwrap();
+        let blows = impacts(&BEAM_170, &rig, -3e-3, 2).unwrap();
+        let sum: f64 = rows.iter().map(|r| r.force_n).sum::<f64>() / 200e3;
+        let impulse: f64 = blows.iter().map(|b| b.contact.impulse_n_s).sum();
+        // A sum over samples misplaces an onset's jump by half a sample: 0.2 % of a contact.
+        assert!((sum / impulse - 1.0).abs() < 4e-3, "{sum} {impulse}");
+        assert_eq!(rows[0].displacement_mm, -3.0);
+        // In contact the hammer's acceleration is −F/m, as in figure 3.8.
+        let hardest = rows
+            .iter()
+            .max_by(|a, b| a.force_n.total_cmp(&b.force_n))
+            .unwrap();
+        let ratio = -hardest.acceleration_m_per_s2 * 0.298 / hardest.force_n;
+        assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+    }
+
+    #[test]
+    fn noise_ringing_and_bits_are_what_was_asked_for() {
+        let clean = DropTest {
+            impacts: 1,
+            ..DropTest::default()
+        };
+        let of = |test: DropTest| record(&WIRES, &test).unwrap();
+        let (plain, noisy) = (
+            of(clean),
+            of(DropTest {
+                noise_n: 0.2,
+                ..clean
+            }),
+        );
+        let off = plain.iter().zip(&noisy).map(|(a, b)| b.force_n - a.force_n);
+        let square: f64 = off.map(|x| x * x).sum::<f64>() / plain.len() as f64;
+        // Of some 8000 samples the deviation is known to 0.8 %.
+        assert!((square.sqrt() / 0.2 - 1.0).abs() < 0.04, "{square}");
+        let coarse = of(DropTest { bits: 8, ..clean });
+        let step = 200.0 / 256.0;
+        assert!(coarse.iter().all(|r| (r.force_n / step).fract() == 0.0));
+        let ringing = of(DropTest {
+            ringing_share: 0.5,
+            ..clean
+        });
+        let peak = plain.iter().fold(0.0_f64, |m, r| m.max(r.force_n));
+        let lowest = ringing.iter().fold(0.0_f64, |m, r| m.min(r.force_n));
+        // After release the ringing alone is left: below zero by less than half the peak.
+        assert!(lowest < -0.3 * peak && lowest > -0.5 * peak, "{lowest}");
+    }
+
+    #[test]
+    fn what_cannot_strike_is_refused() {
+        let rig = Rig::new(&WIRES).unwrap();
+        assert!(impacts(&WIRES, &rig, 0.0, 1).is_err());
+        assert!(impacts(&WIRES, &rig, -0.08, 1).is_err());
+        let wide = RigParams {
+            gap_m: 3.5e-3,
+            ..WIRES
+        };
+        assert!(record(&wide, &DropTest::default()).is_err());
+    }
+}

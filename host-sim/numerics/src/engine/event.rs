@@ -1,0 +1,92 @@
+//! The reference behind the engines' interface.
+
+use shared::model::contacts::Period;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+
+use super::{Machine, Recorder, Sample};
+use crate::error::Error;
+use crate::reference::{Contact, Observer, Reference, Segment};
+
+/// The reference at coordinate and rate `section`, at drive `phase` (turns).
+pub fn machine(
+    params: &RigParams,
+    frequency_hz: f64,
+    section: [f64; 2],
+    phase: f64,
+) -> Result<Box<dyn Machine>, Error> {
+    let hammer = Reference::<f64>::new(params, frequency_hz, section[0], section[1])?;
+    let hammer = hammer.from_phase(phase);
+    Ok(Box::new(Event {
+        hammer,
+        frequency_hz,
+    }))
+}
+
+struct Event {
+    hammer: Reference<f64>,
+    frequency_hz: f64,
+}
+
+impl Machine for Event {
+    fn period(&mut self, recorder: Option<&mut Recorder>) -> Period<f64> {
+        match recorder {
+            Some(recorder) => {
+                let mut sampler = Sampler {
+                    frequency_hz: self.frequency_hz,
+                    recorder,
+                };
+                self.hammer.run_period(&mut sampler)
+            }
+            None => self.hammer.run_period(&mut ()),
+        }
+    }
+    fn section(&self) -> [f64; 2] {
+        self.hammer.state().into()
+    }
+    fn rig(&self) -> &Rig<f64> {
+        self.hammer.rig()
+    }
+    fn frequency_hz(&self) -> f64 {
+        self.frequency_hz
+    }
+}
+
+/// Samples the reference's smooth pieces: evenly in flight, and a few times per piece in contact, which
+/// is over long before the next even sample.
+struct Sampler<'a> {
+    frequency_hz: f64,
+    recorder: &'a mut Recorder,
+}
+
+impl Observer for Sampler<'_> {
+    fn segment(&mut self, segment: &Segment) {
+        let per_period = self.recorder.samples_per_period;
+        if per_period == 0 {
+            return;
+        }
+        let mut take = |t: f64| {
+            let (q, v) = segment.at(t);
+            let turns = segment.cycle as f64 + t * self.frequency_hz;
+            let force = segment.force(q, v);
+            let sample = Sample::new(segment.rig, self.frequency_hz, turns, (q, v), force);
+            self.recorder.samples.push(sample);
+        };
+        let (start, end) = (segment.start.t, segment.end.t);
+        if segment.mode == shared::model::rig::Mode::Contact {
+            const PIECES: usize = 6;
+            (0..=PIECES).for_each(|i| take(start + (end - start) * i as f64 / PIECES as f64));
+            return;
+        }
+        let spacing = 1.0 / (self.frequency_hz * per_period as f64);
+        let mut k = (start / spacing).ceil();
+        while k * spacing < end {
+            take(k * spacing);
+            k += 1.0;
+        }
+    }
+
+    fn contact(&mut self, contact: &Contact) {
+        self.recorder.contacts.push(*contact);
+    }
+}

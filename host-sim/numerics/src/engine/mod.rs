@@ -1,0 +1,222 @@
+//! The two engines behind one interface: the event-located reference and the switch model, observed
+//! drive period by drive period.
+
+mod event;
+pub mod recorder;
+pub mod switch;
+
+use shared::model::contacts::Period;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
+use shared::model::rig::Rig;
+
+use crate::error::{Error, MotionError, StartError};
+use crate::reference::Contact;
+pub use recorder::{Recorder, Sample};
+pub use switch::{Method, Precision, Setting, Switch};
+
+/// What integrates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Engine {
+    /// The event-located reference ([`mod@crate::reference`]).
+    Event,
+    /// The switch model of `shared`, at a fixed tick.
+    Switch(Setting),
+}
+
+/// Where a run begins, at drive phase 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// At rest relative to the cart.
+    Rest,
+    /// At rest in the fixed frame: moving at −A0 Ω relative to the cart.
+    FixedFrameRest,
+    /// Displaced (l sin θ or Δ) and moving relative to the cart, m and m/s.
+    Moving(f64, f64),
+    /// Coordinate and rate on the section, as another run left them.
+    Section([f64; 2]),
+}
+
+impl Start {
+    /// Coordinate and rate on the section.
+    ///
+    /// # Errors
+    /// A displacement beyond the wire's length.
+    pub fn section(self, rig: &Rig<f64>, omega: f64) -> Result<[f64; 2], Error> {
+        let moving = |x: f64, v: f64| {
+            let q = rig.coordinate_at(x);
+            let rate = rig.coordinate_rate_at(q, v);
+            let inside = rig.kinematics(q, 0.0).delta;
+            if !(q.is_finite() && rate.is_finite()) {
+                Err(StartError::OutOfReach { displacement_m: x }.into())
+            } else if inside > DEEPEST_START_M {
+                Err(StartError::InsideSurface {
+                    displacement_m: x,
+                    depth_m: inside,
+                }
+                .into())
+            } else {
+                Ok([q, rate])
+            }
+        };
+        match self {
+            Self::Rest => Ok([rig.rest(), 0.0]),
+            Self::FixedFrameRest => moving(0.0, -rig.amplitude() * omega),
+            Self::Moving(x, v) => moving(x, v),
+            Self::Section(section) => Ok(section),
+        }
+    }
+}
+
+/// A start may press this deep into the surface, m.
+const DEEPEST_START_M: f64 = 1e-4;
+
+/// A hammer that can be run a drive period at a time.
+pub trait Machine {
+    /// Runs to the next drive phase 0; enters what happened in `recorder`, if there is one.
+    fn period(&mut self, recorder: Option<&mut Recorder>) -> Period<f64>;
+    /// Coordinate and rate on the section now.
+    fn section(&self) -> [f64; 2];
+    /// The rig.
+    fn rig(&self) -> &Rig<f64>;
+    /// The frequency really driven, Hz (the switch model rounds it to its phase accumulator).
+    fn frequency_hz(&self) -> f64;
+}
+
+/// A hammer of `params` driven at `frequency_hz` from `start`.
+///
+/// # Errors
+/// A parameter, frequency or start that cannot be.
+pub fn machine(
+    engine: Engine,
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+) -> Result<Box<dyn Machine>, Error> {
+    machine_at(engine, params, frequency_hz, start, 0.0)
+}
+
+/// The same, starting at drive `phase` (turns, from 0 to below 1): the first period run is what is left of one.
+///
+/// # Errors
+/// As [`machine`]; also a phase outside its range, or other than 0 with the switch model.
+pub fn machine_at(
+    engine: Engine,
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+    phase: f64,
+) -> Result<Box<dyn Machine>, Error> {
+    check_frequency(frequency_hz, params)?;
+    if !(0.0..1.0).contains(&phase) {
+        return Err(StartError::Phase(phase).into());
+    }
+    let rig = Rig::<f64>::new(params)?;
+    let section = start.section(&rig, std::f64::consts::TAU * frequency_hz)?;
+    match engine {
+        Engine::Event => event::machine(params, frequency_hz, section, phase),
+        Engine::Switch(_) if phase != 0.0 => Err(StartError::SwitchPhase.into()),
+        Engine::Switch(setting) => switch::machine(setting, params, frequency_hz, section),
+    }
+}
+
+/// Frequencies over the natural frequency that are run at all. Below, a drive period takes minutes of rig
+/// time in which nothing but the hammer's own swing happens; above, the hammer does not feel the drive.
+pub const RATIOS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+
+/// Checks that a rig can be driven at `frequency_hz`.
+///
+/// # Errors
+/// If the frequency is not a positive number, or its ratio to the natural frequency is outside [`RATIOS`].
+pub fn check_frequency(frequency_hz: f64, params: &RigParams) -> Result<(), Error> {
+    if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
+        return Err(Error::Frequency(frequency_hz));
+    }
+    let ratio = frequency_hz / params.natural_frequency_hz();
+    if RATIOS.contains(&ratio) {
+        return Ok(());
+    }
+    Err(Error::FrequencyRatio {
+        frequency_hz,
+        ratio,
+    })
+}
+
+/// How long to run and what to keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Drive periods in all.
+    pub cycles: u32,
+    /// How many of the first are not recorded.
+    pub transient: u32,
+}
+
+/// What the recorded cycles of a run showed.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// Frequency really driven, Hz.
+    pub frequency_hz: f64,
+    /// The regime over the recorded cycles.
+    pub regime: Regime,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// The finished contact with the largest force.
+    pub strongest: Option<Contact>,
+    /// The section, oldest first: coordinate and rate.
+    pub section: Vec<[f64; 2]>,
+}
+
+/// Runs `machine` through `plan`.
+///
+/// # Errors
+/// The hammer left what the model describes (swung over the top, or was thrown out of all reach).
+pub fn observe(
+    machine: &mut dyn Machine,
+    plan: Plan,
+    recorder: &mut Recorder,
+) -> Result<Observation, Error> {
+    let scale = machine.rig().coordinate_scale();
+    let omega = std::f64::consts::TAU * machine.frequency_hz();
+    let mut detector = Detector::new(scale, scale * omega);
+    let opening = Period::default();
+    for _ in 0..plan.transient {
+        machine.period(None);
+        within_reach(machine)?;
+    }
+    let [q, v] = machine.section();
+    detector.push(q, v, &opening);
+    let mut force_n = 0.0_f64;
+    let mut section = Vec::new();
+    for _ in plan.transient..plan.cycles {
+        let period = machine.period(Some(recorder));
+        within_reach(machine)?;
+        let [q, v] = machine.section();
+        detector.push(q, v, &period);
+        section.push([q, v]);
+        force_n = force_n.max(period.peak_force);
+    }
+    let strongest = recorder.contacts.iter().copied();
+    Ok(Observation {
+        frequency_hz: machine.frequency_hz(),
+        regime: detector.regime(),
+        force_n,
+        strongest: strongest.max_by(|a, b| a.peak_force_n.total_cmp(&b.peak_force_n)),
+        section,
+    })
+}
+
+/// Whether the hammer is still where the model holds: on wires below the horizontal, on beams within a
+/// metre.
+pub(crate) fn within_reach(machine: &dyn Machine) -> Result<(), Error> {
+    const FARTHEST: f64 = 1.0;
+    let [q, v] = machine.section();
+    if q.abs() < FARTHEST && v.is_finite() {
+        return Ok(());
+    }
+    let frequency_hz = machine.frequency_hz();
+    Err(if q.is_finite() {
+        MotionError::LeftModel { frequency_hz }.into()
+    } else {
+        MotionError::Lost { frequency_hz }.into()
+    })
+}

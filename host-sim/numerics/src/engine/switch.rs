@@ -1,0 +1,225 @@
+//! The switch model of `shared` behind the engines' interface: any of its steppers, in f32 or f64.
+
+use shared::Real;
+use shared::model::contacts::Period;
+use shared::model::drive::{Drive, Stamp, TURN};
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+use shared::model::step::{Banded, Corrected, Smoothed, State, Stepper};
+use shared::model::switch::Band;
+use shared::model::twin::Twin;
+
+use super::{Machine, Recorder, Sample};
+use crate::error::Error;
+use crate::reference::Contact;
+
+/// Which arithmetic the switch model runs in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// As on the microcontroller.
+    F32,
+    /// For analysis.
+    F64,
+}
+
+/// How the switch is handled within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// The step is split where the switch falls.
+    Corrected,
+    /// The band of the chapter, with its two widths.
+    Banded {
+        /// η_α, m.
+        eta_alpha_m: f64,
+        /// η_β, N.
+        eta_beta_n: f64,
+    },
+    /// Arctangents in place of the switch, with their two widths.
+    Smoothed {
+        /// ε_α, m.
+        epsilon_alpha_m: f64,
+        /// ε_β, N.
+        epsilon_beta_n: f64,
+    },
+}
+
+/// A stepper, its arithmetic and its tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// How the switch is handled.
+    pub method: Method,
+    /// The arithmetic.
+    pub precision: Precision,
+    /// The tick, s.
+    pub tick_s: f64,
+}
+
+impl Setting {
+    /// The corrected stepper in f32, as it runs on the microcontroller.
+    pub fn corrected_f32(tick_s: f64) -> Self {
+        Self {
+            method: Method::Corrected,
+            precision: Precision::F32,
+            tick_s,
+        }
+    }
+}
+
+/// The switch model as `setting` says, on `section`.
+pub fn machine(
+    setting: Setting,
+    params: &RigParams,
+    frequency_hz: f64,
+    section: [f64; 2],
+) -> Result<Box<dyn Machine>, Error> {
+    match setting.precision {
+        Precision::F32 => machine_in::<f32>(setting, params, frequency_hz, section),
+        Precision::F64 => machine_in::<f64>(setting, params, frequency_hz, section),
+    }
+}
+
+fn machine_in<R: Real + 'static>(
+    setting: Setting,
+    params: &RigParams,
+    frequency_hz: f64,
+    section: [f64; 2],
+) -> Result<Box<dyn Machine>, Error> {
+    let tick_s = setting.tick_s;
+    Ok(match setting.method {
+        Method::Corrected => Box::new(Switch::<R, _>::new(
+            Corrected,
+            params,
+            frequency_hz,
+            tick_s,
+            section,
+        )?),
+        Method::Banded {
+            eta_alpha_m,
+            eta_beta_n,
+        } => {
+            let band = Band::new(eta_alpha_m, eta_beta_n);
+            let stepper = Banded { band };
+            Box::new(Switch::<R, _>::new(
+                stepper,
+                params,
+                frequency_hz,
+                tick_s,
+                section,
+            )?)
+        }
+        Method::Smoothed {
+            epsilon_alpha_m,
+            epsilon_beta_n,
+        } => {
+            let stepper = Smoothed {
+                epsilon_alpha: R::from_f64(epsilon_alpha_m),
+                epsilon_beta: R::from_f64(epsilon_beta_n),
+            };
+            Box::new(Switch::<R, _>::new(
+                stepper,
+                params,
+                frequency_hz,
+                tick_s,
+                section,
+            )?)
+        }
+    })
+}
+
+/// The switch model with a stepper, run a drive period at a time.
+#[derive(Clone, Debug)]
+pub struct Switch<R, S> {
+    twin: Twin<R, S>,
+    plain: Rig<f64>,
+    section: [f64; 2],
+    ticks: u64,
+}
+
+impl<R: Real, S: Stepper<R>> Switch<R, S> {
+    /// A hammer of `params` driven at `frequency_hz` from `section` (coordinate and rate at phase 0).
+    ///
+    /// # Errors
+    /// A parameter, frequency or tick that cannot be.
+    pub fn new(
+        stepper: S,
+        params: &RigParams,
+        frequency_hz: f64,
+        tick_s: f64,
+        section: [f64; 2],
+    ) -> Result<Self, Error> {
+        let rig = Rig::<R>::new(params)?;
+        let state = State::new(&rig, R::from_f64(section[0]), R::from_f64(section[1]));
+        Ok(Self {
+            twin: Twin::new(rig, Drive::new(frequency_hz, tick_s)?, stepper, state),
+            plain: Rig::<f64>::new(params)?,
+            section,
+            ticks: 0,
+        })
+    }
+
+    /// Keeps a finished contact and, now and then and always in contact, a sample.
+    fn record(
+        &self,
+        contact: Option<&shared::model::contacts::Contact<R>>,
+        force: R,
+        recorder: &mut Recorder,
+    ) {
+        let drive = self.twin.drive();
+        let frequency_hz = drive.frequency_hz();
+        let turns = |at: Stamp| f64::from(at.cycle) + f64::from(at.phase) / TURN;
+        if let Some(contact) = contact {
+            recorder.contacts.push(Contact {
+                onset_s: turns(contact.onset) / frequency_hz,
+                duration_s: contact.duration_s.to_f64(),
+                approach_speed_m_per_s: contact.approach_speed.to_f64(),
+                rebound_speed_m_per_s: contact.rebound_speed.to_f64(),
+                peak_force_n: contact.peak_force.to_f64(),
+                peak_at_s: f64::NAN,
+                impulse_n_s: contact.impulse.to_f64(),
+                energy_lost_j: contact.energy_lost.to_f64(),
+            });
+        }
+        if recorder.samples_per_period == 0 {
+            return;
+        }
+        let ticks_per_period = 1.0 / (frequency_hz * drive.tick_s().to_f64());
+        let every = (ticks_per_period / recorder.samples_per_period as f64).max(1.0) as u64;
+        if self.ticks.is_multiple_of(every) || force > R::ZERO {
+            let state = self.twin.state();
+            let at = (state.q.hi.to_f64(), state.v.hi.to_f64());
+            let now = turns(drive.now());
+            let sample = Sample::new(&self.plain, frequency_hz, now, at, force.to_f64());
+            recorder.samples.push(sample);
+        }
+    }
+}
+
+impl<R: Real, S: Stepper<R>> Machine for Switch<R, S> {
+    fn period(&mut self, mut recorder: Option<&mut Recorder>) -> Period<f64> {
+        loop {
+            let tick = self.twin.tick();
+            self.ticks += 1;
+            if let Some(recorder) = recorder.as_deref_mut() {
+                self.record(tick.contact.as_ref(), tick.force, recorder);
+            }
+            if let Some(strobe) = tick.strobe {
+                self.section = [strobe.q.to_f64(), strobe.v.to_f64()];
+                return Period {
+                    onsets: strobe.period.onsets,
+                    touched: strobe.period.touched,
+                    chatter: strobe.period.chatter,
+                    peak_force: strobe.period.peak_force.to_f64(),
+                };
+            }
+        }
+    }
+    fn section(&self) -> [f64; 2] {
+        self.section
+    }
+    fn rig(&self) -> &Rig<f64> {
+        &self.plain
+    }
+    fn frequency_hz(&self) -> f64 {
+        self.twin.drive().frequency_hz()
+    }
+}

@@ -1,0 +1,191 @@
+//! The impacts in a force record: where they are, how hard, and the noise between them.
+
+use std::ops::Range;
+
+use crate::error::{Error, RecordError};
+use crate::signal::Signal;
+
+/// Less than this share of the largest force is not taken for an impact.
+const SMALLEST_SHARE: f64 = 1e-3;
+
+/// An impact rises this many standard deviations over the noise: of a million samples none does so by chance.
+const DEVIATIONS: f64 = 6.0;
+
+/// An impact is over when the force has kept below the threshold so long, s: the surface rings, and one contact
+/// shows several peaks.
+const SILENCE_S: f64 = 5e-3;
+
+/// Samples the noise is told from, at least.
+const QUIET_SAMPLES: usize = 50;
+
+/// A record, its offset taken off, and its impacts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The file's name.
+    pub name: String,
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Force less its offset, N.
+    pub force_n: Vec<f64>,
+    /// From sample to sample, s.
+    pub sample_s: f64,
+    /// Mean force where nothing happens, N.
+    pub offset_n: f64,
+    /// Standard deviation of a sample where nothing happens, N; 0: none seen.
+    pub noise_n: f64,
+    /// An impact is where the force is over this, N.
+    pub threshold_n: f64,
+    /// The impacts, in time.
+    pub impacts: Vec<Impact>,
+}
+
+/// One impact of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impact {
+    /// First sample over the threshold.
+    pub first: usize,
+    /// When that was, s.
+    pub at_s: f64,
+    /// Largest sample, N.
+    pub peak_n: f64,
+    /// ∫F dt over the window, N·s.
+    pub impulse_n_s: f64,
+    /// The samples compared: from before the onset to well after the release.
+    pub window: Range<usize>,
+}
+
+/// The first impacts of a record, `most` of them.
+///
+/// # Errors
+/// No force column, or nothing in it that is an impact.
+pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
+    let name = &signal.name;
+    let Some(force) = &signal.force_n else {
+        return Err(signal.lacks(RecordError::NoForce));
+    };
+    let sample_s = signal.sample_s();
+    let largest = force.iter().fold(0.0_f64, |m, f| m.max(*f));
+    let (offset_n, noise_n) = quiet(force, largest, (1e-3 / sample_s) as usize + 5);
+    let force_n: Vec<f64> = force.iter().map(|f| f - offset_n).collect();
+    let largest = largest - offset_n;
+    let steps = quantisation(&force_n).map_or(0.0, |q| q / 12.0_f64.sqrt());
+    let noise_n = noise_n.max(if noise_n > 0.0 || steps > 1e-6 * largest {
+        steps
+    } else {
+        0.0
+    });
+    let threshold_n = (DEVIATIONS * noise_n).max(SMALLEST_SHARE * largest);
+    if largest <= 2.0 * threshold_n {
+        return Err(signal.lacks(RecordError::OnlyNoise {
+            largest_n: largest,
+            noise_n,
+        }));
+    }
+    let mut measured = Measured {
+        name: name.clone(),
+        time_s: signal.time_s.clone(),
+        force_n,
+        sample_s,
+        offset_n,
+        noise_n,
+        threshold_n,
+        impacts: Vec::new(),
+    };
+    measured.impacts = find(&measured, most);
+    if measured.impacts.is_empty() {
+        return Err(signal.lacks(RecordError::NothingBeforeContact));
+    }
+    Ok(measured)
+}
+
+/// Mean and deviation before the first impact, or where the record is quietest.
+fn quiet(force: &[f64], largest: f64, margin: usize) -> (f64, f64) {
+    let first = force.iter().position(|f| *f > 0.05 * largest);
+    let before = &force[..first.unwrap_or(0).saturating_sub(margin)];
+    if before.len() >= QUIET_SAMPLES {
+        return moments(before);
+    }
+    let windows = force.chunks(QUIET_SAMPLES).map(moments);
+    let least = windows.min_by(|a, b| a.1.total_cmp(&b.1));
+    least.unwrap_or((0.0, 0.0))
+}
+
+fn moments(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|f| (f - mean).powi(2)).sum::<f64>();
+    let deviation = (square / (n - 1.0).max(1.0)).sqrt();
+    // Constant but for rounding.
+    let rounding = 1e-12 * mean.abs();
+    (mean, if deviation > rounding { deviation } else { 0.0 })
+}
+
+/// The step of a quantised record: the smallest difference there is, if all others are multiples of it.
+fn quantisation(force: &[f64]) -> Option<f64> {
+    let differences = force.windows(2).map(|w| (w[1] - w[0]).abs());
+    let least = differences
+        .clone()
+        .filter(|d| *d > 0.0)
+        .min_by(f64::total_cmp)?;
+    let whole = |d: f64| (d / least - (d / least).round()).abs() < 1e-3;
+    differences.clone().all(whole).then_some(least)
+}
+
+/// ∫ f dt by trapezoids.
+fn integral(times: &[f64], values: &[f64], range: Range<usize>) -> f64 {
+    let pairs = times[range.clone()]
+        .windows(2)
+        .zip(values[range].windows(2));
+    pairs
+        .map(|(t, f)| 0.5 * (f[0] + f[1]) * (t[1] - t[0]))
+        .sum()
+}
+
+fn find(measured: &Measured, most: usize) -> Vec<Impact> {
+    let force = &measured.force_n;
+    let times = &measured.time_s;
+    let mut impacts = Vec::new();
+    let mut at = 0;
+    while impacts.len() < most {
+        let over = |f: &f64| *f > measured.threshold_n;
+        let Some(first) = force[at..].iter().position(over).map(|i| at + i) else {
+            break;
+        };
+        let mut last = first;
+        let mut i = first;
+        while i < force.len() && times[i] <= times[last] + SILENCE_S {
+            if force[i].abs() > measured.threshold_n {
+                last = i;
+            }
+            i += 1;
+        }
+        at = (last + 1).max(first + 1);
+        let peak_n = force[first..=last].iter().fold(0.0_f64, |m, f| m.max(*f));
+        if peak_n > 2.0 * measured.threshold_n && first > 0 {
+            impacts.push(impact(measured, first, last, peak_n));
+        }
+    }
+    impacts
+}
+
+/// The window is told from impulse over peak, which is a half to two thirds of the contact's length under any law,
+/// and which ringing hardly moves.
+fn impact(measured: &Measured, first: usize, last: usize, peak_n: f64) -> Impact {
+    let force = &measured.force_n;
+    let times = &measured.time_s;
+    let until = (last + 1).min(force.len() - 1);
+    let width = integral(times, force, first - 1..until + 1) / peak_n;
+    let width = width.max(2.0 * measured.sample_s);
+    let at = |t: f64| times.partition_point(|x| *x < t);
+    let begin = at(times[first] - width).min(first.saturating_sub(4));
+    let end = at(times[first] + 4.0 * width).max(first + 8);
+    let window = begin..end.min(force.len());
+    let impulse = integral(times, force, window.clone());
+    Impact {
+        first,
+        at_s: measured.time_s[first],
+        peak_n,
+        impulse_n_s: impulse,
+        window,
+    }
+}

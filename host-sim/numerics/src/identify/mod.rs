@@ -1,0 +1,345 @@
+//! Contact parameters from a drop test (section 3.3.2, figures 3.9 and 3.10): the hammer is let go at rest, falls
+//! back and strikes again and again; the law's parameters are sought whose impacts are most like the measured ones.
+//!
+//! This is not [`shared::sense::identify`], which is the microcontroller's: there a spring-dashpot follows in closed form
+//! from two figures of each impact while the rig runs. Here a whole record is searched on, offline, for any law.
+
+mod contacts;
+mod likeness;
+mod profile;
+pub mod ring;
+mod search;
+mod unknowns;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+
+use crate::error::{Error, RecordError};
+use crate::signal::Signal;
+pub use contacts::{Impact, Measured};
+pub use likeness::{Aligned, Likeness};
+pub use profile::{Estimate, Profile};
+use search::nelder_mead;
+pub use unknowns::Unknowns;
+
+/// A kind of contact law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// F = ki δ + ci δ̇ (3-3): ki and ci
+    SpringDashpot,
+    /// F = ki δⁿ (3-2): ki
+    Hertz,
+    /// F = ki δⁿ(1 + λ δ̇) (3-4): ki and λ
+    HuntCrossley,
+    /// F = ki δⁿ(1 + ¾(1 − e²) δ̇/δ̇⁻) (3-5): ki and e
+    LankaraniNikravesh,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::SpringDashpot,
+        Self::Hertz,
+        Self::HuntCrossley,
+        Self::LankaraniNikravesh,
+    ];
+
+    /// Its name, as rig files have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SpringDashpot => "spring-dashpot",
+            Self::Hertz => "hertz",
+            Self::HuntCrossley => "hunt-crossley",
+            Self::LankaraniNikravesh => "lankarani-nikravesh",
+        }
+    }
+}
+
+/// What is made small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Misfit {
+    /// The chapter's: differences of the force peaks, squared and summed
+    Peaks,
+    /// Differences of the whole force, squared and summed over the samples
+    Force,
+}
+
+impl Misfit {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Peaks => "peaks",
+            Self::Force => "force",
+        }
+    }
+}
+
+/// How to search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Displacement at the release, m (negative: away from the surface).
+    pub release_m: f64,
+    /// Seek the release, too.
+    pub seek_release: bool,
+    /// Seek the exponent n of the nonlinear laws, too.
+    pub seek_exponent: bool,
+    /// Impacts used, at most.
+    pub impacts: usize,
+}
+
+/// One measured impact beside the model's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ImpactRow {
+    /// Counted from 1.
+    pub impact: usize,
+    /// First sample over the threshold, s.
+    pub measured_at_s: f64,
+    /// The model's onset, s since the release.
+    pub model_at_s: f64,
+    /// Largest sample, N.
+    pub measured_peak_n: f64,
+    /// What the largest sample of the model's impact would be on average, noise included, N.
+    pub model_peak_n: f64,
+    /// The model's contact time, ms.
+    pub model_contact_time_ms: f64,
+    /// ∫F dt of the samples in the window compared, N·s.
+    pub measured_impulse_n_s: f64,
+    /// The model's, N·s.
+    pub model_impulse_n_s: f64,
+    /// Root mean square of the difference in the window compared, N.
+    pub residual_n: f64,
+}
+
+/// What one search found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Fit {
+    /// The law.
+    pub law: &'static str,
+    /// What was made small.
+    pub misfit: &'static str,
+    /// What was sought, with 95 % profile likelihood intervals.
+    pub parameters: Vec<Estimate>,
+    /// Root mean square misfit: of the peaks, or of the samples, N.
+    pub rms_n: f64,
+    /// The noise a peak, or a sample, has, N.
+    pub noise_n: f64,
+    /// Data less unknowns.
+    pub degrees_of_freedom: usize,
+    /// What the intervals were widened by because the law fits worse than the noise explains; 1: not.
+    pub widened: f64,
+    /// Searches begun, and how many ended at the best.
+    pub starts: usize,
+    /// How many of them ended at the best.
+    pub starts_agreeing: usize,
+    /// Drop tests simulated.
+    pub simulations: u64,
+    /// Impact by impact.
+    pub impacts: Vec<ImpactRow>,
+    /// What the data do not fix, and what the law cannot do.
+    pub warnings: Vec<String>,
+    /// The law found.
+    #[serde(skip)]
+    pub found: Law<f64>,
+    /// The release found or given, m.
+    #[serde(skip)]
+    pub release_m: f64,
+    /// Of each parameter.
+    #[serde(skip)]
+    pub profiles: Vec<Profile>,
+}
+
+/// The parameters of `family` that make `params`' hammer strike as `measured`.
+///
+/// # Errors
+/// A rig or release that cannot be, or a record the hammer of this rig cannot have made.
+pub fn fit(
+    measured: &Measured,
+    params: &RigParams,
+    family: Family,
+    misfit: Misfit,
+    settings: &Settings,
+) -> Result<Fit, Error> {
+    let unknowns = Unknowns::new(measured, params, family, settings)?;
+    let likeness = Likeness::new(measured, params, misfit);
+    let cost = |x: &[f64]| match unknowns.read(x) {
+        Some((law, release_m)) => likeness.cost(law, release_m),
+        None => unknowns.beyond(x),
+    };
+    let starts = unknowns.starts();
+    let first: Vec<_> = starts
+        .par_iter()
+        .map(|x| nelder_mead(&cost, x, unknowns.steps(), 1e-3, 80))
+        .collect();
+    let mut simulations: u64 = first.iter().map(|f| f.evaluations).sum();
+    let by_cost = |a: &&search::Found, b: &&search::Found| a.cost.total_cmp(&b.cost);
+    let best = first.iter().min_by(by_cost).cloned();
+    let mut best = best.ok_or(Error::Record {
+        record: measured.name.clone(),
+        what: RecordError::NothingToSearch,
+    })?;
+    // A simplex that has collapsed is opened again, smaller.
+    for share in [0.3, 0.05] {
+        let steps: Vec<f64> = unknowns.steps().iter().map(|s| s * share).collect();
+        let again = nelder_mead(&cost, &best.x, &steps, 1e-9, 200);
+        simulations += again.evaluations;
+        if again.cost < best.cost {
+            best = again;
+        }
+    }
+    let near = 1e-2 * best.cost.abs() + 0.1;
+    let starts_agreeing = first.iter().filter(|f| f.cost < best.cost + near).count();
+    let degrees = likeness.data().saturating_sub(best.x.len());
+    let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.look(law, m));
+    let noise_n = at(&best.x).map_or(f64::NAN, |seen| likeness.deviation_n(&seen));
+    let noise = profile::Noise::new(
+        &best,
+        degrees,
+        (noise_n / likeness.unit_n()).powi(2),
+        measured.noise_n > 0.0,
+    );
+    let (profiles, sought) = profile::all(&cost, &unknowns, &mut best, &noise);
+    simulations += sought;
+    let (law, release_m) = unknowns.read(&best.x).ok_or(Error::SearchLeftRange)?;
+    let seen = likeness.look(law, release_m);
+    let parameters: Vec<_> = profiles.iter().map(|p| p.estimate.clone()).collect();
+    let data = likeness.data() as f64;
+    let mut fit = Fit {
+        law: family.name(),
+        misfit: misfit.name(),
+        rms_n: (likeness.sum_of_squares(&seen) / data).sqrt(),
+        noise_n,
+        parameters,
+        degrees_of_freedom: degrees,
+        widened: noise.widened,
+        starts: starts.len(),
+        starts_agreeing,
+        simulations,
+        impacts: impact_rows(measured, &seen),
+        warnings: Vec::new(),
+        found: law,
+        release_m,
+        profiles,
+    };
+    fit.warnings = warnings(&fit, measured, family, misfit);
+    Ok(fit)
+}
+
+fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
+    let row = |(i, (impact, model)): (usize, (&Impact, &Aligned))| {
+        let blow = model.blow.as_ref().map(|b| b.contact);
+        ImpactRow {
+            impact: i + 1,
+            measured_at_s: impact.at_s,
+            model_at_s: blow.map_or(f64::NAN, |b| b.onset_s),
+            measured_peak_n: impact.peak_n,
+            model_peak_n: model.peak_n,
+            model_contact_time_ms: blow.map_or(0.0, |b| b.duration_s * 1e3),
+            measured_impulse_n_s: impact.impulse_n_s,
+            model_impulse_n_s: blow.map_or(0.0, |b| b.impulse_n_s),
+            residual_n: (model.squares / impact.window.len() as f64).sqrt(),
+        }
+    };
+    measured
+        .impacts
+        .iter()
+        .zip(seen)
+        .enumerate()
+        .map(row)
+        .collect()
+}
+
+fn warnings(fit: &Fit, measured: &Measured, family: Family, misfit: Misfit) -> Vec<String> {
+    let mut said = Vec::new();
+    let impacts = measured.impacts.len();
+    let unknowns = fit.parameters.len();
+    if misfit == Misfit::Peaks && impacts < unknowns {
+        said.push(format!(
+            "{impacts} peak{} cannot fix {unknowns} parameters: the values are one choice of many; use --misfit force or more impacts",
+            if impacts == 1 { "" } else { "s" }
+        ));
+    } else if misfit == Misfit::Peaks && impacts == unknowns {
+        said.push(format!(
+            "{impacts} peaks for {unknowns} parameters: they are met whatever the law, so nothing tells whether it is right"
+        ));
+    }
+    for p in &fit.parameters {
+        if p.low.is_none() || p.high.is_none() {
+            said.push(format!("the data do not bound {} on both sides", p.key));
+        }
+        if p.at_limit {
+            said.push(format!(
+                "{} ends at the limit of its range: the law cannot do what the data ask for",
+                p.key
+            ));
+        }
+        if let Some((other, correlation)) = &p.strongest_correlation
+            && correlation.abs() > 0.95
+        {
+            said.push(format!(
+                "{} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either",
+                p.key
+            ));
+        }
+    }
+    if fit.widened > 1.0 {
+        said.push(format!(
+            "the law fits {:.1} times worse than the noise explains (ringing, or not this law); the intervals are widened by as much",
+            fit.widened
+        ));
+    }
+    if family == Family::Hertz && measured.impacts.len() > 1 {
+        said.push(
+            "this law loses no energy; a hammer that strikes ever more softly is not it".into(),
+        );
+    }
+    if measured.noise_n == 0.0 {
+        said.push(
+            "no noise is seen before the first impact: what is left of the misfit stands for it"
+                .into(),
+        );
+    }
+    said
+}
+
+/// The impacts of a record.
+///
+/// # Errors
+/// No force in it, or no impact.
+pub fn measure(signal: &Signal, settings: &Settings) -> Result<Measured, Error> {
+    contacts::measure(signal, settings.impacts)
+}
+
+/// The force a fit's model has at the times of an impact's window: (time since the window's first sample in s,
+/// measured in N, model in N).
+pub fn beside(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Vec<[f64; 3]>> {
+    let params = RigParams {
+        contact: fit.found,
+        ..*params
+    };
+    let Ok(rig) = Rig::<f64>::new(&params) else {
+        return Vec::new();
+    };
+    let likeness = Likeness::new(measured, &params, Misfit::Force);
+    let seen = likeness.look(fit.found, fit.release_m);
+    let one = |(impact, model): (&Impact, &Aligned)| {
+        let times = &measured.time_s[impact.window.clone()];
+        let forces = &measured.force_n[impact.window.clone()];
+        let row = |(t, f): (&f64, &f64)| {
+            let model_n = model
+                .blow
+                .as_ref()
+                .map_or(0.0, |b| b.force(&rig, t - model.onset_s));
+            [t - times[0], *f, model_n]
+        };
+        times.iter().zip(forces).map(row).collect()
+    };
+    measured.impacts.iter().zip(&seen).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,239 @@
+//! What is sought, where it is sought, and where the searches begin.
+
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+
+use super::contacts::Measured;
+use super::{Family, Settings};
+use crate::drop_test::impacts;
+use crate::error::{DropTestError, Error};
+
+/// The exponent of the nonlinear laws where it is not sought: Hertz's for curved bodies.
+const EXPONENT: f64 = 1.5;
+
+/// ki and the damping are sought from a thousandth to a thousand times their first guess.
+const DECADES: f64 = 3.0;
+
+/// How a parameter is told from a coordinate of the search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Scale {
+    /// Its logarithm: positive, of unknown size.
+    Log,
+    /// Itself.
+    Plain,
+}
+
+/// One parameter that is sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unknown {
+    /// As rig files name it, or `release_mm`.
+    pub key: &'static str,
+    scale: Scale,
+    /// Range, in coordinates of the search.
+    pub range: (f64, f64),
+    guess: f64,
+    step: f64,
+}
+
+impl Unknown {
+    /// The parameter at a coordinate, in the unit of its key.
+    pub fn value(&self, x: f64) -> f64 {
+        match self.scale {
+            Scale::Log => x.exp(),
+            Scale::Plain => x,
+        }
+    }
+}
+
+/// All that is sought.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknowns {
+    family: Family,
+    list: Vec<Unknown>,
+    steps: Vec<f64>,
+    release_m: f64,
+    seek_release: bool,
+    seek_exponent: bool,
+}
+
+impl Unknowns {
+    /// What `settings` ask for, with first guesses from the record: the impulse tells the restitution, peak and
+    /// impulse the stiffness.
+    ///
+    /// # Errors
+    /// A release that cannot be, or a hammer that does not strike from there.
+    pub fn new(
+        measured: &Measured,
+        params: &RigParams,
+        family: Family,
+        settings: &Settings,
+    ) -> Result<Self, Error> {
+        let rig = Rig::<f64>::new(params)?;
+        let first = impacts(params, &rig, settings.release_m, 1)?;
+        let Some(first) = first.first() else {
+            return Err(DropTestError::NoContactAt {
+                release_m: settings.release_m,
+            }
+            .into());
+        };
+        let speed = first.contact.approach_speed_m_per_s;
+        let impact = &measured.impacts[0];
+        let momentum = params.mass_kg * speed;
+        let restitution = (impact.impulse_n_s / momentum - 1.0).clamp(0.05, 0.95);
+        // Of a spring-dashpot: peak ≈ m v ω₀, and e = exp(−2ζφ/√(1 − ζ²)), near enough e^(−2.4 ζ).
+        let omega = impact.peak_n / momentum;
+        let zeta = -restitution.ln() / 2.4;
+        let stiffness = params.mass_kg * omega * omega;
+        let seek_exponent = settings.seek_exponent && family != Family::SpringDashpot;
+        let log = |key, guess: f64, up: f64| Unknown {
+            key,
+            scale: Scale::Log,
+            range: (
+                guess.ln() - DECADES * std::f64::consts::LN_10,
+                guess.ln() + up * std::f64::consts::LN_10,
+            ),
+            guess: guess.ln(),
+            step: 0.3,
+        };
+        let plain = |key, guess: f64, range, step| Unknown {
+            key,
+            scale: Scale::Plain,
+            range,
+            guess,
+            step,
+        };
+        let deepest = speed / omega;
+        let hertz = impact.peak_n / deepest.powf(EXPONENT);
+        let key = "contact_stiffness_n_per_m";
+        let mut list = match family {
+            Family::SpringDashpot => {
+                let damping = 2.0 * zeta * params.mass_kg * omega;
+                let key_c = "contact_damping_n_s_per_m";
+                vec![log(key, stiffness, DECADES), log(key_c, damping, DECADES)]
+            }
+            Family::Hertz => vec![log(key, hertz, DECADES)],
+            Family::HuntCrossley => {
+                let lambda = 1.5 * (1.0 - restitution) / (restitution * speed);
+                let key_l = "contact_damping_ratio_s_per_m";
+                vec![log(key, hertz, DECADES), log(key_l, lambda, DECADES)]
+            }
+            Family::LankaraniNikravesh => {
+                let e = restitution.min(0.9);
+                let key_e = "contact_restitution";
+                vec![log(key, hertz, DECADES), plain(key_e, e, (0.0, 0.999), 0.1)]
+            }
+        };
+        if seek_exponent {
+            list.push(plain("contact_exponent", EXPONENT, (1.0, 3.0), 0.1));
+        }
+        if settings.seek_release {
+            let mm = settings.release_m * 1e3;
+            let (a, b) = (0.5 * mm, 1.5 * mm);
+            list.push(plain(
+                "release_mm",
+                mm,
+                (a.min(b), a.max(b)),
+                0.05 * mm.abs(),
+            ));
+        }
+        Ok(Self {
+            family,
+            steps: list.iter().map(|u| u.step).collect(),
+            list,
+            release_m: settings.release_m,
+            seek_release: settings.seek_release,
+            seek_exponent,
+        })
+    }
+
+    /// The parameters that are sought.
+    pub fn list(&self) -> &[Unknown] {
+        &self.list
+    }
+
+    /// How far the first simplex reaches.
+    pub fn steps(&self) -> &[f64] {
+        &self.steps
+    }
+
+    /// Where the searches begin: the guess, a fifth and five times the stiffness, a third and three times the
+    /// damping, and all of these together.
+    pub fn starts(&self) -> Vec<Vec<f64>> {
+        let guess: Vec<f64> = self.list.iter().map(|u| u.guess).collect();
+        let damped = self.family != Family::Hertz;
+        let second = if damped {
+            vec![0.0, -1.0, 1.0]
+        } else {
+            vec![0.0]
+        };
+        let mut starts = Vec::new();
+        for a in [0.0, -1.0, 1.0] {
+            for b in &second {
+                let mut x = guess.clone();
+                x[0] += a * 5.0_f64.ln();
+                if damped {
+                    let by = match self.list[1].scale {
+                        Scale::Log => 3.0_f64.ln(),
+                        Scale::Plain => 0.3,
+                    };
+                    let range = self.list[1].range;
+                    x[1] = (x[1] + b * by).clamp(range.0 + 0.01, range.1 - 0.05);
+                }
+                starts.push(x);
+            }
+        }
+        starts
+    }
+
+    /// Law and release (m) at a point of the search; none outside the ranges.
+    pub fn read(&self, x: &[f64]) -> Option<(Law<f64>, f64)> {
+        let inside = |(u, x): (&Unknown, &f64)| *x >= u.range.0 && *x <= u.range.1;
+        if !self.list.iter().zip(x).all(inside) {
+            return None;
+        }
+        let at = |i: usize| self.list[i].value(x[i]);
+        let laws = match self.family {
+            Family::Hertz => 1,
+            _ => 2,
+        };
+        let stiffness = at(0);
+        let exponent = if self.seek_exponent {
+            at(laws)
+        } else {
+            EXPONENT
+        };
+        let law = match self.family {
+            Family::SpringDashpot => Law::SpringDashpot {
+                stiffness,
+                damping: at(1),
+            },
+            Family::Hertz => Law::Hertz {
+                stiffness,
+                exponent,
+            },
+            Family::HuntCrossley => Law::HuntCrossley {
+                stiffness,
+                exponent,
+                damping_ratio: at(1),
+            },
+            Family::LankaraniNikravesh => Law::LankaraniNikravesh {
+                stiffness,
+                exponent,
+                restitution: at(1),
+            },
+        };
+        let release_m = if self.seek_release {
+            at(self.list.len() - 1) * 1e-3
+        } else {
+            self.release_m
+        };
+        Some((law, release_m))
+    }
+
+    /// A cost outside the ranges: above any inside, and falling towards them.
+    pub fn beyond(&self, x: &[f64]) -> f64 {
+        let out = |(u, x): (&Unknown, &f64)| (u.range.0 - x).max(x - u.range.1).max(0.0);
+        1e30 * (1.0 + self.list.iter().zip(x).map(out).sum::<f64>())
+    }
+}

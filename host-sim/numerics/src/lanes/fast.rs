@@ -1,0 +1,59 @@
+//! The lanes, and the reference for what they leave.
+
+use ::lanes::{How, Work, try_run};
+
+use super::{Cell, Outcome, Plan, run_one};
+use crate::engine::Engine;
+use crate::error::Error;
+
+/// What became of the cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Cells run by the lanes to their end.
+    pub lanes: u64,
+    /// Cells the lanes ran again with finer steps, as an event was uncertain.
+    pub again: u64,
+    /// Of these, cells in which it remained uncertain: the reference ran them.
+    pub flagged: u64,
+    /// Cells given to the reference at once: the lanes cannot run them.
+    pub unfit: u64,
+    /// What the lanes did.
+    pub work: Work,
+}
+
+impl std::ops::AddAssign for Report {
+    fn add_assign(&mut self, other: Self) {
+        self.lanes += other.lanes;
+        self.again += other.again;
+        self.flagged += other.flagged;
+        self.unfit += other.unfit;
+        self.work += other.work;
+    }
+}
+
+/// Runs cells in this thread's lanes, and by the reference where these cannot.
+///
+/// # Errors
+/// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
+pub fn run_with(how: How, cells: &[Cell], plan: &Plan) -> Result<(Vec<Outcome>, Report), Error> {
+    let tried = try_run(how, cells, plan);
+    let mut report = Report {
+        again: tried.again,
+        work: tried.work,
+        ..Report::default()
+    };
+    let mut outcomes = Vec::with_capacity(cells.len());
+    for ((cell, done), fit) in cells.iter().zip(tried.outcomes).zip(tried.fit) {
+        if let Some(outcome) = done {
+            report.lanes += 1;
+            outcomes.push(outcome);
+            continue;
+        }
+        report.flagged += u64::from(fit);
+        report.unfit += u64::from(!fit);
+        let mut outcome = run_one(Engine::Event, cell, plan)?;
+        outcome.uncertain = fit;
+        outcomes.push(outcome);
+    }
+    Ok((outcomes, report))
+}

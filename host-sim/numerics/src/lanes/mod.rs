@@ -1,0 +1,70 @@
+//! Millions of short simulations: cells of a map, initial conditions of a basin, points of a diagram.
+//!
+//! A [`Cell`] is one simulation; [`run`] takes many and gives an [`Outcome`] each, in their order. Nothing is kept per
+//! step; what a cell showed is reduced as it runs.
+//!
+//! Cells run side by side in the lanes of vector registers (the crate `lanes`); what the lanes cannot run or find
+//! uncertain goes to the reference. `docs/lanes.md` has the figures.
+
+mod fast;
+mod one;
+
+use rayon::prelude::*;
+
+use crate::engine::Engine;
+use crate::error::Error;
+
+pub use ::lanes::{
+    Cell, How, Instructions, Outcome, Plan, Precision, SETTLED_WITHIN, Strobe, Work,
+};
+pub use fast::{Report, run_with};
+pub use one::run_one;
+
+/// Cells per piece of work of a thread: enough that lanes left over at its end do not matter. Outcomes do not depend on
+/// it.
+const CHUNK: usize = 2048;
+
+/// Runs every cell, on every thread there is.
+///
+/// # Errors
+/// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
+pub fn run(cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+    run_reported(cells, plan).map(|(outcomes, _)| outcomes)
+}
+
+/// Runs every cell, on every thread there is, and tells what became of them.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_reported(cells: &[Cell], plan: &Plan) -> Result<(Vec<Outcome>, Report), Error> {
+    let parts: Vec<_> = cells
+        .par_chunks(CHUNK)
+        .map(|chunk| run_with(How::default(), chunk, plan))
+        .collect::<Result<_, _>>()?;
+    let mut report = Report::default();
+    let mut outcomes = Vec::with_capacity(cells.len());
+    for (part, done) in parts {
+        outcomes.extend(part);
+        report += done;
+    }
+    Ok((outcomes, report))
+}
+
+/// Runs every cell in this thread: for work that is shared out by the caller. The same outcomes as [`run`].
+///
+/// # Errors
+/// As [`run`].
+pub fn run_serial(cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+    run_with(How::default(), cells, plan).map(|(outcomes, _)| outcomes)
+}
+
+/// Runs every cell by `engine`, one after the other in every thread: the reference for an audit, or the switch model.
+///
+/// # Errors
+/// As [`run`].
+pub fn by_engine(engine: Engine, cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+    cells
+        .par_iter()
+        .map(|cell| run_one(engine, cell, plan))
+        .collect()
+}

@@ -1,0 +1,81 @@
+//! One cell by one of the engines, without lanes.
+
+use shared::model::contacts::Period;
+use shared::model::regime::{Detector, MAX_PERIODS, SECTION_TOLERANCE};
+
+use super::{Cell, Outcome, Plan, Strobe};
+use crate::engine::{Engine, Start, machine_at, within_reach};
+use crate::error::Error;
+
+/// Runs one cell by `engine`, all its cycles.
+///
+/// # Errors
+/// A parameter, frequency or start that cannot be; a hammer that leaves what the model describes.
+pub fn run_one(engine: Engine, cell: &Cell, plan: &Plan) -> Result<Outcome, Error> {
+    let start = Start::Section(cell.start);
+    let mut hammer = machine_at(engine, &cell.params, cell.frequency_hz, start, cell.phase)?;
+    let scale = hammer.rig().coordinate_scale();
+    let units = [scale, scale * std::f64::consts::TAU * hammer.frequency_hz()];
+    let mut detector = Detector::new(units[0], units[1]);
+    let opening = plan.cycles.saturating_sub(plan.recorded);
+    let first_kept = plan.cycles.saturating_sub(plan.strobes);
+    let mut last_contact = None;
+    let mut force_n = 0.0_f64;
+    let mut sections = Vec::with_capacity(plan.cycles as usize + 1);
+    let mut strobes = Vec::new();
+    if cell.phase > 0.0 {
+        hammer.period(None);
+    }
+    sections.push(hammer.section());
+    for cycle in 1..=plan.cycles {
+        if cycle == opening + 1 {
+            let [q, v] = hammer.section();
+            detector.push(q, v, &Period::default());
+        }
+        let period = hammer.period(None);
+        within_reach(hammer.as_ref())?;
+        let [q, v] = hammer.section();
+        sections.push([q, v]);
+        if period.touched {
+            last_contact = Some(cycle);
+        }
+        if cycle > opening {
+            detector.push(q, v, &period);
+            force_n = force_n.max(period.peak_force);
+        }
+        if cycle > first_kept {
+            strobes.push(Strobe {
+                q,
+                v,
+                force_n: period.peak_force,
+                onsets: period.onsets,
+            });
+        }
+    }
+    let regime = detector.regime();
+    Ok(Outcome {
+        regime,
+        force_n,
+        settled_after: regime
+            .periods()
+            .map(|n| settled_after(&sections, usize::from(n), units)),
+        cycles: plan.cycles,
+        searched: MAX_PERIODS.min(plan.recorded as usize / 2) as u8,
+        last_contact,
+        uncertain: false,
+        section: hammer.section(),
+        strobes,
+    })
+}
+
+/// The first cycle from which on every strobe equals the one `n` cycles later, within the section's tolerance.
+fn settled_after(sections: &[[f64; 2]], n: usize, units: [f64; 2]) -> u32 {
+    let differs = |k: usize| {
+        (0..2).any(|i| (sections[k + n][i] - sections[k][i]).abs() > SECTION_TOLERANCE * units[i])
+    };
+    let last = sections.len().saturating_sub(n);
+    (0..last)
+        .rev()
+        .find(|k| differs(*k))
+        .map_or(0, |k| k as u32 + 1)
+}

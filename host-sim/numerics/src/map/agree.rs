@@ -1,0 +1,325 @@
+//! How far maps agree: with the reference, with another engine, with another rig's.
+
+use rand::SeedableRng;
+use rand::seq::index::sample;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use shared::model::regime::Regime;
+
+use super::compute::cell_from_rest;
+use super::request::Request;
+use super::{Map, MapCell};
+use crate::engine::Engine;
+use crate::error::{Error, MapError};
+use crate::lanes::{Plan, by_engine};
+use crate::progress::{Progress, step};
+use crate::sweep::Direction;
+
+/// Two forces are the same when they differ by no more than this share of the larger.
+pub const FORCE_TOLERANCE: f64 = 1e-3;
+
+/// Cells compared one by one, and how many agree in what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Agreement {
+    /// Cells compared.
+    pub cells: usize,
+    /// Same label: none, aperiodic, chatter, or the same p/n.
+    pub same_label: usize,
+    /// Both find a section that repeats.
+    pub both_periodic: usize,
+    /// Of these, same p and n.
+    pub same_p_n: usize,
+    /// Of these, force the same within [`FORCE_TOLERANCE`].
+    pub same_force: usize,
+    /// Flagged as uncertain in the first of the two.
+    pub uncertain: usize,
+}
+
+impl Agreement {
+    /// Compares cell by cell.
+    pub fn of<'a>(pairs: impl IntoIterator<Item = (&'a MapCell, &'a MapCell)>) -> Self {
+        let mut found = Self::default();
+        for (a, b) in pairs {
+            found.cells += 1;
+            found.same_label += usize::from(same_label(a.regime, b.regime));
+            found.uncertain += usize::from(a.uncertain);
+            let (Some(n), Some(m)) = (a.regime.periods(), b.regime.periods()) else {
+                continue;
+            };
+            found.both_periodic += 1;
+            let same = n == m && a.regime.impacts() == b.regime.impacts();
+            found.same_p_n += usize::from(same);
+            let largest = a.force_n.max(b.force_n);
+            let near = (a.force_n - b.force_n).abs() <= FORCE_TOLERANCE * largest;
+            found.same_force += usize::from(near);
+        }
+        found
+    }
+
+    /// In one line, percentages first.
+    pub fn line(&self) -> String {
+        format!(
+            "same label {}; of the {} that repeat in both, same p/n {}, force within 0.1 % {}; flagged {}",
+            percent(self.same_label, self.cells),
+            self.both_periodic,
+            percent(self.same_p_n, self.both_periodic),
+            percent(self.same_force, self.both_periodic),
+            percent(self.uncertain, self.cells),
+        )
+    }
+}
+
+/// "99.12 %", or "-" of nothing.
+pub fn percent(part: usize, whole: usize) -> String {
+    if whole == 0 {
+        return "-".to_owned();
+    }
+    format!("{:.2} %", 100.0 * part as f64 / whole as f64)
+}
+
+/// Whether two regimes have the same name.
+pub fn same_label(a: Regime, b: Regime) -> bool {
+    match (a, b) {
+        (Regime::None, Regime::None)
+        | (Regime::Aperiodic { .. }, Regime::Aperiodic { .. })
+        | (Regime::Chatter { .. }, Regime::Chatter { .. }) => true,
+        (Regime::Periodic { .. }, Regime::Periodic { .. }) => a == b,
+        _ => false,
+    }
+}
+
+/// Runs `count` cells of `map`, drawn with `seed`, again by the reference, all their cycles, and compares.
+///
+/// # Errors
+/// A map whose state was carried (its cells do not stand alone); a cell that cannot be run.
+pub fn audit(
+    request: &Request,
+    map: &Map,
+    (count, seed): (usize, u64),
+    progress: &dyn Progress,
+) -> Result<Agreement, Error> {
+    check_audit(request)?;
+    let count = count.min(map.cells.len());
+    let mut chosen =
+        sample(&mut ChaCha8Rng::seed_from_u64(seed), map.cells.len(), count).into_vec();
+    chosen.sort_unstable();
+    let mut again = Vec::with_capacity(count);
+    // In portions, so that the progress moves.
+    for portion in chosen.chunks(64) {
+        let cells = portion.iter().map(|i| cell_from_rest(request, *i));
+        let cells = cells.collect::<Result<Vec<_>, _>>()?;
+        let plan = |cycles: u32| Plan {
+            cycles,
+            early: false,
+            ..request.plan
+        };
+        let first = by_engine(Engine::Event, &cells, &plan(request.plan.cycles))?;
+        for (cell, mut seen) in cells.iter().zip(first) {
+            if let (None, Some(longer)) = (seen.settled_after, request.settle) {
+                seen = crate::lanes::run_one(Engine::Event, cell, &plan(longer))?;
+            }
+            again.push(MapCell::from(&seen));
+        }
+        step(progress, portion.len() as u64)?;
+    }
+    Ok(Agreement::of(
+        chosen.iter().map(|i| &map.cells[*i]).zip(&again),
+    ))
+}
+
+/// Whether an audit of this request makes sense, before any work.
+///
+/// # Errors
+/// As [`audit`].
+pub fn check_audit(request: &Request) -> Result<(), Error> {
+    if request.from == Direction::Rest {
+        return Ok(());
+    }
+    Err(MapError::AuditCarried.into())
+}
+
+/// How alike two maps are over Ω/ω and gap/A0.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Alikeness {
+    /// Names of the two rigs.
+    pub rigs: [String; 2],
+    /// Cells of the first that have a place in the second.
+    pub cells: usize,
+    /// Of these, same label.
+    pub same: usize,
+    /// Of these, something strikes in at least one of the two.
+    pub striking: usize,
+    /// Of the striking, same label.
+    pub same_striking: usize,
+    /// Of these, both repeat with n of at most 2: the orderly part.
+    pub orderly: usize,
+    /// Of the orderly, same label.
+    pub same_orderly: usize,
+}
+
+impl Alikeness {
+    /// In one line.
+    pub fn line(&self) -> String {
+        let [a, b] = &self.rigs;
+        format!(
+            "{a} and {b}: same regime in {} of {} cells, in {} where one of the two strikes, in {} where both repeat within two periods",
+            percent(self.same, self.cells),
+            self.cells,
+            percent(self.same_striking, self.striking),
+            percent(self.same_orderly, self.orderly),
+        )
+    }
+}
+
+/// Compares the cells of `a` with those of `b` that lie nearest over Ω/ω and gap/A0.
+pub fn alikeness(a: &Map, b: &Map) -> Alikeness {
+    let rows = places(&a.gap_ratios(), &b.gap_ratios());
+    let columns = places(&a.frequency_ratios(), &b.frequency_ratios());
+    let mut found = Alikeness {
+        rigs: [a.rig.name.clone(), b.rig.name.clone()],
+        cells: 0,
+        same: 0,
+        striking: 0,
+        same_striking: 0,
+        orderly: 0,
+        same_orderly: 0,
+    };
+    let orderly = |r: Regime| r.periods().is_some_and(|n| n <= 2);
+    for (i, row) in rows.iter().enumerate() {
+        for (j, column) in columns.iter().enumerate() {
+            let (Some(row), Some(column)) = (*row, *column) else {
+                continue;
+            };
+            let (x, y) = (a.cell(i, j).regime, b.cell(row, column).regime);
+            let same = usize::from(same_label(x, y));
+            found.cells += 1;
+            found.same += same;
+            if x != Regime::None || y != Regime::None {
+                found.striking += 1;
+                found.same_striking += same;
+            }
+            if orderly(x) && orderly(y) {
+                found.orderly += 1;
+                found.same_orderly += same;
+            }
+        }
+    }
+    found
+}
+
+/// For every value of `from`, where among the rising `to` the nearest is; none beyond half a step outside.
+pub(super) fn places(from: &[f64], to: &[f64]) -> Vec<Option<usize>> {
+    let half_step = match to {
+        [first, .., last] => 0.5 * (last - first) / (to.len() - 1) as f64,
+        _ => 0.0,
+    };
+    let reach = half_step * (1.0 + 1e-6) + 1e-9;
+    let nearest = |x: &f64| {
+        let above = to.partition_point(|t| t < x);
+        let candidates = [above.checked_sub(1), (above < to.len()).then_some(above)];
+        let distance = |i: &usize| (to[*i] - x).abs();
+        let near = candidates.into_iter().flatten();
+        let near = near.min_by(|i, j| distance(i).total_cmp(&distance(j)))?;
+        let inside = to[0] - reach <= *x && *x <= to[to.len() - 1] + reach;
+        inside.then_some(near)
+    };
+    from.iter().map(nearest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Grid;
+    use crate::row::NamedRig;
+    use shared::model::params::{BEAM_150, BEAM_170, RigParams};
+
+    fn cell(regime: Regime, force_n: f64, uncertain: bool) -> MapCell {
+        MapCell {
+            regime,
+            force_n,
+            settled_after: None,
+            searched: 16,
+            uncertain,
+        }
+    }
+
+    fn periodic(impacts: u16, periods: u8) -> Regime {
+        Regime::Periodic { impacts, periods }
+    }
+
+    #[test]
+    fn every_kind_of_agreement_is_counted() {
+        let chatter = |impacts| Regime::Chatter {
+            impacts,
+            periods: None,
+        };
+        let a = [
+            cell(periodic(1, 1), 10.0, false),
+            cell(periodic(2, 2), 10.0, true),
+            cell(Regime::Aperiodic { impacts: 9 }, 5.0, false),
+            cell(chatter(40), 5.0, false),
+            cell(Regime::None, 0.0, false),
+            cell(Regime::None, 0.0, false),
+        ];
+        let b = [
+            cell(periodic(1, 1), 10.0 * (1.0 - 0.9e-3), false),
+            cell(periodic(1, 1), 10.1, false),
+            cell(Regime::Aperiodic { impacts: 11 }, 50.0, false),
+            cell(chatter(41), 5.0, true),
+            cell(Regime::None, 0.0, false),
+            cell(periodic(1, 2), 1.0, false),
+        ];
+        let found = Agreement::of(a.iter().zip(&b));
+        let expected = Agreement {
+            cells: 6,
+            same_label: 4,
+            both_periodic: 2,
+            same_p_n: 1,
+            same_force: 1,
+            uncertain: 1,
+        };
+        assert_eq!(found, expected);
+        assert!(found.line().contains("same label 66.67 %"));
+        assert!(Agreement::default().line().contains("same label -"));
+    }
+
+    #[test]
+    fn nearest_places_are_found_and_none_outside() {
+        let to = [1.0, 2.0, 3.0];
+        let places = places(&[0.4, 0.5, 1.4, 1.6, 3.5, 3.6, f64::NAN], &to);
+        let expected = [None, Some(0), Some(0), Some(1), Some(2), None, None];
+        assert_eq!(places, expected);
+        assert_eq!(super::places(&[1.0, 2.0], &[2.0]), [None, Some(0)]);
+        assert_eq!(super::places(&[1.0], &[]), [None]);
+    }
+
+    /// Two rigs that show the same over Ω/ω and gap/A0, though neither Hz nor mm are the same.
+    #[test]
+    fn alike_over_dimensionless_axes() {
+        let map = |params: RigParams, odd: Regime| {
+            let regimes = [periodic(1, 1), Regime::None, periodic(1, 2), odd];
+            Map {
+                rig: NamedRig {
+                    name: "r".into(),
+                    params,
+                },
+                grid: Grid {
+                    gaps_mm: [0.5, 1.0].map(|r| r * params.amplitude_m * 1e3).to_vec(),
+                    frequencies_hz: [1.5, 2.5]
+                        .map(|r| r * params.natural_frequency_hz())
+                        .to_vec(),
+                },
+                cells: regimes.map(|r| cell(r, 1.0, false)).to_vec(),
+            }
+        };
+        let doubled = RigParams {
+            amplitude_m: 2.0 * BEAM_170.amplitude_m,
+            ..BEAM_170
+        };
+        let aperiodic = Regime::Aperiodic { impacts: 3 };
+        let found = alikeness(&map(doubled, aperiodic), &map(BEAM_150, periodic(3, 5)));
+        let numbers = (found.cells, found.same, found.striking, found.same_striking);
+        assert_eq!(numbers, (4, 3, 3, 2));
+        assert_eq!((found.orderly, found.same_orderly), (2, 2));
+    }
+}

@@ -1,0 +1,99 @@
+//! The cells of one tile.
+
+use shared::model::rig::Rig;
+
+use super::MapCell;
+use super::request::{Request, Runner};
+use crate::engine::{Engine, Start};
+use crate::error::Error;
+use crate::lanes::{self, Cell, Outcome, Plan};
+use crate::sweep::Direction;
+
+/// Runs the cells of tile `index`, in their order.
+///
+/// # Errors
+/// A cell that cannot be run.
+pub(super) fn tile(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
+    match request.from {
+        Direction::Rest => from_rest(request, index),
+        Direction::Up | Direction::Down => carried(request, index),
+    }
+}
+
+/// The cell at `index` of the grid, started from rest.
+///
+/// # Errors
+/// A gap the rig cannot have.
+pub(super) fn cell_from_rest(request: &Request, index: usize) -> Result<Cell, Error> {
+    let (gap_mm, frequency_hz) = request.grid.at(index);
+    let params = request.params_at(gap_mm);
+    let rig = Rig::<f64>::new(&params)?;
+    Ok(Cell {
+        params,
+        frequency_hz,
+        start: Start::Rest.section(&rig, std::f64::consts::TAU * frequency_hz)?,
+        phase: 0.0,
+    })
+}
+
+fn from_rest(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
+    let cells = request.tile(index).map(|i| cell_from_rest(request, i));
+    let outcomes = settled(request, &cells.collect::<Result<Vec<_>, _>>()?)?;
+    Ok(outcomes.iter().map(MapCell::from).collect())
+}
+
+/// The gaps of the tile go side by side through the frequencies, each from where it was left at the last one.
+fn carried(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
+    let range = request.tile(index);
+    let columns = request.grid.frequencies_hz.len();
+    let firsts: Vec<usize> = range.clone().step_by(columns).collect();
+    let mut order: Vec<usize> = (0..columns).collect();
+    if request.from == Direction::Down {
+        order.reverse();
+    }
+    let mut found: Vec<Option<MapCell>> = vec![None; range.len()];
+    let mut last: Option<Vec<Outcome>> = None;
+    for column in order {
+        let cells = firsts
+            .iter()
+            .map(|first| cell_from_rest(request, first + column));
+        let mut cells = cells.collect::<Result<Vec<_>, _>>()?;
+        for (cell, left) in cells.iter_mut().zip(last.iter().flatten()) {
+            cell.start = left.section;
+        }
+        let outcomes = settled(request, &cells)?;
+        for (row, outcome) in outcomes.iter().enumerate() {
+            found[row * columns + column] = Some(MapCell::from(outcome));
+        }
+        last = Some(outcomes);
+    }
+    Ok(found.into_iter().flatten().collect())
+}
+
+/// Runs `cells`; those that have not settled run again, to the cycles of `settle`.
+fn settled(request: &Request, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
+    let mut outcomes = run(request.runner, cells, &request.plan)?;
+    if let Some(cycles) = request.settle {
+        let restless: Vec<usize> = (0..cells.len())
+            .filter(|i| outcomes[*i].settled_after.is_none())
+            .collect();
+        let again: Vec<Cell> = restless.iter().map(|i| cells[*i]).collect();
+        let longer = Plan {
+            cycles,
+            ..request.plan
+        };
+        let more = run(request.runner, &again, &longer)?;
+        for (i, outcome) in restless.into_iter().zip(more) {
+            outcomes[i] = outcome;
+        }
+    }
+    Ok(outcomes)
+}
+
+fn run(runner: Runner, cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+    match runner {
+        Runner::Lanes => lanes::run(cells, plan),
+        Runner::Reference => lanes::by_engine(Engine::Event, cells, plan),
+        Runner::Switch(setting) => lanes::by_engine(Engine::Switch(setting), cells, plan),
+    }
+}

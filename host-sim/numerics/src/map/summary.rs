@@ -1,0 +1,99 @@
+//! What a map comes to, in a few numbers.
+
+use serde::Serialize;
+use shared::model::regime::Regime;
+
+use super::Map;
+use crate::row::{kind, regime_as_text};
+
+/// A map in a few numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Cells in all.
+    pub cells: usize,
+    /// How many show what, the most frequent first.
+    pub regimes: Vec<Share>,
+    /// Cells whose section had converged.
+    pub settled: usize,
+    /// Cells that strike and whose section had not converged.
+    pub open: usize,
+    /// Cells flagged as uncertain, and run again by the reference.
+    pub uncertain: usize,
+    /// Where z = 1/1 strikes hardest, if it is there.
+    pub strongest: Option<Strongest>,
+}
+
+/// How many cells show a regime.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// Which.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
+    /// How many.
+    pub cells: usize,
+}
+
+/// The hardest 1/1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Strongest {
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Ω/ω.
+    pub frequency_ratio: f64,
+    /// Contact force over m g.
+    pub force_ratio: f64,
+    /// The same, N.
+    pub force_n: f64,
+}
+
+impl Summary {
+    /// Of `map`.
+    pub fn of(map: &Map) -> Self {
+        let mut regimes: Vec<Share> = Vec::new();
+        // Neighbours are mostly alike: the kinds are few, and the last one found is tried first.
+        let mut last = 0;
+        for cell in &map.cells {
+            let kind = kind(cell.regime);
+            if regimes.get(last).is_none_or(|s| s.regime != kind) {
+                let found = regimes.iter().position(|s| s.regime == kind);
+                last = found.unwrap_or(regimes.len());
+            }
+            if last == regimes.len() {
+                regimes.push(Share {
+                    regime: kind,
+                    cells: 0,
+                });
+            }
+            regimes[last].cells += 1;
+        }
+        // Stable: of equally frequent ones the first met stays first.
+        regimes.sort_by_key(|share| std::cmp::Reverse(share.cells));
+        let count =
+            |which: fn(&super::MapCell) -> bool| map.cells.iter().filter(|c| which(c)).count();
+        Self {
+            cells: map.cells.len(),
+            regimes,
+            settled: count(|c| c.settled_after.is_some()),
+            open: count(|c| c.settled_after.is_none() && c.regime != Regime::None),
+            uncertain: count(|c| c.uncertain),
+            strongest: strongest(map),
+        }
+    }
+}
+
+fn strongest(map: &Map) -> Option<Strongest> {
+    let force = |i: usize| map.cells[i].force_n;
+    let ones = (0..map.cells.len()).filter(|i| map.cells[*i].regime.is(1, 1));
+    // The first of equals.
+    let index = ones.reduce(|a, b| if force(b) > force(a) { b } else { a })?;
+    let (gap_mm, frequency_hz) = map.grid.at(index);
+    Some(Strongest {
+        gap_mm,
+        frequency_hz,
+        frequency_ratio: frequency_hz / map.rig.params.natural_frequency_hz(),
+        force_ratio: map.force_ratio(index),
+        force_n: force(index),
+    })
+}

@@ -1,0 +1,166 @@
+//! The beam rig with more than one bending mode.
+//!
+//! The chapter models the beam springs by their first bending mode (3-30) and blames the modes it leaves out for
+//! displacements that come out too large. Here the springs are an Euler–Bernoulli beam, clamped to the cart, with the
+//! hammer as its tip mass, and as many of its modes are kept as one wants:
+//!
+//! m_i (η̈_i + 2ζ ω_i η̇_i + ω_i² η_i) = Γ_i A0 Ω² sin Ωt − F,  Δ = Σ η_i,  δ = Δ − gap,
+//!
+//! with shapes that are 1 at the hammer, modal masses m_i and participations Γ_i ([`beam`]). Between contacts every mode
+//! moves in closed form ([`flight`]); in contact they are integrated together ([`contact`]); both switches are located
+//! ([`hammer`]). What a run showed is told by [`observe`].
+
+pub mod beam;
+pub mod contact;
+pub mod flight;
+pub mod hammer;
+mod observe;
+
+pub use beam::{Beam, BendingMode, Tip};
+pub use hammer::{Hammer, Watch};
+pub use observe::{Plan, Row, Seen, observe};
+
+use shared::model::contact::Law;
+use shared::model::params::{RigParams, SupportParams};
+
+use crate::error::{Error, ModesError};
+
+/// Most modes that can be kept. The eighth of a beam rig is well above the contact's own 684 Hz.
+pub const MAX_MODES: usize = 8;
+
+/// One number for every mode; those that are not kept are 0.
+pub type PerMode = [f64; MAX_MODES];
+
+/// A beam rig in modal coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModalRig {
+    /// The modes kept, lowest first.
+    pub modes: Vec<BendingMode>,
+    /// ζ of every mode.
+    pub damping_ratio: f64,
+    /// A0, m.
+    pub amplitude_m: f64,
+    /// Clearance at rest, m.
+    pub gap_m: f64,
+    /// The contact law, a spring-dashpot.
+    pub law: Law<f64>,
+}
+
+/// Where the hammer is: the modal coordinates and their rates at a time after drive phase 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time since drive phase 0, s.
+    pub t: f64,
+    /// η_i, m: what each mode moves the hammer, relative to the cart.
+    pub q: PerMode,
+    /// η̇_i, m/s.
+    pub v: PerMode,
+}
+
+impl State {
+    /// Δ, m: the hammer relative to the cart.
+    pub fn tip(&self) -> f64 {
+        self.q.iter().sum()
+    }
+
+    /// Δ̇, m/s.
+    pub fn tip_rate(&self) -> f64 {
+        self.v.iter().sum()
+    }
+}
+
+impl ModalRig {
+    /// The beam rig of `params` with the `count` lowest modes of `beam`, the first at the rig's natural frequency. The
+    /// rig's mass is the hammer's; the beam's comes on top. The chapter's cubic term is left out.
+    ///
+    /// # Errors
+    /// A rig that is not on beams or has a parameter out of range; a law other than the spring-dashpot; a gap below 0; a
+    /// cubic stiffness that is asked for; a number of modes or a beam mass out of range.
+    pub fn new(params: &RigParams, beam: Beam, count: usize) -> Result<Self, Error> {
+        params.check()?;
+        let SupportParams::Beams {
+            natural_frequency_hz,
+            damping_ratio,
+            cubic_stiffness_n_per_m3,
+        } = params.support
+        else {
+            return Err(ModesError::NotBeams.into());
+        };
+        if !matches!(params.contact, Law::SpringDashpot { .. }) {
+            return Err(ModesError::Law.into());
+        }
+        if params.gap_m < 0.0 {
+            return Err(ModesError::Gap(params.gap_m).into());
+        }
+        if cubic_stiffness_n_per_m3.is_some_and(|cubic| cubic != 0.0) {
+            return Err(ModesError::Cubic.into());
+        }
+        if !(1..=MAX_MODES).contains(&count) {
+            return Err(ModesError::Count {
+                count,
+                most: MAX_MODES,
+            }
+            .into());
+        }
+        Ok(Self {
+            modes: beam.modes(params.mass_kg, natural_frequency_hz, count)?,
+            damping_ratio,
+            amplitude_m: params.amplitude_m,
+            gap_m: params.gap_m,
+            law: params.contact,
+        })
+    }
+
+    /// δ, m, and δ̇, m/s.
+    pub fn penetration(&self, state: &State) -> (f64, f64) {
+        (state.tip() - self.gap_m, state.tip_rate())
+    }
+
+    /// F as the law's formula gives it, N: negative where it would pull.
+    pub fn force(&self, state: &State) -> f64 {
+        let (delta, rate) = self.penetration(state);
+        self.law.force(delta, rate, 0.0)
+    }
+
+    /// Accelerations of the modes under the inertial acceleration `drive` (A0 Ω² sin Ωt, m/s²) and the contact force
+    /// `force` (N), m/s².
+    pub fn accelerations(&self, state: &State, drive: f64, force: f64) -> PerMode {
+        let mut a = PerMode::default();
+        for (i, mode) in self.modes.iter().enumerate() {
+            let pushed = (mode.participation_kg * drive - force) / mode.mass_kg;
+            let damped = 2.0 * self.damping_ratio * mode.omega * state.v[i];
+            a[i] = pushed - damped - mode.omega * mode.omega * state.q[i];
+        }
+        a
+    }
+
+    /// Energy of each mode, J, relative to the cart.
+    pub fn energies(&self, state: &State) -> PerMode {
+        let mut e = PerMode::default();
+        for (i, mode) in self.modes.iter().enumerate() {
+            let spring = mode.omega * state.q[i];
+            e[i] = 0.5 * mode.mass_kg * (state.v[i] * state.v[i] + spring * spring);
+        }
+        e
+    }
+
+    /// What damping takes from each mode, W.
+    pub fn losses(&self, state: &State) -> PerMode {
+        let mut p = PerMode::default();
+        for (i, mode) in self.modes.iter().enumerate() {
+            let c = 2.0 * self.damping_ratio * mode.omega * mode.mass_kg;
+            p[i] = c * state.v[i] * state.v[i];
+        }
+        p
+    }
+
+    /// What the inertial force gives all modes, W.
+    pub fn inertial_power(&self, state: &State, drive: f64) -> f64 {
+        let each = self.modes.iter().zip(state.v);
+        each.map(|(mode, v)| mode.participation_kg * drive * v)
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,295 @@
+//! What a run shows: regime, force, displacement, and where the energy is.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::model::contacts::Period;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
+
+use super::flight::Flight;
+use super::hammer::{Hammer, Watch};
+use super::{Beam, MAX_MODES, ModalRig, PerMode, State, Tip};
+use crate::engine::Plan as Cycles;
+use crate::error::{Error, ModesError};
+use crate::progress::{Progress, step};
+use crate::reference::flow::Totals;
+use crate::row::NamedRig;
+use crate::row::{regime_as_text, tidy};
+
+/// Samples of a flight per drive period: fine enough for a 900 Hz mode at 4 Hz drive, and for the extremes of the
+/// displacement to some 1e-4 of them.
+const SAMPLES: f64 = 512.0;
+
+/// What is run.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// The rig.
+    pub rig: &'a NamedRig,
+    /// Its springs.
+    pub beam: Beam,
+    /// Numbers of modes, one run each.
+    pub counts: &'a [usize],
+    /// Drive frequencies, Hz.
+    pub frequencies_hz: &'a [f64],
+    /// Cycles in all, and those not recorded.
+    pub cycles: Cycles,
+}
+
+impl Plan<'_> {
+    /// Every frequency with every number of modes, from rest: a row each, by frequency, then by number of modes.
+    ///
+    /// # Errors
+    /// What [`ModalRig::new`] refuses, and a motion that cannot be followed.
+    pub fn run(&self, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
+        let rigs = self
+            .counts
+            .iter()
+            .map(|count| ModalRig::new(&self.rig.params, self.beam, *count))
+            .collect::<Result<Vec<_>, _>>()?;
+        let runs: Vec<_> = self
+            .frequencies_hz
+            .iter()
+            .flat_map(|hz| rigs.iter().map(move |rig| (*hz, rig)))
+            .collect();
+        runs.into_par_iter()
+            .map(|(hz, rig)| {
+                let seen = observe(rig.clone(), hz, self.cycles)?;
+                step(progress, 1)?;
+                Ok(Row::new(self.rig, self.beam, rig.modes.len(), hz, &seen))
+            })
+            .collect()
+    }
+}
+
+/// What the recorded cycles of a run showed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// The regime.
+    pub regime: Regime,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// Approach speed of the strongest contact that ended, m/s.
+    pub approach_m_per_s: Option<f64>,
+    /// The hammer's displacement in the fixed frame, x: least and largest, m.
+    pub reach_m: [f64; 2],
+    /// x at drive phase 0, oldest first, m.
+    pub section_m: Vec<f64>,
+    /// Mean energy of each mode, J, relative to the cart.
+    pub energy_j: PerMode,
+    /// Mean power that damping takes from each mode, W.
+    pub loss_w: PerMode,
+    /// Mean power that the contact takes, W.
+    pub contact_loss_w: f64,
+}
+
+/// Runs `rig` from rest at `frequency_hz`.
+///
+/// # Errors
+/// A frequency that is none; a motion that cannot be followed.
+pub fn observe(rig: ModalRig, frequency_hz: f64, cycles: Cycles) -> Result<Seen, Error> {
+    if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
+        return Err(Error::Frequency(frequency_hz));
+    }
+    let amplitude = rig.amplitude_m;
+    let mut hammer = Hammer::at_rest(rig, frequency_hz);
+    let omega = std::f64::consts::TAU * frequency_hz;
+    let mut detector = Detector::new(amplitude, amplitude * omega);
+    let lost = |hammer: &Hammer| -> Result<(), Error> {
+        if hammer.state().tip().abs() < 1.0 {
+            return Ok(());
+        }
+        Err(ModesError::Lost { frequency_hz }.into())
+    };
+    for _ in 0..cycles.transient {
+        hammer.run_period(&mut ());
+        lost(&hammer)?;
+    }
+    hammer.take_strongest();
+    let tip = |hammer: &Hammer| (hammer.state().tip(), hammer.state().tip_rate());
+    let (q, v) = tip(&hammer);
+    detector.push(q, v, &Period::default());
+    let mut sampler = Sampler::new(hammer.rig().clone(), omega, *hammer.state());
+    let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
+    for _ in cycles.transient..cycles.cycles {
+        let period = hammer.run_period(&mut sampler);
+        lost(&hammer)?;
+        sampler.last.0 = 0.0;
+        let (q, v) = tip(&hammer);
+        detector.push(q, v, &period);
+        section_m.push(q);
+        force_n = force_n.max(period.peak_force);
+    }
+    let time = f64::from(cycles.cycles - cycles.transient) / frequency_hz;
+    Ok(Seen {
+        regime: detector.regime(),
+        force_n,
+        approach_m_per_s: hammer
+            .take_strongest()
+            .map(|contact| contact.approach_speed),
+        reach_m: sampler.reach,
+        section_m,
+        energy_j: sampler.energy.map(|e| e / time),
+        loss_w: sampler.loss.map(|e| e / time),
+        contact_loss_w: sampler.contact_work / time,
+    })
+}
+
+/// Follows a run at its contact steps and at even times of its flights; integrals by the trapezoidal rule.
+struct Sampler {
+    rig: ModalRig,
+    omega: f64,
+    reach: [f64; 2],
+    energy: PerMode,
+    loss: PerMode,
+    contact_work: f64,
+    /// Time, energies and losses last seen.
+    last: (f64, PerMode, PerMode),
+}
+
+impl Sampler {
+    fn new(rig: ModalRig, omega: f64, state: State) -> Self {
+        let last = (0.0, rig.energies(&state), rig.losses(&state));
+        Self {
+            rig,
+            omega,
+            reach: [f64::INFINITY, f64::NEG_INFINITY],
+            energy: PerMode::default(),
+            loss: PerMode::default(),
+            contact_work: 0.0,
+            last,
+        }
+    }
+
+    fn see(&mut self, state: &State) {
+        let x = state.tip() + self.rig.amplitude_m * (self.omega * state.t).sin();
+        self.reach = [self.reach[0].min(x), self.reach[1].max(x)];
+        let (energies, losses) = (self.rig.energies(state), self.rig.losses(state));
+        let half = 0.5 * (state.t - self.last.0);
+        for i in 0..MAX_MODES {
+            self.energy[i] += half * (energies[i] + self.last.1[i]);
+            self.loss[i] += half * (losses[i] + self.last.2[i]);
+        }
+        self.last = (state.t, energies, losses);
+    }
+}
+
+impl Watch for Sampler {
+    fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
+        let every = std::f64::consts::TAU / self.omega / SAMPLES;
+        let first = (from / every).floor() + 1.0;
+        let inside = (to / every - first).ceil().max(0.0) as usize;
+        self.see(&flight.at(from));
+        for k in 0..inside {
+            self.see(&flight.at((first + k as f64) * every));
+        }
+        self.see(&flight.at(to));
+    }
+
+    fn contact(&mut self, end: &State, totals: &Totals) {
+        self.see(end);
+        self.contact_work += totals.contact_work;
+    }
+}
+
+/// One run, as told to people and programs. Units are in the names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Name of the rig.
+    pub rig: String,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// How the hammer holds the beam's end.
+    pub tip: Tip,
+    /// Mass of the springs over the hammer's.
+    pub beam_mass_ratio: f64,
+    /// Modes kept.
+    pub modes: usize,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Over the first mode's.
+    pub frequency_ratio: f64,
+    /// "p/n", "none", "aperiodic" or "chatter".
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
+    /// p.
+    pub impacts: u16,
+    /// n.
+    pub periods: Option<u8>,
+    /// Largest contact force over the hammer's weight.
+    pub force_ratio: f64,
+    /// The same, N.
+    pub force_n: f64,
+    /// Approach speed of the strongest contact, m/s.
+    pub approach_speed_m_per_s: Option<f64>,
+    /// Largest less least displacement in the fixed frame, mm.
+    pub swing_mm: f64,
+    /// Mean displacement at drive phase 0, mm.
+    pub section_mm: f64,
+    /// Largest less least displacement at drive phase 0, mm.
+    pub section_spread_mm: f64,
+    /// Mean energy of all modes, mJ.
+    pub energy_mj: f64,
+    /// Share of it in all modes but the first.
+    pub higher_energy_share: f64,
+    /// Share of the modes' damping losses that is not the first's.
+    pub higher_loss_share: f64,
+    /// Mean power the contact takes, mW.
+    pub contact_loss_mw: f64,
+    /// Mean power the modes' damping takes, mW.
+    pub damping_loss_mw: f64,
+    /// Share of the energy in mode 2.
+    pub energy_share_2: f64,
+    /// In mode 3.
+    pub energy_share_3: f64,
+    /// In mode 4.
+    pub energy_share_4: f64,
+    /// In mode 5.
+    pub energy_share_5: f64,
+    /// In modes 6 to 8.
+    pub energy_share_6_to_8: f64,
+}
+
+impl Row {
+    fn new(rig: &NamedRig, beam: Beam, modes: usize, frequency_hz: f64, seen: &Seen) -> Self {
+        let params: &RigParams = &rig.params;
+        let count = seen.section_m.len() as f64;
+        let least = seen.section_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = seen
+            .section_m
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let energy: f64 = seen.energy_j.iter().sum();
+        let loss: f64 = seen.loss_w.iter().sum();
+        let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let of_energy = |i: usize| share(seen.energy_j[i], energy);
+        Self {
+            rig: rig.name.clone(),
+            gap_mm: tidy(params.gap_m * 1e3),
+            tip: beam.tip,
+            beam_mass_ratio: beam.mass_ratio,
+            modes,
+            frequency_hz: tidy(frequency_hz),
+            frequency_ratio: tidy(frequency_hz / params.natural_frequency_hz()),
+            regime: seen.regime,
+            impacts: seen.regime.impacts(),
+            periods: seen.regime.periods(),
+            force_ratio: seen.force_n / params.weight_n(),
+            force_n: seen.force_n,
+            approach_speed_m_per_s: seen.approach_m_per_s,
+            swing_mm: 1e3 * (seen.reach_m[1] - seen.reach_m[0]),
+            section_mm: 1e3 * seen.section_m.iter().sum::<f64>() / count,
+            section_spread_mm: 1e3 * (most - least),
+            energy_mj: 1e3 * energy,
+            higher_energy_share: share(energy - seen.energy_j[0], energy),
+            higher_loss_share: share(loss - seen.loss_w[0], loss),
+            contact_loss_mw: 1e3 * seen.contact_loss_w,
+            damping_loss_mw: 1e3 * loss,
+            energy_share_2: of_energy(1),
+            energy_share_3: of_energy(2),
+            energy_share_4: of_energy(3),
+            energy_share_5: of_energy(4),
+            energy_share_6_to_8: (5..MAX_MODES).map(of_energy).sum(),
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The answer of a pick.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+
+use super::sensitivity::Sensitivity;
+use super::uncertainty::Uncertainty;
+use crate::branch::End;
+use crate::orbit::Orbit;
+use crate::row::NamedRig;
+use crate::row::{regime_as_text, tidy};
+
+/// A limit, and whether it decided the choice.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LimitUse {
+    /// Its name, with its unit.
+    pub name: &'static str,
+    /// The limit; for the uncertainty, the band it leaves is `robust_band_hz`.
+    pub limit: Option<f64>,
+    /// Whether a larger force lies beyond it.
+    pub binds: bool,
+}
+
+/// What the shaker must give at the operating point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shaker {
+    /// Stroke, peak to peak, mm.
+    pub stroke_mm: f64,
+    /// Peak velocity A0 Ω, m/s.
+    pub velocity_m_per_s: f64,
+    /// Peak acceleration A0 Ω², m/s².
+    pub acceleration_m_per_s2: f64,
+    /// Peak force to move cart and hammer, (M + m) A0 Ω², N.
+    pub force_n: f64,
+    /// Mean power the blows and the support's damping take, W.
+    pub mean_power_w: f64,
+    /// Peak of the power that swings back and forth, ½ (M + m) A0² Ω³, W.
+    pub reactive_power_w: f64,
+    /// Energy a blow takes from the hammer, J.
+    pub energy_per_blow_j: f64,
+    /// Blows per second.
+    pub blows_per_second: f64,
+}
+
+/// The answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Answer {
+    /// Name of the rig.
+    pub rig: String,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// The frequency to run at, Hz.
+    pub operating_frequency_hz: f64,
+    /// The same over the natural frequency.
+    pub frequency_ratio: f64,
+    /// The regime of the orbit picked, as a run that starts on it shows.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
+    /// The regime a run from rest settles on there.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime_from_rest: Regime,
+    /// Corners of the uncertainty.
+    pub corners: usize,
+    /// How many of them settle on 1/1 from rest there; the others need a push to get onto their orbit.
+    pub corners_reaching_one_one_from_rest: usize,
+    /// Contact force over m g there.
+    pub force_ratio: f64,
+    /// The same, N.
+    pub force_n: f64,
+    /// Smallest force ratio over the uncertainty.
+    pub force_ratio_worst: f64,
+    /// Largest force ratio over the uncertainty.
+    pub force_ratio_largest: f64,
+    /// Approach speed, m/s.
+    pub approach_speed_m_per_s: f64,
+    /// Contact time, ms.
+    pub contact_time_ms: f64,
+    /// Where the nominal 1/1 is stable and its force above 90 % of that at the operating frequency, Hz.
+    pub band_hz: [f64; 2],
+    /// The part of it where 1/1 is stable over the whole uncertainty and every limit is kept, Hz.
+    pub safe_band_hz: [f64; 2],
+    /// Where the nominal 1/1 is stable, Hz.
+    pub stable_one_one_hz: [f64; 2],
+    /// How the stable 1/1 ends, below and above.
+    pub stable_one_one_ends: [End; 2],
+    /// Where 1/1 is stable over the whole uncertainty, Hz.
+    pub robust_band_hz: [f64; 2],
+    /// Where the nominal 1/1 doubles its period, Hz; none if it ends otherwise.
+    pub period_doubling_hz: Option<f64>,
+    /// Largest modulus of the monodromy matrix's eigenvalues at the operating point.
+    pub multipliers: f64,
+    /// The same, largest over the uncertainty.
+    pub multipliers_worst: f64,
+    /// Whether the hammer never jumps: up and down sweeps across the stable 1/1 give the same forces, and it does not end
+    /// in a fold.
+    pub jump_free: bool,
+    /// Whether it does not inside the safe band.
+    pub jump_free_in_safe_band: bool,
+    /// The lowest and the highest frequency at which it jumps (sweeps differ, or the 1/1 folds), Hz; none where it never
+    /// does.
+    pub jump_range_hz: Option<[f64; 2]>,
+    /// Best nominal frequency, no uncertainty and no limits, Hz.
+    pub nominal_optimum_hz: f64,
+    /// Its force ratio.
+    pub nominal_optimum_force_ratio: f64,
+    /// Force ratio when driven at the natural frequency (Ω = ω).
+    pub force_ratio_at_natural_frequency: f64,
+    /// What the shaker must give.
+    pub shaker: Shaker,
+    /// Limits, and which decide.
+    pub limits: Vec<LimitUse>,
+    /// Change of the nominal optimum per 1 % of each parameter (gap: per 0.01 mm), largest force first.
+    pub sensitivity: Vec<Sensitivity>,
+    /// The uncertainty taken into account; none with `--nominal`.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// Peak force to move cart and hammer at `hz`, (M + m) A0 Ω², N.
+pub fn drive_force(params: &RigParams, hz: f64) -> f64 {
+    (params.cart_mass_kg + params.mass_kg) * params.amplitude_m * (TAU * hz).powi(2)
+}
+
+/// What the shaker must give for `orbit`.
+pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> Shaker {
+    let params = &rig.params;
+    let (amplitude, omega) = (params.amplitude_m, TAU * orbit.frequency_hz);
+    let moved_kg = params.cart_mass_kg + params.mass_kg;
+    Shaker {
+        stroke_mm: tidy(2e3 * amplitude),
+        velocity_m_per_s: amplitude * omega,
+        acceleration_m_per_s2: amplitude * omega.powi(2),
+        force_n: drive_force(params, orbit.frequency_hz),
+        mean_power_w: orbit.energy_per_period_j * orbit.frequency_hz,
+        reactive_power_w: 0.5 * moved_kg * amplitude.powi(2) * omega.powi(3),
+        energy_per_blow_j: orbit.contact.energy_lost_j,
+        blows_per_second: f64::from(orbit.impacts) * orbit.frequency_hz,
+    }
+}

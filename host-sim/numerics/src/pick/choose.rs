@@ -1,0 +1,195 @@
+//! The choice on the robust range, within the limits asked for.
+
+use super::answer::{LimitUse, drive_force};
+use super::search::{Spread, interval_where, maximise, spread_of_members};
+use super::uncertainty::Member;
+use crate::branch::Branch;
+use crate::error::{Error, PickError};
+use crate::orbit::Orbit;
+use crate::row::NamedRig;
+
+/// What the operating point must respect.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Largest contact force allowed, N, for every member of the uncertainty.
+    pub max_force_n: Option<f64>,
+    /// Largest drive frequency allowed, Hz.
+    pub max_frequency_hz: Option<f64>,
+    /// Largest force the shaker can give to move M + m, N.
+    pub max_drive_force_n: Option<f64>,
+}
+
+/// The orbit chosen.
+pub struct Choice {
+    /// The nominal orbit.
+    pub orbit: Orbit,
+    /// Forces over the uncertainty.
+    pub spread: Spread,
+    /// The part of the robust range about it that the limits allow, Hz.
+    pub allowed: (f64, f64),
+    /// Limits, and which decide.
+    pub limits: Vec<LimitUse>,
+}
+
+/// What is chosen from: the nominal branch, and the rigs the real one may be.
+#[derive(Clone, Copy)]
+pub struct Field<'a> {
+    /// The nominal rig.
+    pub rig: &'a NamedRig,
+    /// Its stable 1/1.
+    pub branch: &'a Branch,
+    /// The uncertainty's members.
+    pub members: &'a [Member],
+}
+
+impl Field<'_> {
+    /// The highest frequency the shaker's limits allow, Hz.
+    fn top(&self, limits: Limits) -> f64 {
+        let by_frequency = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
+        let at_one = drive_force(&self.rig.params, 1.0);
+        let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
+        by_drive.map_or(by_frequency, |hz| hz.min(by_frequency))
+    }
+
+    /// The orbit at `hz`, if its force and that of every member is within the limit.
+    fn within_force(&self, hz: f64, max_force_n: Option<f64>) -> Option<Orbit> {
+        let orbit = self.branch.at(&self.rig.params, hz)?;
+        if let Some(max) = max_force_n {
+            let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
+            if spread.strongest_n > max {
+                return None;
+            }
+        }
+        Some(orbit)
+    }
+
+    /// The strongest orbit in `range_hz` within `limits`. Both flanks of the force curve may reach a force
+    /// limit; the lower one is taken, which needs less of the shaker and is farther from the doubling.
+    fn best(&self, range_hz: (f64, f64), limits: Limits) -> Option<Orbit> {
+        let range_hz = (range_hz.0, self.top(limits).min(range_hz.1));
+        if range_hz.1 < range_hz.0 {
+            return None;
+        }
+        let within = |hz: f64| self.within_force(hz, limits.max_force_n);
+        let (best_hz, orbit) = maximise(self.branch, range_hz, |hz| {
+            let orbit = within(hz)?;
+            Some((orbit.force_n, orbit))
+        })?;
+        if limits.max_force_n.is_none() || within(range_hz.0).is_none() {
+            return Some(orbit);
+        }
+        let rising = (range_hz.0, best_hz);
+        let (_, edge) = interval_where(self.branch, range_hz.0, rising, |hz| within(hz).is_some());
+        let lower = within(edge)?;
+        let equal = lower.force_n >= orbit.force_n * (1.0 - 1e-5);
+        Some(if equal { lower } else { orbit })
+    }
+
+    /// The part of `range_hz` about `from_hz` that `limits` allow.
+    fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: Limits) -> (f64, f64) {
+        let range_hz = (range_hz.0, range_hz.1.min(self.top(limits)));
+        if limits.max_force_n.is_none() {
+            return range_hz;
+        }
+        interval_where(self.branch, from_hz, range_hz, |hz| {
+            self.within_force(hz, limits.max_force_n).is_some()
+        })
+    }
+
+    /// The best orbit that uncertainty and limits allow, and which of them decide.
+    ///
+    /// A force limit holds for every member, but only a few of them ever reach it. The search asks those
+    /// known to (at first none), then all at what it found, and takes in whoever breaks the limit there.
+    ///
+    /// # Errors
+    /// One line: nothing is within the limits.
+    pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, Error> {
+        let mut strong: Vec<Member> = Vec::new();
+        loop {
+            let search = Field {
+                members: &strong,
+                ..*self
+            };
+            let orbit = search
+                .best(robust, limits)
+                .ok_or_else(|| self.nothing(robust, limits))?;
+            let allowed = search.allowed(orbit.frequency_hz, robust, limits);
+            let spread = self.spread(&orbit)?;
+            let mut breaker = self.breaks(&spread, &strong, limits);
+            if limits.max_force_n.is_some() {
+                for end in [allowed.0, allowed.1] {
+                    let there = self.branch.at(&self.rig.params, end);
+                    let there = there.map(|orbit| self.spread(&orbit)).transpose()?;
+                    let found = there.and_then(|spread| self.breaks(&spread, &strong, limits));
+                    breaker = breaker.or(found);
+                }
+            }
+            let Some(member) = breaker else {
+                let mut limits = search.which_decide(&orbit, robust, limits);
+                limits.retain(|l| l.limit.is_some() || !self.members.is_empty());
+                return Ok(Choice {
+                    orbit,
+                    spread,
+                    allowed,
+                    limits,
+                });
+            };
+            strong.push(member);
+        }
+    }
+
+    /// The strongest member, if it breaks the force limit and is not among those known to.
+    fn breaks(&self, spread: &Spread, known: &[Member], limits: Limits) -> Option<Member> {
+        let max = limits.max_force_n?;
+        let member = self.members[spread.strongest?];
+        (spread.strongest_n > max && !known.contains(&member)).then_some(member)
+    }
+
+    fn spread(&self, orbit: &Orbit) -> Result<Spread, Error> {
+        spread_of_members(&self.rig.params, self.members, orbit).ok_or_else(|| {
+            self.rig.no_pick(PickError::MemberLost {
+                frequency_hz: orbit.frequency_hz,
+            })
+        })
+    }
+
+    fn nothing(&self, robust: (f64, f64), limits: Limits) -> Error {
+        self.rig.no_pick(PickError::Limits {
+            range_hz: robust,
+            limits,
+        })
+    }
+
+    /// A limit decides when dropping it, and it alone, gives more.
+    fn which_decide(&self, orbit: &Orbit, robust: (f64, f64), limits: Limits) -> Vec<LimitUse> {
+        let more = |found: Option<Orbit>| {
+            found.is_some_and(|other| other.force_n > orbit.force_n * (1.0 + 1e-6))
+        };
+        let certain = Field {
+            members: &[],
+            ..*self
+        };
+        let free = (self.branch.low.frequency_hz, self.branch.high.frequency_hz);
+        let mut uses = vec![LimitUse {
+            name: "the uncertainty",
+            limit: None,
+            binds: more(certain.best(free, limits)),
+        }];
+        let (mut force, mut frequency, mut drive) = (limits, limits, limits);
+        force.max_force_n = None;
+        frequency.max_frequency_hz = None;
+        drive.max_drive_force_n = None;
+        let given = [
+            ("max_force_n", limits.max_force_n, force),
+            ("max_frequency_hz", limits.max_frequency_hz, frequency),
+            ("max_drive_force_n", limits.max_drive_force_n, drive),
+        ];
+        let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
+        uses.extend(given.map(|(name, limit, without)| LimitUse {
+            name,
+            limit,
+            binds: more(self.best(robust, without)),
+        }));
+        uses
+    }
+}

@@ -1,0 +1,278 @@
+//! Which gap to run at: the pick of every gap beside the others, with the share of starts that get onto the
+//! orbit picked.
+
+use shared::model::regime::Regime;
+
+use super::{Limits, Pick, Uncertainty, pick, steps};
+use crate::basins::start::{self, Drive, Fate, Window};
+use crate::basins::{Query, Share};
+use crate::engine::Engine;
+use crate::error::Error;
+use crate::progress::Progress;
+use crate::row::NamedRig;
+use crate::row::tidy;
+
+/// A run ends on the orbit picked when the middle of its section is this near to the orbit's, in A0 and A0 Ω.
+const ON_ORBIT: f64 = 0.05;
+/// A gap whose force is below this share of the largest is not advised.
+const FORCE_SHARE: f64 = 0.8;
+
+/// One gap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtGap {
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// The same over A0.
+    pub gap_over_amplitude: f64,
+    /// The operating point there, or why there is none.
+    pub pick: Result<GapPick, Error>,
+}
+
+/// The operating point at a gap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GapPick {
+    /// The frequency to run at, Hz.
+    pub operating_frequency_hz: f64,
+    /// The same over the natural frequency.
+    pub frequency_ratio: f64,
+    /// Contact force over m g there.
+    pub force_ratio: f64,
+    /// Force ratio of the strongest stable 1/1 of the nominal rig, no limits.
+    pub largest_force_ratio: f64,
+    /// The safe band, Hz: 1/1 stable over the uncertainty, force above 90 %, limits kept.
+    pub safe_band_hz: [f64; 2],
+    /// Largest modulus of a multiplier at the operating point.
+    pub multiplier: f64,
+    /// Whether the hammer never jumps: up and down sweeps across the stable 1/1 agree, and it does not end in a fold.
+    pub jump_free: bool,
+    /// The lowest and the highest frequency at which it jumps, Hz.
+    pub jump_range_hz: Option<[f64; 2]>,
+    /// The regime a run from rest settles on at the operating frequency.
+    pub from_rest: Regime,
+    /// Share of the starts that end on the orbit picked; `None` without starts.
+    pub basin: Option<Share>,
+    /// Share of the starts that end without impact; `None` without starts.
+    pub silent: Option<Share>,
+}
+
+impl GapPick {
+    /// Width of the safe band over the operating frequency, %.
+    pub fn safe_band_percent(&self) -> f64 {
+        let [low, high] = self.safe_band_hz;
+        100.0 * (high - low) / self.operating_frequency_hz
+    }
+}
+
+/// The gaps beside each other, and the one advised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GapAdvice {
+    /// Name of the rig.
+    pub rig: String,
+    /// One entry per gap, in the order asked for.
+    pub gaps: Vec<AtGap>,
+    /// Index of the gap advised; `None` if no gap has an operating point.
+    pub advised: Option<usize>,
+    /// Random starts per gap.
+    pub starts: u32,
+    /// Their lowest displacement, mm; the upper end is the gap.
+    pub from_displacement_mm: f64,
+    /// Their velocities, m/s.
+    pub velocity_m_per_s: [f64; 2],
+}
+
+/// Steps of progress that [`advise`] reports for `gaps` gaps.
+pub fn gap_steps(gaps: usize, uncertainty: Option<Uncertainty>, starts: u32) -> u64 {
+    gaps as u64 * (steps(uncertainty) + u64::from(starts))
+}
+
+/// Picks at every one of `gaps_mm`, and tells which gap to run at.
+///
+/// The starts are drawn from the basins' usual window, at drive phase 0, with `seed`; they run for 300 drive cycles.
+///
+/// # Errors
+/// A gap the rig cannot have; starts that cannot be run. A gap without a pick is a row that says why.
+pub fn advise(
+    rig: &NamedRig,
+    gaps_mm: &[f64],
+    uncertainty: Option<Uncertainty>,
+    limits: Limits,
+    (starts, seed): (u32, u64),
+    progress: &dyn Progress,
+) -> Result<GapAdvice, Error> {
+    let at_gap = |gap_mm: &f64| {
+        let params = rig.params.with_gap_mm(tidy(*gap_mm))?;
+        let name = rig.name.clone();
+        Ok(NamedRig { name, params })
+    };
+    let rigs: Vec<NamedRig> = gaps_mm.iter().map(at_gap).collect::<Result<_, Error>>()?;
+    let mut gaps = Vec::with_capacity(rigs.len());
+    for rig in &rigs {
+        let found = match pick(rig, uncertainty, limits, progress) {
+            Ok(found) => Ok(gap_pick(rig, &found, starts, seed, progress)?),
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(why) => Err(why),
+        };
+        gaps.push(AtGap {
+            gap_mm: tidy(rig.params.gap_m * 1e3),
+            gap_over_amplitude: tidy(rig.params.gap_m / rig.params.amplitude_m),
+            pick: found,
+        });
+    }
+    let window = Window::usual(&rig.params, 1, 1);
+    Ok(GapAdvice {
+        rig: rig.name.clone(),
+        advised: advised(&gaps),
+        gaps,
+        starts,
+        from_displacement_mm: tidy(window.displacement_m[0] * 1e3),
+        velocity_m_per_s: window.velocity_m_per_s,
+    })
+}
+
+fn gap_pick(
+    rig: &NamedRig,
+    found: &Pick,
+    starts: u32,
+    seed: u64,
+    progress: &dyn Progress,
+) -> Result<GapPick, Error> {
+    let a = &found.answer;
+    let hz = a.operating_frequency_hz;
+    let fates = fates(rig, hz, starts, seed, progress)?;
+    let share = |is: &dyn Fn(&Fate) -> bool| {
+        let count = fates.iter().filter(|fate| is(fate)).count();
+        Share::wilson(count as u64, fates.len() as u64)
+    };
+    Ok(GapPick {
+        operating_frequency_hz: hz,
+        frequency_ratio: a.frequency_ratio,
+        force_ratio: a.force_ratio,
+        largest_force_ratio: a.nominal_optimum_force_ratio,
+        safe_band_hz: a.safe_band_hz,
+        multiplier: a.multipliers,
+        jump_free: a.jump_free,
+        jump_range_hz: a.jump_range_hz,
+        from_rest: a.regime_from_rest,
+        basin: (starts > 0).then(|| share(&|fate| ends_on(fate, found.section))),
+        silent: (starts > 0).then(|| share(&|fate| !fate.impacts())),
+    })
+}
+
+/// What becomes of hammers let go all over the usual window.
+fn fates(
+    rig: &NamedRig,
+    frequency_hz: f64,
+    starts: u32,
+    seed: u64,
+    progress: &dyn Progress,
+) -> Result<Vec<Fate>, Error> {
+    let Query {
+        window,
+        phase,
+        cycles,
+        recorded,
+        ..
+    } = Query::usual(rig.clone(), frequency_hz, 1, 1);
+    let drive = Drive {
+        params: rig.params,
+        frequency_hz,
+        phase,
+    };
+    let starts = window.sample(starts, seed);
+    start::fates(Engine::Event, &drive, &starts, cycles, recorded, progress)
+}
+
+/// Whether `fate` is the 1/1 through `section` (in A0 and A0 Ω).
+fn ends_on(fate: &Fate, section: [f64; 2]) -> bool {
+    let near = |middle: [f64; 2]| (0..2).all(|i| (middle[i] - section[i]).abs() < ON_ORBIT);
+    fate.regime.is(1, 1) && fate.middle.is_some_and(near)
+}
+
+/// Of the gaps with at least [`FORCE_SHARE`] of the largest force, and without a jump if there are such, the one most
+/// starts lead to; of equal ones the one with the wider safe band.
+fn advised(gaps: &[AtGap]) -> Option<usize> {
+    let picked = gaps.iter().enumerate();
+    let picked: Vec<(usize, &GapPick)> = picked
+        .filter_map(|(i, gap)| Some((i, gap.pick.as_ref().ok()?)))
+        .collect();
+    let largest = picked
+        .iter()
+        .map(|(_, p)| p.force_ratio)
+        .fold(0.0, f64::max);
+    let strong = |p: &GapPick| p.force_ratio >= FORCE_SHARE * largest;
+    let calm = picked.iter().any(|(_, p)| strong(p) && p.jump_free);
+    let among = picked
+        .into_iter()
+        .filter(|(_, p)| strong(p) && (p.jump_free || !calm));
+    let key = |p: &GapPick| (p.basin.map_or(0.0, |s| s.value()), p.safe_band_percent());
+    let best = among.reduce(|best, next| {
+        let (a, b) = (key(best.1), key(next.1));
+        if b.0 > a.0 || (b.0 == a.0 && b.1 > a.1) {
+            next
+        } else {
+            best
+        }
+    });
+    best.map(|(i, _)| i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::model::params::WIRES;
+
+    fn made_up(gap_mm: f64, force: f64, jumps: bool, basin: u64) -> AtGap {
+        AtGap {
+            gap_mm,
+            gap_over_amplitude: gap_mm,
+            pick: Ok(GapPick {
+                operating_frequency_hz: 10.0,
+                frequency_ratio: 2.0,
+                force_ratio: force,
+                largest_force_ratio: force,
+                safe_band_hz: [9.5, 10.5],
+                multiplier: 0.3,
+                jump_free: !jumps,
+                jump_range_hz: None,
+                from_rest: Regime::None,
+                basin: Some(Share::wilson(basin, 10)),
+                silent: None,
+            }),
+        }
+    }
+
+    #[test]
+    fn force_first_then_no_jump_then_the_basin() {
+        let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
+        let weak = made_up(0.0, 7.0, false, 10);
+        let strong = made_up(1.0, 10.0, false, 5);
+        let wider = made_up(2.0, 9.5, false, 6);
+        let jumping = made_up(3.0, 11.0, true, 9);
+        let none = AtGap {
+            pick: Err(Error::Interrupted),
+            ..made_up(4.0, 0.0, false, 0)
+        };
+        let gaps = [weak, strong, wider, jumping, none];
+        assert_eq!(at(&gaps), Some(2.0));
+        assert_eq!(at(&gaps[3..]), Some(3.0));
+        assert_eq!(at(&gaps[4..]), None);
+        assert_eq!(at(&[]), None);
+    }
+
+    /// The chapter: 0.0 mm does not jump, and has about the largest force over a wider range of frequency.
+    #[test]
+    fn the_field_s_gap_is_advised_on_wires() {
+        let rig = NamedRig {
+            name: "wires".to_owned(),
+            params: WIRES,
+        };
+        let found = advise(&rig, &[0.0, 2.4], None, Limits::default(), (40, 1), &()).unwrap();
+        assert_eq!(found.advised, Some(0), "{found:?}");
+        let [none, large] = [0, 1].map(|i| found.gaps[i].pick.as_ref().unwrap());
+        assert!(none.jump_free && !large.jump_free);
+        assert_eq!(none.basin.unwrap().value(), 1.0);
+        assert!(none.safe_band_percent() > large.safe_band_percent());
+        let bad = advise(&rig, &[70.0], None, Limits::default(), (1, 1), &());
+        assert!(matches!(bad, Err(Error::Parameter(_))), "{bad:?}");
+    }
+}

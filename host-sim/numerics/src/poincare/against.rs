@@ -1,0 +1,249 @@
+//! The smoothing method against the switch on one section (figure 3.4, after Wiercigroch): how the cloud changes with
+//! the width over which contact fades in, and what each costs.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::model::contacts::Period;
+use shared::model::regime::Detector;
+use shared::model::rig::Rig;
+
+use super::cloud::{Apart, apart};
+use super::{Portrait, Request, portrait};
+use crate::error::{Error, MotionError};
+use crate::lyapunov::{self, Exponents};
+use crate::progress::{Progress, step};
+use crate::reference::smoothed::SmoothedReference;
+
+/// One width of the smoothing.
+#[derive(Clone, Debug)]
+pub struct Smoothing {
+    /// ε_α, m; ε_β is the force of the law at this penetration.
+    pub epsilon_m: f64,
+    /// Section at drive phase 0: displacement (mm) and velocity (m/s) relative to the cart.
+    pub points: Vec<(f64, f64)>,
+    /// What is told of it.
+    pub told: Told,
+}
+
+/// What is told of a section.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Told {
+    /// "switch", "switch, another start" or "smoothed".
+    pub model: &'static str,
+    /// ε_α, m; none for the switch.
+    pub epsilon_m: Option<f64>,
+    /// ε_β, N; none for the switch.
+    pub epsilon_n: Option<f64>,
+    /// Periods after which the section repeats; none if not within 16.
+    pub section_periods: Option<u8>,
+    /// Steps of the integrator per drive period, those refused included.
+    pub steps_per_period: f64,
+    /// Mean distance points must be carried to give the switch's cloud, over A0 and A0 Ω.
+    pub carried: f64,
+    /// Share of boxes occupied by one cloud alone.
+    pub boxes_not_shared: f64,
+    /// Total variation of the shares of points per box.
+    pub variation: f64,
+    /// Largest Lyapunov exponent, nats per drive period.
+    pub largest_exponent_per_period: Option<f64>,
+    /// Its standard error.
+    pub exponent_error_per_period: Option<f64>,
+}
+
+/// The switch, the switch from another start (what two equal models differ by), and the smoothed ones.
+#[derive(Clone, Debug)]
+pub struct Against {
+    /// The switch's portrait.
+    pub exact: Portrait,
+    /// What is told of it.
+    pub told: Told,
+    /// The switch again, from another start: no distance below this one's means anything.
+    pub again: Told,
+    /// By falling width.
+    pub smoothed: Vec<Smoothing>,
+}
+
+/// Widths compared unless others are asked for, m. On the wires at 1 mm and 2.7 times the natural frequency the widest
+/// sticks, the middle one is periodic, and the narrowest is chaotic as the switch is.
+pub const WIDTHS_M: [f64; 3] = [1e-6, 3e-7, 1e-7];
+
+/// Drive periods an exponent is told from, at most.
+const EXPONENT_PERIODS: u32 = 2000;
+
+impl Against {
+    /// Everything told, the switch first.
+    pub fn rows(&self) -> Vec<Told> {
+        let switch = [self.told.clone(), self.again.clone()];
+        let smoothed = self.smoothed.iter().map(|s| s.told.clone());
+        switch.into_iter().chain(smoothed).collect()
+    }
+}
+
+/// Runs the request's section at drive phase 0 by the switch and by the smoothing method at each width (m).
+///
+/// # Errors
+/// As [`portrait`] and [`SmoothedReference::new`].
+pub fn against(
+    request: &Request,
+    widths_m: &[f64],
+    progress: &dyn Progress,
+) -> Result<Against, Error> {
+    let mut widths = widths_m.to_vec();
+    widths.sort_by(|a, b| b.total_cmp(a));
+    let request = Request {
+        phases: vec![0.0],
+        ..request.clone()
+    };
+    let rig = Rig::<f64>::new(&request.params)?;
+    let omega = std::f64::consts::TAU * request.frequency_hz;
+    let [q, v] = request.start.section(&rig, omega)?;
+    let units = (rig.amplitude() * 1e3, rig.amplitude() * omega);
+    // Another start on the same attractor: shifted so far that the two forget each other within the transient.
+    let other = Request {
+        start: crate::engine::Start::Section([q - 0.01 * rig.coordinate_scale(), v]),
+        ..request.clone()
+    };
+    let (exact, (again, smoothed)) = rayon::join(
+        || portrait(&request, progress),
+        || {
+            let runs = widths
+                .par_iter()
+                .map(|width| run(&request, *width, progress));
+            (
+                portrait(&other, progress),
+                runs.collect::<Result<Vec<_>, _>>(),
+            )
+        },
+    );
+    let (exact, again, smoothed) = (exact?, again?, smoothed?);
+    let cloud = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+        points
+            .iter()
+            .map(|p| (p.0 / units.0, p.1 / units.1))
+            .collect()
+    };
+    let reference = cloud(&points_of(&exact));
+    let distance = |points: &[(f64, f64)]| apart(&reference, &cloud(points));
+    let plan = lyapunov::Plan {
+        transient: request.transient,
+        periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
+    };
+    let exponents = lyapunov::exponents(&request.params, request.frequency_hz, [q, v], plan).ok();
+    let switch = |model, portrait: &Portrait, exponents: Option<Exponents>| {
+        let told = Steps {
+            section_periods: portrait.regime.periods(),
+            per_period: portrait.steps_per_period,
+        };
+        tell(
+            model,
+            None,
+            told,
+            distance(&points_of(portrait)),
+            exponents,
+            request.frequency_hz,
+        )
+    };
+    let smoothed = smoothed.into_par_iter().map(|(epsilon, points, steps)| {
+        let exponents = lyapunov::of_smoothed(
+            &request.params,
+            request.frequency_hz,
+            epsilon.0,
+            [q, v],
+            plan,
+        );
+        let hz = request.frequency_hz;
+        let told = tell(
+            "smoothed",
+            Some(epsilon),
+            steps,
+            distance(&points),
+            exponents.ok(),
+            hz,
+        );
+        Smoothing {
+            epsilon_m: epsilon.0,
+            points,
+            told,
+        }
+    });
+    Ok(Against {
+        told: switch("switch", &exact, exponents),
+        again: switch("switch, another start", &again, None),
+        smoothed: smoothed.collect(),
+        exact,
+    })
+}
+
+struct Steps {
+    section_periods: Option<u8>,
+    per_period: f64,
+}
+
+fn tell(
+    model: &'static str,
+    epsilon: Option<(f64, f64)>,
+    steps: Steps,
+    apart: Apart,
+    exponents: Option<Exponents>,
+    frequency_hz: f64,
+) -> Told {
+    Told {
+        model,
+        epsilon_m: epsilon.map(|e| e.0),
+        epsilon_n: epsilon.map(|e| e.1),
+        section_periods: steps.section_periods,
+        steps_per_period: steps.per_period,
+        carried: apart.carried,
+        boxes_not_shared: apart.boxes_not_shared,
+        variation: apart.variation,
+        largest_exponent_per_period: exponents.map(|e| e.largest_per_period),
+        exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / frequency_hz),
+    }
+}
+
+/// Displacement (mm) and velocity (m/s) of a portrait's first section.
+fn points_of(portrait: &Portrait) -> Vec<(f64, f64)> {
+    let section = portrait.sections.first().into_iter().flatten();
+    section
+        .map(|p| (p.relative_displacement_mm, p.relative_velocity_m_per_s))
+        .collect()
+}
+
+/// The section of the smoothed model.
+type Ran = ((f64, f64), Vec<(f64, f64)>, Steps);
+
+fn run(request: &Request, width_m: f64, progress: &dyn Progress) -> Result<Ran, Error> {
+    let params = &request.params;
+    let rig = Rig::<f64>::new(params)?;
+    let omega = std::f64::consts::TAU * request.frequency_hz;
+    let [q, v] = request.start.section(&rig, omega)?;
+    let mut hammer = SmoothedReference::<f64>::new(params, request.frequency_hz, width_m, (q, v))?;
+    (0..request.transient).for_each(|_| hammer.run_period());
+    let before = hammer.steps();
+    let scale = rig.coordinate_scale();
+    let mut detector = Detector::new(scale, scale * omega);
+    let mut points = Vec::with_capacity(request.points as usize);
+    for _ in 0..request.points {
+        let (q, v) = hammer.state();
+        if !(q.is_finite() && v.is_finite()) {
+            return Err(MotionError::LostSmoothed { width_m }.into());
+        }
+        // A smoothed contact has no beginning to count: only the section is told.
+        let touched = Period {
+            touched: true,
+            ..Period::default()
+        };
+        detector.push(q, v, &touched);
+        points.push((
+            rig.relative_displacement(q) * 1e3,
+            rig.kinematics(q, v).rate,
+        ));
+        hammer.run_period();
+        step(progress, 1)?;
+    }
+    let steps = Steps {
+        section_periods: detector.regime().periods(),
+        per_period: (hammer.steps() - before) as f64 / f64::from(request.points),
+    };
+    Ok(((width_m, hammer.epsilon_n()), points, steps))
+}

@@ -1,0 +1,205 @@
+//! Poincaré sections (figures 3.15–3.23): the points of a trajectory at one or several drive phases, as many as chaos
+//! needs; and how the smoothing method changes them (figure 3.4).
+
+pub mod against;
+pub mod cloud;
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
+use shared::model::rig::Rig;
+
+use crate::engine::{self, Engine, Recorder, Sample, Start, machine, observe};
+use crate::error::{Error, MotionError};
+use crate::progress::{Progress, step};
+use crate::reference::{Observer, Reference, Segment};
+
+/// What to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// The rig, with its gap.
+    pub params: RigParams,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Where to start, at drive phase 0.
+    pub start: Start,
+    /// Drive phases of the sections, turns from 0 to below 1.
+    pub phases: Vec<f64>,
+    /// Drive periods before the first point.
+    pub transient: u32,
+    /// Points of each section.
+    pub points: u32,
+}
+
+/// A point of a section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SectionPoint {
+    /// Drive phase of the section, turns.
+    pub phase_turns: f64,
+    /// Drive period it lies in, counted from the first recorded.
+    pub period: u64,
+    /// l sin θ or Δ, mm.
+    pub relative_displacement_mm: f64,
+    /// Its rate, m/s.
+    pub relative_velocity_m_per_s: f64,
+    /// In the fixed frame (3-18): x, mm.
+    pub displacement_mm: f64,
+    /// In the fixed frame: ẋ, m/s.
+    pub velocity_m_per_s: f64,
+    /// Contacts that begin in its drive period, from phase 0 to phase 0.
+    pub contacts: u16,
+    /// Largest contact force in that period, N.
+    pub force_n: f64,
+}
+
+/// A trajectory on its sections.
+#[derive(Clone, Debug)]
+pub struct Portrait {
+    /// The points, section by section, each in time.
+    pub sections: Vec<Vec<SectionPoint>>,
+    /// Regime over all recorded periods.
+    pub regime: Regime,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// The trajectory over the periods after the last point, for a line in the phase plane.
+    pub trajectory: Vec<Sample>,
+    /// Steps of the integrator per recorded drive period, those refused included, those that locate a switch not.
+    pub steps_per_period: f64,
+    /// Coordinate and rate on the section at phase 0 at the end.
+    pub end: [f64; 2],
+}
+
+/// Drive periods of [`Portrait::trajectory`].
+pub const TRAJECTORY_PERIODS: u32 = 8;
+const SAMPLES_PER_PERIOD: usize = 400;
+
+/// Picks the points at the phases out of the smooth pieces of the trajectory: on the quintic through the ends of the
+/// step, whose error is below 1e-8 of A0.
+struct Strober<'a> {
+    times_s: &'a [f64],
+    found: Vec<(f64, f64)>,
+}
+
+impl Observer for Strober<'_> {
+    fn segment(&mut self, segment: &Segment) {
+        // Sections come in rising phase, so points are found in their order.
+        while let Some(t) = self.times_s.get(self.found.len()) {
+            if *t >= segment.end.t {
+                break;
+            }
+            self.found.push(segment.at(*t));
+        }
+    }
+}
+
+/// Runs the trajectory and takes its sections.
+///
+/// # Errors
+/// A parameter, frequency, start or phase that cannot be; a hammer that leaves what the model describes.
+pub fn portrait(request: &Request, progress: &dyn Progress) -> Result<Portrait, Error> {
+    let Request {
+        params,
+        frequency_hz,
+        ..
+    } = request;
+    engine::check_frequency(*frequency_hz, params)?;
+    check_phases(&request.phases)?;
+    let rig = Rig::<f64>::new(params)?;
+    let omega = TAU * frequency_hz;
+    let [q, v] = request.start.section(&rig, omega)?;
+    let mut hammer = Reference::<f64>::new(params, *frequency_hz, q, v)?;
+    for _ in 0..request.transient {
+        hammer.run_period(&mut ());
+        within_reach(&hammer, *frequency_hz)?;
+    }
+    let times: Vec<f64> = request
+        .phases
+        .iter()
+        .map(|p| p * hammer.period_s())
+        .collect();
+    let scale = rig.coordinate_scale();
+    let mut detector = Detector::new(scale, scale * omega);
+    let (q, v) = hammer.state();
+    detector.push(q, v, &shared::model::contacts::Period::default());
+    let mut sections = vec![Vec::with_capacity(request.points as usize); times.len()];
+    let (mut force_n, steps) = (0.0_f64, hammer.steps());
+    for period in 0..u64::from(request.points) {
+        let mut strober = Strober {
+            times_s: &times,
+            found: Vec::with_capacity(times.len()),
+        };
+        let happened = hammer.run_period(&mut strober);
+        within_reach(&hammer, *frequency_hz)?;
+        let (q, v) = hammer.state();
+        detector.push(q, v, &happened);
+        force_n = force_n.max(happened.peak_force);
+        for (k, (q, v)) in strober.found.into_iter().enumerate() {
+            let phase_turns = request.phases[k];
+            let relative = rig.relative_displacement(q);
+            let rate = rig.kinematics(q, v).rate;
+            let (sin, cos) = (TAU * phase_turns).sin_cos();
+            sections[k].push(SectionPoint {
+                phase_turns,
+                period,
+                relative_displacement_mm: relative * 1e3,
+                relative_velocity_m_per_s: rate,
+                displacement_mm: (relative + rig.amplitude() * sin) * 1e3,
+                velocity_m_per_s: rate + rig.amplitude() * omega * cos,
+                contacts: happened.onsets,
+                force_n: happened.peak_force,
+            });
+        }
+        step(progress, 1)?;
+    }
+    let end: [f64; 2] = hammer.state().into();
+    Ok(Portrait {
+        sections,
+        regime: detector.regime(),
+        force_n,
+        trajectory: trajectory(params, *frequency_hz, end)?,
+        steps_per_period: (hammer.steps() - steps) as f64 / f64::from(request.points),
+        end,
+    })
+}
+
+fn check_phases(phases: &[f64]) -> Result<(), Error> {
+    for pair in phases.windows(2) {
+        if pair[0] >= pair[1] {
+            return Err(Error::SectionPhaseOrder);
+        }
+    }
+    match phases.iter().find(|p| !(0.0..1.0).contains(*p)) {
+        Some(phase) => Err(Error::SectionPhase(*phase)),
+        None => Ok(()),
+    }
+}
+
+/// Samples of a few periods from `section` on.
+fn trajectory(
+    params: &RigParams,
+    frequency_hz: f64,
+    section: [f64; 2],
+) -> Result<Vec<Sample>, Error> {
+    let start = Start::Section(section);
+    let mut hammer = machine(Engine::Event, params, frequency_hz, start)?;
+    let mut recorder = Recorder {
+        samples_per_period: SAMPLES_PER_PERIOD,
+        ..Recorder::default()
+    };
+    let plan = engine::Plan {
+        cycles: TRAJECTORY_PERIODS,
+        transient: 0,
+    };
+    observe(hammer.as_mut(), plan, &mut recorder)?;
+    Ok(recorder.samples)
+}
+
+fn within_reach(hammer: &Reference<f64>, frequency_hz: f64) -> Result<(), Error> {
+    let (q, v) = hammer.state();
+    if q.abs() < 1.0 && v.is_finite() {
+        return Ok(());
+    }
+    Err(MotionError::LostOnSection { frequency_hz }.into())
+}

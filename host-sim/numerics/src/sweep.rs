@@ -1,0 +1,241 @@
+//! The force curve over frequency (figures 3.12–3.14 and 3.40–3.42): from rest at each frequency, or
+//! carried up or down, which shows the jumps.
+
+use rayon::prelude::*;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+
+use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use crate::error::Error;
+use crate::progress::{Progress, step};
+use crate::row::NamedRig;
+use crate::row::Row;
+
+/// In which order the frequencies are visited and what is carried from one to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Each frequency from rest.
+    Rest,
+    /// Upwards, each from where the last one ended.
+    Up,
+    /// Downwards, each from where the last one ended.
+    Down,
+}
+
+impl Direction {
+    /// As the command line calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rest => "rest",
+            Self::Up => "up",
+            Self::Down => "down",
+        }
+    }
+}
+
+/// The curve at `frequencies_hz` (rising); rows come back by rising frequency, whatever the direction.
+/// Runs carried over start from rest at the first frequency visited.
+///
+/// # Errors
+/// A parameter or frequency that cannot be.
+pub fn sweep(
+    rig: &NamedRig,
+    engine: Engine,
+    frequencies_hz: &[f64],
+    direction: Direction,
+    plan: Plan,
+    progress: &dyn Progress,
+) -> Result<Vec<Row>, Error> {
+    let run =
+        |frequency_hz: f64, start: Start| run_one(rig, engine, frequency_hz, start, plan, progress);
+    if direction == Direction::Rest {
+        let rows = frequencies_hz
+            .par_iter()
+            .map(|f| Ok(run(*f, Start::Rest)?.0));
+        return rows.collect();
+    }
+    let mut order: Vec<f64> = frequencies_hz.to_vec();
+    if direction == Direction::Down {
+        order.reverse();
+    }
+    let mut start = Start::Rest;
+    let mut rows = Vec::with_capacity(order.len());
+    for frequency_hz in order {
+        let (row, section) = run(frequency_hz, start)?;
+        rows.push(row);
+        start = Start::Section(section);
+    }
+    if direction == Direction::Down {
+        rows.reverse();
+    }
+    Ok(rows)
+}
+
+fn run_one(
+    rig: &NamedRig,
+    engine: Engine,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+    progress: &dyn Progress,
+) -> Result<(Row, [f64; 2]), Error> {
+    let mut hammer = machine(engine, &rig.params, frequency_hz, start)?;
+    let seen = observe(hammer.as_mut(), plan, &mut Recorder::default())?;
+    step(progress, 1)?;
+    Ok((Row::new(&rig.name, &rig.params, &seen), hammer.section()))
+}
+
+/// The frequencies (Hz, rising) at which the up and the down sweep differ by more than `share` of force:
+/// two attractors over one frequency, between which the hammer jumps. Frequencies at which neither repeats
+/// are passed over: the largest force of an aperiodic run depends on how long one looks.
+pub fn jumps(up: &[Row], down: &[Row], weight_n: f64, share: f64) -> Vec<f64> {
+    let differs = |(a, b): (&Row, &Row)| {
+        // Against at least the hammer's weight: two nearly silent runs are alike.
+        let scale = a.force_n.max(b.force_n).max(weight_n);
+        let repeats = |r: &Row| r.periods.is_some() || r.regime == Regime::None;
+        let differs = (repeats(a) || repeats(b)) && (a.force_n - b.force_n).abs() > share * scale;
+        differs.then_some(a.frequency_hz)
+    };
+    up.iter().zip(down).filter_map(differs).collect()
+}
+
+/// `count` frequencies from `from_hz` to `to_hz`, both included.
+pub fn spread(from_hz: f64, to_hz: f64, count: usize) -> Vec<f64> {
+    let step = (to_hz - from_hz) / (count.max(2) - 1) as f64;
+    (0..count).map(|i| from_hz + step * i as f64).collect()
+}
+
+/// A measured force curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// (frequency in Hz, force in N), as read.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// How far a simulated curve is from a measured one.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct MeasuredError {
+    /// Measured points inside the simulated range.
+    pub points_compared: usize,
+    /// Measured points outside it, not compared.
+    pub points_outside: usize,
+    /// Root mean square of simulated − measured, N.
+    pub rms_n: f64,
+    /// Mean of (simulated − measured)/measured, %.
+    pub mean_percent: f64,
+    /// Largest |simulated − measured|/measured, %.
+    pub largest_percent: f64,
+}
+
+impl Measured {
+    /// The error of `rows` (by rising frequency) against this measurement, interpolated linearly.
+    pub fn error(&self, rows: &[Row]) -> MeasuredError {
+        let simulated = |frequency_hz: f64| {
+            let above = rows.partition_point(|r| r.frequency_hz < frequency_hz);
+            let b = rows.get(above)?;
+            if b.frequency_hz == frequency_hz {
+                return Some(b.force_n);
+            }
+            let a = rows.get(above.checked_sub(1)?)?;
+            let s = (frequency_hz - a.frequency_hz) / (b.frequency_hz - a.frequency_hz);
+            Some(a.force_n + s * (b.force_n - a.force_n))
+        };
+        let pairs: Vec<_> = self
+            .points
+            .iter()
+            .filter_map(|(f, measured)| Some((simulated(*f)?, *measured)))
+            .collect();
+        let n = pairs.len() as f64;
+        let relative = || {
+            pairs
+                .iter()
+                .filter(|p| p.1 != 0.0)
+                .map(|(s, m)| (s - m) / m)
+        };
+        MeasuredError {
+            points_compared: pairs.len(),
+            points_outside: self.points.len() - pairs.len(),
+            rms_n: (pairs.iter().map(|(s, m)| (s - m).powi(2)).sum::<f64>() / n).sqrt(),
+            mean_percent: 100.0 * relative().sum::<f64>() / relative().count() as f64,
+            largest_percent: 100.0 * relative().fold(0.0, |worst: f64, e| worst.max(e.abs())),
+        }
+    }
+}
+
+/// One run by the reference: for a single figure beside a curve.
+///
+/// # Errors
+/// A parameter or frequency that cannot be.
+pub fn single(
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+) -> Result<Row, Error> {
+    let rig = NamedRig {
+        name: String::new(),
+        params: *params,
+    };
+    Ok(run_one(&rig, Engine::Event, frequency_hz, start, plan, &())?.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::model::params::WIRES;
+
+    const PLAN: Plan = Plan {
+        cycles: 160,
+        transient: 140,
+    };
+
+    fn curve(gap_m: f64, frequencies: &[f64], direction: Direction) -> Vec<Row> {
+        let rig = NamedRig {
+            name: "wires".into(),
+            params: RigParams { gap_m, ..WIRES },
+        };
+        sweep(&rig, Engine::Event, frequencies, direction, PLAN, &()).unwrap()
+    }
+
+    #[test]
+    fn a_large_gap_jumps_and_no_gap_does_not() {
+        let frequencies = spread(2.4, 4.0, 33);
+        let found = |gap: f64, share: f64| {
+            let up = curve(gap, &frequencies, Direction::Up);
+            let down = curve(gap, &frequencies, Direction::Down);
+            jumps(&up, &down, WIRES.weight_n(), share)
+        };
+        assert!(found(0.0, 0.02).is_empty());
+        let differing = found(2.4e-3, 0.2);
+        assert!(differing.len() > 5 && differing[0] > 2.7, "{differing:?}");
+    }
+
+    #[test]
+    fn rows_come_by_rising_frequency_and_do_not_depend_on_threads() {
+        let frequencies = spread(2.0, 3.0, 5);
+        for direction in [Direction::Rest, Direction::Up, Direction::Down] {
+            let rows = curve(0.0, &frequencies, direction);
+            let hz: Vec<_> = rows.iter().map(|r| r.frequency_hz).collect();
+            assert_eq!(hz, frequencies);
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .unwrap();
+        let alone = pool.install(|| curve(0.0, &frequencies, Direction::Rest));
+        assert_eq!(alone, curve(0.0, &frequencies, Direction::Rest));
+    }
+
+    #[test]
+    fn the_error_against_a_measurement_made_from_the_curve_is_what_was_put_in() {
+        let rows = curve(0.0, &spread(2.0, 3.0, 11), Direction::Rest);
+        let points = rows.iter().map(|r| (r.frequency_hz, r.force_n / 1.1));
+        let measured = Measured {
+            points: points.chain([(9.0, 1.0)]).collect(),
+        };
+        let error = measured.error(&rows);
+        assert_eq!((error.points_compared, error.points_outside), (11, 1));
+        assert!((error.mean_percent - 10.0).abs() < 1e-9);
+        assert!((error.largest_percent - 10.0).abs() < 1e-9);
+    }
+}

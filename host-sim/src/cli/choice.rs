@@ -1,0 +1,104 @@
+//! Values of the analyses as choices on the command line.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use numerics::compare::Frame;
+use numerics::identify::{Family, Misfit};
+use numerics::modes::Tip;
+use numerics::sweep::Direction;
+
+/// A value that can be chosen by name.
+pub trait Choice: Clone + Send + Sync + 'static {
+    /// Name, help and value of each choice.
+    const CHOICES: &'static [(&'static str, &'static str, Self)];
+}
+
+/// The parser of a choice.
+pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let values = T::CHOICES
+        .iter()
+        .map(|(name, help, _)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(values).try_map(|chosen| {
+        let found = T::CHOICES.iter().find(|(name, ..)| *name == chosen);
+        found
+            .map(|(.., value)| value.clone())
+            .ok_or("unknown choice")
+    })
+}
+
+impl Choice for Direction {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        ("rest", "Each frequency from rest", Self::Rest),
+        (
+            "up",
+            "Upwards, each from where the last one ended",
+            Self::Up,
+        ),
+        (
+            "down",
+            "Downwards, each from where the last one ended",
+            Self::Down,
+        ),
+    ];
+}
+
+impl Choice for Frame {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        (
+            "fixed",
+            "Of the laboratory, as the chapter's (3-18)",
+            Self::Fixed,
+        ),
+        ("relative", "Relative to the cart", Self::Relative),
+    ];
+}
+
+impl Choice for Tip {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        (
+            "guided",
+            "It cannot turn: two parallel springs hold the hammer upright",
+            Self::Guided,
+        ),
+        (
+            "free",
+            "It turns with the beam's end: one spring, a small hammer",
+            Self::Free,
+        ),
+    ];
+}
+
+impl Choice for Family {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        (
+            "spring-dashpot",
+            "F = ki δ + ci δ̇ (3-3): ki and ci",
+            Self::SpringDashpot,
+        ),
+        ("hertz", "F = ki δⁿ (3-2): ki", Self::Hertz),
+        (
+            "hunt-crossley",
+            "F = ki δⁿ(1 + λ δ̇) (3-4): ki and λ",
+            Self::HuntCrossley,
+        ),
+        (
+            "lankarani-nikravesh",
+            "F = ki δⁿ(1 + ¾(1 − e²) δ̇/δ̇⁻) (3-5): ki and e",
+            Self::LankaraniNikravesh,
+        ),
+    ];
+}
+
+impl Choice for Misfit {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        (
+            "peaks",
+            "The chapter's: differences of the force peaks, squared and summed",
+            Self::Peaks,
+        ),
+        (
+            "force",
+            "Differences of the whole force, squared and summed over the samples",
+            Self::Force,
+        ),
+    ];
+}

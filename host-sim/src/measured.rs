@@ -1,0 +1,133 @@
+//! Measured points from CSV files, to compare a result with.
+
+use std::path::Path;
+
+use files::{Line, UserError, read_columns};
+use numerics::{bifurcation, map, sweep};
+use shared::model::regime::{MAX_PERIODS, Regime};
+
+/// Reads a CSV with the columns frequency_hz and force_n (others are passed over).
+///
+/// # Errors
+/// One line naming file, line and mend.
+pub fn force_curve(path: &Path) -> Result<sweep::Measured, UserError> {
+    let point = |line: &Line| {
+        let (hz, newtons) = (line.number("frequency_hz")?, line.number("force_n")?);
+        if hz <= 0.0 {
+            return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
+        }
+        if newtons < 0.0 {
+            return Err(line.complaint(format!("force_n is {newtons}, must not be negative")));
+        }
+        Ok((hz, newtons))
+    };
+    let lines = read_columns(path, &["frequency_hz", "force_n"])?;
+    let points = lines.iter().map(point).collect::<Result<_, _>>()?;
+    Ok(sweep::Measured { points })
+}
+
+/// Reads a CSV with the column frequency_hz and displacement_mm, force_n or both.
+///
+/// # Errors
+/// One line naming file, line and mend.
+pub fn diagram(path: &Path) -> Result<bifurcation::measured::Measured, UserError> {
+    let has = |column: &'static str| read_columns(path, &["frequency_hz", column]);
+    let lacks =
+        |e: &UserError, column: &str| e.to_string().contains(&format!("no column {column};"));
+    let (displacement, force) = match (has("displacement_mm"), has("force_n")) {
+        (Ok(d), Ok(f)) => (d, f),
+        (Ok(d), Err(_)) => (d, Vec::new()),
+        (Err(_), Ok(f)) => (Vec::new(), f),
+        (Err(a), Err(b)) if lacks(&a, "displacement_mm") && lacks(&b, "force_n") => {
+            return Err(UserError::new(format!(
+                "{}, line 1: there is no column displacement_mm and none force_n; the first line must be frequency_hz,displacement_mm,force_n (one of the last two may be missing)",
+                path.display()
+            )));
+        }
+        (Err(a), Err(b)) if lacks(&a, "displacement_mm") => return Err(b),
+        (Err(a), Err(_)) => return Err(a),
+    };
+    let pairs = |lines: Vec<Line>, column: &str| {
+        let pair = |line: &Line| {
+            let hz = line.number("frequency_hz")?;
+            if hz <= 0.0 {
+                return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
+            }
+            let value = line.number(column)?;
+            if column == "force_n" && value < 0.0 {
+                return Err(line.complaint(format!("force_n is {value}, must not be negative")));
+            }
+            Ok((hz, value))
+        };
+        lines
+            .iter()
+            .map(pair)
+            .collect::<Result<Vec<_>, UserError>>()
+    };
+    Ok(bifurcation::measured::Measured {
+        displacement_mm: pairs(displacement, "displacement_mm")?,
+        force_n: pairs(force, "force_n")?,
+    })
+}
+
+/// Reads a CSV with the columns gap_mm, frequency_hz and regime ("1/1", "none", "aperiodic" or "chatter").
+///
+/// # Errors
+/// One line naming file, line and mend.
+pub fn regimes(path: &Path) -> Result<Vec<map::measured::Measured>, UserError> {
+    let point = |line: &Line| {
+        let frequency_hz = line.number("frequency_hz")?;
+        if frequency_hz <= 0.0 {
+            return Err(line.complaint(format!("frequency_hz is {frequency_hz}, must be positive")));
+        }
+        let text = line.text("regime");
+        let regime = regime(text).ok_or_else(|| {
+            line.complaint(format!(
+                "regime is '{text}', must be p/n such as 1/1, or none, aperiodic or chatter"
+            ))
+        })?;
+        Ok(map::measured::Measured {
+            gap_mm: line.number("gap_mm")?,
+            frequency_hz,
+            regime,
+        })
+    };
+    let lines = read_columns(path, &["gap_mm", "frequency_hz", "regime"])?;
+    lines.iter().map(point).collect()
+}
+
+/// A regime by its name; how many impacts an aperiodic one has is not said by it.
+fn regime(text: &str) -> Option<Regime> {
+    match text {
+        "none" => Some(Regime::None),
+        "aperiodic" => Some(Regime::Aperiodic { impacts: 0 }),
+        "chatter" => Some(Regime::Chatter {
+            impacts: 0,
+            periods: None,
+        }),
+        _ => {
+            let (impacts, periods) = text.split_once('/')?;
+            let (impacts, periods) = (impacts.trim().parse().ok()?, periods.trim().parse().ok()?);
+            let known = (1..=MAX_PERIODS).contains(&usize::from(periods));
+            known.then_some(Regime::Periodic { impacts, periods })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bad_line_is_named_by_its_number_whatever_is_blank_before_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("m.csv");
+        let complaint = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            force_curve(&path).unwrap_err().to_string()
+        };
+        assert!(complaint("frequency_hz,force_n\n\n\nabc,1\n").contains("line 4: frequency_hz"));
+        assert!(complaint("frequency_hz,force_n\r\n1,2\r\n3,x").contains("line 3: force_n"));
+        assert!(complaint("frequency_hz,force_n\n1,2\n3\n").contains("line 3: 1 fields"));
+    }
+}

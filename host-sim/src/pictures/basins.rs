@@ -1,0 +1,207 @@
+//! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
+
+use numerics::basins::{Basins, Look};
+use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, regime_color};
+
+/// The chapter's colours.
+const IMPACT: Color = Color::BLUE;
+const NO_IMPACT: Color = Color::RED;
+/// Where nothing touches, in the picture by attractor.
+const STILL: Color = Color(0xD9, 0xD9, 0xD9);
+/// Attractors that are named; the smaller ones share a colour.
+const NAMED: usize = 9;
+/// Attractors with less of the grid than this are not named.
+const SMALLEST: f64 = 1e-3;
+/// Colours of attractors whose regime has none of its own, or whose regime's is taken.
+const MORE: [Color; 8] = [
+    Color::SKY,
+    Color(0xF0, 0xE4, 0x42),
+    Color(0x00, 0x3F, 0x5C),
+    Color(0x8A, 0x5F, 0x00),
+    Color(0x00, 0x5F, 0x46),
+    Color(0x7B, 0x3F, 0x61),
+    Color(0x9A, 0xD4, 0xB8),
+    Color(0xF4, 0xB8, 0x9A),
+];
+
+/// The name and colour of every attractor of `basins`: those that are small share one.
+fn styles(basins: &Basins) -> Vec<(String, Color)> {
+    let mut more = MORE.into_iter();
+    let mut taken = Vec::new();
+    let mut named = 0;
+    let all = (0_u16..).zip(&basins.attractors);
+    all.map(|(number, attractor)| {
+        let (share, _) = basins.grid_share(|_, which| which == number);
+        if named >= NAMED || share < SMALLEST {
+            return ("other".to_owned(), Color::INK);
+        }
+        named += 1;
+        let base = attractor.name.split(' ').next().unwrap_or_default();
+        let own = match base {
+            "no" => Some(STILL),
+            "1/1" | "1/2" | "2/2" | "aperiodic" | "chatter" => Some(regime_color(base)),
+            _ => None,
+        };
+        let free = own.filter(|color| !taken.contains(color));
+        let color = free.or_else(|| more.next()).unwrap_or(Color::INK);
+        taken.push(color);
+        (format!("{}: {:.1} %", attractor.name, 100.0 * share), color)
+    })
+    .collect()
+}
+
+fn panel(basins: &Basins, title: String, names: &[(String, Color)], cells: &[usize]) -> Panel {
+    let window = &basins.query.window;
+    let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
+    let [v0, v1] = window.velocity_m_per_s;
+    let cells: Vec<_> = cells.iter().map(|k| Some(*k)).collect();
+    let raster = Raster::categories((x0, x1), (v0, v1), window.columns, names, &cells);
+    Panel::new(
+        Axis::new("displacement at the start, mm").fixed(x0, x1),
+        Axis::new("velocity at the start, m/s").fixed(v0, v1),
+    )
+    .titled(title)
+    .item(Item::Raster(raster))
+}
+
+/// Impact in blue, no impact in red.
+pub fn impact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
+    let (share, _) = basins.grid_share(|fate, _| fate.impacts());
+    let names = [
+        (
+            format!("no impact: {:.1} %", 100.0 * (1.0 - share)),
+            NO_IMPACT,
+        ),
+        (format!("impact: {:.1} %", 100.0 * share), IMPACT),
+    ];
+    let cells: Vec<_> = basins
+        .grid
+        .iter()
+        .map(|f| usize::from(f.impacts()))
+        .collect();
+    panel(basins, title.into(), &names, &cells)
+}
+
+/// By attractor, with their shares of the grid.
+pub fn attractor_panel(basins: &Basins, title: impl Into<String>) -> Panel {
+    let styles = styles(basins);
+    let mut names: Vec<(String, Color)> = Vec::new();
+    for style in &styles {
+        if !names.contains(style) {
+            names.push(style.clone());
+        }
+    }
+    let kind = |which: &u16| {
+        let style = &styles[usize::from(*which)];
+        names.iter().position(|name| name == style).unwrap_or(0)
+    };
+    let cells: Vec<_> = basins.which.iter().map(kind).collect();
+    panel(basins, title.into(), &names, &cells)
+}
+
+/// Where and how: rig, drive, cycles.
+pub fn caption(basins: &Basins) -> String {
+    let s = &basins.query;
+    let params = &s.rig.params;
+    format!(
+        "{}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), let go at drive phase {} turns",
+        s.rig.name,
+        s.frequency_hz / params.natural_frequency_hz(),
+        s.frequency_hz,
+        params.gap_m / params.amplitude_m,
+        params.gap_m * 1e3,
+        s.phase
+    )
+}
+
+/// When each start touches for the last time: what a picture of impact makes of the number of cycles.
+pub fn last_contact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
+    let window = &basins.query.window;
+    let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
+    let [v0, v1] = window.velocity_m_per_s;
+    let cycles = f64::from(basins.query.cycles);
+    // Those that have settled on contacts go on for ever, wherever their run was stopped.
+    let last = basins.grid.iter().map(|fate| {
+        let cut = if fate.touches_after(basins.query.cycles) {
+            basins.query.cycles
+        } else {
+            fate.last_contact.unwrap_or(0)
+        };
+        f64::from(cut)
+    });
+    let bar = Bar::new("cycle of the last contact", 0.0, cycles);
+    let values: Vec<f64> = last.collect();
+    let raster = Raster::values((x0, x1), (v0, v1), window.columns, &values, bar);
+    Panel::new(
+        Axis::new("displacement at the start, mm").fixed(x0, x1),
+        Axis::new("velocity at the start, m/s").fixed(v0, v1),
+    )
+    .titled(title)
+    .item(Item::Raster(raster))
+}
+
+/// Share of impact over the number of cycles one waits, of the random starts.
+fn looks_panel(basins: &Basins) -> Panel {
+    let looks = &basins.looks;
+    let line = |value: fn(&Look) -> f64| {
+        let points = looks.iter();
+        points
+            .map(|l| (f64::from(l.cycles), 100.0 * value(l)))
+            .collect::<Vec<_>>()
+    };
+    let of = looks.first().map_or(0, |l| l.impact.of);
+    Panel::new(
+        Axis::new("drive cycles run when one looks").with_zero(),
+        Axis::new("impact, % of the random starts").fixed(0.0, 105.0),
+    )
+    .titled(format!("{of} random starts, run on"))
+    .item(Item::line("impact", IMPACT, line(|l| l.impact.value())))
+    .item(Item::dashed("95 %", Color::GREY, line(|l| l.impact.low)))
+    .item(Item::dashed("", Color::GREY, line(|l| l.impact.high)))
+}
+
+/// Both pictures side by side; below, when each start touches for the last time, and the share of impact over the number of
+/// cycles.
+pub fn figure(basins: &Basins) -> Figure {
+    let query = &basins.query;
+    let figure = Figure::new(format!("Basins of attraction, {}", query.rig.name))
+        .subtitle(format!(
+            "{}. Impact: a contact in the last {} of {} drive cycles. {} by {} starts.",
+            caption(basins),
+            query.recorded,
+            query.cycles,
+            query.window.columns,
+            query.window.rows
+        ))
+        .columns(2)
+        .size(1400, 1300)
+        .panel(impact_panel(basins, "impact / no impact"))
+        .panel(attractor_panel(basins, "by attractor"))
+        .panel(last_contact_panel(basins, "how long it strikes"));
+    if basins.looks.is_empty() {
+        figure
+    } else {
+        figure.panel(looks_panel(basins))
+    }
+}
+
+/// A page's picture: for every one of `parts` impact / no impact, and below it by attractor.
+pub fn parts(title: impl Into<String>, parts: &[(String, &Basins)]) -> Figure {
+    let mut figure = Figure::new(title)
+        .columns(parts.len().max(1))
+        .size(1400, 1300);
+    if let Some((_, first)) = parts.first() {
+        let query = &first.query;
+        figure = figure.subtitle(format!(
+            "Above: impact (a contact in the last {} of {} drive cycles) or none, as the chapter; below: by attractor. {} by {} starts each, let go at drive phase {} turns.",
+            query.recorded, query.cycles, query.window.columns, query.window.rows, query.phase
+        ));
+    }
+    for (name, basins) in parts {
+        figure = figure.panel(impact_panel(basins, name.clone()));
+    }
+    for (name, basins) in parts {
+        figure = figure.panel(attractor_panel(basins, format!("{name}, by attractor")));
+    }
+    figure
+}

@@ -1,0 +1,204 @@
+//! A diagram drawn.
+
+use numerics::bifurcation::measured::Measured;
+use numerics::bifurcation::{Diagram, Kind, Point};
+use numerics::sweep::Direction;
+use plot::{Axis, Color, Figure, Item, Mark, Panel};
+
+/// What stands on the vertical axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Displacement at drive phase 0, mm.
+    Displacement,
+    /// Largest contact force per drive period over m g.
+    Force,
+}
+
+/// What stands on the horizontal axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abscissa {
+    /// Ω/ω.
+    Ratio,
+    /// Hz.
+    Frequency,
+}
+
+impl Abscissa {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Ratio => "drive frequency over natural frequency, Ω/ω",
+            Self::Frequency => "drive frequency, Hz",
+        }
+    }
+}
+
+/// How a panel is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'a> {
+    /// Vertical axis.
+    pub quantity: Quantity,
+    /// Horizontal axis.
+    pub abscissa: Abscissa,
+    /// The part of the horizontal axis shown, in its unit; none: all.
+    pub range: Option<(f64, f64)>,
+    /// Measured points laid over.
+    pub measured: Option<&'a Measured>,
+    /// Whether lasting changes are named above the plot.
+    pub marks: bool,
+}
+
+/// Names above a plot beyond this many hide each other.
+const MOST_MARKS: usize = 5;
+
+/// Side of a dot, px: later diagrams in smaller dots, so that those below show; larger where frequencies are few.
+fn dot(diagram: &Diagram, k: usize, alone: bool) -> f64 {
+    let few = if diagram.stations.len() < 150 {
+        1.5
+    } else {
+        1.0
+    };
+    few * match k {
+        0 if alone => 1.25,
+        0 => 2.5,
+        1 => 1.75,
+        _ => 1.0,
+    }
+}
+
+fn color(direction: Direction) -> Color {
+    match direction {
+        Direction::Rest => Color::SKY,
+        Direction::Up => Color::RED,
+        Direction::Down => Color::INK,
+    }
+}
+
+/// One panel over `diagrams` of one gap, the first at the bottom. One alone is dark blue.
+pub fn panel(diagrams: &[&Diagram], look: Look) -> Panel {
+    let label = match look.quantity {
+        Quantity::Displacement => "displacement, mm",
+        Quantity::Force => "force over weight, F/(m g)",
+    };
+    let mut x = Axis::new(look.abscissa.label());
+    if let Some((from, to)) = look.range {
+        x = x.fixed(from, to);
+    }
+    let mut y = Axis::new(label);
+    if look.quantity == Quantity::Force {
+        y = y.with_zero();
+    }
+    let mut panel = Panel::new(x, y);
+    for (k, diagram) in diagrams.iter().enumerate() {
+        let label = match diagram.direction {
+            Direction::Rest => "from rest",
+            Direction::Up => "carried up",
+            Direction::Down => "carried down",
+        };
+        panel = panel.item(Item::Cloud {
+            points: points(diagram, look),
+            color: if diagrams.len() == 1 {
+                Color::BLUE
+            } else {
+                color(diagram.direction)
+            },
+            label: label.to_owned(),
+            dot: dot(diagram, k, diagrams.len() == 1),
+        });
+    }
+    if let (Some(measured), Some(first)) = (look.measured, diagrams.first()) {
+        panel = panel.item(measured_points(measured, first, look));
+    }
+    if look.marks {
+        for (x, words) in marks(diagrams, look) {
+            panel = panel.item(Item::mark_x(words, x));
+        }
+    }
+    panel
+}
+
+/// The points of a diagram inside the shown range, so that the other axis fits them.
+fn points(diagram: &Diagram, look: Look) -> Vec<(f64, f64)> {
+    let weight = diagram.params.weight_n();
+    let y = |p: &Point| match look.quantity {
+        Quantity::Displacement => p.displacement_mm,
+        Quantity::Force => p.force_n / weight,
+    };
+    let mut points = Vec::new();
+    for station in &diagram.stations {
+        let x = match look.abscissa {
+            Abscissa::Ratio => station.row.frequency_ratio,
+            Abscissa::Frequency => station.row.frequency_hz,
+        };
+        if look.range.is_none_or(|(a, b)| (a..=b).contains(&x)) {
+            points.extend(station.points.iter().map(|p| (x, y(p))));
+        }
+    }
+    points
+}
+
+fn measured_points(measured: &Measured, diagram: &Diagram, look: Look) -> Item {
+    let natural = diagram.params.natural_frequency_hz();
+    let weight = diagram.params.weight_n();
+    let (from, scale) = match look.quantity {
+        Quantity::Displacement => (&measured.displacement_mm, 1.0),
+        Quantity::Force => (&measured.force_n, weight),
+    };
+    let unit = match look.abscissa {
+        Abscissa::Ratio => natural,
+        Abscissa::Frequency => 1.0,
+    };
+    Item::Points {
+        points: from.iter().map(|(hz, y)| (hz / unit, y / scale)).collect(),
+        color: Color::INK,
+        label: if from.is_empty() { "" } else { "measured" }.to_owned(),
+        radius: 2.0,
+        mark: Mark::Ring,
+    }
+}
+
+/// Where and what the first lasting changes of the first diagram are.
+fn marks(diagrams: &[&Diagram], look: Look) -> Vec<(f64, String)> {
+    let Some(diagram) = diagrams.first() else {
+        return Vec::new();
+    };
+    let lasting = diagram.changes.iter().filter(|c| c.lasting);
+    let worth = lasting.filter(|c| c.kind != Kind::Contacts);
+    let place = worth.map(|c| {
+        let x = match look.abscissa {
+            Abscissa::Ratio => c.frequency_ratio,
+            Abscissa::Frequency => c.frequency_hz,
+        };
+        match c.kind {
+            Kind::Jump => (x, format!("{} jumps", c.below)),
+            _ => (x, format!("{} to {}", c.below, c.above)),
+        }
+    });
+    place
+        .filter(|(x, _)| look.range.is_none_or(|(a, b)| (a..=b).contains(x)))
+        .take(MOST_MARKS)
+        .collect()
+}
+
+/// Displacement over force for one gap, with all its directions.
+pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measured>) -> Figure {
+    let look = |quantity| Look {
+        quantity,
+        abscissa,
+        range: None,
+        measured,
+        marks: quantity == Quantity::Displacement,
+    };
+    let title = diagrams.first().map_or(String::new(), |d| {
+        let rig = d.stations.first().map_or("", |s| s.row.rig.as_str());
+        format!("{rig}, gap {:?} mm: bifurcation diagram", d.gap_mm)
+    });
+    let directions: Vec<_> = diagrams.iter().map(|d| d.direction.name()).collect();
+    Figure::new(title)
+        .subtitle(format!(
+            "Section at drive phase 0, where the displacement in the fixed frame is that relative to the cart; largest contact force of each drive period. Frequencies visited: {}. Marked: lasting changes of the first. A band of displacements without force is the hammer swinging free of the surface.",
+            directions.join(", ")
+        ))
+        .size(1200, 980)
+        .panel(panel(diagrams, look(Quantity::Displacement)).titled("Displacement"))
+        .panel(panel(diagrams, look(Quantity::Force)).titled("Contact force"))
+}

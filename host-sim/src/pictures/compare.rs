@@ -1,0 +1,150 @@
+//! Simulation (blue) and measurement (red) over each other, as the chapter draws them.
+
+use numerics::compare::{Comparison, Frame, Row};
+use plot::{Axis, Color, Figure, Item, Panel};
+
+/// Drive periods shown.
+const PERIODS: f64 = 6.0;
+
+/// Time history, force, phase plane with section.
+pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
+    let errors = &comparison.errors;
+    let shown: Vec<&Row> = {
+        let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);
+        let end = begin + PERIODS / errors.frequency_hz;
+        comparison
+            .rows
+            .iter()
+            .take_while(|r| r.time_s <= end)
+            .collect()
+    };
+    let mut figure = Figure::new(title).columns(2);
+    let time = || Axis::new("record time, s");
+    if shown.iter().any(|r| r.measured_displacement_mm.is_some()) {
+        let label = match frame {
+            Frame::Fixed => "displacement, mm",
+            Frame::Relative => "displacement relative to the cart, mm",
+        };
+        let model = shown
+            .iter()
+            .map(|r| (r.time_s, r.simulated_displacement_mm));
+        figure = figure.panel(
+            Panel::new(time(), Axis::new(label))
+                .titled("Displacement")
+                .item(Item::line("simulation", Color::BLUE, model.collect()))
+                .item(Item::line(
+                    "measured",
+                    Color::RED,
+                    measured(&shown, |r| Some((r.time_s, r.measured_displacement_mm?))),
+                )),
+        );
+        figure = figure.panel(plane(comparison, &shown, label, frame));
+    }
+    if shown.iter().any(|r| r.measured_force_n.is_some()) {
+        let model = shown.iter().map(|r| (r.time_s, r.simulated_force_n));
+        let force = || Axis::new("contact force, N").with_zero();
+        figure = figure.panel(
+            Panel::new(time(), force())
+                .titled("Contact force")
+                .item(Item::line("simulation", Color::BLUE, model.collect()))
+                .item(Item::line(
+                    "measured",
+                    Color::RED,
+                    measured(&shown, |r| Some((r.time_s, r.measured_force_n?))),
+                )),
+        );
+        if let Some(near) = strongest(&comparison.rows) {
+            let model = near.iter().map(|r| (r.time_s, r.simulated_force_n));
+            figure = figure.panel(
+                Panel::new(time(), force())
+                    .titled("Strongest measured contact")
+                    .item(Item::line("simulation", Color::BLUE, model.collect()))
+                    .item(Item::line(
+                        "measured",
+                        Color::RED,
+                        measured(&near, |r| Some((r.time_s, r.measured_force_n?))),
+                    )),
+            );
+        }
+    }
+    let rows = figure.panels.len().div_ceil(2).max(1) as u32;
+    figure
+        .subtitle(subtitle(comparison))
+        .size(1200, 130 + 400 * rows)
+}
+
+fn subtitle(comparison: &Comparison) -> String {
+    let errors = &comparison.errors;
+    let mut text = format!(
+        "Drive {:.4} Hz ({}), {:.3} times the natural frequency; simulation: regime {}.",
+        errors.frequency_hz, errors.frequency_from, errors.frequency_ratio, errors.regime
+    );
+    if let (Some(rms), Some(percent)) =
+        (errors.displacement_rms_mm, errors.displacement_rms_percent)
+    {
+        text += &format!(" Displacement apart by {rms:.4} mm rms, {percent:.2} % of its travel.");
+    }
+    if let (Some(measured), Some(percent)) = (errors.measured_force_n, errors.force_peak_percent) {
+        text += &format!(
+            " Largest force {:.2} N simulated, {measured:.2} N measured ({percent:+.2} %).",
+            errors.simulated_force_n
+        );
+    }
+    text
+}
+
+fn measured(rows: &[&Row], f: fn(&Row) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
+    rows.iter().filter_map(|r| f(r)).collect()
+}
+
+fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> Panel {
+    let model = shown
+        .iter()
+        .map(|r| (r.simulated_displacement_mm, r.simulated_velocity_m_per_s));
+    Panel::new(Axis::new(label), Axis::new("velocity, m/s"))
+        .titled("Phase plane; dots: drive phase 0")
+        .item(Item::line("simulation", Color::BLUE, model.collect()))
+        .item(Item::line(
+            "measured",
+            Color::RED,
+            measured(shown, |r| {
+                Some((r.measured_displacement_mm?, r.measured_velocity_m_per_s?))
+            }),
+        ))
+        .item(Item::points(
+            "section, measured",
+            Color::ORANGE,
+            section(&comparison.rows),
+        ))
+        .item(Item::points(
+            "section, simulation",
+            Color::INK,
+            comparison.simulated.section(frame),
+        ))
+}
+
+/// The measured motion at each drive phase 0, between the samples about it.
+pub fn section(rows: &[Row]) -> Vec<(f64, f64)> {
+    let crossing = |pair: &[Row]| {
+        let (a, b) = (&pair[0], &pair[1]);
+        let step = (b.drive_phase - a.drive_phase).rem_euclid(1.0);
+        if b.drive_phase >= a.drive_phase || step == 0.0 || step > 0.5 {
+            return None;
+        }
+        let share = (1.0 - a.drive_phase) / step;
+        let mix = |x: f64, y: f64| x + share * (y - x);
+        Some((
+            mix(a.measured_displacement_mm?, b.measured_displacement_mm?),
+            mix(a.measured_velocity_m_per_s?, b.measured_velocity_m_per_s?),
+        ))
+    };
+    rows.windows(2).filter_map(crossing).collect()
+}
+
+/// The rows within 2 ms of the largest measured force.
+fn strongest(rows: &[Row]) -> Option<Vec<&Row>> {
+    let force = |r: &Row| r.measured_force_n.unwrap_or(f64::NEG_INFINITY);
+    let top = rows.iter().max_by(|a, b| force(a).total_cmp(&force(b)))?;
+    let near = |r: &&Row| (r.time_s - top.time_s).abs() < 2e-3;
+    Some(rows.iter().filter(near).collect())
+}

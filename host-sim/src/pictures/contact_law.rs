@@ -1,0 +1,86 @@
+//! Figure 3.3 and its like: phase plane and force of single blows, restitution over speed.
+
+use shared::model::contact::Law;
+use shared::model::rig::Rig;
+
+use files::UserError;
+use numerics::contact_law::{Row, blow, free_mass, motion, unclamped};
+use plot::{Axis, Color, Figure, Item, Panel};
+
+/// Instants drawn per contact.
+const POINTS: usize = 300;
+
+/// A blow to draw: name, law, approach speed in m/s.
+pub type Drawn = (String, Law<f64>, f64);
+
+/// Phase plane (indentation and its rate) and force over time of several blows of a mass.
+///
+/// # Errors
+/// A parameter out of range, or a contact that does not end.
+pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
+    let mut plane = Panel::new(
+        Axis::new("indentation, µm"),
+        Axis::new("rate of indentation, m/s"),
+    )
+    .titled("Phase plane");
+    let mut force = Panel::new(
+        Axis::new("time since onset, ms"),
+        Axis::new("contact force, N").with_zero(),
+    )
+    .titled("Contact force");
+    for (i, (name, law, speed)) in drawn.iter().enumerate() {
+        let rig = Rig::new(&free_mass(mass_kg, *law))?;
+        let done = blow(&rig, *speed).and_then(|b| unclamped(&rig, &b).map(|p| (b, p)));
+        let (blow, pull) = done.ok_or_else(|| {
+            UserError::new(format!("{name}: the contact does not end at {speed} m/s"))
+        })?;
+        let color = Color::series(i);
+        let seen = motion(&rig, &blow, POINTS);
+        let by = |f: fn(&numerics::contact_law::Instant) -> (f64, f64)| {
+            seen.iter().map(f).collect::<Vec<_>>()
+        };
+        let path = by(|p| (p.penetration_m * 1e6, p.rate_m_per_s));
+        let mut forces = by(|p| (p.time_s * 1e3, p.force_n));
+        forces.insert(0, (0.0, 0.0));
+        plane = plane.item(Item::line(name, color, path));
+        force = force.item(Item::line(name, color, forces));
+        if pull.share > 0.0 {
+            let tail = |f: fn(&[f64; 4]) -> (f64, f64)| pull.tail.iter().map(f).collect();
+            let label = format!("{name}, if it could pull");
+            plane = plane.item(Item::dashed(&label, color, tail(|p| (p[1] * 1e6, p[2]))));
+            force = force.item(Item::dashed(&label, color, tail(|p| (p[0] * 1e3, p[3]))));
+        }
+    }
+    Ok([plane, force])
+}
+
+/// Restitution and contact time over approach speed, a curve per law.
+pub fn over_speed(rows: &[Row]) -> [Panel; 2] {
+    let curve = |f: fn(&Row) -> f64, law: &[Row]| {
+        law.iter()
+            .map(|r| (r.approach_speed_m_per_s, f(r)))
+            .collect::<Vec<_>>()
+    };
+    let speed = || Axis::new("approach speed, m/s").with_zero();
+    let mut restitution = Panel::new(speed(), Axis::new("restitution").fixed(0.0, 1.05))
+        .titled("Rebound over approach speed");
+    let mut duration =
+        Panel::new(speed(), Axis::new("contact time, ms").with_zero()).titled("Onset to release");
+    for (i, law) in rows.chunk_by(|a, b| a.law == b.law).enumerate() {
+        let color = Color::series(i);
+        let name = law[0].law.as_str();
+        restitution = restitution.item(Item::line(name, color, curve(|r| r.restitution, law)));
+        duration = duration.item(Item::line(name, color, curve(|r| r.contact_time_ms, law)));
+    }
+    [restitution, duration]
+}
+
+/// Panels in a grid of two columns.
+pub fn grid(title: String, subtitle: String, panels: impl IntoIterator<Item = Panel>) -> Figure {
+    let mut figure = Figure::new(title).subtitle(subtitle).columns(2);
+    for panel in panels {
+        figure = figure.panel(panel);
+    }
+    let rows = figure.panels.len().div_ceil(2) as u32;
+    figure.size(1200, 120 + 400 * rows)
+}

@@ -1,0 +1,385 @@
+//! The picture of a run: what the controller did over time, and what came of it.
+
+use shared::control::State;
+
+use emulator::log::state_name;
+use emulator::record::{BlockRow, Contact, Event, Observer, TickRow, What};
+use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
+
+/// Time between two points of a curve at first, s.
+const POINT_S: f64 = 0.05;
+
+/// Points of a curve at most; then every other is dropped and the time between them doubled.
+const MOST_POINTS: usize = 20_000;
+
+/// How often the largest force is shown while there is no drive, Hz.
+const OFF_HZ: f64 = 4.0;
+
+/// Marks with a name, at most; more would not be read.
+const NAMED_MARKS: usize = 8;
+
+/// What of a run is drawn. Watches it ([`Observer`]) and keeps a few thousand points.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// What the controller did, and since when, s.
+    states: Vec<(f64, State)>,
+    /// Drive frequency, Hz.
+    frequency: Vec<Point>,
+    /// The forecast's target, Hz.
+    target: Vec<Point>,
+    /// Commanded and measured cart amplitude, mm.
+    commanded: Vec<Point>,
+    measured: Vec<Point>,
+    /// Largest true contact force of each drive period, N, at the period's end.
+    peaks: Vec<Point>,
+    marks: Vec<(f64, String, bool)>,
+    /// Drive periods since the last whole one, and the largest force since.
+    period: f64,
+    peak_n: f64,
+    next_point_s: f64,
+    point_s: f64,
+    time_s: f64,
+    on: bool,
+}
+
+impl Default for Trace {
+    fn default() -> Self {
+        Self {
+            states: Vec::new(),
+            frequency: Vec::new(),
+            target: Vec::new(),
+            commanded: Vec::new(),
+            measured: Vec::new(),
+            peaks: Vec::new(),
+            marks: Vec::new(),
+            period: 0.0,
+            peak_n: 0.0,
+            next_point_s: 0.0,
+            point_s: POINT_S,
+            time_s: 0.0,
+            on: false,
+        }
+    }
+}
+
+impl Trace {
+    /// Keeps a run of any length drawable.
+    fn thin(&mut self) {
+        if self.frequency.len() < MOST_POINTS {
+            return;
+        }
+        self.point_s *= 2.0;
+        for curve in [
+            &mut self.frequency,
+            &mut self.target,
+            &mut self.commanded,
+            &mut self.measured,
+        ] {
+            *curve = curve.iter().step_by(2).copied().collect();
+        }
+    }
+
+    /// Rig time seen so far, s.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+}
+
+impl Observer for Trace {
+    fn tick(&mut self, row: &TickRow) {
+        self.time_s = row.time_s;
+        self.on = row.output.enable;
+        self.peak_n = self.peak_n.max(row.true_force_n);
+    }
+
+    fn block(&mut self, row: &BlockRow) {
+        let status = row.status;
+        let frequency_hz = f64::from(status.frequency_hz);
+        if self.states.last().map(|(_, state)| *state) != Some(status.state) {
+            self.states.push((self.time_s, status.state));
+        }
+        let hertz = if self.on { frequency_hz } else { OFF_HZ };
+        self.period += row.ticks as f64 * shared::settings::TICK_S * hertz;
+        if self.period >= 1.0 {
+            self.period = self.period.fract();
+            // With the drive off only what still strikes is shown.
+            let shown = self.on || self.peak_n > 0.0;
+            let peak_n = if shown { self.peak_n } else { f64::NAN };
+            self.peaks.push((self.time_s, peak_n));
+            self.peak_n = 0.0;
+        }
+        if self.time_s < self.next_point_s {
+            return;
+        }
+        self.thin();
+        self.next_point_s = self.time_s + self.point_s;
+        let while_on = |value: f64| if self.on { value } else { f64::NAN };
+        let point = |value: f64| (self.time_s, value);
+        let target_hz = f64::from(status.target_hz);
+        let target_hz = if target_hz > 0.0 { target_hz } else { f64::NAN };
+        self.frequency.push(point(while_on(frequency_hz)));
+        self.target.push(point(target_hz));
+        let millimetres = |metres: f32| while_on(f64::from(metres) * 1e3);
+        self.commanded.push(point(millimetres(status.amplitude_m)));
+        self.measured
+            .push(point(millimetres(status.measured_amplitude_m)));
+    }
+
+    fn contact(&mut self, contact: &Contact) {
+        // Between ticks the force is larger than at them.
+        self.peak_n = self.peak_n.max(contact.peak_force_n);
+    }
+
+    fn event(&mut self, event: &Event) {
+        let (text, fault) = match &event.what {
+            What::Scenario { text } => (text.clone(), false),
+            What::Fault { fault, .. } => (fault.name().to_owned(), true),
+            _ => return,
+        };
+        self.marks.push((event.time_s, text, fault));
+    }
+}
+
+/// What stands around the curves.
+#[derive(Clone, Debug, Default)]
+pub struct About {
+    /// The first line.
+    pub title: String,
+    /// What is under it.
+    pub subtitle: String,
+    /// The hammer's weight, N: forces are shown as multiples of it.
+    pub weight_n: f64,
+    /// Frequency and peak force in N of the true rig's optimum.
+    pub optimum: Option<(f64, f64)>,
+}
+
+/// The picture: frequency, force and amplitude over time, one above the other, under the controller's state.
+pub fn figure(trace: &Trace, about: &About) -> Figure {
+    let end_s = trace.time_s;
+    let across = |y: f64| vec![(0.0, y), (end_s, y)];
+    let time = || Axis::new("time, s").fixed(0.0, end_s);
+    let weight = if about.weight_n > 0.0 {
+        about.weight_n
+    } else {
+        1.0
+    };
+    let optimum = |value: f64, text: String| {
+        let mut item = Item::dashed(text, Color::INK, across(value));
+        if let Item::Line { width, .. } = &mut item {
+            *width = 1.1;
+        }
+        item
+    };
+
+    let mut frequency = panel(trace, time(), Axis::new("frequency, Hz"), true)
+        .titled("Drive frequency, and what the controller is doing");
+    let mut force = panel(trace, time(), Axis::new("F/(m g)").with_zero(), false)
+        .titled("Largest true contact force of each drive period over the hammer's weight");
+    if let Some((hz, newtons)) = about.optimum {
+        frequency = frequency.item(optimum(hz, format!("optimum of the true rig {hz:.3} Hz")));
+        let ratio = newtons / weight;
+        force = force.item(optimum(
+            ratio,
+            format!("optimum of the true rig {ratio:.1}"),
+        ));
+    }
+    let mut target = Item::line("forecast's target", Color::ORANGE, trace.target.clone());
+    if let Item::Line { stroke, .. } = &mut target {
+        *stroke = Stroke::Dotted;
+    }
+    frequency =
+        frequency
+            .item(target)
+            .item(Item::line("drive", Color::BLUE, trace.frequency.clone()));
+    let ratios = trace.peaks.iter().map(|(t, n)| (*t, n / weight));
+    force = force.item(Item::line("peak force", Color::BLUE, ratios.collect()));
+    let amplitude = panel(trace, time(), Axis::new("amplitude, mm").with_zero(), false)
+        .titled("Amplitude of the cart")
+        .item(Item::dashed(
+            "commanded",
+            Color::ORANGE,
+            trace.commanded.clone(),
+        ))
+        .item(Item::line("measured", Color::BLUE, trace.measured.clone()));
+    Figure::new(about.title.clone())
+        .subtitle(about.subtitle.clone())
+        .size(1100, 980)
+        .panel(frequency)
+        .panel(force)
+        .panel(amplitude)
+}
+
+/// A panel over time with the states as bands and the marks as lines; named in the first panel only.
+fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
+    let mut panel = Panel::new(x, y);
+    let ends = trace.states.iter().skip(1).map(|(at, _)| *at);
+    let ends = ends.chain([trace.time_s]);
+    let mut seen = Vec::new();
+    for ((from, state), to) in trace.states.iter().zip(ends) {
+        let first = !seen.contains(state);
+        seen.push(*state);
+        let Some(color) = state_color(*state) else {
+            continue;
+        };
+        panel = panel.item(Item::BandX {
+            from: *from,
+            to,
+            color,
+            label: if named && first {
+                state_name(*state)
+            } else {
+                String::new()
+            },
+        });
+    }
+    for (i, (at, text, fault)) in trace.marks.iter().enumerate() {
+        let label = match i {
+            _ if !named || i > NAMED_MARKS => String::new(),
+            NAMED_MARKS => format!("{} more", trace.marks.len() - i),
+            _ => text.clone(),
+        };
+        panel = panel.item(Item::MarkX {
+            x: *at,
+            label,
+            color: if *fault { Color::RED } else { Color::INK },
+            stroke: if *fault {
+                Stroke::Solid
+            } else {
+                Stroke::Dotted
+            },
+        });
+    }
+    panel
+}
+
+/// The colour of a state's band; a controller at rest has none.
+fn state_color(state: State) -> Option<Color> {
+    match state {
+        State::Idle => None,
+        State::SelfTest => Some(Color::PURPLE),
+        State::Ramp => Some(Color::SKY),
+        State::Seek => Some(Color::ORANGE),
+        State::Hold => Some(Color::GREEN),
+        State::Stop => Some(Color::GREY),
+        State::Fault => Some(Color::RED),
+        State::Manual => Some(Color::BLUE),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::control::{Basin, Status};
+    use shared::io::{Frame, Output};
+    use shared::model::regime::Regime;
+
+    use super::*;
+    use plot::render_svg;
+
+    /// Watches `seconds` of a run: idle, a start at 1 s, a blow every half second, a fault at the end.
+    fn watched(seconds: u32) -> Trace {
+        let mut trace = Trace::default();
+        // A block of 0.05 s, so that a long run is short to test.
+        for k in 1..=seconds * 20 {
+            let time_s = f64::from(k) * 0.05;
+            let on = time_s > 1.0;
+            let output = Output {
+                enable: on,
+                ..Output::SAFE
+            };
+            trace.tick(&TickRow {
+                tick: u64::from(k) * 1000,
+                time_s,
+                frame: Frame::default(),
+                output,
+                true_force_n: 0.0,
+                hammer_m: 0.0,
+                cart_m: 0.0,
+            });
+            if on && k.is_multiple_of(10) {
+                trace.contact(&Contact {
+                    peak_force_n: 96.0,
+                    ..Contact::default()
+                });
+            }
+            trace.block(&BlockRow {
+                tick: u64::from(k) * 1000,
+                ticks: 1000,
+                commands: &[],
+                frames: &[],
+                outputs: &[],
+                delivered: true,
+                overrun: false,
+                stale: false,
+                slices: 0,
+                status: &status(if on { State::Hold } else { State::Idle }),
+            });
+        }
+        trace.event(&Event {
+            tick: 0,
+            time_s: f64::from(seconds),
+            what: What::Fault {
+                fault: shared::fault::Fault::OverForce,
+                origin: shared::fault::Origin::Force,
+                value: 1.0,
+            },
+        });
+        trace
+    }
+
+    fn status(state: State) -> Status {
+        Status {
+            tick: 0,
+            state,
+            fault: None,
+            limits: 0,
+            frequency_hz: 2.0,
+            amplitude_m: 1e-3,
+            measured_amplitude_m: 1e-3,
+            lag_rad: 0.0,
+            regime: Regime::None,
+            peak_n: 0.0,
+            impulse_n_s: 0.0,
+            target_hz: 2.1,
+            target_n: 0.0,
+            basin: Basin::Unknown,
+            reseeks: 0,
+            overruns: 0,
+        }
+    }
+
+    #[test]
+    fn every_period_shows_its_blow_and_the_picture_names_states_faults_and_units() {
+        let trace = watched(20);
+        assert_eq!(trace.states.len(), 2);
+        let whole = trace.peaks.iter().filter(|(t, _)| *t > 2.0);
+        assert!(whole.clone().count() >= 35);
+        assert!(whole.clone().all(|(_, n)| *n == 96.0), "{:?}", trace.peaks);
+        let about = About {
+            title: "a run".into(),
+            subtitle: String::new(),
+            weight_n: 3.0,
+            optimum: Some((2.2, 99.0)),
+        };
+        let svg = render_svg(&figure(&trace, &about)).unwrap();
+        for text in [
+            "hold",
+            "over-force",
+            "frequency, Hz",
+            "F/(m g)",
+            "amplitude, mm",
+            "optimum of the true rig 2.200 Hz",
+            "optimum of the true rig 33.0",
+        ] {
+            assert!(svg.contains(text), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_long_run_stays_drawable() {
+        let trace = watched(5000);
+        assert!(trace.frequency.len() <= MOST_POINTS);
+        let last = trace.frequency.last().unwrap();
+        assert!(last.0 > 4999.0, "{last:?}");
+        assert!(trace.frequency.windows(2).all(|w| w[0].0 < w[1].0));
+    }
+}

@@ -1,0 +1,126 @@
+//! The picture of the gap advice: force, frequency and safe band, basin and multiplier over the gap.
+
+use crate::words::gaps::{GapRow, GapTable};
+use plot::{Axis, Color, Figure, Item, Mark, Panel};
+
+/// Four panels over the gap; gaps that jump carry an orange diamond.
+pub fn figure(advice: &GapTable) -> Figure {
+    let rig = advice.gaps.first().map_or("", |row| row.rig.as_str());
+    let title = match advice.advised_gap_mm {
+        Some(gap) => format!("Run the {rig} hammer at a gap of {gap:?} mm"),
+        None => format!("No gap for the {rig} hammer"),
+    };
+    Figure::new(title)
+        .subtitle(advice.why.clone())
+        .columns(2)
+        .size(1300, 1000)
+        .panel(force(advice))
+        .panel(frequency(advice))
+        .panel(basin(advice))
+        .panel(multiplier(advice))
+}
+
+/// Points of `value` over the gap, where there is one.
+fn over(advice: &GapTable, value: impl Fn(&GapRow) -> Option<f64>) -> Vec<(f64, f64)> {
+    let rows = advice.gaps.iter();
+    rows.filter_map(|row| Some((row.gap_mm, value(row)?)))
+        .collect()
+}
+
+fn panel(advice: &GapTable, label: &str, title: &str) -> Panel {
+    let panel = Panel::new(Axis::new("gap, mm"), Axis::new(label).with_zero()).titled(title);
+    match advice.advised_gap_mm {
+        Some(gap) => panel.item(Item::mark_x("advised", gap)),
+        None => panel,
+    }
+}
+
+fn force(advice: &GapTable) -> Panel {
+    let jumping = |row: &GapRow| row.force_ratio.filter(|_| row.jumps == Some(true));
+    panel(advice, "contact force over weight", "force")
+        .item(Item::dashed(
+            "largest 1/1, nominal rig",
+            Color::GREY,
+            over(advice, |r| r.largest_force_ratio),
+        ))
+        .item(Item::line(
+            "at the pick",
+            Color::BLUE,
+            over(advice, |r| r.force_ratio),
+        ))
+        .item(Item::points(
+            "",
+            Color::BLUE,
+            over(advice, |r| r.force_ratio),
+        ))
+        .item(Item::Points {
+            points: over(advice, jumping),
+            color: Color::ORANGE,
+            label: "the hammer jumps".to_owned(),
+            radius: 5.0,
+            mark: Mark::Diamond,
+        })
+}
+
+fn frequency(advice: &GapTable) -> Panel {
+    let edge = |label: &str, value: fn(&GapRow) -> Option<f64>| {
+        Item::dashed(label, Color::GREEN, over(advice, value))
+    };
+    let pick = over(advice, |r| r.operating_frequency_hz);
+    let lowest = advice.gaps.iter().filter_map(|r| r.safe_band_low_hz);
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    let highest = advice.gaps.iter().filter_map(|r| r.safe_band_high_hz);
+    let highest = highest.fold(0.0, f64::max);
+    let mut panel = panel(advice, "drive frequency, Hz", "frequency and safe band");
+    if lowest < highest {
+        let margin = 0.1 * (highest - lowest);
+        panel.y = Axis::new("drive frequency, Hz").fixed(lowest - margin, highest + margin);
+    }
+    panel
+        .item(edge("safe band", |r| r.safe_band_low_hz))
+        .item(edge("", |r| r.safe_band_high_hz))
+        .item(Item::line("pick", Color::BLUE, pick.clone()))
+        .item(Item::points("", Color::BLUE, pick))
+}
+
+fn basin(advice: &GapTable) -> Panel {
+    let percent = |value: Option<f64>| value.map(|share| 100.0 * share);
+    let share = over(advice, |r| percent(r.basin_share));
+    let mut panel = panel(advice, "share of the starts, %", "where starts end");
+    panel.y = Axis::new("share of the starts, %").fixed(0.0, 105.0);
+    // Intervals: a short upright line each.
+    let intervals = advice.gaps.iter().filter_map(|row| {
+        let (low, high) = (
+            percent(row.basin_share_low)?,
+            percent(row.basin_share_high)?,
+        );
+        Some([(row.gap_mm, low), (row.gap_mm, high), (f64::NAN, f64::NAN)])
+    });
+    panel
+        .item(Item::line("", Color::BLUE, intervals.flatten().collect()))
+        .item(Item::line(
+            "on the orbit picked (95 %)",
+            Color::BLUE,
+            share.clone(),
+        ))
+        .item(Item::points("", Color::BLUE, share))
+        .item(Item::dashed(
+            "without impact",
+            Color::RED,
+            over(advice, |r| percent(r.silent_share)),
+        ))
+}
+
+fn multiplier(advice: &GapTable) -> Panel {
+    let points = over(advice, |r| r.multiplier);
+    let ends = advice.gaps.first().zip(advice.gaps.last());
+    let limit = ends.map_or(Vec::new(), |(a, b)| vec![(a.gap_mm, 1.0), (b.gap_mm, 1.0)]);
+    panel(
+        advice,
+        "largest modulus of a multiplier",
+        "stability at the pick",
+    )
+    .item(Item::line("orbit picked", Color::BLUE, points.clone()))
+    .item(Item::points("", Color::BLUE, points))
+    .item(Item::dashed("limit of stability", Color::INK, limit))
+}

@@ -1,0 +1,142 @@
+//! Figures 3.9 and 3.10 and what stands behind them: force of the first impacts, peaks over impact number, and the
+//! misfit over each parameter.
+
+use shared::model::params::RigParams;
+
+use numerics::identify::{Fit, Measured, beside};
+use plot::{Axis, Color, Figure, Item, Panel};
+
+/// Impacts whose force is drawn.
+const DRAWN: usize = 2;
+
+/// The 95 % point of χ² with one degree of freedom, drawn as the level at which an interval ends.
+const LEVEL: f64 = 3.841;
+
+/// Measured against model of `fits` (the first is drawn in full, of the others the peaks).
+pub fn figure(
+    title: String,
+    subtitle: String,
+    measured: &Measured,
+    params: &RigParams,
+    fits: &[Fit],
+) -> Figure {
+    let mut figure = Figure::new(title).subtitle(subtitle).columns(2);
+    let Some(first) = fits.first() else {
+        return figure;
+    };
+    for panel in forces(measured, params, first) {
+        figure = figure.panel(panel);
+    }
+    figure = figure.panel(peaks(fits));
+    for i in 0..first.profiles.len() {
+        if let Some(panel) = profile(first, i) {
+            figure = figure.panel(panel);
+        }
+    }
+    let rows = figure.panels.len().div_ceil(2) as u32;
+    figure.size(1200, 130 + 390 * rows)
+}
+
+/// The force of the first impacts.
+pub fn forces(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Panel> {
+    let all = beside(measured, params, fit);
+    let panel = |(i, samples): (usize, &Vec<[f64; 3]>)| {
+        let column = |k: usize| samples.iter().map(|s| (s[0] * 1e3, s[k])).collect();
+        Panel::new(
+            Axis::new("time, ms"),
+            Axis::new("contact force, N").with_zero(),
+        )
+        .titled(format!("Impact {}", i + 1))
+        .item(Item::points("measured", Color::RED, column(1)))
+        .item(Item::line(
+            format!("model: {}, by {}", fit.law, fit.misfit),
+            Color::BLUE,
+            column(2),
+        ))
+    };
+    all.iter().enumerate().take(DRAWN).map(panel).collect()
+}
+
+/// Peaks over impact number.
+pub fn peaks(fits: &[Fit]) -> Panel {
+    let mut panel = Panel::new(Axis::new("impact"), Axis::new("force peak, N").with_zero())
+        .titled("Force peaks");
+    for (i, fit) in fits.iter().enumerate() {
+        let model = fit
+            .impacts
+            .iter()
+            .map(|r| (r.impact as f64, r.model_peak_n));
+        let label = format!("{}, by {}", fit.law, fit.misfit);
+        panel = panel.item(Item::line(label, Color::series(2 * i), model.collect()));
+    }
+    if let Some(fit) = fits.first() {
+        let seen = fit
+            .impacts
+            .iter()
+            .map(|r| (r.impact as f64, r.measured_peak_n));
+        panel = panel.item(Item::Points {
+            points: seen.collect(),
+            color: Color::RED,
+            label: "measured".into(),
+            radius: 4.0,
+            mark: plot::Mark::Circle,
+        });
+    }
+    panel
+}
+
+/// The rise of χ² over one parameter, all others at their best.
+fn profile(fit: &Fit, i: usize) -> Option<Panel> {
+    let profile = fit.profiles.get(i)?;
+    if profile.points.len() < 3 {
+        return None;
+    }
+    let estimate = &profile.estimate;
+    let (label, scale) = unit(estimate.key);
+    let points: Vec<_> = profile
+        .points
+        .iter()
+        .filter(|p| p.1 < 4.0 * LEVEL)
+        .map(|p| (p.0 * scale, p.1))
+        .collect();
+    let ends = (points.first()?.0, points.last()?.0);
+    let mut panel = Panel::new(
+        Axis::new(label),
+        Axis::new("rise of χ²").fixed(0.0, 4.0 * LEVEL),
+    )
+    .titled("Profile likelihood")
+    .item(Item::line(
+        "all others at their best",
+        Color::BLUE,
+        points.clone(),
+    ))
+    .item(Item::points("", Color::BLUE, points))
+    .item(Item::dashed(
+        "95 %",
+        Color::INK,
+        vec![(ends.0, LEVEL), (ends.1, LEVEL)],
+    ))
+    .item(Item::mark_x("found", estimate.value * scale));
+    for end in [estimate.low, estimate.high].into_iter().flatten() {
+        panel = panel.item(Item::MarkX {
+            x: end * scale,
+            label: String::new(),
+            color: Color::GREY,
+            stroke: plot::Stroke::Dotted,
+        });
+    }
+    Some(panel)
+}
+
+/// What an axis calls a parameter, and what its values are multiplied by there.
+fn unit(key: &str) -> (&str, f64) {
+    match key {
+        "contact_stiffness_n_per_m" => ("ki, 10⁶ N/mⁿ", 1e-6),
+        "contact_damping_n_s_per_m" => ("ci, N·s/m", 1.0),
+        "contact_damping_ratio_s_per_m" => ("λ, s/m", 1.0),
+        "contact_restitution" => ("e", 1.0),
+        "contact_exponent" => ("n", 1.0),
+        "release_mm" => ("release, mm", 1.0),
+        other => (other, 1.0),
+    }
+}

@@ -1,0 +1,267 @@
+//! Curves of orbits over the diagram that simulations draw, and lines of special points over gap and frequency.
+
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+
+use shared::model::params::RigParams;
+use shared::model::rig::Rig;
+
+use files::UserError;
+use numerics::continuation::curves::Line;
+use numerics::continuation::family::Node;
+use numerics::continuation::table::{seen, stretches};
+use numerics::continuation::{Along, Diagram, Family, Special};
+use numerics::engine::Start;
+use numerics::lanes::{self, Cell, Plan};
+use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke, regime_color};
+
+/// What simulations show at their strobes: (parameter, value).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Simulated {
+    /// Displacement at drive phase 0, mm.
+    pub displacement_mm: Vec<(f64, f64)>,
+    /// Largest contact force of a drive period over m g.
+    pub force_ratio: Vec<(f64, f64)>,
+}
+
+/// Strobes drawn of each simulation: the last of all cycles, so that no transient is among them.
+const PLAN: Plan = Plan {
+    cycles: 400,
+    recorded: 60,
+    early: false,
+    strobes: 60,
+};
+
+/// Simulations over the range of `diagram` at `count` values, each from rest and from a push.
+///
+/// # Errors
+/// A simulation that leaves what the model describes.
+pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError> {
+    let request = &diagram.request;
+    let family = Family::new(&diagram.params, request.along, 1)?;
+    let (low, high) = request.limits;
+    let mut cells = Vec::new();
+    let mut parameters = Vec::new();
+    for i in 0..count {
+        let parameter = low + (i as f64 + 0.5) / count as f64 * (high - low);
+        let (params, frequency_hz) = family.at(parameter);
+        let rig = Rig::<f64>::new(&params)?;
+        let push = Start::Moving(-6.0 * params.amplitude_m - params.gap_m.abs(), 0.0);
+        for start in [Start::Rest, push] {
+            parameters.push(parameter);
+            cells.push(Cell {
+                params,
+                frequency_hz,
+                start: start.section(&rig, TAU * frequency_hz)?,
+                phase: 0.0,
+            });
+        }
+    }
+    let outcomes = lanes::run(&cells, &PLAN)?;
+    let mut found = Simulated::default();
+    for ((parameter, cell), outcome) in parameters.iter().zip(&cells).zip(outcomes) {
+        let rig = Rig::<f64>::new(&cell.params)?;
+        // Of a motion that repeats, one repetition: the strobes before are those on the way there.
+        let repeats = outcome.regime.periods().map(usize::from);
+        let from = repeats.map_or(0, |n| outcome.strobes.len().saturating_sub(n));
+        for strobe in &outcome.strobes[from..] {
+            let mm = rig.relative_displacement(strobe.q) * 1e3;
+            found.displacement_mm.push((*parameter, mm));
+            if strobe.force_n > 0.0 {
+                let ratio = strobe.force_n / cell.params.weight_n();
+                found.force_ratio.push((*parameter, ratio));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// How a special point is marked.
+fn mark(special: Special) -> (Mark, Color) {
+    match special {
+        Special::PeriodDoubling => (Mark::Diamond, Color::INK),
+        Special::Fold => (Mark::Square, Color::RED),
+        Special::GrazingGained => (Mark::Triangle, Color::PURPLE),
+        Special::GrazingLost => (Mark::Ring, Color::PURPLE),
+    }
+}
+
+/// Displacement and force of every curve over the parameter, on top of what simulations show.
+pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
+    let (x, place) = match diagram.request.along {
+        Along::Frequency => (
+            "frequency ratio Ω/ω",
+            format!(
+                "gap {:?} mm",
+                numerics::row::tidy(diagram.params.gap_m * 1e3)
+            ),
+        ),
+        Along::Gap(hz) => (
+            "gap over amplitude, gap/A0",
+            format!("Ω/ω = {:.4}", hz / diagram.params.natural_frequency_hz()),
+        ),
+    };
+    let (low, high) = diagram.request.limits;
+    let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));
+    let params = &diagram.params;
+    let weight = params.weight_n();
+    let displacement = |node: &Node, k: usize| Some(seen(params, node, node.orbit.strobes[k]).0);
+    let force = |node: &Node, k: usize| {
+        let force = node.orbit.period_forces_n[k];
+        (force > 0.0).then(|| force / weight)
+    };
+    let mut panels = [
+        panel("displacement at drive phase 0, mm"),
+        panel("contact force over weight").without_legend(),
+    ];
+    let clouds = [&behind.displacement_mm, &behind.force_ratio];
+    for (panel, cloud) in panels.iter_mut().zip(clouds) {
+        let cloud = Item::Cloud {
+            points: cloud.clone(),
+            color: Color(0xa0, 0xa0, 0xa0),
+            label: "simulation".to_owned(),
+            dot: 1.4,
+        };
+        panel.items.push(cloud);
+    }
+    draw(diagram, &mut panels[0], &displacement);
+    draw(diagram, &mut panels[1], &force);
+    let [top, bottom] = panels;
+    Figure::new(format!("{rig}, {place}: periodic orbits, stable and unstable"))
+        .subtitle(
+            "Lines: orbits followed by pseudo-arclength, solid where stable, dashed where not. Dots: simulations from rest and from a push.",
+        )
+        .size(1100, 900)
+        .panel(top)
+        .panel(bottom)
+}
+
+/// Adds the curves of `diagram` with their special points, as `value` of an orbit and a strobe.
+pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -> Option<f64>) {
+    let mut named: BTreeSet<String> = BTreeSet::new();
+    let mut once = |name: String| {
+        if named.insert(name.clone()) {
+            name
+        } else {
+            String::new()
+        }
+    };
+    for curve in &diagram.curves {
+        let regime = curve.regime();
+        let color = regime_color(&regime);
+        for (nodes, stable) in stretches(&curve.nodes) {
+            for k in 0..usize::from(curve.periods()) {
+                let at = |n: &Node| (n.parameter(), value(n, k).unwrap_or(f64::NAN));
+                let points: Vec<(f64, f64)> = nodes.iter().map(at).collect();
+                if points.iter().all(|p| p.1.is_nan()) {
+                    continue;
+                }
+                let (word, stroke) = if stable {
+                    ("stable", Stroke::Solid)
+                } else {
+                    ("unstable", Stroke::Dashed)
+                };
+                panel.items.push(Item::Line {
+                    points,
+                    color,
+                    label: once(format!("{regime} {word}")),
+                    width: if stable { 2.2 } else { 1.4 },
+                    stroke,
+                });
+            }
+        }
+    }
+    for kind in Special::ALL {
+        let of = |curve: &numerics::continuation::Curve| {
+            let points = curve.specials().filter(|(_, k)| *k == kind);
+            let points = points.flat_map(|(node, _)| {
+                let all = 0..node.orbit.strobes.len();
+                let at = |k| Some((node.parameter(), value(node, k)?));
+                all.filter_map(at).collect::<Vec<_>>()
+            });
+            points.collect::<Vec<_>>()
+        };
+        let points: Vec<(f64, f64)> = diagram.curves.iter().flat_map(of).collect();
+        if !points.is_empty() {
+            let (mark, color) = mark(kind);
+            panel.items.push(Item::Points {
+                points,
+                color,
+                label: kind.label().to_owned(),
+                radius: 4.0,
+                mark,
+            });
+        }
+    }
+}
+
+/// How a line of special points is drawn: by its stroke first, as every colour of the set stands for a regime beneath it.
+fn stroke(special: Special) -> (Stroke, Color) {
+    match special {
+        Special::PeriodDoubling => (Stroke::Solid, Color::INK),
+        Special::Fold => (Stroke::Dashed, Color::INK),
+        Special::GrazingLost => (Stroke::Dotted, Color::INK),
+        Special::GrazingGained => (Stroke::Solid, Color::GREY),
+    }
+}
+
+/// The lines of special points as items over gap (mm, across) and frequency (Hz, upwards): to be laid over a map.
+pub fn line_items(lines: &[Line]) -> Vec<Item> {
+    let mut named: Vec<Special> = Vec::new();
+    let mut items = Vec::new();
+    // In the legend a kind is told by its lines, if it has any, not by one that came to a single point.
+    let (long, points): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|l| l.nodes.len() > 1);
+    for line in long.into_iter().chain(points) {
+        let (mark, _) = mark(line.special);
+        let (stroke, color) = stroke(line.special);
+        let label = if named.contains(&line.special) {
+            String::new()
+        } else {
+            named.push(line.special);
+            line.special.label().to_owned()
+        };
+        let point = |n: &Node| (n.gap_m * 1e3, n.orbit.frequency_hz);
+        let points: Vec<(f64, f64)> = line.nodes.iter().map(point).collect();
+        if points.len() > 1 {
+            // A light rim keeps the line apart from the areas it crosses.
+            items.push(Item::Line {
+                points: points.clone(),
+                color: Color::PAPER,
+                label: String::new(),
+                width: 4.5,
+                stroke: Stroke::Solid,
+            });
+        }
+        items.push(if points.len() == 1 {
+            Item::Points {
+                points,
+                color,
+                label,
+                radius: 2.5,
+                mark,
+            }
+        } else {
+            Item::Line {
+                points,
+                color,
+                label,
+                width: 2.0,
+                stroke,
+            }
+        });
+    }
+    items
+}
+
+/// The lines on their own.
+pub fn lines_figure(rig: &str, params: &RigParams, lines: &[Line]) -> Figure {
+    let mut panel = Panel::new(Axis::new("gap, mm"), Axis::new("drive frequency, Hz"));
+    panel.items.extend(line_items(lines));
+    Figure::new(format!("{rig}: where the 1/1 doubles, folds and grazes"))
+        .subtitle(format!(
+            "Special points of the 1/1 orbits, stable or not; natural frequency {:.2} Hz.",
+            params.natural_frequency_hz()
+        ))
+        .size(1000, 720)
+        .panel(panel)
+}

@@ -1,0 +1,112 @@
+//! The picture of a pick: force curve, band, doubling and choice.
+
+use crate::words::pick::why;
+use numerics::pick::Pick;
+use numerics::row::Row;
+use plot::{Axis, Color, Figure, Item, OTHER_PERIODIC, Panel};
+
+const CURVE: Color = Color(0x1f, 0x4e, 0x79);
+
+/// One panel per rig.
+pub fn figure(picks: &[Pick]) -> Figure {
+    let title = match picks {
+        [one] => format!(
+            "Run the {} hammer at {:.3} Hz (gap {:?} mm)",
+            one.answer.rig, one.answer.operating_frequency_hz, one.answer.gap_mm
+        ),
+        _ => "At which frequency to run the hammer".to_owned(),
+    };
+    let subtitle = match picks {
+        [one] => format!("{} Dots: sweeps up and down, by regime.", why(&one.answer)),
+        _ => "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. Dots: sweeps up and down, by regime.".to_owned(),
+    };
+    let columns = if picks.len() > 1 { 2 } else { 1 };
+    let size = if picks.len() > 1 {
+        (1400, 1000)
+    } else {
+        (1000, 640)
+    };
+    let mut figure = Figure::new(title)
+        .subtitle(subtitle)
+        .columns(columns)
+        .size(size.0, size.1);
+    for pick in picks {
+        let one = panel(pick);
+        figure = figure.panel(if picks.len() > 1 {
+            let a = &pick.answer;
+            one.titled(format!(
+                "{}, gap {:?} mm: {:.3} Hz",
+                a.rig, a.gap_mm, a.operating_frequency_hz
+            ))
+        } else {
+            one
+        });
+    }
+    figure
+}
+
+fn panel(pick: &Pick) -> Panel {
+    let answer = &pick.answer;
+    let (low, high) = (answer.safe_band_hz[0], answer.safe_band_hz[1]);
+    let natural = answer.operating_frequency_hz / answer.frequency_ratio;
+    let force = "contact force over the hammer's weight, F/(m g)";
+    let mut panel = Panel::new(
+        Axis::new("drive frequency, Hz"),
+        Axis::new(force).with_zero(),
+    )
+    .item(Item::band_x(
+        format!("safe band {low:.3} to {high:.3} Hz"),
+        low,
+        high,
+    ))
+    .item(Item::line(
+        "stable 1/1, followed as an orbit",
+        CURVE,
+        pick.curve.clone(),
+    ));
+    for (regime, points) in by_regime(pick.up.iter().chain(&pick.down)) {
+        panel = panel.item(Item::regime_points(&regime, points));
+    }
+    let at_natural = answer.force_ratio_at_natural_frequency;
+    panel = panel
+        .item(Item::mark_x("natural frequency", natural))
+        .item(Item::mark_point(
+            format!("{at_natural:.1} at the natural frequency"),
+            natural,
+            at_natural,
+        ));
+    panel = match answer.period_doubling_hz {
+        Some(hz) => panel.item(Item::mark_x("period doubling", hz)),
+        None => panel.item(Item::mark_x(
+            "end of stable 1/1",
+            answer.stable_one_one_hz[1],
+        )),
+    };
+    panel.item(Item::mark_point(
+        format!(
+            "{:.3} Hz: {:.1} N",
+            answer.operating_frequency_hz, answer.force_n
+        ),
+        answer.operating_frequency_hz,
+        answer.force_ratio,
+    ))
+}
+
+/// Regimes that get a style of their own; the rest share one, so that a legend stays short.
+const NAMED: [&str; 7] = ["1/1", "1/2", "2/2", "2/1", "aperiodic", "chatter", "none"];
+
+/// (frequency in Hz, force ratio) of rows, gathered by regime in order of first appearance.
+pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f64, f64)>)> {
+    let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    for row in rows {
+        let point = (row.frequency_hz, row.force_ratio);
+        let regime = row.regime.to_string();
+        let named = NAMED.iter().find(|name| **name == regime);
+        let label = named.copied().unwrap_or(OTHER_PERIODIC);
+        match groups.iter_mut().find(|(regime, _)| regime == label) {
+            Some((_, points)) => points.push(point),
+            None => groups.push((label.to_owned(), vec![point])),
+        }
+    }
+    groups
+}

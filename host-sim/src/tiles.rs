@@ -1,0 +1,156 @@
+//! The tiles of an unfinished map, on disk: so that a run that was cut off goes on, and several share one map.
+//!
+//! A folder holds `request.txt`, the request the tiles belong to, and one file per tile: eight letters that name
+//! the format and its version, then (packed by postcard) the request's fingerprint, the tile's number and its cells,
+//! then a CRC-32 over all before it. A file is written under another name and renamed. It is not forced to the
+//! disk's surface: one that a power failure leaves damaged is found by its CRC and computed again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use serde::{Deserialize, Serialize};
+
+use files::UserError;
+use numerics::Error;
+use numerics::error::MapError;
+use numerics::map::{MapCell, Request, Tiles};
+
+const MAGIC: &[u8; 8] = b"HSTILE01";
+const REQUEST: &str = "request.txt";
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
+/// A folder of tiles that belong to one request.
+#[derive(Debug)]
+pub struct Store {
+    dir: PathBuf,
+    fingerprint: u64,
+    lines: String,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Tile {
+    fingerprint: u64,
+    index: u64,
+    cells: Vec<MapCell>,
+}
+
+impl Store {
+    /// The folder `dir` for the tiles of `request`; it is not made yet.
+    ///
+    /// # Errors
+    /// One line when the folder cannot be used, or holds the tiles of another request: which part differs.
+    pub fn open(dir: &Path, request: &Request) -> Result<Self, UserError> {
+        let lines = request.lines();
+        let path = dir.join(REQUEST);
+        match fs::read_to_string(&path) {
+            Ok(there) if there != lines => return Err(another(dir, &there, &lines)),
+            Ok(_) => {}
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
+            Err(e) => {
+                return Err(UserError::new(format!(
+                    "cannot read {}: {e}; choose another folder",
+                    path.display()
+                )));
+            }
+        }
+        Ok(Self {
+            dir: dir.to_owned(),
+            fingerprint: request.fingerprint(),
+            lines,
+        })
+    }
+
+    /// Where the tiles are.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    fn path(&self, index: usize) -> PathBuf {
+        self.dir.join(format!("tile-{index:06}.bin"))
+    }
+
+    /// After a failure: what was begun and holds no tile goes, so that it is in nobody's way.
+    pub fn remove_if_empty(self) {
+        let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        let mut names = entries.map(|entry| entry.file_name());
+        if !names.any(|name| is_tile(&name.to_string_lossy())) {
+            self.remove();
+        }
+    }
+
+    /// Removes the tiles and, when nothing else is in it, the folder.
+    pub fn remove(self) {
+        let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        for entry in entries {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if is_tile(&name) || name == REQUEST || name.starts_with(files::write::PASSING) {
+                // What is left costs room and nothing else.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+        let _ = fs::remove_dir(&self.dir);
+    }
+}
+
+impl Tiles for Store {
+    /// Makes the folder and says in it whose tiles these will be.
+    fn begin(&self) -> Result<(), Error> {
+        files::write::write(self.dir.join(REQUEST), &self.lines).map_err(kept)
+    }
+
+    fn read(&self, index: usize, cells: usize) -> Option<Vec<MapCell>> {
+        let bytes = fs::read(self.path(index)).ok()?;
+        let (content, crc) = bytes.split_last_chunk::<4>()?;
+        if CRC.checksum(content) != u32::from_le_bytes(*crc) {
+            return None;
+        }
+        let tile: Tile = postcard::from_bytes(content.strip_prefix(MAGIC)?).ok()?;
+        let ours = tile.fingerprint == self.fingerprint && tile.index == index as u64;
+        (ours && tile.cells.len() == cells).then_some(tile.cells)
+    }
+
+    fn write(&self, index: usize, cells: &[MapCell]) -> Result<(), Error> {
+        let tile = Tile {
+            fingerprint: self.fingerprint,
+            index: index as u64,
+            cells: cells.to_vec(),
+        };
+        let mut bytes = postcard::to_extend(&tile, MAGIC.to_vec()).map_err(kept)?;
+        bytes.extend(CRC.checksum(&bytes).to_le_bytes());
+        files::write::write_unsynced(self.path(index), bytes).map_err(kept)
+    }
+}
+
+/// A tile that could not be kept, with the words of whoever refused it.
+fn kept(error: impl std::fmt::Display) -> Error {
+    MapError::Store(error.to_string()).into()
+}
+
+fn is_tile(name: &str) -> bool {
+    name.starts_with("tile-") && name.ends_with(".bin")
+}
+
+/// The tiles belong to another request: says which part of it differs.
+fn another(dir: &Path, there: &str, ours: &str) -> UserError {
+    let whole = there.ends_with('\n') && there.lines().count() == ours.lines().count();
+    let name = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
+    let differs = there.lines().zip(ours.lines()).find(|(a, b)| a != b);
+    let Some((a, b)) = differs.filter(|(a, b)| whole && name(a) == name(b)) else {
+        return UserError::new(format!(
+            "{} is damaged, so whose tiles these are cannot be told; remove the folder, or choose another --out",
+            dir.join(REQUEST).display()
+        ));
+    };
+    let what = if a.len() + b.len() < 120 {
+        let value = |line: &str| line[name(line).len()..].trim().to_owned();
+        format!("{} {} where this one has {}", name(a), value(a), value(b))
+    } else {
+        format!("another {}", name(a))
+    };
+    UserError::new(format!(
+        "{} holds an unfinished map with {what}; finish that one, remove the folder, or choose another --out",
+        dir.display()
+    ))
+}

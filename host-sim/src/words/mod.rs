@@ -1,0 +1,4 @@
+//! Sentences that put an answer into words.
+
+pub mod gaps;
+pub mod pick;

@@ -1,0 +1,96 @@
+//! Why this frequency, in one sentence.
+
+use numerics::pick::Answer;
+use serde::Serialize;
+
+/// An answer with its sentence, as JSON has it.
+#[derive(Serialize)]
+pub struct Worded<'a> {
+    #[serde(flatten)]
+    answer: &'a Answer,
+    why: String,
+}
+
+impl<'a> From<&'a Answer> for Worded<'a> {
+    fn from(answer: &'a Answer) -> Self {
+        Self {
+            answer,
+            why: why(answer),
+        }
+    }
+}
+
+/// Where jumps between the frequencies `low_hz` and `high_hz` are, in words.
+pub fn jumping_at(low_hz: f64, high_hz: f64) -> String {
+    if high_hz - low_hz < 5e-4 {
+        format!("at {high_hz:.3} Hz")
+    } else {
+        format!("between {low_hz:.3} and {high_hz:.3} Hz")
+    }
+}
+
+/// Why this frequency, in one sentence.
+pub fn why(answer: &Answer) -> String {
+    let binding: Vec<_> = answer
+        .limits
+        .iter()
+        .filter(|l| l.binds)
+        .map(|l| l.name)
+        .collect();
+    let among = match (binding.as_slice(), &answer.uncertainty) {
+        ([], None) => "It is the strongest stable 1/1 of the nominal rig".to_owned(),
+        ([], Some(_)) => {
+            "It is the strongest stable 1/1, and 1/1 stays stable over the whole uncertainty"
+                .to_owned()
+        }
+        (names, _) => format!(
+            "It is the strongest stable 1/1 that {} allows ({:.1} times the weight at {:.3} Hz without)",
+            names.join(" and "),
+            answer.nominal_optimum_force_ratio,
+            answer.nominal_optimum_hz
+        ),
+    };
+    let end = match answer.period_doubling_hz {
+        Some(hz) => format!(
+            "the period doubles only at {hz:.3} Hz, {:.0} % higher",
+            100.0 * (hz / answer.operating_frequency_hz - 1.0)
+        ),
+        None => format!(
+            "the stable 1/1 ends at {:.3} Hz",
+            answer.stable_one_one_hz[1]
+        ),
+    };
+    let jumps = match answer.jump_range_hz {
+        None => "and nothing jumps".to_owned(),
+        Some([low, high]) => {
+            let place = if answer.jump_free_in_safe_band {
+                "though not"
+            } else {
+                "also"
+            };
+            format!(
+                "but the hammer jumps {}, {place} inside the safe band",
+                jumping_at(low, high)
+            )
+        }
+    };
+    let missing = answer.corners - answer.corners_reaching_one_one_from_rest;
+    let alone = if answer.regime_from_rest != answer.regime {
+        format!(
+            "; from rest the hammer does not get there by itself (it ends in {}): it needs a push",
+            answer.regime_from_rest
+        )
+    } else if missing > 0 {
+        format!(
+            "; from rest {missing} of the uncertainty's {} corners do not get there by themselves: they need a push",
+            answer.corners
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "{among}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {jumps}{alone}.",
+        answer.force_ratio,
+        answer.force_ratio / answer.force_ratio_at_natural_frequency
+    )
+}
