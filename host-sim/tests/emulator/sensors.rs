@@ -2,8 +2,9 @@
 
 use emulator::mock::{MockActuator, MockAdc};
 use emulator::plant::Plant;
-use emulator::sensors::{Defect, Errors, Noise, Sensor, SensorParams, Sensors};
+use emulator::sensors::{Defect, Errors, Sensor, SensorParams, Sensors};
 use emulator::shaker::{Path, ShakerParams};
+use numerics::noise::Noise;
 use shared::io::{AdcCode, DacCode, Output, Reading, sample};
 use shared::model::params::{RigParams, WIRES};
 use shared::settings::Settings;
