@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use shared::control::{Command, Event as Told, MAX_BLOCK, What as Saying, bits};
+use shared::control::{Command, Event as Told, EventKind as Saying, MAX_BLOCK, bits};
 use shared::io::{Frame, Output};
 
 use super::record::{BlockRow, Event, Given, Observer, TickRow, What};
@@ -234,7 +234,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
 
     /// What the controller says, told on.
     fn told(&mut self, told: &Told) {
-        let what = match told.what {
+        let what = match told.kind {
             Saying::State { from, to } => What::State {
                 from: state_name(from),
                 to: state_name(to),

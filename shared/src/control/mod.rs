@@ -17,12 +17,12 @@
 mod climb;
 mod controller;
 mod event;
-mod family;
+mod forecast_cache;
 mod free;
 mod guard;
 mod lockstep;
 mod oscillator;
-mod outlook;
+mod plausibility;
 mod sampling;
 mod search;
 mod self_test;
@@ -30,10 +30,10 @@ mod supervise;
 mod trim;
 
 pub use controller::Controller;
-pub use event::{Event, Events, KEPT, What};
-pub use family::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
+pub use event::{EVENT_CAPACITY, Event, EventKind, Events};
 pub use guard::{OPEN_TICKS, OVER_FORCE_TICKS, OVER_TRAVEL_TICKS, SATURATED_TICKS};
 pub use lockstep::{Exchanged, Lockstep};
+pub use plausibility::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
 pub use trim::bits;
 
 use serde::{Deserialize, Serialize};
@@ -178,7 +178,7 @@ pub enum ResetCause {
 
 /// What the controller is born with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Birth {
+pub struct BootInfo {
     /// Why the board started.
     pub reset: ResetCause,
     /// The fault record that survived the reset.

@@ -1,7 +1,7 @@
 //! The states, and what leads from one to another.
 
 use super::controller::{Controller, ticks_of};
-use super::event::What;
+use super::event::EventKind;
 use super::guard::Trip;
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
@@ -30,7 +30,7 @@ impl Controller {
         match self.state {
             State::SelfTest => {}
             State::Ramp if self.oscillator.has_arrived() => self.ramped(),
-            State::Seek | State::Hold => self.watch(ticks),
+            State::Seek | State::Hold => self.check_contacts(ticks),
             State::Stop if self.oscillator.amplitude_m() <= 0.0 => self.change(State::Idle),
             _ => {}
         }
@@ -43,12 +43,12 @@ impl Controller {
         };
         if self.limits != self.told_limits {
             self.told_limits = self.limits;
-            self.events.push(self.tick, What::Limits(self.limits));
+            self.events.push(self.tick, EventKind::Limits(self.limits));
         }
     }
 
     /// The two faults of a hammer that does not do what it should.
-    pub(super) fn watch(&mut self, ticks: u32) {
+    pub(super) fn check_contacts(&mut self, ticks: u32) {
         let trips = self.settings.trips;
         let hz = self.oscillator.frequency_hz();
         if self.forecast.must_strike_at(hz) {
@@ -77,7 +77,7 @@ impl Controller {
                 return;
             }
             let Some(target) = self.forecast.target else {
-                self.events.push(self.tick, What::NoTarget);
+                self.events.push(self.tick, EventKind::NoTarget);
                 self.change(State::Idle);
                 return;
             };
@@ -89,7 +89,7 @@ impl Controller {
             self.search = None;
         }
         self.guard.restart(self.sensed_drive.now());
-        self.family.restart();
+        self.plausibility.restart();
         self.trim = Trim::new(&self.settings);
         if let (Mode::Automatic, Some(target)) = (self.mode, &self.forecast.target) {
             self.trim.expect(target.orbit.force_n);
@@ -119,7 +119,7 @@ impl Controller {
         self.striking = 0;
         self.silent = 0;
         self.sense.reset();
-        self.identify.reset();
+        self.identification.reset();
         self.change(State::SelfTest);
     }
 
@@ -146,7 +146,7 @@ impl Controller {
         };
         self.oscillator.aim(clamped_hz);
         self.trim
-            .want(amplitude_m.min(self.settings.limits.amplitude_m));
+            .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
         let amplitude_m = self.trim.command();
         self.oscillator.aim_amplitude(amplitude_m);
         Ok(())
@@ -165,7 +165,7 @@ impl Controller {
         self.record = None;
         self.timers.overruns = 0;
         self.timers.stale = 0;
-        self.events.push(self.tick, What::Cleared);
+        self.events.push(self.tick, EventKind::Cleared);
         self.change(State::Idle);
     }
 
@@ -195,7 +195,7 @@ impl Controller {
             frequency_hz: self.oscillator.frequency_hz(),
         };
         self.record = Some(record);
-        self.events.push(self.tick, What::Fault(record));
+        self.events.push(self.tick, EventKind::Fault(record));
     }
 
     pub(super) fn change(&mut self, to: State) {
@@ -209,6 +209,6 @@ impl Controller {
             self.oscillator.silence();
             self.search = None;
         }
-        self.events.push(self.tick, What::State { from, to });
+        self.events.push(self.tick, EventKind::State { from, to });
     }
 }

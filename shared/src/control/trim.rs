@@ -58,7 +58,7 @@ impl Trim {
     }
 
     /// The amplitude wanted, m (clamped by [`Self::command`]).
-    pub fn want(&mut self, amplitude_m: f32) {
+    pub fn set_wanted_amplitude(&mut self, amplitude_m: f32) {
         self.wanted_m = amplitude_m.max(0.0);
     }
 

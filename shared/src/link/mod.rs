@@ -48,7 +48,7 @@ pub use message::{
     ToBoard,
 };
 pub use queue::ByteQueue;
-pub use recording::{Exchange, Given, MAX_GIVEN, Notes, Recording};
+pub use recording::{BlockNotes, GivenCommand, MAX_GIVEN, RecordedBlock, Recording};
 pub use session::{Device, Session};
 
 /// Changes when an existing message does.

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use shared::control::{Basin, Birth, Command, Mode, ResetCause, State, Status};
+use shared::control::{Basin, BootInfo, Command, Mode, ResetCause, State, Status};
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, DacCode, Frame, Output};
 use shared::model::params::PRESETS;
@@ -21,7 +21,7 @@ fn header() -> Header {
     Header {
         source: "emulator".into(),
         settings,
-        birth: Birth {
+        birth: BootInfo {
             reset: ResetCause::Watchdog,
             record: status(21).fault,
             settings_corrupt: true,
@@ -86,7 +86,7 @@ fn block(k: usize) -> Block {
         inputs: match k {
             0 => vec![Input::Command(Command::Start(Mode::Automatic))],
             3 => vec![Input::Overrun, Input::Settings(header().settings)],
-            4 => vec![Input::Born(header().settings, Birth::default())],
+            4 => vec![Input::Born(header().settings, BootInfo::default())],
             _ => Vec::new(),
         },
         samples: match k {
