@@ -40,7 +40,6 @@ pub mod store;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use codec::CRC_32;
 pub use codec::{Counters, Decoder, encode};
 pub use identified::Identified;
 pub use message::{

@@ -37,7 +37,7 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 
-use crate::link::CRC_32;
+use crate::crc_32::CRC_32;
 use crate::settings::Settings;
 
 /// Layout of the payload: changes whenever [`Settings`] does.
