@@ -9,7 +9,7 @@ use super::plausibility::Plausibility;
 use super::search::Search;
 use super::self_test::SelfTest;
 use super::trim::Trim;
-use super::{Basin, BootInfo, Command, Mode, Refused, ResetCause, State, Status};
+use super::{ActiveLimits, Basin, BootInfo, Command, Mode, Refused, ResetCause, State, Status};
 use crate::fault::{Fault, Persisted, Record};
 use crate::forecast::{Forecast, ForecastRequest, MAX_ROWS, Row};
 use crate::io::{Frame, Output};
@@ -64,9 +64,9 @@ pub struct Controller {
     pub(super) basin: Basin,
     pub(super) striking: u8,
     pub(super) silent: u8,
-    pub(super) limits: u8,
+    pub(super) limits: ActiveLimits,
     /// Limits as last told in an event.
-    pub(super) told_limits: u8,
+    pub(super) told_limits: ActiveLimits,
     pub(super) reseeks: u16,
     pub(super) overruns: u32,
 }
@@ -130,8 +130,8 @@ impl Controller {
             basin: Basin::Unknown,
             striking: 0,
             silent: 0,
-            limits: 0,
-            told_limits: 0,
+            limits: ActiveLimits::NONE,
+            told_limits: ActiveLimits::NONE,
             reseeks: 0,
             overruns: 0,
         };

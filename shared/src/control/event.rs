@@ -3,7 +3,7 @@
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-use super::{Basin, State};
+use super::{ActiveLimits, Basin, State};
 use crate::fault::Record;
 
 /// Events kept until they are taken.
@@ -55,8 +55,8 @@ pub enum EventKind {
     },
     /// The hammer came to strike, or ceased to.
     Basin(Basin),
-    /// Limits that clamp have changed (bits as in [`super::Status::limits`]).
-    Limits(u8),
+    /// The set of limits that clamp has changed.
+    Limits(ActiveLimits),
 }
 
 /// An event with its time.

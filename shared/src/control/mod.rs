@@ -20,6 +20,7 @@ mod event;
 mod forecast_cache;
 mod free;
 mod guard;
+mod limits;
 mod lockstep;
 mod oscillator;
 mod plausibility;
@@ -32,9 +33,9 @@ mod trim;
 pub use controller::Controller;
 pub use event::{EVENT_CAPACITY, Event, EventKind, Events};
 pub use guard::{OPEN_TICKS, OVER_FORCE_TICKS, OVER_TRAVEL_TICKS, SATURATED_TICKS};
+pub use limits::ActiveLimits;
 pub use lockstep::{Exchanged, Lockstep};
 pub use plausibility::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
-pub use trim::bits;
 
 use serde::{Deserialize, Serialize};
 
@@ -132,8 +133,8 @@ pub struct Status {
     pub state: State,
     /// The fault that is or was; survives the reset.
     pub fault: Option<Record>,
-    /// Limits that clamp now, as bits: 1 force, 2 travel, 4 frequency, 8 amplitude.
-    pub limits: u8,
+    /// Limits that clamp now.
+    pub limits: ActiveLimits,
     /// Drive frequency, Hz.
     pub frequency_hz: f32,
     /// Commanded cart amplitude, m.

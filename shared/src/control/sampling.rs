@@ -3,8 +3,7 @@
 use super::controller::Controller;
 use super::event::EventKind;
 use super::search::Step;
-use super::trim::bits;
-use super::{Basin, State};
+use super::{ActiveLimits, Basin, State};
 use crate::io::Frame;
 use crate::model::params::RigParams;
 use crate::sense::identification::Estimates;
@@ -158,7 +157,7 @@ impl Controller {
         let goal_hz = search.goal_hz();
         let held = search.is_at_bound();
         self.oscillator.aim(goal_hz);
-        self.limits = self.trim.limits() | if held { bits::FREQUENCY } else { 0 };
+        self.limits = self.trim.limits() | ActiveLimits::FREQUENCY.when(held);
         match step {
             Step::On => {}
             Step::Best {

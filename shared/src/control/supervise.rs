@@ -5,8 +5,8 @@ use super::event::EventKind;
 use super::guard::Trip;
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
-use super::trim::{Trim, bits};
-use super::{Basin, Mode, Refused, State};
+use super::trim::Trim;
+use super::{ActiveLimits, Basin, Mode, Refused, State};
 use crate::fault::{Fault, Record};
 
 /// How long a start waits for the forecast, s.
@@ -37,9 +37,9 @@ impl Controller {
         let limits = self.limits;
         self.limits = match self.state {
             State::Seek | State::Hold | State::Manual => {
-                (limits & bits::FREQUENCY) | self.trim.limits()
+                (limits & ActiveLimits::FREQUENCY) | self.trim.limits()
             }
-            _ => 0,
+            _ => ActiveLimits::NONE,
         };
         if self.limits != self.told_limits {
             self.told_limits = self.limits;
@@ -139,11 +139,7 @@ impl Controller {
         }
         let (low, high) = self.range_hz();
         let clamped_hz = frequency_hz.max(low).min(high);
-        self.limits = if clamped_hz == frequency_hz {
-            0
-        } else {
-            bits::FREQUENCY
-        };
+        self.limits = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
         self.oscillator.aim(clamped_hz);
         self.trim
             .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));

@@ -164,7 +164,7 @@ mod tests {
                 tick: u32::MAX,
                 state: State::Hold,
                 fault: Some(record),
-                limits: 15,
+                limits: crate::control::ActiveLimits::ALL,
                 frequency_hz: 1.0,
                 amplitude_m: 1.0,
                 measured_amplitude_m: 1.0,

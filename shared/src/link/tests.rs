@@ -19,7 +19,7 @@ fn longest_status() -> Status {
         tick: LONG,
         state: State::Manual,
         fault: Some(longest_record()),
-        limits: 15,
+        limits: crate::control::ActiveLimits::ALL,
         regime: Regime::Chatter {
             impacts: u16::MAX,
             periods: Some(u8::MAX),
@@ -46,7 +46,7 @@ fn idle(tick: u32) -> Status {
         tick,
         state: State::Idle,
         fault: None,
-        limits: 0,
+        limits: crate::control::ActiveLimits::NONE,
         frequency_hz: 0.0,
         amplitude_m: 0.0,
         measured_amplitude_m: 0.0,
