@@ -7,7 +7,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use shared::io::{EmergencyStop as _, NormallyClosed};
+use shared::io::NormallyClosed;
 use stm32f4xx_hal::{
     gpio::{Edge, ExtiPin, Input, Output, PA8, PB5},
     pac,
