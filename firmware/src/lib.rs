@@ -10,16 +10,16 @@ extern crate std;
 
 pub mod bench;
 pub mod button;
-pub mod desk;
-#[cfg(feature = "_board")]
-pub mod device;
 #[cfg(feature = "_board")]
 pub mod hardware;
-pub mod lamp;
+pub mod histogram;
+pub mod led;
+#[cfg(feature = "_board")]
+pub mod link_device;
+pub mod liveness;
 pub mod model;
+pub mod recorder;
 pub mod reset;
-pub mod tally;
-pub mod watch;
 
 /// Ticks of a block: samples arrive and set-points are played 10 at a time, 500 µs.
 pub const BLOCK_TICKS: usize = 10;

@@ -5,7 +5,7 @@
 //! as many slices as it did; of a real board only the blocks before which a forecast was finished are known,
 //! so here it is run to its end for exactly those.
 
-use shared::control::{Birth, Lockstep};
+use shared::control::{BootInfo, Lockstep};
 use shared::io::Output;
 use shared::settings::Settings;
 
@@ -70,7 +70,7 @@ pub fn replay(log: &mut Reader, progress: &Progress) -> Result<Replayed, UserErr
     })
 }
 
-fn born(settings: &Settings, birth: &Birth) -> Result<Lockstep, UserError> {
+fn born(settings: &Settings, birth: &BootInfo) -> Result<Lockstep, UserError> {
     Lockstep::new(settings, birth).map_err(|e| UserError::from(e).at("the log's settings"))
 }
 
@@ -159,7 +159,7 @@ mod tests {
         Header {
             source: "test".into(),
             settings: Settings::for_rig(&rig),
-            birth: Birth::default(),
+            birth: BootInfo::default(),
             block_ticks: BLOCK as u32,
             scenario: None,
         }
@@ -195,7 +195,7 @@ mod tests {
                 1500 => vec![Input::Command(Command::Stop), Input::Overrun],
                 2500 => vec![Input::Born(
                     header.settings,
-                    Birth {
+                    BootInfo {
                         reset: ResetCause::Watchdog,
                         record: None,
                         settings_corrupt: false,

@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::crc_32::CRC_32;
+
 /// A fault. The number is part of the link's protocol and of the stored record: it never changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[repr(u8)]
@@ -192,8 +194,7 @@ impl Persisted {
 
     /// A check over the words that neither all zeros nor all ones satisfy.
     pub fn check_of(words: &[u32; 4]) -> u32 {
-        const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
-        let mut digest = CRC.digest();
+        let mut digest = CRC_32.digest();
         for word in words {
             digest.update(&word.to_le_bytes());
         }

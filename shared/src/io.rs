@@ -1,10 +1,9 @@
-//! What the controller sees and moves: raw codes, their calibration, and the small traits a board (or the
-//! emulator) implements.
+//! The controller's inputs and outputs: raw codes, their calibration, and the emergency-stop chain.
 //!
-//! Codes are newtypes and become SI values in one place, [`Channel::read`]; a rail and an open wire are
-//! told from values there, so that nothing downstream can mistake one for the other.
+//! Codes are newtypes and become SI values in one place, [`Channel::read`]. It distinguishes a value from a
+//! rail and from an open wire, so that nothing downstream can mistake one for another.
 
-use embedded_hal::digital::{InputPin, OutputPin};
+use embedded_hal::digital::InputPin;
 use serde::{Deserialize, Serialize};
 
 /// A raw code of the 12-bit ADC, 0 to 4095.
@@ -112,102 +111,46 @@ impl Output {
     };
 }
 
-/// Contact force sensor.
-pub trait ForceSensor {
-    /// The newest sample.
-    fn force(&mut self) -> AdcCode;
-}
-
-/// Displacement sensors, fixed frame.
-pub trait DisplacementSensors {
-    /// Hammer, x.
-    fn hammer(&mut self) -> AdcCode;
-    /// Cart, y.
-    fn cart(&mut self) -> AdcCode;
-}
-
-/// The emergency-stop chain.
-pub trait EmergencyStop {
-    /// Whether the chain is open. A line that cannot be read counts as open.
-    fn is_open(&mut self) -> bool;
-}
-
-/// The shaker's or motor's set-points.
-pub trait SetPoints {
-    /// Takes the set-points of one tick. Must not block.
-    fn set(&mut self, dac: DacCode, frequency_hz: f32);
-}
-
-/// Switching the drive off, whatever state the program is in.
-pub trait SafeOff {
-    /// Enable low, set-points in the middle. Must not fail and must not block.
-    fn safe_off(&mut self);
-}
-
 /// A normally closed emergency-stop chain on a digital input: the line is low while the chain is closed
 /// and pulled high when it opens.
 #[derive(Clone, Copy, Debug)]
 pub struct NormallyClosed<P>(pub P);
 
-impl<P: InputPin> EmergencyStop for NormallyClosed<P> {
+impl<P: InputPin> NormallyClosed<P> {
+    /// Whether the chain is open. A line that cannot be read counts as open.
     #[inline]
-    fn is_open(&mut self) -> bool {
+    pub fn is_open(&mut self) -> bool {
         self.0.is_high().unwrap_or(true)
-    }
-}
-
-/// Reads one instant's samples from sensors that stand apart (a board whose DMA delivers whole frames
-/// builds them itself).
-#[inline]
-pub fn sample<S: ForceSensor + DisplacementSensors + EmergencyStop>(sensors: &mut S) -> Frame {
-    Frame {
-        force: sensors.force(),
-        hammer: sensors.hammer(),
-        cart: sensors.cart(),
-        emergency: sensors.is_open(),
-    }
-}
-
-/// A drive made of set-points and an enable line, active high.
-#[derive(Clone, Copy, Debug)]
-pub struct Drive<S, E> {
-    set_points: S,
-    enable: E,
-}
-
-impl<S: SetPoints, E: OutputPin> Drive<S, E> {
-    /// A drive, made safe at once.
-    pub fn new(set_points: S, enable: E) -> Self {
-        let mut drive = Self { set_points, enable };
-        drive.safe_off();
-        drive
-    }
-
-    /// Applies one tick's output. An enable line that cannot be set high stays low; one that cannot be set
-    /// low has its set-points in the middle at least.
-    #[inline]
-    pub fn apply(&mut self, output: &Output) {
-        if output.enable {
-            self.set_points.set(output.dac, output.frequency_hz);
-            let _ = self.enable.set_high();
-        } else {
-            self.safe_off();
-        }
-    }
-}
-
-impl<S: SetPoints, E: OutputPin> SafeOff for Drive<S, E> {
-    #[inline]
-    fn safe_off(&mut self) {
-        // Enable first: it is what stops the shaker.
-        let _ = self.enable.set_low();
-        self.set_points.set(DacCode::MIDDLE, 0.0);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use embedded_hal::digital::{ErrorKind, ErrorType};
+
+    /// An input that reads a level, or fails.
+    struct Pin(Result<bool, ErrorKind>);
+
+    impl ErrorType for Pin {
+        type Error = ErrorKind;
+    }
+
+    impl InputPin for Pin {
+        fn is_high(&mut self) -> Result<bool, ErrorKind> {
+            self.0
+        }
+        fn is_low(&mut self) -> Result<bool, ErrorKind> {
+            self.0.map(|high| !high)
+        }
+    }
+
+    #[test]
+    fn a_chain_is_closed_only_while_its_line_reads_low() {
+        assert!(!NormallyClosed(Pin(Ok(false))).is_open());
+        assert!(NormallyClosed(Pin(Ok(true))).is_open());
+        assert!(NormallyClosed(Pin(Err(ErrorKind::Other))).is_open());
+    }
 
     #[test]
     fn rails_and_open_wires_are_no_values() {

@@ -113,6 +113,7 @@
 extern crate std;
 
 pub mod control;
+mod crc_32;
 pub mod fault;
 pub mod forecast;
 pub mod io;

@@ -1,6 +1,6 @@
 //! The whole controller around the model itself as its plant: it finds the operating frequency and holds it.
 
-use shared::control::{Birth, Command, Lockstep, Mode, State, What};
+use shared::control::{BootInfo, Command, EventKind, Lockstep, Mode, State};
 use shared::io::{AdcCode, Channel, Frame, Output};
 use shared::model::drive::Drive;
 use shared::model::params::{PRESETS, RigParams};
@@ -61,7 +61,7 @@ impl Plant {
 /// When Hold was reached, s, and the best frequency then, Hz.
 fn held(params: &RigParams) -> Option<(f64, f32)> {
     let settings = Settings::for_rig(params);
-    let mut node = Lockstep::new(&settings, &Birth::default()).unwrap();
+    let mut node = Lockstep::new(&settings, &BootInfo::default()).unwrap();
     let mut plant = Plant::new(params);
     let mut outputs = [Output::SAFE; 10];
     let start = Command::Start(Mode::Automatic);
@@ -71,7 +71,7 @@ fn held(params: &RigParams) -> Option<(f64, f32)> {
         let frames = outputs.map(|output| plant.tick(&settings, &output));
         node.exchange(&frames, &mut outputs, 20);
         while let Some(event) = node.controller.take_event() {
-            if let What::Best { frequency_hz, .. } = event.what {
+            if let EventKind::Best { frequency_hz, .. } = event.kind {
                 best_hz = frequency_hz;
             }
         }

@@ -1,7 +1,7 @@
 //! The controller against whatever may come: spoilt samples, senseless commands, any order of them.
 
 use proptest::prelude::*;
-use shared::control::{Birth, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, State};
+use shared::control::{BootInfo, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, State};
 use shared::fault::{Fault, Record};
 use shared::forecast::{Forecast, Orbit, Row, Target};
 use shared::io::{AdcCode, Frame, Output};
@@ -105,7 +105,7 @@ impl Bench {
         let settings = Settings::for_rig(&WIRES);
         Self {
             settings,
-            controller: Controller::new(&settings, &Birth::default()).unwrap(),
+            controller: Controller::new(&settings, &BootInfo::default()).unwrap(),
             outputs: [Output::SAFE; MAX_BLOCK],
             noise: 1,
         }
@@ -270,19 +270,19 @@ fn why_the_board_started_is_taken_account_of() {
         value: 400.0,
         frequency_hz: 3.6,
     };
-    let born = |birth: Birth| {
-        let controller = Controller::new(&settings, &birth).unwrap();
+    let born = |boot: BootInfo| {
+        let controller = Controller::new(&settings, &boot).unwrap();
         (
             controller.state(),
             controller.status().fault.map(|r| r.fault),
         )
     };
-    let kept = |reset, record| Birth {
+    let kept = |reset, record| BootInfo {
         reset,
         record,
         settings_corrupt: false,
     };
-    assert_eq!(born(Birth::default()), (State::Idle, None));
+    assert_eq!(born(BootInfo::default()), (State::Idle, None));
     let after = |cause| born(kept(cause, Some(record)));
     assert_eq!(
         after(ResetCause::Pin),
@@ -296,9 +296,9 @@ fn why_the_board_started_is_taken_account_of() {
         after(ResetCause::BrownOut),
         (State::Idle, Some(Fault::BrownOut))
     );
-    let corrupt = Birth {
+    let corrupt = BootInfo {
         settings_corrupt: true,
-        ..Birth::default()
+        ..BootInfo::default()
     };
     assert_eq!(born(corrupt), (State::Fault, Some(Fault::CorruptSettings)));
 }
@@ -306,11 +306,11 @@ fn why_the_board_started_is_taken_account_of() {
 #[test]
 fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
     let settings = Settings::for_rig(&WIRES);
-    let birth = Birth {
+    let boot = BootInfo {
         settings_corrupt: true,
-        ..Birth::default()
+        ..BootInfo::default()
     };
-    let mut controller = Controller::new(&settings, &birth).unwrap();
+    let mut controller = Controller::new(&settings, &boot).unwrap();
     let clear = Command::ClearFault;
     assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
     controller.replace_settings(&settings).unwrap();

@@ -11,11 +11,11 @@ use crate::support::{Folder, csv_rows, finish, number, wait};
 use emulator::log::Reader;
 use host_sim::link::{Board, Server, client};
 use serialport::{SerialPort, TTYPort};
-use shared::control::{Birth, Command, Controller, Mode, Refused, State, Status};
+use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Status};
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, Frame, Output};
 use shared::link::{
-    BAUD, Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
+    BAUD, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
     ToBoard,
 };
 use shared::model::params::{BEAM_150, WIRES};
@@ -111,7 +111,7 @@ struct Toy {
 impl Toy {
     fn new() -> Self {
         let settings = Settings::for_rig(&WIRES);
-        let controller = Controller::new(&settings, &Birth::default()).expect("good settings");
+        let controller = Controller::new(&settings, &BootInfo::default()).expect("good settings");
         Self {
             status: controller.status(),
             aim_hz: 2.0,
@@ -191,7 +191,7 @@ impl Device for Toy {
     fn record(&mut self, _on: bool) -> Result<(), Refusal> {
         Err(Refusal::NotAvailable)
     }
-    fn take_exchange(&mut self) -> Option<Exchange> {
+    fn take_block(&mut self) -> Option<RecordedBlock> {
         None
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use shared::control::{Command, Mode};
 use shared::io::{Frame, Output};
-use shared::link::{Exchange, FromBoard, MAX_FRAME, Packet, Recording, ToBoard, encode};
+use shared::link::{FromBoard, MAX_FRAME, Packet, RecordedBlock, Recording, ToBoard, encode};
 use shared::model::params::PRESETS;
 use shared::settings::Settings;
 
@@ -40,11 +40,11 @@ fn main() -> io::Result<()> {
     }
     let all: Vec<u8> = requests.iter().flat_map(framed).collect();
     save("link", "conversation", 0, &all)?;
-    let block = Exchange {
+    let block = RecordedBlock {
         tick: 123_456,
         frames: [Frame::default(); 10].into_iter().collect(),
         outputs: [Output::SAFE; 10].into_iter().collect(),
-        ..Exchange::default()
+        ..RecordedBlock::default()
     };
     let recording = FromBoard::Recording(Recording::pack(&block));
     save("link", "recording", 0, &framed(&recording))?;

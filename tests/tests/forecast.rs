@@ -1,17 +1,16 @@
 //! The microcontroller's forecast (f32, long steps) against the reference (f64, located events).
 
-use host_sim::progress::Progress as Bar;
 use numerics::NamedRig;
 use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use numerics::orbit::{Multipliers, shoot};
 use numerics::pick::{Answer, Limits, pick};
-use shared::forecast::march::Model;
+use shared::forecast::march::ForecastModel;
 use shared::forecast::shoot::{Progress, Shoot, Solution};
-use shared::forecast::{Forecast, Forecaster, Request, Target};
+use shared::forecast::{Forecast, ForecastRequest, Forecaster, Target};
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, LAWS, PRESETS, RigParams, WIRES};
 
-fn forecast(request: &Request) -> Forecast {
+fn forecast(request: &ForecastRequest) -> Forecast {
     let mut forecaster = Forecaster::new();
     forecaster.start(request);
     let mut slices = 0_u32;
@@ -30,7 +29,7 @@ fn with_gap(rig: RigParams, gap_mm: f64) -> RigParams {
 }
 
 fn shoot_in_f32(rig: &RigParams, hz: f32, guess: [f32; 2]) -> Option<Solution> {
-    let mut run = Shoot::new(&Model::new(rig).ok()?, hz, guess)?;
+    let mut run = Shoot::new(&ForecastModel::new(rig).ok()?, hz, guess)?;
     loop {
         match run.step() {
             Progress::Working => {}
@@ -132,9 +131,7 @@ fn nominal(name: &str, rig: &RigParams) -> Answer {
         name: name.to_owned(),
         params: *rig,
     };
-    pick(&rig, None, Limits::default(), &Bar::new("", 1, true))
-        .unwrap()
-        .answer
+    pick(&rig, None, Limits::default(), &()).unwrap().answer
 }
 
 fn share(a: f32, b: f64) -> f64 {
@@ -142,7 +139,9 @@ fn share(a: f32, b: f64) -> f64 {
 }
 
 fn target_is_the_reference_s(name: &str, rig: &RigParams) -> Target {
-    let target = forecast(&Request::bench(rig)).target.expect("a target");
+    let target = forecast(&ForecastRequest::bench(rig))
+        .target
+        .expect("a target");
     let answer = nominal(name, rig);
     let force_n = answer.nominal_optimum_force_ratio * rig.weight_n();
     let [low, high] = answer.stable_one_one_hz;
@@ -202,7 +201,7 @@ fn regimes_from_rest_are_the_reference_s() {
     };
     // Rows beyond the doubling that have not settled within the periods the forecast affords.
     for (rig, most) in [(WIRES, 2), (BEAM_150, 3), (with_gap(WIRES, 1.0), 4)] {
-        let found = forecast(&Request::bench(&rig));
+        let found = forecast(&ForecastRequest::bench(&rig));
         let mut differ = Vec::new();
         for row in &found.rows {
             let hz = f64::from(row.frequency_hz);
@@ -232,7 +231,7 @@ fn a_request_that_cannot_be_is_answered_with_nothing() {
         (WIRES, (f32::NAN, 1.0)),
     ];
     for (rig, range_hz) in nothing {
-        let request = Request {
+        let request = ForecastRequest {
             id: 9,
             rig,
             range_hz,

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use shared::{
-    forecast::{Forecast, Forecaster, Request},
+    forecast::{Forecast, ForecastRequest, Forecaster},
     model::params::WIRES,
 };
 
@@ -41,7 +41,7 @@ impl Said {
 /// The same forecast on this machine.
 fn here() -> Outcome<Forecast> {
     let mut forecaster = Forecaster::new();
-    forecaster.start(&Request::bench(&WIRES));
+    forecaster.start(&ForecastRequest::bench(&WIRES));
     while forecaster.slice() {}
     let found = forecaster.result();
     found.cloned().ok_or_else(|| "no forecast here".into())

@@ -13,7 +13,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use firmware::hardware::qemu;
 use shared::{
-    forecast::{Forecaster, Request},
+    forecast::{ForecastRequest, Forecaster},
     model::params::WIRES,
 };
 
@@ -36,7 +36,7 @@ fn main() -> ! {
     cortex_m::interrupt::free(|key| {
         let mut slot = FORECASTER.borrow(key).borrow_mut();
         let forecaster = slot.insert(Forecaster::new());
-        forecaster.start(&Request::bench(&WIRES));
+        forecaster.start(&ForecastRequest::bench(&WIRES));
         let (mut total, mut worst, mut slices) = (0_u64, 0_u32, 0_u32);
         loop {
             let start = SYST::get_current();

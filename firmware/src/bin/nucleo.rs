@@ -9,7 +9,7 @@
 //! | `supervise` | 1 | 100 Hz | 10 ms; the watchdog is not fed without it |
 //! | `idle` | 0 | always | none; the forecast takes what time is left |
 //!
-//! Tasks share two things, by locks that are short: the desk (the controller) and the last forecast.
+//! Tasks share two things, by locks that are short: the recorder (the controller) and the last forecast.
 //!
 //! In bench mode (docs/flashing.md) the twin stands in for the rig: its samples come from [`Bench`], and the
 //! drive's enable line, kept low, is not handed to any task.
@@ -25,15 +25,15 @@ mod app {
         BLOCK_TICKS,
         bench::Bench,
         button::{self, Button},
-        desk::Desk,
-        device::OnBoard,
-        hardware::nucleo::{Board, Store, drive, guard, kept},
+        hardware::nucleo::{Board, Store, block_monitor, drive, retained},
         hardware::{nucleo, stack},
-        lamp::{Lamp, Shown},
-        watch::{Done, Watch},
+        led::{LedPattern, Shown},
+        link_device::BoardLink,
+        liveness::{Liveness, Progress},
+        recorder::Recorder,
     };
     use shared::{
-        control::{Birth, Controller},
+        control::{BootInfo, Controller},
         fault::Record,
         forecast::{Forecast, Forecaster},
         io::{Frame, Output},
@@ -55,7 +55,7 @@ mod app {
 
     #[shared]
     struct Shared {
-        desk: Desk,
+        recorder: Recorder,
         forecast: Forecast,
     }
 
@@ -67,7 +67,7 @@ mod app {
         enable: Option<drive::Enable>,
         bench: Option<Bench>,
         outputs: [Output; BLOCK_TICKS],
-        guard: guard::Guard,
+        block_monitor: block_monitor::BlockMonitor,
         serial: nucleo::Serial,
         link_timer: nucleo::LinkTimer,
         session: Session<QUEUE>,
@@ -78,12 +78,12 @@ mod app {
 
     /// What the supervisor keeps.
     pub struct Supervisor {
-        led: nucleo::Led,
-        pin: nucleo::Button,
+        led: nucleo::LedPin,
+        pin: nucleo::ButtonPin,
         button: Button,
-        lamp: Lamp,
+        pattern: LedPattern,
         watchdog: nucleo::Watchdog,
-        watch: Watch,
+        liveness: Liveness,
         bench: bool,
         record: Option<Record>,
         steps: u32,
@@ -92,7 +92,7 @@ mod app {
     #[init]
     fn init(mut context: init::Context) -> (Shared, Local) {
         let flags = nucleo::reset_flags(&context.device.RCC);
-        let left = kept::take();
+        let left = retained::take();
         let Some(board) = Board::new(context.device) else {
             panic!("a timer cannot be set to its rate");
         };
@@ -105,16 +105,16 @@ mod app {
             Some(Loaded::Default) => (Settings::for_rig(&WIRES), false),
             Some(Loaded::Corrupt) | None => (Settings::for_rig(&WIRES), true),
         };
-        let birth = Birth {
+        let boot = BootInfo {
             reset: flags.cause(left.driving),
             record: left.record,
             settings_corrupt,
         };
-        let Ok(controller) = Controller::new(&settings, &birth) else {
+        let Ok(controller) = Controller::new(&settings, &boot) else {
             panic!("settings that passed their check are refused");
         };
         let bench = board.bench_asked && !board.wired;
-        log_start(&birth, left.crash, bench, board.bench_asked);
+        log_start(&boot, left.crash, bench, board.bench_asked);
 
         let mut sampler = board.sampler;
         sampler.start();
@@ -122,15 +122,15 @@ mod app {
             led: board.led,
             button: Button::new(board.button.is_pressed()),
             pin: board.button,
-            lamp: Lamp::default(),
+            pattern: LedPattern::default(),
             watchdog: board.watchdog.start(),
-            watch: Watch::default(),
+            liveness: Liveness::default(),
             bench,
             record: None,
             steps: 0,
         };
         let shared = Shared {
-            desk: Desk::new(controller),
+            recorder: Recorder::new(controller),
             forecast: Forecast::default(),
         };
         let local = Local {
@@ -140,7 +140,7 @@ mod app {
             enable: (!bench).then_some(board.enable),
             bench: bench.then(|| Bench::new(&settings)),
             outputs: [Output::SAFE; BLOCK_TICKS],
-            guard: board.guard,
+            block_monitor: board.block_monitor,
             serial: board.serial,
             link_timer: board.link_timer,
             session: Session::new(),
@@ -157,7 +157,7 @@ mod app {
     /// block that ends later has overrun: what it writes late is played half old, half new, the next block starts
     /// at once, and the controller is told; more than one in five and it trips. If two blocks were due, the older is
     /// lost. If none is served for 2 ms, `watch_blocks` takes the enable away.
-    #[task(binds = DMA2_STREAM0, priority = 3, shared = [desk],
+    #[task(binds = DMA2_STREAM0, priority = 3, shared = [recorder],
         local = [sampler, set_points, chain, enable, bench, outputs])]
     fn control(mut context: control::Context) {
         let began = DWT::cycle_count();
@@ -170,26 +170,26 @@ mod app {
             Some(bench) => bench.block(outputs, &mut frames),
             None => frames = local.sampler.take(arrived.half, tripped),
         }
-        let stale = guard::take_stale() || arrived.failed;
-        let late = arrived.lost && !guard::is_paused();
-        context.shared.desk.lock(|desk| {
+        let stale = block_monitor::take_stale() || arrived.failed;
+        let late = arrived.lost && !block_monitor::is_paused();
+        context.shared.recorder.lock(|recorder| {
             if late {
-                desk.note_overrun();
+                recorder.note_overrun();
             }
-            desk.block((!stale).then_some(&frames), outputs);
+            recorder.block((!stale).then_some(&frames), outputs);
         });
         local.set_points.play(arrived.half, outputs);
         if let Some(enable) = local.enable {
             enable.apply(outputs.iter().all(|output| output.enable), tripped);
         }
-        guard::block_served();
+        block_monitor::block_served();
 
         let cycles = DWT::cycle_count().wrapping_sub(began);
         let [last, longest] = &CYCLES;
         last.store(cycles, Ordering::Relaxed);
         longest.fetch_max(cycles, Ordering::Relaxed);
         if local.sampler.overrun() {
-            context.shared.desk.lock(Desk::note_overrun);
+            context.shared.recorder.lock(Recorder::note_overrun);
         }
     }
 
@@ -202,33 +202,37 @@ mod app {
     }
 
     /// Looks whether blocks go on being served.
-    #[task(binds = TIM7, priority = 4, local = [guard])]
+    #[task(binds = TIM7, priority = 4, local = [block_monitor])]
     fn watch_blocks(context: watch_blocks::Context) {
-        context.local.guard.look();
+        context.local.block_monitor.check();
     }
 
     /// Serves the link, and every tenth time calls the supervisor.
-    #[task(binds = TIM6_DAC, priority = 2, shared = [desk, forecast],
+    #[task(binds = TIM6_DAC, priority = 2, shared = [recorder, forecast],
         local = [serial, link_timer, session, store, turns: u32 = 0])]
     fn link(mut context: link::Context) {
         let local = context.local;
         local.link_timer.acknowledge();
-        while context.shared.desk.lock(|desk| desk.takes_commands()) {
+        while context
+            .shared
+            .recorder
+            .lock(|recorder| recorder.takes_commands())
+        {
             let Some(byte) = local.serial.read() else {
                 break;
             };
-            let mut device = OnBoard {
-                desk: &mut context.shared.desk,
+            let mut device = BoardLink {
+                recorder: &mut context.shared.recorder,
                 forecast: &mut context.shared.forecast,
-                keeper: local.store,
+                settings_store: local.store,
                 board: "NUCLEO-F446RE",
             };
             local.session.receive(byte, &mut device);
         }
-        let mut device = OnBoard {
-            desk: &mut context.shared.desk,
+        let mut device = BoardLink {
+            recorder: &mut context.shared.recorder,
             forecast: &mut context.shared.forecast,
-            keeper: local.store,
+            settings_store: local.store,
             board: "NUCLEO-F446RE",
         };
         local.session.poll(&mut device);
@@ -246,13 +250,20 @@ mod app {
     }
 
     /// Button, LED, watchdog, the fault record that survives a reset, and the log.
-    #[task(priority = 1, shared = [desk], local = [supervisor])]
+    #[task(priority = 1, shared = [recorder], local = [supervisor])]
     async fn supervise(mut context: supervise::Context) {
         let own: &mut Supervisor = context.local.supervisor;
-        let status = context.shared.desk.lock(|desk| desk.controller().status());
+        let status = context
+            .shared
+            .recorder
+            .lock(|recorder| recorder.controller().status());
         if own.button.step(own.pin.is_pressed()) {
             let command = button::meaning(status.state);
-            if let Err(why) = context.shared.desk.lock(|desk| desk.command(command)) {
+            if let Err(why) = context
+                .shared
+                .recorder
+                .lock(|recorder| recorder.command(command))
+            {
                 defmt::warn!("button: refused, {}", defmt::Debug2Format(&why));
             }
         }
@@ -261,21 +272,25 @@ mod app {
             fault: status.fault.map_or(0, |record| record.fault.code()),
             bench: own.bench,
         };
-        own.led.set(own.lamp.step(shown));
+        own.led.set(own.pattern.step(shown));
         if own.record != status.fault {
             own.record = status.fault;
-            kept::keep(own.record.as_ref());
+            retained::keep(own.record.as_ref());
         }
-        let done = Done {
-            blocks: guard::blocks_served(),
+        let progress = Progress {
+            blocks: block_monitor::blocks_served(),
             links: LINKS.load(Ordering::Relaxed),
             idles: IDLES.load(Ordering::Relaxed),
         };
-        if own.watch.step(done) {
+        if own.liveness.step(progress) {
             own.watchdog.feed();
         }
-        while let Some(event) = context.shared.desk.lock(|desk| desk.taking().take_event()) {
-            defmt::info!("{}", defmt::Debug2Format(&event.what));
+        while let Some(event) = context
+            .shared
+            .recorder
+            .lock(|recorder| recorder.taking().take_event())
+        {
+            defmt::info!("{}", defmt::Debug2Format(&event.kind));
         }
         own.steps = own.steps.wrapping_add(1);
         if own.steps.is_multiple_of(100) {
@@ -293,13 +308,13 @@ mod app {
     }
 
     /// The forecast, a slice at a time, in the time nobody else wants.
-    #[idle(shared = [desk, forecast], local = [forecaster])]
+    #[idle(shared = [recorder, forecast], local = [forecaster])]
     fn idle(mut context: idle::Context) -> ! {
         let forecaster: &mut Forecaster = context.local.forecaster;
         let mut waiting = false;
         loop {
-            let desk = &mut context.shared.desk;
-            if let Some(request) = desk.lock(|desk| desk.taking().forecast_request()) {
+            let recorder = &mut context.shared.recorder;
+            if let Some(request) = recorder.lock(|recorder| recorder.taking().forecast_request()) {
                 forecaster.start(&request);
                 waiting = true;
             }
@@ -307,15 +322,15 @@ mod app {
             if let Some(result) = forecaster.result().filter(|_| waiting && !busy) {
                 waiting = false;
                 context.shared.forecast.lock(|kept| kept.clone_from(result));
-                desk.lock(|desk| desk.deliver(result));
+                recorder.lock(|recorder| recorder.deliver(result));
             }
             IDLES.fetch_add(1, Ordering::Relaxed);
         }
     }
 
-    fn log_start(birth: &Birth, crash: Option<kept::Crash>, bench: bool, asked: bool) {
-        defmt::info!("started: {}", defmt::Debug2Format(&birth.reset));
-        if let Some(record) = birth.record {
+    fn log_start(boot: &BootInfo, crash: Option<retained::Crash>, bench: bool, asked: bool) {
+        defmt::info!("started: {}", defmt::Debug2Format(&boot.reset));
+        if let Some(record) = boot.record {
             defmt::warn!("fault before the reset: {}", defmt::Debug2Format(&record));
         }
         if let Some(crash) = crash {
@@ -325,7 +340,7 @@ mod app {
                 crash.status
             );
         }
-        if birth.settings_corrupt {
+        if boot.settings_corrupt {
             defmt::error!("stored settings are damaged; defaults stand in");
         }
         match (bench, asked) {

@@ -11,8 +11,8 @@
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
-use firmware::{BLOCK_TICKS, bench::Bench, desk::Desk};
-use shared::control::{Birth, Controller, Lockstep, MAX_BLOCK};
+use firmware::{BLOCK_TICKS, bench::Bench, recorder::Recorder};
+use shared::control::{BootInfo, Controller, Lockstep, MAX_BLOCK};
 use shared::io::{Frame, Output};
 use shared::link::{Decoder, FromBoard, MAX_FRAME, Packet, Recording, ToBoard, encode};
 use shared::model::params::WIRES;
@@ -21,7 +21,7 @@ use shared::settings::Settings;
 #[entry]
 fn main() -> ! {
     let settings = Settings::for_rig(&WIRES);
-    let node = Lockstep::new(&black_box(settings), &black_box(Birth::default()));
+    let node = Lockstep::new(&black_box(settings), &black_box(BootInfo::default()));
     let mut outputs = [Output::SAFE; MAX_BLOCK];
     let Ok(mut node) = node else { loop {} };
     loop {
@@ -44,19 +44,19 @@ fn main() -> ! {
 /// A block as the board runs it, in bench mode and recorded.
 #[inline(never)]
 fn board(settings: &Settings) {
-    let Ok(controller) = Controller::new(settings, &black_box(Birth::default())) else {
+    let Ok(controller) = Controller::new(settings, &black_box(BootInfo::default())) else {
         return;
     };
-    let mut desk = Desk::new(controller);
+    let mut recorder = Recorder::new(controller);
     let mut bench = Bench::new(settings);
     let mut outputs = black_box([Output::SAFE; BLOCK_TICKS]);
     let mut frames = [Frame::default(); BLOCK_TICKS];
-    desk.record(black_box(true));
+    recorder.record(black_box(true));
     for _ in 0..black_box(9) {
         bench.block(&outputs, &mut frames);
-        let _ = desk.command(black_box(shared::control::Command::Stop));
-        desk.block(black_box(Some(&frames)), &mut outputs);
-        while let Some(exchange) = desk.take_exchange() {
+        let _ = recorder.command(black_box(shared::control::Command::Stop));
+        recorder.block(black_box(Some(&frames)), &mut outputs);
+        while let Some(exchange) = recorder.take_block() {
             black_box(Recording::pack(&exchange));
         }
     }

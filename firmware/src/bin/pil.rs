@@ -21,7 +21,9 @@ mod app {
     use shared::{
         control::{Lockstep, MAX_BLOCK},
         io::{Frame, Output},
-        link::in_the_loop::{LENGTH, MAX_EVENTS, MAX_MESSAGE, Reply, Request, encode},
+        link::in_the_loop::{
+            ExchangeReply, ExchangeRequest, LENGTH, MAX_EVENTS, MAX_MESSAGE, encode,
+        },
     };
 
     /// What the control task works on and what it leaves.
@@ -72,31 +74,33 @@ mod app {
         };
         let mut buffer = [0; LENGTH + MAX_MESSAGE];
         loop {
-            let reply = match pipes.receive::<Request>() {
+            let reply = match pipes.receive::<ExchangeRequest>() {
                 None => {
                     hprintln!("the run was broken off");
                     qemu::exit(false);
                 }
-                Some(Request::End) => {
+                Some(ExchangeRequest::End) => {
                     hprintln!("stack {} of {}", stack::peak(), stack::reserved());
                     qemu::exit(true);
                 }
-                Some(Request::Begin { settings, birth }) => context.shared.lockstep.lock(|slot| {
-                    *slot = Lockstep::new(&settings, &birth).ok();
-                    Reply::Begun(slot.is_some())
-                }),
-                Some(Request::Command(command)) => context.shared.lockstep.lock(|slot| {
-                    slot.as_mut().map_or(Reply::Noted, |lockstep| {
-                        Reply::Command(lockstep.controller.command(command))
+                Some(ExchangeRequest::Begin { settings, boot }) => {
+                    context.shared.lockstep.lock(|slot| {
+                        *slot = Lockstep::new(&settings, &boot).ok();
+                        ExchangeReply::Begun(slot.is_some())
+                    })
+                }
+                Some(ExchangeRequest::Command(command)) => context.shared.lockstep.lock(|slot| {
+                    slot.as_mut().map_or(ExchangeReply::Noted, |lockstep| {
+                        ExchangeReply::Command(lockstep.controller.command(command))
                     })
                 }),
-                Some(Request::Overrun) => context.shared.lockstep.lock(|slot| {
+                Some(ExchangeRequest::Overrun) => context.shared.lockstep.lock(|slot| {
                     if let Some(lockstep) = slot {
                         lockstep.controller.note_overrun();
                     }
-                    Reply::Noted
+                    ExchangeReply::Noted
                 }),
-                Some(Request::Block {
+                Some(ExchangeRequest::Block {
                     frames,
                     blind,
                     slices,
@@ -122,9 +126,9 @@ mod app {
     }
 
     /// The slices of the forecast, and everything there is to tell.
-    fn answer(slot: &mut Option<Lockstep>, block: &mut Block, slices: u16) -> Reply {
+    fn answer(slot: &mut Option<Lockstep>, block: &mut Block, slices: u16) -> ExchangeReply {
         let Some(lockstep) = slot else {
-            return Reply::Noted;
+            return ExchangeReply::Noted;
         };
         lockstep.idle(u32::from(slices));
         let mut events = Vec::new();
@@ -135,7 +139,7 @@ mod app {
             let _ = events.push(event);
         }
         const { assert!(MAX_EVENTS > 0) };
-        Reply::Block {
+        ExchangeReply::Block {
             outputs: block.outputs.clone(),
             status: lockstep.controller.status(),
             events,

@@ -21,10 +21,10 @@ mod app {
             qemu::{self, Stopwatch},
             stack,
         },
-        tally::Tally,
+        histogram::Histogram,
     };
     use shared::{
-        control::{Birth, Command, Lockstep, Mode, State},
+        control::{BootInfo, Command, Lockstep, Mode, State},
         io::{Frame, Output},
         model::params::WIRES,
         settings::{Settings, TICK_RATE_HZ},
@@ -40,7 +40,7 @@ mod app {
     #[shared]
     struct Shared {
         lockstep: Lockstep,
-        tally: Tally,
+        histogram: Histogram,
     }
 
     #[local]
@@ -53,7 +53,7 @@ mod app {
     #[init]
     fn init(context: init::Context) -> (Shared, Local) {
         let settings = Settings::for_rig(&WIRES);
-        let Ok(mut lockstep) = Lockstep::new(&settings, &Birth::default()) else {
+        let Ok(mut lockstep) = Lockstep::new(&settings, &BootInfo::default()) else {
             panic!("the preset's settings are refused by their own check");
         };
         let started = lockstep.controller.command(Command::Start(Mode::Automatic));
@@ -65,13 +65,13 @@ mod app {
         };
         let shared = Shared {
             lockstep,
-            tally: Tally::default(),
+            histogram: Histogram::default(),
         };
         (shared, local)
     }
 
     /// Lets time pass, tells what happens, and ends the run.
-    #[idle(shared = [lockstep, tally])]
+    #[idle(shared = [lockstep, histogram])]
     fn idle(mut context: idle::Context) -> ! {
         let mut held_since = None;
         loop {
@@ -86,7 +86,7 @@ mod app {
             });
             if let Some(event) = event {
                 let seconds = event.tick as f32 / TICK_RATE_HZ as f32;
-                hprintln!("{:8.2} s  {:?}", seconds, event.what);
+                hprintln!("{:8.2} s  {:?}", seconds, event.kind);
             }
             held_since = match (status.state, held_since) {
                 (State::Hold, None) => Some(status.tick),
@@ -107,7 +107,7 @@ mod app {
                     status.target_n
                 );
                 hprintln!("stack {} of {}", used, reserved);
-                let (median, worst) = context.shared.tally.lock(|t| (t.median(), t.worst()));
+                let (median, worst) = context.shared.histogram.lock(|t| (t.median(), t.worst()));
                 hprintln!(
                     "instructions per tick, each block's mean: median {}, worst {}",
                     median,
@@ -119,7 +119,7 @@ mod app {
     }
 
     /// A block. Deadline: none, time waits for it here.
-    #[task(binds = SysTick, priority = 2, shared = [lockstep, tally], local = [bench, outputs, stopwatch])]
+    #[task(binds = SysTick, priority = 2, shared = [lockstep, histogram], local = [bench, outputs, stopwatch])]
     fn control(mut context: control::Context) {
         let outputs: &mut [Output; BLOCK_TICKS] = context.local.outputs;
         let mut frames = [Frame::default(); BLOCK_TICKS];
@@ -132,6 +132,9 @@ mod app {
             .lock(|lockstep| lockstep.block(&frames, outputs));
         let instructions = stopwatch.since(began) * qemu::NANOSECONDS;
         let per_tick = instructions.div_ceil(BLOCK_TICKS as u32);
-        context.shared.tally.lock(|tally| tally.add(per_tick));
+        context
+            .shared
+            .histogram
+            .lock(|histogram| histogram.add(per_tick));
     }
 }

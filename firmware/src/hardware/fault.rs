@@ -13,7 +13,7 @@ use super::nucleo as board;
 use super::qemu as board;
 
 /// What is known of a fault.
-pub struct Fault {
+pub struct ProcessorFault {
     /// The instruction it happened at; unknown if the stack had overflowed.
     pub address: Option<u32>,
     /// The processor's account of it, CFSR.
@@ -60,5 +60,5 @@ extern "C" fn on_fresh_stack(frame: usize) -> ! {
     let address = readable.then(|| unsafe { (*(frame as *const ExceptionFrame)).pc() });
     // SAFETY: a read without side effect of a register that is always there.
     let status = unsafe { (*SCB::PTR).cfsr.read() };
-    board::report_fault(&Fault { address, status })
+    board::report_fault(&ProcessorFault { address, status })
 }

@@ -7,10 +7,10 @@
 use std::collections::VecDeque;
 use std::io::{Read, Write};
 
-use shared::control::{Birth, Command, Event, Lockstep, Refused, Status};
+use shared::control::{BootInfo, Command, Event, Lockstep, Refused, Status};
 use shared::io::{Frame, Output};
 use shared::link::in_the_loop::{
-    LENGTH, MAX_EVENTS, MAX_MESSAGE, Reply, Request, decode, encode, length,
+    ExchangeReply, ExchangeRequest, LENGTH, MAX_EVENTS, MAX_MESSAGE, decode, encode, length,
 };
 use shared::settings::Settings;
 
@@ -47,7 +47,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
     /// # Errors
     /// One line: the settings, or a pipe.
     pub fn begin(requests: W, replies: R, settings: &Settings) -> Result<Self, UserError> {
-        let desktop = Lockstep::new(settings, &Birth::default())?;
+        let desktop = Lockstep::new(settings, &BootInfo::default())?;
         let status = desktop.controller.status();
         let mut both = Self {
             replies,
@@ -60,7 +60,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
             broken: None,
             blocks: Vec::new(),
         };
-        both.born(&Birth::default());
+        both.born(&BootInfo::default());
         match both.broken.take() {
             Some(why) => Err(UserError::new(why)),
             None => Ok(both),
@@ -98,16 +98,16 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
         all
     }
 
-    fn born(&mut self, birth: &Birth) {
-        let begin = Request::Begin {
+    fn born(&mut self, birth: &BootInfo) {
+        let begin = ExchangeRequest::Begin {
             settings: self.settings,
-            birth: *birth,
+            boot: *birth,
         };
-        self.ask(&begin, Reply::Begun(true));
+        self.ask(&begin, ExchangeReply::Begun(true));
     }
 
     /// Asks the other processor and compares its reply with what the desktop says.
-    fn ask(&mut self, request: &Request, here: Reply) -> Option<Reply> {
+    fn ask(&mut self, request: &ExchangeRequest, here: ExchangeReply) -> Option<ExchangeReply> {
         if self.broken.is_some() {
             return None;
         }
@@ -119,7 +119,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
             }
         };
         let mut bare = there.clone();
-        if let Reply::Block { instructions, .. } = &mut bare {
+        if let ExchangeReply::Block { instructions, .. } = &mut bare {
             *instructions = 0;
         }
         if self.difference.is_none() && bytes(&bare) != bytes(&here) {
@@ -131,7 +131,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
         Some(there)
     }
 
-    fn converse(&mut self, request: &Request) -> std::io::Result<Reply> {
+    fn converse(&mut self, request: &ExchangeRequest) -> std::io::Result<ExchangeReply> {
         let invalid = |what| std::io::Error::new(std::io::ErrorKind::InvalidData, what);
         let mut buffer = [0; LENGTH + MAX_MESSAGE];
         let message = encode(request, &mut buffer).ok_or_else(|| invalid("request too long"))?;
@@ -154,12 +154,12 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
         self.desktop.idle(u32::from(slices));
         let events = std::iter::from_fn(|| self.desktop.controller.take_event());
         let events = events.take(MAX_EVENTS).collect();
-        let request = Request::Block {
+        let request = ExchangeRequest::Block {
             frames: frames.iter().copied().collect(),
             blind,
             slices,
         };
-        let here = Reply::Block {
+        let here = ExchangeReply::Block {
             outputs: outputs.iter().copied().collect(),
             status: self.desktop.controller.status(),
             events,
@@ -167,10 +167,10 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
             instructions: 0,
         };
         let reply = match self.ask(&request, here.clone()) {
-            Some(there @ Reply::Block { .. }) => there,
+            Some(there @ ExchangeReply::Block { .. }) => there,
             _ => here,
         };
-        if let Reply::Block {
+        if let ExchangeReply::Block {
             outputs: said,
             status,
             events,
@@ -190,7 +190,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
     }
 }
 
-fn bytes(reply: &Reply) -> Vec<u8> {
+fn bytes(reply: &ExchangeReply) -> Vec<u8> {
     let mut buffer = [0; LENGTH + MAX_MESSAGE];
     encode(reply, &mut buffer)
         .map(<[u8]>::to_vec)
@@ -209,8 +209,11 @@ impl<R: Read, W: Write> ControlUnderTest for InTheLoop<R, W> {
 
     fn command(&mut self, command: Command) -> Result<(), Refused> {
         let here = self.desktop.controller.command(command);
-        match self.ask(&Request::Command(command), Reply::Command(here)) {
-            Some(Reply::Command(there)) => there,
+        match self.ask(
+            &ExchangeRequest::Command(command),
+            ExchangeReply::Command(here),
+        ) {
+            Some(ExchangeReply::Command(there)) => there,
             _ => here,
         }
     }
@@ -225,7 +228,7 @@ impl<R: Read, W: Write> ControlUnderTest for InTheLoop<R, W> {
 
     fn note_overrun(&mut self) {
         self.desktop.controller.note_overrun();
-        self.ask(&Request::Overrun, Reply::Noted);
+        self.ask(&ExchangeRequest::Overrun, ExchangeReply::Noted);
     }
 
     fn reset(&mut self, cause: Reset) {
@@ -249,7 +252,7 @@ impl<R: Read, W: Write> ControlUnderTest for InTheLoop<R, W> {
 /// One line: the pipe.
 pub fn end(requests: &mut impl Write) -> Result<(), UserError> {
     let mut buffer = [0; LENGTH + MAX_MESSAGE];
-    let message = encode(&Request::End, &mut buffer).unwrap_or(&[]);
+    let message = encode(&ExchangeRequest::End, &mut buffer).unwrap_or(&[]);
     let sent = requests.write_all(message).and_then(|()| requests.flush());
     sent.map_err(|e| UserError::new(format!("the other processor is gone: {e}")))
 }
@@ -271,22 +274,28 @@ mod tests {
             let mut body = vec![0; length(head).unwrap()];
             stream.read_exact(&mut body).unwrap();
             let reply = match (decode(&body).unwrap(), &mut lockstep) {
-                (Request::End, _) => return,
-                (Request::Begin { settings, birth }, slot) => {
+                (ExchangeRequest::End, _) => return,
+                (
+                    ExchangeRequest::Begin {
+                        settings,
+                        boot: birth,
+                    },
+                    slot,
+                ) => {
                     *slot = Lockstep::new(&settings, &birth).ok();
-                    Reply::Begun(slot.is_some())
+                    ExchangeReply::Begun(slot.is_some())
                 }
-                (Request::Command(command), Some(l)) => {
-                    Reply::Command(l.controller.command(command))
+                (ExchangeRequest::Command(command), Some(l)) => {
+                    ExchangeReply::Command(l.controller.command(command))
                 }
-                (Request::Block { frames, slices, .. }, Some(l)) => {
+                (ExchangeRequest::Block { frames, slices, .. }, Some(l)) => {
                     let mut outputs = [Output::SAFE; 10];
                     let delivered = l.block(&frames, &mut outputs).delivered;
                     l.idle(u32::from(slices));
                     let status = l.controller.status();
                     spoil(status.tick, &mut outputs[3]);
                     let events = std::iter::from_fn(|| l.controller.take_event()).take(4);
-                    Reply::Block {
+                    ExchangeReply::Block {
                         events: events.collect(),
                         outputs: outputs.into_iter().collect(),
                         status,
@@ -294,7 +303,7 @@ mod tests {
                         instructions: 12_345,
                     }
                 }
-                _ => Reply::Noted,
+                _ => ExchangeReply::Noted,
             };
             stream
                 .write_all(encode(&reply, &mut buffer).unwrap())

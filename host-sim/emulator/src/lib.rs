@@ -10,7 +10,7 @@
 //! | [`bodies`] | the equations of cart and hammer, and a step of them |
 //! | [`plant`] | a tick of true motion, switches located |
 //! | [`filter`], [`sensors`] | from what is true to codes |
-//! | [`mock`] | ADC, DAC and pins behind the traits of [`shared::io`] |
+//! | [`mock`] | the pin of the emergency-stop chain |
 //! | [`scenario`], [`schedule`] | what happens when; TOML |
 //! | [`world`] | everything outside the controller |
 //! | [`under_test`], [`local`] | the controller, wherever it runs; in this process |

@@ -1,6 +1,6 @@
 //! The controller in this process.
 
-use shared::control::{Birth, Command, Event, Lockstep, Refused, ResetCause, Status};
+use shared::control::{BootInfo, Command, Event, Lockstep, Refused, ResetCause, Status};
 use shared::fault::{Fault, Origin, Persisted, Record};
 use shared::io::{Frame, Output};
 use shared::model::params::ParamError;
@@ -23,7 +23,7 @@ impl Local {
     pub fn new(settings: &Settings) -> Result<Self, ParamError> {
         Ok(Self {
             settings: *settings,
-            lockstep: Lockstep::new(settings, &Birth::default())?,
+            lockstep: Lockstep::new(settings, &BootInfo::default())?,
         })
     }
 
@@ -34,7 +34,7 @@ impl Local {
 }
 
 /// What a controller is born with after `cause`, given the `memory` that survives resets (and not power-on).
-pub fn birth(cause: Reset, memory: &Persisted) -> Birth {
+pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
     let power_on = matches!(cause, Reset::PowerOn | Reset::CorruptSettings);
     // A crash writes its record itself, before the program starts anew.
     let crashed = (cause == Reset::Crash).then_some(Record {
@@ -44,7 +44,7 @@ pub fn birth(cause: Reset, memory: &Persisted) -> Birth {
         value: 0.0,
         frequency_hz: 0.0,
     });
-    Birth {
+    BootInfo {
         reset: match cause {
             Reset::PowerOn | Reset::CorruptSettings => ResetCause::PowerOn,
             Reset::Watchdog => ResetCause::Watchdog,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use shared::control::{Command, Event as Told, MAX_BLOCK, What as Saying, bits};
+use shared::control::{Command, Event as Told, EventKind as Saying, MAX_BLOCK};
 use shared::io::{Frame, Output};
 
 use super::record::{BlockRow, Event, Given, Observer, TickRow, What};
@@ -234,7 +234,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
 
     /// What the controller says, told on.
     fn told(&mut self, told: &Told) {
-        let what = match told.what {
+        let what = match told.kind {
             Saying::State { from, to } => What::State {
                 from: state_name(from),
                 to: state_name(to),
@@ -278,22 +278,10 @@ fn in_words(what: &Saying) -> String {
         Saying::RegimeLost => "1/1 lost".into(),
         Saying::Doubling { frequency_hz } => format!("doubling at {frequency_hz:.3} Hz"),
         Saying::Basin(basin) => format!("basin: {}", basin_name(*basin)),
-        Saying::Limits(0) => "no limit clamps any more".into(),
-        Saying::Limits(bits) => format!("limited by {}", limit_names(*bits)),
+        Saying::Limits(limits) if limits.is_empty() => "no limit clamps any more".into(),
+        Saying::Limits(limits) => {
+            let names: Vec<_> = limits.names().collect();
+            format!("limited by {}", names.join(", "))
+        }
     }
-}
-
-/// Names of the limits whose bits are set.
-fn limit_names(set: u8) -> String {
-    let names = [
-        (bits::FORCE, "force"),
-        (bits::TRAVEL, "travel"),
-        (bits::FREQUENCY, "frequency"),
-        (bits::AMPLITUDE, "amplitude"),
-    ];
-    let clamping = names.iter().filter(|(bit, _)| set & bit != 0);
-    clamping
-        .map(|(_, name)| *name)
-        .collect::<Vec<_>>()
-        .join(", ")
 }

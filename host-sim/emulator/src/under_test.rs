@@ -148,7 +148,7 @@ impl ControlUnderTest for FixedFrequency {
             tick: self.tick,
             state: self.state,
             fault: None,
-            limits: 0,
+            limits: shared::control::ActiveLimits::NONE,
             frequency_hz: self.frequency_hz as f32,
             amplitude_m: self.amplitude_m as f32,
             measured_amplitude_m: 0.0,

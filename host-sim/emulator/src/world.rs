@@ -1,9 +1,9 @@
 //! Everything outside the controller: DAC, shaker, rig, sensors, ADC. One tick at a time.
 
-use shared::io::{Frame, Output, sample};
+use shared::io::{Frame, NormallyClosed, Output};
 use shared::model::params::{ParamError, RigParams};
 
-use super::mock::{MockActuator, MockAdc};
+use super::mock::ChainPin;
 use super::plant::Plant;
 use super::scenario::{Change, Scenario};
 use super::sensors::{Defect, Sensor, Sensors};
@@ -24,8 +24,7 @@ pub struct World {
     plant: Plant,
     smoother: Smoother,
     sensors: Sensors,
-    adc: MockAdc,
-    actuator: MockActuator,
+    chain: NormallyClosed<ChainPin>,
     m_per_code: f64,
     rig: RigParams,
     drift: Option<Drift>,
@@ -49,8 +48,7 @@ impl World {
             plant,
             smoother: Smoother::new(&scenario.shaker, tick_s),
             sensors: Sensors::new(&scenario.sensors, settings, tick_s, scenario.seed),
-            adc: MockAdc::default(),
-            actuator: MockActuator::default(),
+            chain: NormallyClosed(ChainPin::default()),
             m_per_code: f64::from(settings.drive.m_per_code),
             rig,
             drift: None,
@@ -70,18 +68,22 @@ impl World {
     /// A tick in which the drive is told `output`; what the ADC reads at its end.
     #[inline]
     pub fn tick(&mut self, output: &Output) -> Frame {
-        self.actuator.apply(output);
-        let (dac, _, on) = self.actuator.lines();
-        let metres = (f64::from(dac.0) - 2048.0) * self.m_per_code;
+        let played = if output.enable { *output } else { Output::SAFE };
+        let metres = (f64::from(played.dac.0) - 2048.0) * self.m_per_code;
         let path = self.smoother.tick(metres);
-        self.plant.tick(path, on);
-        self.adc.codes = self.sensors.read(&self.plant);
-        sample(&mut self.adc)
+        self.plant.tick(path, played.enable);
+        let [force, hammer, cart] = self.sensors.read(&self.plant);
+        Frame {
+            force,
+            hammer,
+            cart,
+            emergency: self.chain.is_open(),
+        }
     }
 
     /// Opens or closes the emergency-stop chain.
     pub fn set_emergency(&mut self, open: bool) {
-        self.adc.chain.0.open = open;
+        self.chain.0.open = open;
     }
 
     /// Makes a sensor defective, or whole again.

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use shared::model::contacts::CHATTER_STAY_S;
+use shared::model::contacts::SUSTAINED_CONTACT_S;
 
 use super::constants::Constants;
 
@@ -96,7 +96,7 @@ impl Stay {
         (self.x, self.v) = form.state(t);
         self.tau += t;
         let stayed = (self.tau - self.recent[0]) / c.omega;
-        self.chatter |= stayed > CHATTER_STAY_S && self.recent[0] - self.recent[2] < TAU;
+        self.chatter |= stayed > SUSTAINED_CONTACT_S && self.recent[0] - self.recent[2] < TAU;
         if release.is_none() {
             self.tau = TAU;
             return Some(Event::Section);

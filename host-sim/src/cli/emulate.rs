@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use shared::control::Birth;
+use shared::control::BootInfo;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::common::{Format, check_out_folder};
@@ -134,7 +134,7 @@ impl Watch {
                 let header = Header {
                     source: "emulator".into(),
                     settings: scenario.settings,
-                    birth: Birth::default(),
+                    birth: BootInfo::default(),
                     block_ticks: u32::try_from(scenario.block_ticks).unwrap_or(u32::MAX),
                     scenario: Some(scenario_text(name)?),
                 };

@@ -2,12 +2,12 @@
 
 use std::collections::VecDeque;
 
-use shared::control::{Birth, Command, Lockstep, Refused, Status};
+use shared::control::{BootInfo, Command, Lockstep, Refused, Status};
 use shared::fault::Record;
 use shared::io::{Frame, Output};
 use shared::link::{
-    Device, Exchange, ForecastPage, Given, Hello, Identified, Name, Notes, PROTOCOL_VERSION,
-    Refusal,
+    BlockNotes, Device, ForecastPage, GivenCommand, Hello, Identified, Name, PROTOCOL_VERSION,
+    RecordedBlock, Refusal,
 };
 use shared::model::params::ParamError;
 use shared::settings::{Settings, TICK_RATE_HZ};
@@ -21,11 +21,11 @@ pub struct Board {
     lockstep: Lockstep,
     block_ticks: u8,
     /// What came before the next block.
-    notes: Notes,
+    notes: BlockNotes,
     /// More commands came before the next block than a recording holds: it is left out, which shows.
     too_many: bool,
     recording: bool,
-    kept: VecDeque<Exchange>,
+    kept: VecDeque<RecordedBlock>,
 }
 
 impl Board {
@@ -35,9 +35,9 @@ impl Board {
     /// The first setting out of range.
     pub fn new(settings: &Settings, block_ticks: u8) -> Result<Self, ParamError> {
         Ok(Self {
-            lockstep: Lockstep::new(settings, &Birth::default())?,
+            lockstep: Lockstep::new(settings, &BootInfo::default())?,
             block_ticks,
-            notes: Notes::default(),
+            notes: BlockNotes::default(),
             too_many: false,
             recording: false,
             kept: VecDeque::new(),
@@ -77,9 +77,9 @@ impl Board {
     ///
     /// # Errors
     /// The first setting out of range.
-    pub fn reset(&mut self, settings: &Settings, birth: &Birth) -> Result<(), ParamError> {
+    pub fn reset(&mut self, settings: &Settings, birth: &BootInfo) -> Result<(), ParamError> {
         self.lockstep = Lockstep::new(settings, birth)?;
-        self.notes = Notes::default();
+        self.notes = BlockNotes::default();
         self.too_many = true;
         Ok(())
     }
@@ -91,7 +91,7 @@ impl Board {
         if !self.recording || too_many || self.kept.len() >= KEPT {
             return;
         }
-        self.kept.push_back(Exchange {
+        self.kept.push_back(RecordedBlock {
             tick,
             frames: frames.iter().copied().collect(),
             outputs: outputs.iter().copied().collect(),
@@ -117,7 +117,7 @@ impl Device for Board {
 
     fn command(&mut self, command: Command) -> Result<(), Refused> {
         let result = self.lockstep.controller.command(command);
-        let given = Given {
+        let given = GivenCommand {
             command,
             refused: result.err(),
         };
@@ -136,9 +136,9 @@ impl Device for Board {
     fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
         self.lockstep.controller.replace_settings(settings)?;
         // What came before is of no account to who was made after it.
-        self.notes = Notes {
+        self.notes = BlockNotes {
             restarted: true,
-            ..Notes::default()
+            ..BlockNotes::default()
         };
         Ok(())
     }
@@ -166,7 +166,7 @@ impl Device for Board {
         Ok(())
     }
 
-    fn take_exchange(&mut self) -> Option<Exchange> {
+    fn take_block(&mut self) -> Option<RecordedBlock> {
         self.kept.pop_front()
     }
 }

@@ -4,8 +4,8 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use shared::control::{Birth, Command, State};
-use shared::link::{Answer, Exchange, FromBoard, Hello, ToBoard};
+use shared::control::{BootInfo, Command, State};
+use shared::link::{Answer, FromBoard, Hello, RecordedBlock, ToBoard};
 
 use super::client::{Client, state_name};
 use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
@@ -46,7 +46,7 @@ pub fn record<P: Read + Write>(
     let header = Header {
         source: hello.board.to_string(),
         settings,
-        birth: Birth::default(),
+        birth: BootInfo::default(),
         block_ticks: u32::from(hello.block_ticks),
         scenario: None,
     };
@@ -104,7 +104,7 @@ fn stream<P: Read + Write>(
 }
 
 /// A block as the log has it.
-fn block(exchange: &Exchange) -> Block {
+fn block(exchange: &RecordedBlock) -> Block {
     let notes = &exchange.notes;
     // A command that was refused changed nothing.
     let obeyed = notes.given.iter().filter(|given| given.refused.is_none());

@@ -331,7 +331,7 @@ mod tests {
             tick: 0,
             state,
             fault: None,
-            limits: 0,
+            limits: shared::control::ActiveLimits::NONE,
             frequency_hz: 2.0,
             amplitude_m: 1e-3,
             measured_amplitude_m: 1e-3,

@@ -1,11 +1,10 @@
 //! Sensors and lines: what the controller gets to see.
 
-use emulator::mock::{MockActuator, MockAdc};
 use emulator::plant::Plant;
 use emulator::sensors::{Defect, Errors, Sensor, SensorParams, Sensors};
 use emulator::shaker::{Path, ShakerParams};
 use numerics::noise::Noise;
-use shared::io::{AdcCode, DacCode, Output, Reading, sample};
+use shared::io::{AdcCode, Reading};
 use shared::model::params::{RigParams, WIRES};
 use shared::settings::Settings;
 
@@ -135,32 +134,4 @@ fn the_surface_rings_at_half_the_peak_and_dies_away() {
         assert!((0.2..0.5).contains(&(swing / peak)), "{swing} of {peak}");
     }
     assert!(late < 0.01 * peak, "{late} of {peak}");
-}
-
-#[test]
-fn converters_and_pins_speak_the_boards_traits() {
-    let mut adc = MockAdc {
-        codes: [1, 2, 3].map(AdcCode),
-        ..MockAdc::default()
-    };
-    adc.chain.0.open = true;
-    let frame = sample(&mut adc);
-    assert_eq!(
-        (frame.force, frame.hammer, frame.cart, frame.emergency),
-        (AdcCode(1), AdcCode(2), AdcCode(3), true)
-    );
-    let mut actuator = MockActuator::default();
-    assert_eq!(actuator.lines(), (DacCode::MIDDLE, 0.0, false));
-    let output = Output {
-        dac: DacCode(3000),
-        frequency_hz: 3.5,
-        enable: true,
-    };
-    actuator.apply(&output);
-    assert_eq!(actuator.lines(), (DacCode(3000), 3.5, true));
-    actuator.apply(&Output {
-        enable: false,
-        ..output
-    });
-    assert_eq!(actuator.lines(), (DacCode::MIDDLE, 0.0, false));
 }

@@ -1,22 +1,22 @@
 //! The controller itself.
 
-use super::event::{Event, Events, What};
-use super::family::Family;
+use super::event::{Event, EventKind, Events};
+use super::forecast_cache::ForecastCache;
 use super::free::FreeSwing;
 use super::guard::{Guard, Trip};
 use super::oscillator::Oscillator;
-use super::outlook::Outlook;
+use super::plausibility::Plausibility;
 use super::search::Search;
 use super::self_test::SelfTest;
 use super::trim::Trim;
-use super::{Basin, Birth, Command, Mode, Refused, ResetCause, State, Status};
+use super::{ActiveLimits, Basin, BootInfo, Command, Mode, Refused, ResetCause, State, Status};
 use crate::fault::{Fault, Persisted, Record};
-use crate::forecast::{Forecast, MAX_ROWS, Request, Row};
+use crate::forecast::{Forecast, ForecastRequest, MAX_ROWS, Row};
 use crate::io::{Frame, Output};
 use crate::model::drive::Drive;
 use crate::model::params::{ParamError, RigParams};
 use crate::model::regime::Regime;
-use crate::sense::identify::Identify;
+use crate::sense::identification::Identification;
 use crate::sense::{Sense, Strobe};
 use crate::settings::{Settings, TICK_RATE_HZ};
 
@@ -41,13 +41,13 @@ pub struct Controller {
     /// The drive as it was when the block that is now sampled was put out.
     pub(super) sensed_drive: Drive<f32>,
     pub(super) sense: Sense,
-    pub(super) identify: Identify,
+    pub(super) identification: Identification,
     pub(super) guard: Guard,
-    pub(super) family: Family,
+    pub(super) plausibility: Plausibility,
     pub(super) trim: Trim,
     pub(super) self_test: SelfTest,
     pub(super) search: Option<Search>,
-    pub(super) forecast: Outlook,
+    pub(super) forecast: ForecastCache,
     pub(super) timers: Timers,
     pub(super) record: Option<Record>,
     /// Damaged settings were found, and none have been sent since: defaults stand in, fit for no rig.
@@ -64,9 +64,9 @@ pub struct Controller {
     pub(super) basin: Basin,
     pub(super) striking: u8,
     pub(super) silent: u8,
-    pub(super) limits: u8,
+    pub(super) limits: ActiveLimits,
     /// Limits as last told in an event.
-    pub(super) told_limits: u8,
+    pub(super) told_limits: ActiveLimits,
     pub(super) reseeks: u16,
     pub(super) overruns: u32,
 }
@@ -82,7 +82,7 @@ pub(super) struct Timers {
     pub stale: u8,
     pub good_periods: u8,
     pub in_state: u32,
-    pub identify: u16,
+    pub identification: u16,
 }
 
 pub(super) fn ticks_of(seconds: f32) -> u32 {
@@ -94,7 +94,7 @@ impl Controller {
     ///
     /// # Errors
     /// The first setting out of range.
-    pub fn new(settings: &Settings, birth: &Birth) -> Result<Self, ParamError> {
+    pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
         settings.check()?;
         let start_hz = start_frequency(settings);
         let oscillator = Oscillator::new(&settings.drive, start_hz).map_err(|_| ParamError {
@@ -111,16 +111,16 @@ impl Controller {
             sensed_drive: *oscillator.drive(),
             oscillator,
             sense: Sense::new(settings),
-            identify: Identify::new(settings),
+            identification: Identification::new(settings),
             guard: Guard::new(settings),
-            family: Family::new(settings),
+            plausibility: Plausibility::new(settings),
             trim: Trim::new(settings),
             self_test: SelfTest::new(settings),
             search: None,
-            forecast: Outlook::default(),
+            forecast: ForecastCache::default(),
             timers: Timers::default(),
-            record: birth.record,
-            settings_corrupt: birth.settings_corrupt,
+            record: boot.record,
+            settings_corrupt: boot.settings_corrupt,
             condition: None,
             events: Events::default(),
             last: None,
@@ -130,29 +130,29 @@ impl Controller {
             basin: Basin::Unknown,
             striking: 0,
             silent: 0,
-            limits: 0,
-            told_limits: 0,
+            limits: ActiveLimits::NONE,
+            told_limits: ActiveLimits::NONE,
             reseeks: 0,
             overruns: 0,
         };
-        controller.ask();
-        controller.wake(birth);
+        controller.request_forecast();
+        controller.take_boot_info(boot);
         Ok(controller)
     }
 
     /// Takes account of why the board started.
-    fn wake(&mut self, birth: &Birth) {
-        let found = match birth.reset {
-            _ if birth.settings_corrupt => Some(Fault::CorruptSettings),
+    fn take_boot_info(&mut self, boot: &BootInfo) {
+        let found = match boot.reset {
+            _ if boot.settings_corrupt => Some(Fault::CorruptSettings),
             ResetCause::Watchdog => Some(Fault::WatchdogReset),
             ResetCause::BrownOut => Some(Fault::BrownOut),
             _ => None,
         };
         if let Some(fault) = found {
-            let before = birth.record.map_or(0, |record| record.fault.code());
+            let before = boot.record.map_or(0, |record| record.fault.code());
             self.note(Trip::system(fault, f32::from(before)));
-        } else if let Some(record) = birth.record {
-            self.events.push(0, What::Fault(record));
+        } else if let Some(record) = boot.record {
+            self.events.push(0, EventKind::Fault(record));
         }
         if self.record.is_some_and(|record| record.fault.latches()) {
             self.change(State::Fault);
@@ -248,7 +248,7 @@ impl Controller {
         if !matches!(self.state, State::Idle | State::Fault) {
             return Err(Refused::WrongState);
         }
-        let fresh = Self::new(settings, &Birth::default()).map_err(|_| Refused::BadSettings)?;
+        let fresh = Self::new(settings, &BootInfo::default()).map_err(|_| Refused::BadSettings)?;
         let next_id = self.forecast.next_id;
         let kept = (
             self.tick,
@@ -270,7 +270,7 @@ impl Controller {
         ) = kept;
         self.events = events;
         self.forecast.next_id = next_id;
-        self.ask();
+        self.request_forecast();
         Ok(())
     }
 
@@ -285,12 +285,12 @@ impl Controller {
     }
 
     /// What the rig's own pulses and swings have told.
-    pub fn identified(&self) -> &Identify {
-        &self.identify
+    pub fn identified(&self) -> &Identification {
+        &self.identification
     }
 
     /// A forecast that is wanted; each is given once.
-    pub fn forecast_request(&mut self) -> Option<Request> {
+    pub fn forecast_request(&mut self) -> Option<ForecastRequest> {
         self.forecast.wanted.take()
     }
 
@@ -319,7 +319,7 @@ impl Controller {
             .target
             .map_or((0.0, 0.0), |t| (t.frequency_hz, t.orbit.force_n));
         self.events
-            .push(self.tick, What::Forecast { target_hz, force_n });
+            .push(self.tick, EventKind::Forecast { target_hz, force_n });
         let range_hz = self.range_hz();
         self.forecast.free = FreeSwing::new(&self.believed);
         if let (Some(search), Some(target)) = (&mut self.search, &forecast.target) {
@@ -396,7 +396,7 @@ impl Controller {
     }
 
     /// Wants a forecast of the rig as it is believed to be.
-    pub(super) fn ask(&mut self) {
+    pub(super) fn request_forecast(&mut self) {
         let natural_hz = self.believed.natural_frequency_hz() as f32;
         let (low, high) = self.range_hz();
         let from = (FORECAST_RANGE.0 * natural_hz).max(low);
@@ -404,7 +404,7 @@ impl Controller {
         let id = self.forecast.next_id;
         self.forecast.next_id = id.wrapping_add(1);
         self.forecast.awaited = Some(id);
-        self.forecast.wanted = Some(Request {
+        self.forecast.wanted = Some(ForecastRequest {
             id,
             rig: self.believed,
             range_hz: (from, to),

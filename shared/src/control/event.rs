@@ -3,15 +3,15 @@
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-use super::{Basin, State};
+use super::{ActiveLimits, Basin, State};
 use crate::fault::Record;
 
 /// Events kept until they are taken.
-pub const KEPT: usize = 16;
+pub const EVENT_CAPACITY: usize = 16;
 
 /// Something that happened.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum What {
+pub enum EventKind {
     /// The state changed.
     State {
         /// Before.
@@ -55,8 +55,8 @@ pub enum What {
     },
     /// The hammer came to strike, or ceased to.
     Basin(Basin),
-    /// Limits that clamp have changed (bits as in [`super::Status::limits`]).
-    Limits(u8),
+    /// The set of limits that clamp has changed.
+    Limits(ActiveLimits),
 }
 
 /// An event with its time.
@@ -65,20 +65,20 @@ pub struct Event {
     /// Control ticks since the start (wraps).
     pub tick: u32,
     /// What happened.
-    pub what: What,
+    pub kind: EventKind,
 }
 
 /// Events waiting to be taken; the newest are dropped, and counted, when nobody takes them.
 #[derive(Clone, Debug, Default)]
 pub struct Events {
-    waiting: Deque<Event, KEPT>,
+    waiting: Deque<Event, EVENT_CAPACITY>,
     dropped: u16,
 }
 
 impl Events {
     /// Adds an event.
-    pub fn push(&mut self, tick: u32, what: What) {
-        if self.waiting.push_back(Event { tick, what }).is_err() {
+    pub fn push(&mut self, tick: u32, kind: EventKind) {
+        if self.waiting.push_back(Event { tick, kind }).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }

@@ -40,9 +40,9 @@ impl Trip {
     }
 }
 
-/// One channel's watch.
+/// One channel's channel.
 #[derive(Clone, Copy, Debug, Default)]
-struct Watch {
+struct ChannelMonitor {
     last: AdcCode,
     changed: Stamp,
     good: f32,
@@ -51,7 +51,7 @@ struct Watch {
     over: u8,
 }
 
-impl Watch {
+impl ChannelMonitor {
     /// Takes in a code; returns its value (the last good one if it has none).
     #[inline]
     fn take(&mut self, channel: &Channel, code: AdcCode, now: Stamp) -> (f32, Option<Fault>) {
@@ -97,9 +97,9 @@ pub struct Guard {
     force_trip_n: f32,
     travel_trip_m: f32,
     cart_trip_m: f32,
-    force: Watch,
-    hammer: Watch,
-    cart: Watch,
+    force: ChannelMonitor,
+    hammer: ChannelMonitor,
+    cart: ChannelMonitor,
     force_is_live: bool,
 }
 
@@ -113,9 +113,9 @@ impl Guard {
             force_trip_n: settings.trips.force_n,
             travel_trip_m: settings.trips.travel_m,
             cart_trip_m: settings.trips.cart_m,
-            force: Watch::default(),
-            hammer: Watch::default(),
-            cart: Watch::default(),
+            force: ChannelMonitor::default(),
+            hammer: ChannelMonitor::default(),
+            cart: ChannelMonitor::default(),
             force_is_live: false,
         }
     }
@@ -128,15 +128,15 @@ impl Guard {
 
     /// Forgets when codes last changed: the drive starts.
     pub fn restart(&mut self, now: Stamp) {
-        for watch in [&mut self.force, &mut self.hammer, &mut self.cart] {
-            watch.changed = now;
-            watch.over = 0;
+        for channel in [&mut self.force, &mut self.hammer, &mut self.cart] {
+            channel.changed = now;
+            channel.over = 0;
         }
     }
 
     /// Looks at a tick's codes, sampled at drive instant `now` while the cart was to be `moving`.
     #[inline]
-    pub fn look(
+    pub fn check(
         &mut self,
         frame: &Frame,
         now: Stamp,
@@ -187,13 +187,13 @@ impl Guard {
         if !moving {
             return None;
         }
-        for (watch, origin, must_move) in [
+        for (channel, origin, must_move) in [
             (&self.force, Origin::Force, self.force_is_live),
             (&self.hammer, Origin::Hammer, true),
             (&self.cart, Origin::Cart, true),
         ] {
-            if must_move && !now.within_a_turn_of(watch.changed) {
-                return trip(Fault::SensorFrozen, origin, f32::from(watch.last.0));
+            if must_move && !now.within_a_turn_of(channel.changed) {
+                return trip(Fault::SensorFrozen, origin, f32::from(channel.last.0));
             }
         }
         None
@@ -221,7 +221,7 @@ mod tests {
     fn trips_after(frame: Frame) -> Option<(usize, Fault, Origin)> {
         let mut guard = Guard::new(&Settings::for_rig(&WIRES));
         (1..10_000).find_map(|tick| {
-            let (_, trip) = guard.look(&frame, at(0, 0), true, true);
+            let (_, trip) = guard.check(&frame, at(0, 0), true, true);
             trip.map(|trip| (tick, trip.fault, trip.origin))
         })
     }
@@ -341,18 +341,18 @@ mod tests {
         guard.set_force_is_live(true);
         guard.restart(at(5, 100));
         let mut frame = quiet();
-        guard.look(&frame, at(5, 101), true, true);
+        guard.check(&frame, at(5, 101), true, true);
         // Hammer and cart move on, the force's code does not.
         frame.hammer.0 += 1;
         frame.cart.0 += 1;
-        let (_, early) = guard.look(&frame, at(6, 100), true, true);
+        let (_, early) = guard.check(&frame, at(6, 100), true, true);
         assert_eq!(early, None);
-        let (_, late) = guard.look(&frame, at(6, 102), true, true);
+        let (_, late) = guard.check(&frame, at(6, 102), true, true);
         assert_eq!(
             late.map(|t| (t.fault, t.origin)),
             Some((Fault::SensorFrozen, Origin::Force))
         );
-        let (_, still) = guard.look(&frame, at(9, 0), false, true);
+        let (_, still) = guard.check(&frame, at(9, 0), false, true);
         assert_eq!(still, None, "nothing has to move");
     }
 
@@ -365,7 +365,7 @@ mod tests {
                 frame.force = AdcCode(0);
                 frame.hammer = AdcCode(4095);
             }
-            let (_, trip) = guard.look(&frame, at(0, tick), true, true);
+            let (_, trip) = guard.check(&frame, at(0, tick), true, true);
             assert_eq!(trip, None);
         }
     }

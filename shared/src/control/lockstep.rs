@@ -1,6 +1,6 @@
 //! The controller and its forecast where time stands still between blocks.
 
-use super::{Birth, Controller};
+use super::{BootInfo, Controller};
 use crate::forecast::{Forecast, Forecaster};
 use crate::io::{Frame, Output};
 use crate::model::params::ParamError;
@@ -28,9 +28,9 @@ impl Lockstep {
     ///
     /// # Errors
     /// The first setting out of range.
-    pub fn new(settings: &Settings, birth: &Birth) -> Result<Self, ParamError> {
+    pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
         Ok(Self {
-            controller: Controller::new(settings, birth)?,
+            controller: Controller::new(settings, boot)?,
             forecaster: Forecaster::new(),
             waiting: false,
         })

@@ -17,12 +17,13 @@
 mod climb;
 mod controller;
 mod event;
-mod family;
+mod forecast_cache;
 mod free;
 mod guard;
+mod limits;
 mod lockstep;
 mod oscillator;
-mod outlook;
+mod plausibility;
 mod sampling;
 mod search;
 mod self_test;
@@ -30,11 +31,11 @@ mod supervise;
 mod trim;
 
 pub use controller::Controller;
-pub use event::{Event, Events, KEPT, What};
-pub use family::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
+pub use event::{EVENT_CAPACITY, Event, EventKind, Events};
 pub use guard::{OPEN_TICKS, OVER_FORCE_TICKS, OVER_TRAVEL_TICKS, SATURATED_TICKS};
+pub use limits::ActiveLimits;
 pub use lockstep::{Exchanged, Lockstep};
-pub use trim::bits;
+pub use plausibility::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
 
 use serde::{Deserialize, Serialize};
 
@@ -132,8 +133,8 @@ pub struct Status {
     pub state: State,
     /// The fault that is or was; survives the reset.
     pub fault: Option<Record>,
-    /// Limits that clamp now, as bits: 1 force, 2 travel, 4 frequency, 8 amplitude.
-    pub limits: u8,
+    /// Limits that clamp now.
+    pub limits: ActiveLimits,
     /// Drive frequency, Hz.
     pub frequency_hz: f32,
     /// Commanded cart amplitude, m.
@@ -178,7 +179,7 @@ pub enum ResetCause {
 
 /// What the controller is born with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Birth {
+pub struct BootInfo {
     /// Why the board started.
     pub reset: ResetCause,
     /// The fault record that survived the reset.

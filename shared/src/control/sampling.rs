@@ -1,13 +1,12 @@
 //! What the controller makes of samples: per tick, per contact, per drive period.
 
 use super::controller::Controller;
-use super::event::What;
+use super::event::EventKind;
 use super::search::Step;
-use super::trim::bits;
-use super::{Basin, State};
+use super::{ActiveLimits, Basin, State};
 use crate::io::Frame;
 use crate::model::params::RigParams;
-use crate::sense::identify::Estimates;
+use crate::sense::identification::Estimates;
 use crate::sense::{Pulse, Sample, Strobe};
 use crate::settings::DriveKind;
 
@@ -28,7 +27,7 @@ const GAP_SIGMA_M: f32 = 1e-5;
 
 /// The rig of the settings with what has been identified surely enough in place of what was set. Contact
 /// stiffness and damping stay as set: they cannot be told well enough from 20 kHz samples
-/// ([`crate::sense::identify`]), and hardly move the target.
+/// ([`crate::sense::identification`]), and hardly move the target.
 fn learned(set: &RigParams, believed: &RigParams, found: &Estimates) -> RigParams {
     let mut rig = *believed;
     if let Some(natural) = found.natural_hz
@@ -53,7 +52,7 @@ impl Controller {
         let driving = self.is_driving();
         let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.wanted_amplitude_m();
         let now = self.sensed_drive.now();
-        let (sample, trip) = self.guard.look(frame, now, moving, driving);
+        let (sample, trip) = self.guard.check(frame, now, moving, driving);
         if let Some(trip) = trip {
             self.condition = Some(trip.fault);
             self.trip(trip);
@@ -67,17 +66,17 @@ impl Controller {
                 Err(trip) => self.trip(trip),
             }
         }
-        self.feel(sample, driving);
+        self.process(sample, driving);
     }
 
     /// What the sensors tell in a tick.
     #[inline]
-    pub(super) fn feel(&mut self, sample: Sample, driving: bool) {
+    pub(super) fn process(&mut self, sample: Sample, driving: bool) {
         let seen = self.sense.tick(sample, self.tick, &self.sensed_drive);
         if driving {
             let in_contact = self.sense.in_contact();
-            self.touch(in_contact);
-            self.identify.flight(&sample, in_contact);
+            self.note_contact(in_contact);
+            self.identification.flight(&sample, in_contact);
             if let Some(pulse) = seen.pulse {
                 self.pulse(&pulse);
             }
@@ -96,7 +95,7 @@ impl Controller {
 
     /// Notes that a contact begins.
     #[inline]
-    fn touch(&mut self, in_contact: bool) {
+    fn note_contact(&mut self, in_contact: bool) {
         if in_contact && !self.touched {
             self.timers.since_contact = 0;
         }
@@ -104,8 +103,8 @@ impl Controller {
     }
 
     fn pulse(&mut self, pulse: &Pulse) {
-        self.identify.pulse(pulse);
-        if let Some(trip) = self.family.pulse(pulse) {
+        self.identification.pulse(pulse);
+        if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
         }
     }
@@ -121,7 +120,7 @@ impl Controller {
         self.note_basin(strobe);
         if settled {
             let command_m = self.oscillator.amplitude_m();
-            if let Some(trip) = self.family.strobe(strobe, command_m) {
+            if let Some(trip) = self.plausibility.strobe(strobe, command_m) {
                 self.trip(trip);
                 return;
             }
@@ -133,7 +132,7 @@ impl Controller {
         if matches!(self.state, State::Seek | State::Hold) {
             self.count_one_one(strobe);
             self.seek(strobe, arrived);
-            self.learn();
+            self.update_believed_rig();
         }
     }
 
@@ -158,7 +157,7 @@ impl Controller {
         let goal_hz = search.goal_hz();
         let held = search.is_at_bound();
         self.oscillator.aim(goal_hz);
-        self.limits = self.trim.limits() | if held { bits::FREQUENCY } else { 0 };
+        self.limits = self.trim.limits() | ActiveLimits::FREQUENCY.when(held);
         match step {
             Step::On => {}
             Step::Best {
@@ -168,7 +167,7 @@ impl Controller {
             } => {
                 self.events.push(
                     self.tick,
-                    What::Best {
+                    EventKind::Best {
                         frequency_hz,
                         impulse_n_s,
                     },
@@ -178,11 +177,12 @@ impl Controller {
                 }
             }
             Step::Doubling(frequency_hz) => {
-                self.events.push(self.tick, What::Doubling { frequency_hz });
+                self.events
+                    .push(self.tick, EventKind::Doubling { frequency_hz });
             }
             Step::Lost => {
                 self.reseeks = self.reseeks.saturating_add(1);
-                self.events.push(self.tick, What::RegimeLost);
+                self.events.push(self.tick, EventKind::RegimeLost);
                 if self.state == State::Hold {
                     self.change(State::Seek);
                 }
@@ -191,16 +191,16 @@ impl Controller {
     }
 
     /// Now and then: does the rig differ from what is believed? Then a new forecast is wanted.
-    fn learn(&mut self) {
-        self.timers.identify += 1;
-        if self.timers.identify < IDENTIFY_PERIODS {
+    fn update_believed_rig(&mut self) {
+        self.timers.identification += 1;
+        if self.timers.identification < IDENTIFY_PERIODS {
             return;
         }
-        self.timers.identify = 0;
+        self.timers.identification = 0;
         let rig = learned(
             &self.settings.rig,
             &self.believed,
-            &self.identify.estimates(),
+            &self.identification.estimates(),
         );
         let natural = rig.natural_frequency_hz() / self.believed.natural_frequency_hz() - 1.0;
         let gap_m = rig.gap_m - self.believed.gap_m;
@@ -210,12 +210,12 @@ impl Controller {
             self.believed = rig;
             self.events.push(
                 self.tick,
-                What::Identified {
+                EventKind::Identified {
                     natural_hz: rig.natural_frequency_hz() as f32,
                     gap_m: rig.gap_m as f32,
                 },
             );
-            self.ask();
+            self.request_forecast();
         }
     }
 
@@ -236,7 +236,7 @@ impl Controller {
         };
         if basin != self.basin {
             self.basin = basin;
-            self.events.push(self.tick, What::Basin(basin));
+            self.events.push(self.tick, EventKind::Basin(basin));
         }
     }
 }

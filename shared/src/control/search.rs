@@ -31,7 +31,7 @@ const MAX_CLIMBS: u8 = 6;
 
 /// What the search is about.
 #[derive(Clone, Copy, Debug)]
-enum Leg {
+enum SearchLeg {
     /// On the way to the entry, or waiting there for the hammer to strike.
     Entry { periods: u16 },
     /// On the way to the target, or settling there.
@@ -65,7 +65,7 @@ pub enum Step {
 /// The search for the operating frequency.
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
-    leg: Leg,
+    leg: SearchLeg,
     holding: bool,
     entry_hz: f32,
     best_hz: f32,
@@ -85,7 +85,7 @@ impl Search {
     /// A search for `target` between the limits `range_hz`.
     pub fn new(target: &Target, range_hz: (f32, f32)) -> Self {
         let mut search = Self {
-            leg: Leg::Entry { periods: 0 },
+            leg: SearchLeg::Entry { periods: 0 },
             holding: false,
             entry_hz: target.entry_hz,
             best_hz: target.frequency_hz,
@@ -99,7 +99,7 @@ impl Search {
             doubled: 0,
             climbs: 0,
         };
-        search.bound(target, range_hz);
+        search.set_bounds(target, range_hz);
         search.goal_hz = search.entry_hz;
         search
     }
@@ -117,28 +117,28 @@ impl Search {
     /// A new forecast: the bounds are set anew. While seeking, and not yet climbing near it, the target is
     /// gone to.
     pub fn retarget(&mut self, target: &Target, range_hz: (f32, f32)) {
-        self.bound(target, range_hz);
+        self.set_bounds(target, range_hz);
         if self.holding {
-            self.best_hz = self.clear(self.best_hz);
+            self.best_hz = self.within_bounds(self.best_hz);
             return;
         }
-        let target_hz = self.clear(target.frequency_hz);
+        let target_hz = self.within_bounds(target.frequency_hz);
         let near = libm::fabsf(target_hz - self.best_hz) <= Probe::SEEK.step * target_hz;
         match self.leg {
-            Leg::Climb(_) if near => {}
-            Leg::Entry { .. } => {
+            SearchLeg::Climb(_) if near => {}
+            SearchLeg::Entry { .. } => {
                 self.best_hz = target_hz;
                 self.goal_hz = self.entry_hz;
             }
             _ => {
                 self.best_hz = target_hz;
-                self.leg = Leg::Target { periods: 0 };
+                self.leg = SearchLeg::Target { periods: 0 };
                 self.goal_hz = target_hz;
             }
         }
     }
 
-    fn bound(&mut self, target: &Target, range_hz: (f32, f32)) {
+    fn set_bounds(&mut self, target: &Target, range_hz: (f32, f32)) {
         let (low, high) = target.band_hz;
         let top = match target.doubling_hz {
             Some(hz) => hz * (1.0 - CLEARANCE),
@@ -147,11 +147,11 @@ impl Search {
         self.floor_hz = (low * (1.0 + BAND_MARGIN)).max(range_hz.0);
         self.ceiling_hz = top.min(range_hz.1).max(self.floor_hz);
         self.entry_hz = target.entry_hz.max(range_hz.0).min(range_hz.1);
-        self.best_hz = self.clear(self.best_hz);
+        self.best_hz = self.within_bounds(self.best_hz);
     }
 
     /// `hz` within what is forecast and what has been met.
-    fn clear(&self, hz: f32) -> f32 {
+    fn within_bounds(&self, hz: f32) -> f32 {
         let floor = self.floor_hz.max(self.met_floor_hz);
         let ceiling = self.ceiling_hz.min(self.met_ceiling_hz).max(floor);
         hz.max(floor).min(ceiling)
@@ -166,7 +166,7 @@ impl Search {
         arrived: bool,
     ) -> Step {
         let good = strobe.contacts == 1;
-        let watched = !matches!(self.leg, Leg::Entry { .. });
+        let watched = !matches!(self.leg, SearchLeg::Entry { .. });
         if watched {
             self.bad = if good {
                 self.bad.saturating_sub(1)
@@ -174,7 +174,7 @@ impl Search {
                 self.bad.saturating_add(BAD_WEIGHT)
             };
             if self.bad >= LOST_AT {
-                return self.lose(frequency_hz);
+                return self.mark_lost(frequency_hz);
             }
         }
         if !arrived {
@@ -184,12 +184,12 @@ impl Search {
             return step;
         }
         match self.leg {
-            Leg::Entry { periods } => self.at_entry(periods, strobe.contacts),
-            Leg::Target { periods } => self.at_target(periods),
-            Leg::Climb(climb) => self.climb(climb, strobe, good),
-            Leg::Rest { periods } => {
+            SearchLeg::Entry { periods } => self.at_entry(periods, strobe.contacts),
+            SearchLeg::Target { periods } => self.at_target(periods),
+            SearchLeg::Climb(climb) => self.climb(climb, strobe, good),
+            SearchLeg::Rest { periods } => {
                 self.leg = if periods < REST_PERIODS {
-                    Leg::Rest {
+                    SearchLeg::Rest {
                         periods: periods + 1,
                     }
                 } else {
@@ -208,10 +208,10 @@ impl Search {
         } else {
             periods.saturating_sub(1)
         };
-        self.leg = Leg::Entry { periods };
+        self.leg = SearchLeg::Entry { periods };
         if periods >= SETTLE_PERIODS {
             self.bad = 0;
-            self.leg = Leg::Target { periods: 0 };
+            self.leg = SearchLeg::Target { periods: 0 };
             self.goal_hz = self.best_hz;
         }
         Step::On
@@ -219,7 +219,7 @@ impl Search {
 
     fn at_target(&mut self, periods: u16) -> Step {
         if periods < SETTLE_PERIODS {
-            self.leg = Leg::Target {
+            self.leg = SearchLeg::Target {
                 periods: periods + 1,
             };
         } else {
@@ -236,7 +236,7 @@ impl Search {
         } else {
             Advice::Stay
         };
-        self.leg = Leg::Climb(climb);
+        self.leg = SearchLeg::Climb(climb);
         match advice {
             Advice::Stay => Step::On,
             Advice::Go(hz) => {
@@ -247,12 +247,12 @@ impl Search {
                 frequency_hz,
                 moved,
                 impulse_n_s,
-            } => self.topped(frequency_hz, moved, impulse_n_s),
+            } => self.finish_climb(frequency_hz, moved, impulse_n_s),
         }
     }
 
-    fn topped(&mut self, frequency_hz: f32, moved: f32, impulse_n_s: f32) -> Step {
-        let top_hz = self.clear(frequency_hz);
+    fn finish_climb(&mut self, frequency_hz: f32, moved: f32, impulse_n_s: f32) -> Step {
+        let top_hz = self.within_bounds(frequency_hz);
         let held = libm::fabsf(top_hz - self.best_hz) < FOUND_STEPS * Probe::SEEK.step * top_hz;
         self.best_hz = top_hz;
         self.goal_hz = top_hz;
@@ -261,7 +261,7 @@ impl Search {
         if self.holding || found {
             let first = !self.holding;
             self.holding = true;
-            self.leg = Leg::Rest { periods: 0 };
+            self.leg = SearchLeg::Rest { periods: 0 };
             return Step::Best {
                 frequency_hz: top_hz,
                 impulse_n_s,
@@ -277,21 +277,21 @@ impl Search {
     }
 
     /// A climb about the best frequency, moved so that all three of its points are clear.
-    fn start_climb(&mut self) -> Leg {
+    fn start_climb(&mut self) -> SearchLeg {
         let probe = if self.holding {
             Probe::HOLD
         } else {
             Probe::SEEK
         };
-        let lowest = self.clear(0.0);
-        let highest = self.clear(f32::MAX);
+        let lowest = self.within_bounds(0.0);
+        let highest = self.within_bounds(f32::MAX);
         let middle = self
             .best_hz
             .min(highest / (1.0 + probe.step))
             .max(lowest / (1.0 - probe.step));
         let climb = Climb::new(probe, middle);
         self.goal_hz = climb.frequency_hz();
-        Leg::Climb(climb)
+        SearchLeg::Climb(climb)
     }
 
     fn doubled(&mut self, regime: Regime) -> Option<Step> {
@@ -316,32 +316,32 @@ impl Search {
         } else {
             self.met_floor_hz = seen_hz * (1.0 + CLEARANCE);
         }
-        self.best_hz = self.clear(self.best_hz);
+        self.best_hz = self.within_bounds(self.best_hz);
         self.goal_hz = self.best_hz;
-        self.leg = Leg::Target { periods: 0 };
+        self.leg = SearchLeg::Target { periods: 0 };
         Some(Step::Doubling(seen_hz))
     }
 
-    fn lose(&mut self, lost_hz: f32) -> Step {
+    fn mark_lost(&mut self, lost_hz: f32) -> Step {
         // Lost away from the best frequency: that way lies an edge. Lost at it twice running: so does this.
         // On the way from the entry, the edge lies ahead.
-        let at_rest = matches!(self.leg, Leg::Rest { .. });
+        let at_rest = matches!(self.leg, SearchLeg::Rest { .. });
         if at_rest {
             self.lost_at_rest = self.lost_at_rest.saturating_add(1);
         }
         if !at_rest || self.lost_at_rest > 1 {
             let on_the_way_up =
-                matches!(self.leg, Leg::Target { .. }) && self.entry_hz <= self.best_hz;
+                matches!(self.leg, SearchLeg::Target { .. }) && self.entry_hz <= self.best_hz;
             if on_the_way_up || lost_hz >= self.best_hz {
                 self.met_ceiling_hz = self.met_ceiling_hz.min(lost_hz * (1.0 - CLEARANCE));
             } else {
                 self.met_floor_hz = self.met_floor_hz.max(lost_hz * (1.0 + CLEARANCE));
             }
         }
-        self.best_hz = self.clear(self.best_hz);
+        self.best_hz = self.within_bounds(self.best_hz);
         self.bad = 0;
         self.holding = false;
-        self.leg = Leg::Entry { periods: 0 };
+        self.leg = SearchLeg::Entry { periods: 0 };
         self.goal_hz = self.entry_hz;
         Step::Lost
     }

@@ -1,12 +1,12 @@
 //! The states, and what leads from one to another.
 
 use super::controller::{Controller, ticks_of};
-use super::event::What;
+use super::event::EventKind;
 use super::guard::Trip;
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
-use super::trim::{Trim, bits};
-use super::{Basin, Mode, Refused, State};
+use super::trim::Trim;
+use super::{ActiveLimits, Basin, Mode, Refused, State};
 use crate::fault::{Fault, Record};
 
 /// How long a start waits for the forecast, s.
@@ -30,25 +30,25 @@ impl Controller {
         match self.state {
             State::SelfTest => {}
             State::Ramp if self.oscillator.has_arrived() => self.ramped(),
-            State::Seek | State::Hold => self.watch(ticks),
+            State::Seek | State::Hold => self.check_contacts(ticks),
             State::Stop if self.oscillator.amplitude_m() <= 0.0 => self.change(State::Idle),
             _ => {}
         }
         let limits = self.limits;
         self.limits = match self.state {
             State::Seek | State::Hold | State::Manual => {
-                (limits & bits::FREQUENCY) | self.trim.limits()
+                (limits & ActiveLimits::FREQUENCY) | self.trim.limits()
             }
-            _ => 0,
+            _ => ActiveLimits::NONE,
         };
         if self.limits != self.told_limits {
             self.told_limits = self.limits;
-            self.events.push(self.tick, What::Limits(self.limits));
+            self.events.push(self.tick, EventKind::Limits(self.limits));
         }
     }
 
     /// The two faults of a hammer that does not do what it should.
-    pub(super) fn watch(&mut self, ticks: u32) {
+    pub(super) fn check_contacts(&mut self, ticks: u32) {
         let trips = self.settings.trips;
         let hz = self.oscillator.frequency_hz();
         if self.forecast.must_strike_at(hz) {
@@ -77,7 +77,7 @@ impl Controller {
                 return;
             }
             let Some(target) = self.forecast.target else {
-                self.events.push(self.tick, What::NoTarget);
+                self.events.push(self.tick, EventKind::NoTarget);
                 self.change(State::Idle);
                 return;
             };
@@ -89,7 +89,7 @@ impl Controller {
             self.search = None;
         }
         self.guard.restart(self.sensed_drive.now());
-        self.family.restart();
+        self.plausibility.restart();
         self.trim = Trim::new(&self.settings);
         if let (Mode::Automatic, Some(target)) = (self.mode, &self.forecast.target) {
             self.trim.expect(target.orbit.force_n);
@@ -119,7 +119,7 @@ impl Controller {
         self.striking = 0;
         self.silent = 0;
         self.sense.reset();
-        self.identify.reset();
+        self.identification.reset();
         self.change(State::SelfTest);
     }
 
@@ -139,14 +139,10 @@ impl Controller {
         }
         let (low, high) = self.range_hz();
         let clamped_hz = frequency_hz.max(low).min(high);
-        self.limits = if clamped_hz == frequency_hz {
-            0
-        } else {
-            bits::FREQUENCY
-        };
+        self.limits = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
         self.oscillator.aim(clamped_hz);
         self.trim
-            .want(amplitude_m.min(self.settings.limits.amplitude_m));
+            .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
         let amplitude_m = self.trim.command();
         self.oscillator.aim_amplitude(amplitude_m);
         Ok(())
@@ -165,7 +161,7 @@ impl Controller {
         self.record = None;
         self.timers.overruns = 0;
         self.timers.stale = 0;
-        self.events.push(self.tick, What::Cleared);
+        self.events.push(self.tick, EventKind::Cleared);
         self.change(State::Idle);
     }
 
@@ -195,7 +191,7 @@ impl Controller {
             frequency_hz: self.oscillator.frequency_hz(),
         };
         self.record = Some(record);
-        self.events.push(self.tick, What::Fault(record));
+        self.events.push(self.tick, EventKind::Fault(record));
     }
 
     pub(super) fn change(&mut self, to: State) {
@@ -209,6 +205,6 @@ impl Controller {
             self.oscillator.silence();
             self.search = None;
         }
-        self.events.push(self.tick, What::State { from, to });
+        self.events.push(self.tick, EventKind::State { from, to });
     }
 }

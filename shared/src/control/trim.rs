@@ -2,6 +2,7 @@
 //!
 //! Limits clamp and are reported; they are no faults. The loop works once per drive period.
 
+use super::limits::ActiveLimits;
 use crate::sense::Strobe;
 use crate::settings::Settings;
 
@@ -13,18 +14,6 @@ const RANGE: (f32, f32) = (0.6, 1.6);
 const ANSWER_PERIODS: u8 = 4;
 /// How much of what a limit has drawn back is given again per drive period.
 const RELEASE: f32 = 1.01;
-
-/// Bits of [`super::Status::limits`].
-pub mod bits {
-    /// The force limit draws the amplitude back.
-    pub const FORCE: u8 = 1;
-    /// The travel limit draws the amplitude back.
-    pub const TRAVEL: u8 = 2;
-    /// A frequency limit holds the frequency.
-    pub const FREQUENCY: u8 = 4;
-    /// The amplitude limit holds the command.
-    pub const AMPLITUDE: u8 = 8;
-}
 
 /// The amplitude loop.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +28,7 @@ pub struct Trim {
     draw: f32,
     /// Drive periods until the next cut or release.
     wait: u8,
-    limits: u8,
+    limits: ActiveLimits,
 }
 
 impl Trim {
@@ -53,12 +42,12 @@ impl Trim {
             gain: 1.0,
             draw: 1.0,
             wait: 0,
-            limits: 0,
+            limits: ActiveLimits::NONE,
         }
     }
 
     /// The amplitude wanted, m (clamped by [`Self::command`]).
-    pub fn want(&mut self, amplitude_m: f32) {
+    pub fn set_wanted_amplitude(&mut self, amplitude_m: f32) {
         self.wanted_m = amplitude_m.max(0.0);
     }
 
@@ -67,12 +56,12 @@ impl Trim {
     pub fn expect(&mut self, force_n: f32) {
         if force_n > self.force_n {
             self.draw = (0.9 * self.force_n / force_n).max(0.05);
-            self.limits |= bits::FORCE;
+            self.limits |= ActiveLimits::FORCE;
         }
     }
 
-    /// Limits that clamp, as [`bits`].
-    pub fn limits(&self) -> u8 {
+    /// Limits that clamp.
+    pub fn limits(&self) -> ActiveLimits {
         self.limits
     }
 
@@ -87,7 +76,7 @@ impl Trim {
                 self.gain = gain.clamp(RANGE.0, RANGE.1);
             }
         }
-        self.limits &= !(bits::FORCE | bits::TRAVEL);
+        self.limits -= ActiveLimits::FORCE | ActiveLimits::TRAVEL;
         let over_force = strobe.peak_n / self.force_n;
         let over_travel = strobe.travel_m / self.travel_m;
         let over = over_force.max(over_travel);
@@ -100,12 +89,12 @@ impl Trim {
             self.draw = (self.draw * RELEASE).min(1.0);
         }
         if self.draw < 1.0 {
-            let bit = if over_force >= over_travel {
-                bits::FORCE
+            let limit = if over_force >= over_travel {
+                ActiveLimits::FORCE
             } else {
-                bits::TRAVEL
+                ActiveLimits::TRAVEL
             };
-            self.limits |= bit;
+            self.limits |= limit;
         }
     }
 
@@ -113,10 +102,10 @@ impl Trim {
     pub fn command(&mut self) -> f32 {
         let command = self.wanted_m * self.draw * self.gain;
         if command > self.largest_m {
-            self.limits |= bits::AMPLITUDE;
+            self.limits |= ActiveLimits::AMPLITUDE;
             self.largest_m
         } else {
-            self.limits &= !bits::AMPLITUDE;
+            self.limits -= ActiveLimits::AMPLITUDE;
             command
         }
     }
@@ -143,7 +132,7 @@ mod tests {
             ..Strobe::default()
         });
         assert!((0.8 * command - 0.89e-3).abs() < 1e-6, "{command}");
-        assert_eq!(trim.limits(), 0);
+        assert_eq!(trim.limits(), ActiveLimits::NONE);
     }
 
     #[test]
@@ -152,7 +141,7 @@ mod tests {
         let mut trim = Trim::new(&settings);
         let command = run(&mut trim, 100, |_| Strobe::default());
         assert_eq!(command, settings.limits.amplitude_m);
-        assert_eq!(trim.limits(), bits::AMPLITUDE);
+        assert_eq!(trim.limits(), ActiveLimits::AMPLITUDE);
     }
 
     #[test]
@@ -162,7 +151,7 @@ mod tests {
         trim.expect(1.5 * settings.limits.force_n);
         let command = trim.command();
         assert!((command / 0.89e-3 - 0.6).abs() < 1e-3, "{command}");
-        assert_eq!(trim.limits(), bits::FORCE);
+        assert_eq!(trim.limits(), ActiveLimits::FORCE);
         trim.expect(0.5 * settings.limits.force_n);
         assert_eq!(
             trim.command(),
@@ -182,13 +171,13 @@ mod tests {
         };
         let command = run(&mut trim, 50, strong);
         assert!((0.6..0.69).contains(&(command / 0.89e-3)), "{command}");
-        assert_eq!(trim.limits(), bits::FORCE);
+        assert_eq!(trim.limits(), ActiveLimits::FORCE);
         let weak = |m: f32| Strobe {
             amplitude_m: m,
             ..Strobe::default()
         };
         let command = run(&mut trim, 100, weak);
         assert!((command / 0.89e-3 - 1.0).abs() < 1e-3, "{command}");
-        assert_eq!(trim.limits(), 0);
+        assert_eq!(trim.limits(), ActiveLimits::NONE);
     }
 }

@@ -4,12 +4,12 @@
 //! the rows before. A second pass, downwards, looks for orbits that rest does not lead to, from the row
 //! above. Then the strongest stretch of stable 1/1 is followed to its ends, and its strongest orbit found.
 
-use super::march::Model;
-use super::refine::{Edge, Known, Peak, on_line};
+use super::march::ForecastModel;
+use super::refine::{Known, Peak, RangeEnd, on_line};
 use super::settle::{Settle, Settled};
 use super::shoot::{Progress, Shoot, Solution};
-use super::stretch::Stretch;
-use super::{Forecast, MAX_ROWS, Request, Row};
+use super::stable_range::StableRange;
+use super::{Forecast, ForecastRequest, MAX_ROWS, Row};
 use crate::model::regime::Regime;
 
 /// A run that ends this close to a stable 1/1 (in A0 and A0 Ω) is settling on it, however slowly.
@@ -38,9 +38,9 @@ pub(super) enum Stage {
     /// The same on the way down.
     Down(usize, u8),
     /// The upper end of the stable 1/1.
-    High(Edge),
+    High(RangeEnd),
     /// Its lower end.
-    Low(Edge),
+    Low(RangeEnd),
     /// Its strongest orbit.
     Peak(Peak),
     /// From rest at the target.
@@ -50,13 +50,13 @@ pub(super) enum Stage {
 /// Computes a [`Forecast`] in slices of bounded work.
 #[derive(Clone, Debug)]
 pub struct Forecaster {
-    request: Option<Request>,
-    pub(super) model: Option<Model>,
+    request: Option<ForecastRequest>,
+    pub(super) model: Option<ForecastModel>,
     pub(super) forecast: Forecast,
     /// Section points of the rows' orbits, where there is one.
     sections: [[f32; 2]; MAX_ROWS],
     settled: Option<Settled>,
-    pub(super) stretch: Stretch,
+    pub(super) stable_range: StableRange,
     pub(super) stage: Stage,
     run: Run,
 }
@@ -76,7 +76,7 @@ impl Forecaster {
             forecast: Forecast::default(),
             sections: [[0.0; 2]; MAX_ROWS],
             settled: None,
-            stretch: Stretch::default(),
+            stable_range: StableRange::default(),
             stage: Stage::Done,
             run: Run::Nothing,
         }
@@ -84,15 +84,15 @@ impl Forecaster {
 
     /// Starts on `request`, whatever was going on. A request that cannot be (a rig that fails its check, a
     /// range that is none) is answered with no rows and no target.
-    pub fn start(&mut self, request: &Request) {
+    pub fn start(&mut self, request: &ForecastRequest) {
         self.request = Some(*request);
         self.forecast.id = request.id;
         self.forecast.rows.clear();
         self.forecast.target = None;
-        self.stretch = Stretch::default();
+        self.stable_range = StableRange::default();
         let (low, high) = request.range_hz;
         let good = low > 0.0 && high > low && high.is_finite();
-        self.model = Model::new(&request.rig).ok();
+        self.model = ForecastModel::new(&request.rig).ok();
         if good && self.model.is_some() {
             self.rest(0);
         } else {
@@ -270,7 +270,7 @@ impl Forecaster {
                 return self.shoot_at(hz, guess);
             }
         }
-        self.begin_stretch();
+        self.begin_stable_range();
     }
 
     /// A shooting has ended.

@@ -31,16 +31,16 @@ const CONTACT_STEP: f32 = 0.2;
 const LONGEST_CONTACT_STEP: f32 = 1.0;
 
 /// Steps of unchanged length at the beginning of a contact: longer than a blow lasts.
-const STEPS_OF_A_BLOW: u16 = 40;
+const STEPS_OF_A_CONTACT: u16 = 40;
 
 /// The same under the nonlinear laws: some steps are shorter, and Hunt–Crossley's hammer leaves slowly.
-const STEPS_OF_A_NONLINEAR_BLOW: u16 = 80;
+const STEPS_OF_A_NONLINEAR_CONTACT: u16 = 80;
 
 /// The shortest step under the nonlinear laws, as a share of the usual one in contact.
 const SHORTEST_STEP: f32 = 1.0 / 32.0;
 
 /// Speed of a typical blow in units of A0 ω, for laws whose time scale depends on it.
-const BLOW_SPEED: f64 = 5.0;
+const CONTACT_SPEED: f64 = 5.0;
 
 /// Switches are located to this share of a tick, unless the iterations run out first.
 const LOCATION: Location = Location {
@@ -53,7 +53,7 @@ const LOCATION: Location = Location {
 fn contact_rate(params: &RigParams) -> f64 {
     let (stiffness, n) = (params.contact.stiffness(), params.contact.exponent());
     let omega = core::f64::consts::TAU * params.natural_frequency_hz();
-    let speed = BLOW_SPEED * params.amplitude_m * omega;
+    let speed = CONTACT_SPEED * params.amplitude_m * omega;
     let energy = 0.5 * params.mass_kg * speed * speed;
     let deepest = libm::pow((n + 1.0) * energy / stiffness, 1.0 / (n + 1.0));
     let (_, damping) = params.contact.gradient(deepest, 0.0, speed);
@@ -62,7 +62,7 @@ fn contact_rate(params: &RigParams) -> f64 {
 
 /// A rig in the numbers the forecast needs: worked out once, since that takes `f64`.
 #[derive(Clone, Copy, Debug)]
-pub struct Model {
+pub struct ForecastModel {
     /// The rig.
     pub rig: Rig<f32>,
     /// The same, to be differentiated.
@@ -70,7 +70,7 @@ pub struct Model {
     contact_rate: f32,
 }
 
-impl Model {
+impl ForecastModel {
     /// The model of `params`.
     ///
     /// # Errors
@@ -103,7 +103,7 @@ pub struct Setup {
 
 impl Setup {
     /// `model` driven at `frequency_hz`. `None` if no drive can run at that frequency.
-    pub fn new(model: &Model, frequency_hz: f32) -> Option<Self> {
+    pub fn new(model: &ForecastModel, frequency_hz: f32) -> Option<Self> {
         let rig = model.rig;
         let hz = f64::from(frequency_hz);
         let drive = Drive::new(hz, 1.0 / (hz * f64::from(STEPS_PER_PERIOD))).ok()?;
@@ -127,7 +127,7 @@ impl Setup {
 
 /// What a step did: enough to follow it in other numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct MarchStep {
     /// The part of the tick it spans.
     pub part: (f32, f32),
     /// Whether it ended on a switch, which has been crossed.
@@ -140,7 +140,7 @@ pub struct Stretch {
 
 /// What the march notes beside the ledger: the latest contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Notes {
+pub struct LatestContact {
     /// ∫F dt since the notes were cleared, N·s.
     pub impulse_n_s: f32,
     /// The latest onset, and the penetration rate there, m/s.
@@ -162,7 +162,7 @@ pub struct March {
     /// Steps since the onset.
     steps_in_contact: u16,
     ledger: Ledger<f32>,
-    notes: Notes,
+    latest: LatestContact,
 }
 
 impl March {
@@ -185,7 +185,7 @@ impl March {
             fresh: false,
             steps_in_contact: 0,
             ledger,
-            notes: Notes::default(),
+            latest: LatestContact::default(),
         }
     }
 
@@ -200,8 +200,8 @@ impl March {
     }
 
     /// The latest contact.
-    pub fn notes(&self) -> &Notes {
-        &self.notes
+    pub fn latest_contact(&self) -> &LatestContact {
+        &self.latest
     }
 
     /// Closes the book of the drive period that has just ended.
@@ -211,7 +211,7 @@ impl March {
     }
 
     /// One step. Bounded work: at most a dozen Runge–Kutta steps where a switch is located, one elsewhere.
-    pub fn step(&mut self) -> Stretch {
+    pub fn step(&mut self) -> MarchStep {
         let from = self.at;
         let to = from + self.stride;
         // No crumbs: a remainder of less than half a step is taken along.
@@ -230,7 +230,7 @@ impl March {
         let leg = Corrected::leg(rig, &span, &self.state, self.fresh, LOCATION);
         if self.state.mode == Mode::Contact {
             let piece = piece(rig, &span, (from, leg.at), &self.state, &leg.moved);
-            self.notes.impulse_n_s += piece.impulse;
+            self.latest.impulse_n_s += piece.impulse;
             self.ledger.add(&piece);
         }
         self.state = leg.moved.state;
@@ -246,7 +246,7 @@ impl March {
                 Mode::Flight => {
                     self.state.mode = Mode::Contact;
                     self.state.approach = rate;
-                    self.notes.onset = Some((stamp, rate));
+                    self.latest.onset = Some((stamp, rate));
                     self.ledger.onset(stamp, rate);
                 }
                 Mode::Contact => {
@@ -263,7 +263,7 @@ impl March {
             self.at = 0.0;
             self.drive.advance();
         }
-        Stretch {
+        MarchStep {
             part: (from, leg.at),
             switched: leg.switched,
             tick_ended,
@@ -283,12 +283,12 @@ impl March {
             self.stride = Real::min(2.0 * self.stride, 1.0);
         } else {
             self.steps_in_contact = self.steps_in_contact.saturating_add(1);
-            let of_a_blow = if self.setup.nonlinear {
-                STEPS_OF_A_NONLINEAR_BLOW
+            let of_a_contact = if self.setup.nonlinear {
+                STEPS_OF_A_NONLINEAR_CONTACT
             } else {
-                STEPS_OF_A_BLOW
+                STEPS_OF_A_CONTACT
             };
-            self.stride = if self.steps_in_contact > of_a_blow {
+            self.stride = if self.steps_in_contact > of_a_contact {
                 Real::min(1.25 * self.stride, longest)
             } else {
                 first

@@ -10,7 +10,7 @@ pub mod march;
 pub mod refine;
 pub mod settle;
 pub mod shoot;
-mod stretch;
+mod stable_range;
 pub mod variation;
 
 pub use forecaster::Forecaster;
@@ -26,7 +26,7 @@ pub const MAX_ROWS: usize = 40;
 
 /// What to forecast.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Request {
+pub struct ForecastRequest {
     /// Counts requests; the answer carries it.
     pub id: u32,
     /// The rig as it is believed to be.
@@ -37,7 +37,7 @@ pub struct Request {
     pub rows: u8,
 }
 
-impl Request {
+impl ForecastRequest {
     /// [`MAX_ROWS`] rows from 0.75 to 2.9 times the natural frequency: below it is chatter, above it the
     /// doubled orbits of every gap the forecast is measured at.
     pub fn bench(rig: &RigParams) -> Self {
@@ -117,7 +117,7 @@ pub struct Target {
 /// The forecast.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
-    /// [`Request::id`].
+    /// [`ForecastRequest::id`].
     pub id: u32,
     /// By rising frequency.
     pub rows: Vec<Row, MAX_ROWS>,

@@ -42,7 +42,7 @@ pub fn is_neighbour(a: &Solution, b: &Solution) -> bool {
 
 /// The search for an end of the stable 1/1, from a frequency inside to one beyond.
 #[derive(Clone, Copy, Debug)]
-pub struct Edge {
+pub struct RangeEnd {
     inside: Known,
     /// Another orbit farther inside, to extrapolate with.
     behind: Option<Known>,
@@ -58,7 +58,7 @@ const TOLERANCE: f32 = 2e-5;
 
 const EDGE_ITERATIONS: u8 = 14;
 
-impl Edge {
+impl RangeEnd {
     /// Starts with an orbit `inside`, perhaps another one `behind` it, and a frequency beyond the end, with
     /// what was found there.
     pub fn new(

@@ -1,7 +1,7 @@
 //! What a start from rest settles to at a frequency: the march until the section repeats, or until the
 //! work set aside for it is done.
 
-use super::march::{March, Model, Setup, Stretch};
+use super::march::{ForecastModel, March, MarchStep, Setup};
 use crate::model::regime::{Detector, Regime};
 use crate::model::scalar::Real;
 
@@ -45,7 +45,7 @@ pub struct Settle {
 
 impl Settle {
     /// From rest. `None` if no drive can run at that frequency.
-    pub fn new(model: &Model, frequency_hz: f32) -> Option<Self> {
+    pub fn new(model: &ForecastModel, frequency_hz: f32) -> Option<Self> {
         let setup = Setup::new(model, frequency_hz)?;
         let rest = [setup.rig.rest(), 0.0];
         Some(Self {
@@ -61,7 +61,7 @@ impl Settle {
 
     /// One step; the finding, once there is one.
     pub fn step(&mut self) -> Option<Settled> {
-        let Stretch { period_ended, .. } = self.march.step();
+        let MarchStep { period_ended, .. } = self.march.step();
         self.steps = self.steps.saturating_add(1);
         if period_ended && self.close() {
             return Some(self.finding());

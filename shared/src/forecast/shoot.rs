@@ -2,7 +2,7 @@
 //! monodromy matrix that the [`Variation`] carries along.
 
 use super::Orbit;
-use super::march::{March, Model, Setup, Stretch};
+use super::march::{ForecastModel, March, MarchStep, Setup};
 use super::variation::Variation;
 use crate::model::contacts::Period;
 use crate::model::drive::TURN;
@@ -72,12 +72,12 @@ pub struct Shoot {
     iteration: u8,
     steps: u16,
     /// A step of the march that the derivative has not followed yet.
-    ahead: Option<Stretch>,
+    ahead: Option<MarchStep>,
 }
 
 impl Shoot {
     /// Starts at `guess`. `None` if no drive can run at that frequency.
-    pub fn new(model: &Model, frequency_hz: f32, guess: [f32; 2]) -> Option<Self> {
+    pub fn new(model: &ForecastModel, frequency_hz: f32, guess: [f32; 2]) -> Option<Self> {
         let setup = Setup::new(model, frequency_hz)?;
         Some(Self {
             march: March::new(&setup, guess),
@@ -159,14 +159,14 @@ impl Shoot {
     }
 
     fn found(&self, period: &Period<f32>, trace: f32, determinant: f32) -> Progress {
-        let notes = self.march.notes();
-        let Some((onset, approach)) = notes.onset else {
+        let latest = self.march.latest_contact();
+        let Some((onset, approach)) = latest.onset else {
             // A fixed point without contact.
             return Progress::Lost;
         };
         let orbit = Orbit {
             force_n: period.peak_force,
-            impulse_n_s: notes.impulse_n_s,
+            impulse_n_s: latest.impulse_n_s,
             approach_m_per_s: approach,
             onset_turns: onset.phase as f32 * (1.0 / TURN) as f32,
             trace,

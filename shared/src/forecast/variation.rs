@@ -5,7 +5,7 @@
 //! started: t_e′ = −h′/ḣ. Up to t_e the old field acts, after it the new one, so that at a fixed time just
 //! after the switch the rate has v′ + (a⁻ − a⁺) t_e′; the coordinate, whose rate does not jump, keeps q′.
 
-use super::march::{Model, Setup, Stretch};
+use super::march::{ForecastModel, MarchStep, Setup};
 use crate::model::drive::Drive;
 use crate::model::rig::{Mode, Rig};
 use crate::model::scalar::Real;
@@ -24,7 +24,7 @@ pub struct Variation {
 
 impl Variation {
     /// Starts at `section`, with derivatives in units of A0 and A0 Ω.
-    pub fn new(model: &Model, setup: &Setup, section: [f32; 2]) -> Self {
+    pub fn new(model: &ForecastModel, setup: &Setup, section: [f32; 2]) -> Self {
         let mut variation = Self {
             rig: model.tangent,
             drive: setup.drive.map(Tangent::constant),
@@ -48,7 +48,7 @@ impl Variation {
     }
 
     /// Follows a step of the march.
-    pub fn follow(&mut self, stretch: &Stretch) {
+    pub fn follow(&mut self, stretch: &MarchStep) {
         let (from, to) = stretch.part;
         let part = (Tangent::constant(from), Tangent::constant(to));
         let span = Span {
@@ -116,14 +116,14 @@ impl Variation {
     /// t_e′ = −h′/ḣ, where the rate changes by `acceleration` until the switch.
     fn instant(&self, acceleration: f32) -> [f32; 2] {
         let state = &self.state;
-        let (h, _) = Corrected::look(&self.rig, state);
+        let (h, _) = Corrected::indicator_and_rate(&self.rig, state);
         // The same indicator with time for a direction: its derivative is ḣ.
         let (q, v) = (state.q.hi.value, state.v.hi.value);
         let mut in_time = *state;
         in_time.q.hi = Tangent::new(q, [v, 0.0]);
         in_time.v.hi = Tangent::new(v, [acceleration, 0.0]);
         in_time.approach = Tangent::constant(state.approach.value);
-        let (rate, _) = Corrected::look(&self.rig, &in_time);
+        let (rate, _) = Corrected::indicator_and_rate(&self.rig, &in_time);
         let [rate, _] = rate.partial;
         if rate == 0.0 {
             return [0.0; 2];

@@ -1,15 +1,13 @@
 //! Messages to frames and back: postcard, CRC-32, COBS.
 
 use cobs::{DecodeResult, DecoderState, EncoderState, PushResult};
-use crc::{Crc, Digest};
+use crc::Digest;
 use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::{MAX_PACKET, Packet};
-
-/// CRC-32/ISO-HDLC: polynomial 0x04C11DB7, reflected, start and final inversion.
-pub(crate) static CRC_32: Crc<u32> = Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+use crate::crc_32::CRC_32;
 
 const CRC_BYTES: usize = 4;
 

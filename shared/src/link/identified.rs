@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::sense::identify::Identify;
+use crate::sense::identification::Identification;
 
 /// What the controller has learned of its rig. `None`: not told yet, or never plausibly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,15 +23,15 @@ pub struct Identified {
 
 impl Identified {
     /// What was identified so far.
-    pub fn of(identify: &Identify) -> Self {
-        let estimates = identify.estimates();
+    pub fn of(identification: &Identification) -> Self {
+        let estimates = identification.estimates();
         Self {
             stiffness_n_per_m: estimates.stiffness.map(|e| e.value),
             damping_n_s_per_m: estimates.damping.map(|e| e.value),
             natural_frequency_hz: estimates.natural_hz.map(|e| e.value),
             gap_m: estimates.gap_m.map(|e| e.value),
             contacts: estimates.stiffness.map_or(0, |e| e.samples),
-            refused: identify.refused(),
+            refused: identification.refused(),
         }
     }
 }

@@ -8,7 +8,7 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::control::{Birth, Command, Event, MAX_BLOCK, Refused, Status};
+use crate::control::{BootInfo, Command, Event, MAX_BLOCK, Refused, Status};
 use crate::io::{Frame, Output};
 use crate::settings::Settings;
 
@@ -25,13 +25,13 @@ pub const MAX_EVENTS: usize = 4;
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
-pub enum Request {
+pub enum ExchangeRequest {
     /// A controller, made anew.
     Begin {
         /// Its settings.
         settings: Settings,
         /// What it is born with.
-        birth: Birth,
+        boot: BootInfo,
     },
     /// A block, then slices of the forecast.
     Block {
@@ -56,7 +56,7 @@ pub enum Request {
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
-pub enum Reply {
+pub enum ExchangeReply {
     /// Whether the settings were taken.
     Begun(bool),
     /// A block was done.
@@ -125,9 +125,9 @@ mod tests {
     #[test]
     fn the_longest_messages_fit() {
         for (_, rig) in PRESETS {
-            there_and_back(&Request::Begin {
+            there_and_back(&ExchangeRequest::Begin {
                 settings: Settings::for_rig(&rig),
-                birth: Birth::default(),
+                boot: BootInfo::default(),
             });
         }
         let frame = Frame {
@@ -136,7 +136,7 @@ mod tests {
             cart: AdcCode(4095),
             emergency: true,
         };
-        let block = Request::Block {
+        let block = ExchangeRequest::Block {
             frames: core::iter::repeat_n(frame, MAX_BLOCK).collect(),
             blind: true,
             slices: u16::MAX,
@@ -156,15 +156,15 @@ mod tests {
         };
         let event = Event {
             tick: u32::MAX,
-            what: crate::control::What::Fault(record),
+            kind: crate::control::EventKind::Fault(record),
         };
-        let reply = Reply::Block {
+        let reply = ExchangeReply::Block {
             outputs: core::iter::repeat_n(output, MAX_BLOCK).collect(),
             status: Status {
                 tick: u32::MAX,
                 state: State::Hold,
                 fault: Some(record),
-                limits: 15,
+                limits: crate::control::ActiveLimits::ALL,
                 frequency_hz: 1.0,
                 amplitude_m: 1.0,
                 measured_amplitude_m: 1.0,
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn rubbish_is_no_message() {
         assert_eq!(length([0xff, 0xff]), None);
-        assert_eq!(decode::<Request>(&[0xff; 40]), None);
-        assert_eq!(encode(&Reply::Noted, &mut [0; 1]), None);
+        assert_eq!(decode::<ExchangeRequest>(&[0xff; 40]), None);
+        assert_eq!(encode(&ExchangeReply::Noted, &mut [0; 1]), None);
     }
 }

@@ -40,7 +40,6 @@ pub mod store;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use codec::CRC_32;
 pub use codec::{Counters, Decoder, encode};
 pub use identified::Identified;
 pub use message::{
@@ -48,7 +47,7 @@ pub use message::{
     ToBoard,
 };
 pub use queue::ByteQueue;
-pub use recording::{Exchange, Given, MAX_GIVEN, Notes, Recording};
+pub use recording::{BlockNotes, GivenCommand, MAX_GIVEN, RecordedBlock, Recording};
 pub use session::{Device, Session};
 
 /// Changes when an existing message does.

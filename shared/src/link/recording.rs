@@ -11,7 +11,7 @@ pub const MAX_GIVEN: usize = 2;
 
 /// A command that was given before a block, and what the controller said.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Given {
+pub struct GivenCommand {
     /// The command.
     pub command: Command,
     /// Why it was not obeyed; none: it was.
@@ -21,9 +21,9 @@ pub struct Given {
 /// What the controller was told besides the frames, and what it is doing: with the frames and the settings,
 /// all that a replay needs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Notes {
+pub struct BlockNotes {
     /// Commands given before the block.
-    pub given: Vec<Given, MAX_GIVEN>,
+    pub given: Vec<GivenCommand, MAX_GIVEN>,
     /// The controller was made anew just before the block: its settings were replaced.
     pub restarted: bool,
     /// A finished forecast was handed to the controller before the block.
@@ -38,7 +38,7 @@ pub struct Notes {
 
 /// A block of control as it happened.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Exchange {
+pub struct RecordedBlock {
     /// Control tick of the first frame (wraps).
     pub tick: u32,
     /// What the controller was given.
@@ -46,7 +46,7 @@ pub struct Exchange {
     /// What it answered, as many.
     pub outputs: Vec<Output, MAX_BLOCK>,
     /// Everything else.
-    pub notes: Notes,
+    pub notes: BlockNotes,
 }
 
 /// Bytes of a tick: three 12-bit ADC codes and a 12-bit DAC code.
@@ -55,7 +55,7 @@ const TICK_BYTES: usize = 6;
 /// One bit of a mask per tick.
 const _: () = assert!(MAX_BLOCK <= u32::BITS as usize);
 
-/// An [`Exchange`] for the wire: 12 bits per code, a bit per tick and switch, and frequency set-points as the
+/// An [`RecordedBlock`] for the wire: 12 bits per code, a bit per tick and switch, and frequency set-points as the
 /// first and, if they are not all the same, the steps from each to the next. Nothing is lost but what an
 /// f32 or a code of 12 bits cannot hold.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,7 +63,7 @@ pub struct Recording {
     /// Control tick of the first frame (wraps).
     pub tick: u32,
     /// Everything besides codes.
-    pub notes: Notes,
+    pub notes: BlockNotes,
     /// Frequency set-point of the block's first tick, Hz.
     frequency_hz: f32,
     /// From each set-point to the next, as the difference of their bits: small in a slew. Empty: all the same.
@@ -78,7 +78,7 @@ pub struct Recording {
 
 impl Recording {
     /// Packs a block. Codes above 4095, which no converter gives, keep their low 12 bits.
-    pub fn pack(block: &Exchange) -> Self {
+    pub fn pack(block: &RecordedBlock) -> Self {
         let mut codes = Vec::new();
         let (mut emergency, mut enable) = (0, 0);
         let mut bit = 1_u32;
@@ -103,11 +103,11 @@ impl Recording {
     }
 
     /// The block. A last tick that is cut off is left out.
-    pub fn unpack(&self) -> Exchange {
-        let mut block = Exchange {
+    pub fn unpack(&self) -> RecordedBlock {
+        let mut block = RecordedBlock {
             tick: self.tick,
             notes: self.notes.clone(),
-            ..Exchange::default()
+            ..RecordedBlock::default()
         };
         let mut bit = 1_u32;
         let mut frequency = self.frequency_hz.to_bits();
@@ -169,15 +169,15 @@ mod tests {
     use crate::link::{FromBoard, MAX_FRAME, Packet, encode};
     use proptest::prelude::*;
 
-    fn block(ticks: usize, seed: u32) -> Exchange {
+    fn block(ticks: usize, seed: u32) -> RecordedBlock {
         let mut state = seed;
         let mut random = |below: u32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (state >> 12) % below
         };
-        let mut block = Exchange {
+        let mut block = RecordedBlock {
             tick: random(u32::MAX),
-            ..Exchange::default()
+            ..RecordedBlock::default()
         };
         for _ in 0..ticks {
             let mut code = || AdcCode(random(4096) as u16);
@@ -206,8 +206,8 @@ mod tests {
         #[test]
         fn what_is_packed_is_unpacked(ticks in 0..=MAX_BLOCK, seed: u32, flags: [bool; 4]) {
             let mut block = block(ticks, seed);
-            block.notes = Notes {
-                given: Vec::from_slice(&[Given { command: Command::Alive, refused: None }]).unwrap(),
+            block.notes = BlockNotes {
+                given: Vec::from_slice(&[GivenCommand { command: Command::Alive, refused: None }]).unwrap(),
                 restarted: flags[0],
                 forecast_delivered: flags[1],
                 overrun: flags[2],

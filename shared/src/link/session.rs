@@ -1,8 +1,8 @@
 //! The board's end of the link: requests in, answers and streams out.
 
 use super::{
-    ANSWER_RESERVE, Answer, ByteQueue, Counters, Decoder, Exchange, ForecastPage, FromBoard, Hello,
-    Identified, MAX_FRAME, Packet, Recording, Refusal, Telemetry, ToBoard, encode,
+    ANSWER_RESERVE, Answer, ByteQueue, Counters, Decoder, ForecastPage, FromBoard, Hello,
+    Identified, MAX_FRAME, Packet, RecordedBlock, Recording, Refusal, Telemetry, ToBoard, encode,
 };
 use crate::control::{Command, Mode, Refused, State, Status};
 use crate::fault::{Fault, Record};
@@ -38,13 +38,13 @@ pub trait Device {
     fn fault_record(&mut self) -> Option<Record>;
     /// What was learned of the rig.
     fn identified(&mut self) -> Identified;
-    /// Starts or ends keeping blocks for [`Device::take_exchange`].
+    /// Starts or ends keeping blocks for [`Device::take_block`].
     ///
     /// # Errors
     /// [`Refusal::NotAvailable`].
     fn record(&mut self, on: bool) -> Result<(), Refusal>;
     /// The oldest block kept, if any. What is not taken in time is lost, and shows as a gap in the ticks.
-    fn take_exchange(&mut self) -> Option<Exchange>;
+    fn take_block(&mut self) -> Option<RecordedBlock>;
 }
 
 /// The board's end of the link, with a queue of `N` bytes for the wire (at least twice [`MAX_FRAME`]).
@@ -131,10 +131,10 @@ impl<const N: usize> Session<N> {
         }
         // Bounded: a device that makes blocks as fast as they are taken must not hold the task for ever.
         for _ in 0..8 {
-            let Some(exchange) = self.recording.then(|| device.take_exchange()).flatten() else {
+            let Some(block) = self.recording.then(|| device.take_block()).flatten() else {
                 return;
             };
-            let recording = Recording::pack(&exchange);
+            let recording = Recording::pack(&block);
             self.send(FromBoard::Recording(recording), ANSWER_RESERVE);
         }
     }

@@ -37,7 +37,7 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 
-use crate::link::CRC_32;
+use crate::crc_32::CRC_32;
 use crate::settings::Settings;
 
 /// Layout of the payload: changes whenever [`Settings`] does.
@@ -229,8 +229,8 @@ impl<F: NorFlash> Store<F> {
     /// # Errors
     /// What the flash answers when it cannot be read.
     pub fn load(&mut self) -> Result<Loaded, F::Error> {
-        let slots = self.look()?;
-        Ok(judge(&slots))
+        let slots = self.read_slots()?;
+        Ok(choose(&slots))
     }
 
     /// Stores `settings`. The caller has checked them, and the controller is in Idle with the drive off.
@@ -244,7 +244,7 @@ impl<F: NorFlash> Store<F> {
         if !self.slots.iter().all(suited) || !sizes.iter().all(divides) {
             return Err(SaveError::NotSuited);
         }
-        let slots = self.look()?;
+        let slots = self.read_slots()?;
         let newest = newest(&slots);
         let sequence = newest.map_or(1, |(_, sequence)| sequence.wrapping_add(1));
         let stored = newest.and_then(|(slot, _)| slots.get(slot));
@@ -274,7 +274,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    fn look(&mut self) -> Result<[Slot; 2], F::Error> {
+    fn read_slots(&mut self) -> Result<[Slot; 2], F::Error> {
         let [first, second] = self.slots.clone();
         let first = Slot::of(&self.image(&first)?);
         let second = Slot::of(&self.image(&second)?);
@@ -307,7 +307,7 @@ fn newest(slots: &[Slot; 2]) -> Option<(usize, u32)> {
     }
 }
 
-fn judge(slots: &[Slot; 2]) -> Loaded {
+fn choose(slots: &[Slot; 2]) -> Loaded {
     let any_damaged = slots.contains(&Slot::Damaged);
     if let Some(Slot::Whole { settings, .. }) = newest(slots).and_then(|(slot, _)| slots.get(slot))
     {

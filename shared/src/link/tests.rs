@@ -19,7 +19,7 @@ fn longest_status() -> Status {
         tick: LONG,
         state: State::Manual,
         fault: Some(longest_record()),
-        limits: 15,
+        limits: crate::control::ActiveLimits::ALL,
         regime: Regime::Chatter {
             impacts: u16::MAX,
             periods: Some(u8::MAX),
@@ -46,7 +46,7 @@ fn idle(tick: u32) -> Status {
         tick,
         state: State::Idle,
         fault: None,
-        limits: 0,
+        limits: crate::control::ActiveLimits::NONE,
         frequency_hz: 0.0,
         amplitude_m: 0.0,
         measured_amplitude_m: 0.0,
@@ -164,14 +164,14 @@ fn every_message_fits_at_its_longest_and_comes_back() {
         dropped: LONG,
     };
     longest = longest.max(round_trip(FromBoard::Telemetry(telemetry)));
-    let given = Given {
+    let given = GivenCommand {
         command: Command::SetPoint {
             frequency_hz: 1.0,
             amplitude_m: 1.0,
         },
         refused: Some(Refused::BadSettings),
     };
-    let block = Exchange {
+    let block = RecordedBlock {
         tick: LONG,
         frames: [Frame {
             emergency: true,
@@ -187,9 +187,9 @@ fn every_message_fits_at_its_longest_and_comes_back() {
                 ..Output::SAFE
             })
             .collect(),
-        notes: Notes {
+        notes: BlockNotes {
             given: [given; MAX_GIVEN].into_iter().collect(),
-            ..Notes::default()
+            ..BlockNotes::default()
         },
     };
     let recording = Recording::pack(&block);
@@ -272,11 +272,11 @@ impl Device for Stub {
         self.recorded = on;
         Ok(())
     }
-    fn take_exchange(&mut self) -> Option<Exchange> {
+    fn take_block(&mut self) -> Option<RecordedBlock> {
         self.status.tick += 10;
-        Some(Exchange {
+        Some(RecordedBlock {
             tick: self.status.tick,
-            ..Exchange::default()
+            ..RecordedBlock::default()
         })
     }
 }

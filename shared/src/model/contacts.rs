@@ -4,7 +4,7 @@ use crate::model::drive::Stamp;
 use crate::model::scalar::Real;
 
 /// A stay longer than this, after three onsets within one period, is chatter: s.
-pub const CHATTER_STAY_S: f64 = 5e-3;
+pub const SUSTAINED_CONTACT_S: f64 = 5e-3;
 
 /// One finished stay in Γ+.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct Period<R> {
     pub onsets: u16,
     /// Whether the hammer touched the surface at all.
     pub touched: bool,
-    /// Whether three or more onsets ended in a stay longer than [`CHATTER_STAY_S`].
+    /// Whether three or more onsets ended in a stay longer than [`SUSTAINED_CONTACT_S`].
     pub chatter: bool,
     /// Largest contact force, N.
     pub peak_force: R,
@@ -116,7 +116,7 @@ impl<R: Real> Ledger<R> {
         open.peak = open.peak.max(peak);
         self.period.touched = true;
         self.period.peak_force = self.period.peak_force.max(peak);
-        if open.duration > R::from_f64(CHATTER_STAY_S)
+        if open.duration > R::from_f64(SUSTAINED_CONTACT_S)
             && let [Some(last), _, Some(third)] = self.recent
             && last.within_a_turn_of(third)
         {

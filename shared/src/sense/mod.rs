@@ -14,7 +14,7 @@
 //! must use the samples.
 
 pub mod harmonic;
-pub mod identify;
+pub mod identification;
 pub mod observer;
 pub mod pulse;
 pub mod section;
@@ -27,7 +27,7 @@ use crate::settings::{Settings, TICK_S};
 
 use harmonic::Harmonic;
 use observer::Observer;
-use pulse::{Blow, Edge, PulseDetector};
+use pulse::{PulseDetector, PulseEdge, RawPulse};
 use section::Section;
 
 /// One tick's samples in SI units, fixed frame.
@@ -207,8 +207,8 @@ impl Sense {
             self.period.peak_n
         };
         let pulse = match self.pulses.tick(force_n) {
-            Edge::None => self.settle(),
-            Edge::Began { ago } => {
+            PulseEdge::None => self.settle(),
+            PulseEdge::Began { ago } => {
                 let before = self.current.take().map(|current| current.pulse);
                 let back = (ago * increment as f32) as u32;
                 let (phase, borrowed) = now.phase.overflowing_sub(back);
@@ -216,8 +216,8 @@ impl Sense {
                 self.begin(tick, ago, cycle, phase);
                 before
             }
-            Edge::Ended(blow) => {
-                self.end(&blow);
+            PulseEdge::Ended(raw) => {
+                self.end(&raw);
                 None
             }
         };
@@ -272,12 +272,12 @@ impl Sense {
         });
     }
 
-    fn end(&mut self, blow: &Blow) {
+    fn end(&mut self, raw: &RawPulse) {
         if let Some(current) = &mut self.current {
             let pulse = &mut current.pulse;
-            pulse.peak_n = blow.peak_n;
-            pulse.impulse_n_s = blow.sum_n * TICK;
-            pulse.duration_s = (blow.first_fall + blow.crossed_before) * TICK;
+            pulse.peak_n = raw.peak_n;
+            pulse.impulse_n_s = raw.sum_n * TICK;
+            pulse.duration_s = (raw.first_fall + raw.crossed_before) * TICK;
             current.ended = true;
             let impulse_n_s = pulse.impulse_n_s;
             self.period.impulse_n_s += impulse_n_s;

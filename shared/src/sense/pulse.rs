@@ -1,7 +1,7 @@
 //! Contacts on the force signal.
 //!
 //! A contact begins where the force rises through [`Detection::on_n`] and ends once it has stayed below
-//! [`Detection::off_n`] for [`Detection::refractory_s`]. The surface rings at about 3 kHz after the blow, so
+//! [`Detection::off_n`] for [`Detection::refractory_s`]. The surface rings at about 3 kHz after a contact, so
 //! one contact shows several peaks a third of a millisecond apart; each one restarts the refractory time
 //! and none is a contact of its own.
 //!
@@ -12,7 +12,7 @@
 //! that length, and its end (sticking, at a force of tenths of a newton) is not seen.
 //!
 //! A single sample above the threshold whose successor is below `off_n` is a disturbance of the wire, not a
-//! contact: the anti-alias filter lets no blow be that short. Such samples are counted.
+//! contact: the anti-alias filter lets no contact be that short. Such samples are counted.
 
 use crate::settings::Detection;
 
@@ -30,7 +30,7 @@ const LONGEST: u32 = 4_000;
 
 /// A contact on the force signal, times in ticks relative to the sample that crossed the threshold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Blow {
+pub struct RawPulse {
     /// From that sample back to the crossing, 0 to 1 tick.
     pub crossed_before: f32,
     /// From that sample to the end of its refractory time, ticks.
@@ -75,7 +75,7 @@ impl Notch {
 
 /// What a sample did.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Edge {
+pub enum PulseEdge {
     /// Nothing.
     None,
     /// A contact has begun: the sample before this one crossed the threshold and this one confirms it.
@@ -84,20 +84,20 @@ pub enum Edge {
         ago: f32,
     },
     /// A contact has ended.
-    Ended(Blow),
+    Ended(RawPulse),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Quiet,
     /// One sample above the threshold, waiting for the next to confirm.
-    Doubtful(Blow),
-    Open(Open),
+    Doubtful(RawPulse),
+    Open(OpenPulse),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Open {
-    blow: Blow,
+struct OpenPulse {
+    raw: RawPulse,
     /// Last value of the force without ringing, N; none once it has fallen.
     notched: Option<f32>,
     /// Sum since the last fall, which counts only if the force rises again.
@@ -150,43 +150,43 @@ impl PulseDetector {
 
     /// The next sample of the force, N.
     #[inline]
-    pub fn tick(&mut self, force_n: f32) -> Edge {
+    pub fn tick(&mut self, force_n: f32) -> PulseEdge {
         let edge = match &mut self.phase {
             Phase::Quiet => {
                 let [_, _, before] = self.lead;
                 if force_n >= self.on_n && before < self.on_n {
                     self.phase = Phase::Doubtful(self.rise(before, force_n));
                 }
-                Edge::None
+                PulseEdge::None
             }
-            Phase::Doubtful(blow) => {
+            Phase::Doubtful(raw) => {
                 if force_n < self.off_n {
                     self.glitches = self.glitches.wrapping_add(1);
                     self.phase = Phase::Quiet;
-                    Edge::None
+                    PulseEdge::None
                 } else {
-                    let ago = 1.0 + blow.crossed_before;
-                    let mut open = Open {
-                        blow: *blow,
+                    let ago = 1.0 + raw.crossed_before;
+                    let mut open = OpenPulse {
+                        raw: *raw,
                         notched: Some(force_n),
                         pending: 0.0,
                         low: 0,
                     };
                     open.follow(force_n, self.off_n);
                     self.phase = Phase::Open(open);
-                    Edge::Began { ago }
+                    PulseEdge::Began { ago }
                 }
             }
             Phase::Open(open) => {
                 let [_, older, before] = self.lead;
                 open.follow(force_n, self.off_n);
                 open.fall(self.notch.of(force_n, before, older), self.on_n);
-                if open.low >= self.refractory || open.blow.age >= LONGEST {
-                    let blow = open.blow;
+                if open.low >= self.refractory || open.raw.age >= LONGEST {
+                    let raw = open.raw;
                     self.phase = Phase::Quiet;
-                    Edge::Ended(blow)
+                    PulseEdge::Ended(raw)
                 } else {
-                    Edge::None
+                    PulseEdge::None
                 }
             }
         };
@@ -195,9 +195,9 @@ impl PulseDetector {
         edge
     }
 
-    fn rise(&self, before: f32, force_n: f32) -> Blow {
+    fn rise(&self, before: f32, force_n: f32) -> RawPulse {
         let [first, second, third] = self.lead;
-        Blow {
+        RawPulse {
             crossed_before: (force_n - self.on_n) / (force_n - before),
             age: 0,
             peak_n: force_n,
@@ -208,31 +208,31 @@ impl PulseDetector {
     }
 }
 
-impl Open {
+impl OpenPulse {
     fn follow(&mut self, force_n: f32, off_n: f32) {
-        let blow = &mut self.blow;
-        blow.age += 1;
-        if force_n > blow.peak_n {
-            blow.peak_n = force_n;
+        let raw = &mut self.raw;
+        raw.age += 1;
+        if force_n > raw.peak_n {
+            raw.peak_n = force_n;
         }
         self.pending += force_n;
         if force_n >= off_n {
             self.low = 0;
         } else {
             if self.low == 0 {
-                blow.last_fall = blow.age;
+                raw.last_fall = raw.age;
             }
             self.low += 1;
         }
         if self.low <= TAIL {
-            blow.sum_n += self.pending;
+            raw.sum_n += self.pending;
             self.pending = 0.0;
         }
     }
 
     /// Notes the first fall of the force without ringing, `notched`, which is a tick late.
     fn fall(&mut self, notched: f32, on_n: f32) {
-        if self.blow.age < SETTLED {
+        if self.raw.age < SETTLED {
             return;
         }
         if let Some(before) = self.notched {
@@ -244,7 +244,7 @@ impl Open {
                     0.0
                 };
                 let past = if past < 1.0 { past } else { 1.0 };
-                self.blow.first_fall = self.blow.age as f32 - 1.0 - past;
+                self.raw.first_fall = self.raw.age as f32 - 1.0 - past;
                 self.notched = None;
             } else {
                 self.notched = Some(notched);
@@ -277,22 +277,22 @@ mod tests {
         }
     }
 
-    fn detect(signal: &[f32]) -> (Vec<Blow>, u32) {
+    fn detect(signal: &[f32]) -> (Vec<RawPulse>, u32) {
         let mut detector = PulseDetector::new(&DETECTION, 50e-6);
         let mut began = 0;
-        let mut blows = Vec::new();
+        let mut pulses = Vec::new();
         for sample in signal {
             match detector.tick(*sample) {
-                Edge::None => {}
-                Edge::Began { ago } => {
+                PulseEdge::None => {}
+                PulseEdge::Began { ago } => {
                     assert!((1.0..=2.0).contains(&ago), "{ago}");
                     began += 1;
                 }
-                Edge::Ended(blow) => blows.push(blow),
+                PulseEdge::Ended(raw) => pulses.push(raw),
             }
         }
-        assert_eq!(began, blows.len());
-        (blows, detector.glitches())
+        assert_eq!(began, pulses.len());
+        (pulses, detector.glitches())
     }
 
     #[test]
@@ -300,9 +300,9 @@ mod tests {
         let above = |ringing: f32| {
             let mut signal = [0.0; 400];
             contact(&mut signal, 50, 96.0, ringing);
-            let (blows, _) = detect(&signal);
-            assert_eq!(blows.len(), 1);
-            blows[0].first_fall + blows[0].crossed_before
+            let (pulses, _) = detect(&signal);
+            assert_eq!(pulses.len(), 1);
+            pulses[0].first_fall + pulses[0].crossed_before
         };
         let plain = above(0.0);
         for ringing in [0.5, -0.2] {
@@ -335,11 +335,11 @@ mod tests {
             peak *= 0.8;
         }
         // Peaks from 20 N on are seen, all of them more than 5 ms apart.
-        let (blows, _) = detect(&signal);
+        let (pulses, _) = detect(&signal);
         assert!(
-            blows.len() >= apart && blows.len() <= apart + 2,
+            pulses.len() >= apart && pulses.len() <= apart + 2,
             "{}",
-            blows.len()
+            pulses.len()
         );
     }
 
@@ -357,19 +357,19 @@ mod tests {
         for (k, value) in signal.iter_mut().skip(50).take(12).enumerate() {
             *value = 50.0 * libm::sinf(core::f32::consts::PI * (k as f32 + 0.5) / 12.0);
         }
-        let (blows, _) = detect(&signal);
+        let (pulses, _) = detect(&signal);
         let whole: f32 = signal.iter().sum();
-        assert!((blows[0].sum_n / whole - 1.0).abs() < 1e-5);
-        assert_eq!(blows[0].peak_n, signal.iter().copied().fold(0.0, f32::max));
+        assert!((pulses[0].sum_n / whole - 1.0).abs() < 1e-5);
+        assert_eq!(pulses[0].peak_n, signal.iter().copied().fold(0.0, f32::max));
     }
 
     #[test]
     fn a_force_that_stays_or_is_no_number_ends_nothing_early_and_breaks_nothing() {
         let mut detector = PulseDetector::new(&DETECTION, 50e-6);
-        let ended = (0..2 * LONGEST).filter(|_| matches!(detector.tick(30.0), Edge::Ended(_)));
+        let ended = (0..2 * LONGEST).filter(|_| matches!(detector.tick(30.0), PulseEdge::Ended(_)));
         assert_eq!(ended.count(), 1);
         for _ in 0..100 {
-            assert!(!matches!(detector.tick(f32::NAN), Edge::Ended(_)));
+            assert!(!matches!(detector.tick(f32::NAN), PulseEdge::Ended(_)));
         }
     }
 }

@@ -60,7 +60,7 @@ const NEAR: f32 = 0.08;
 
 /// Periods cut at one drive phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Book {
+struct PeriodWindow {
     /// Newest first.
     entries: [Entry; WINDOW],
     count: usize,
@@ -77,7 +77,7 @@ const NOTHING: Measured = Measured {
     periods: 0,
 };
 
-impl Book {
+impl PeriodWindow {
     const NEW: Self = Self {
         entries: [Entry {
             contacts: 0,
@@ -150,11 +150,11 @@ impl Book {
             self.next += 1;
         } else if which == 2 {
             self.next = usize::MAX;
-            self.measured = self.judge();
+            self.measured = self.evaluate();
         }
     }
 
-    fn judge(&self) -> Measured {
+    fn evaluate(&self) -> Measured {
         let silent = self.entries.iter().take(self.count.min(FEWEST));
         let whole = self.count as u8;
         if silent.map(|entry| entry.contacts).all(|c| c == 0) && self.is_silent() {
@@ -234,8 +234,8 @@ fn explains_more(fit: &Fit, other: &Fit, m: usize) -> bool {
 /// The measured regime: fed with onsets, impulses and strobes, a little work per tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
-    at_zero: Book,
-    at_half: Book,
+    at_zero: PeriodWindow,
+    at_half: PeriodWindow,
     /// Last quarter of the drive period seen, and its cycle.
     quarter: Option<(u32, u32)>,
     /// Closings to let pass: the period under way is not whole.
@@ -249,8 +249,8 @@ pub struct Section {
 impl Default for Section {
     fn default() -> Self {
         Self {
-            at_zero: Book::NEW,
-            at_half: Book::NEW,
+            at_zero: PeriodWindow::NEW,
+            at_half: PeriodWindow::NEW,
             quarter: None,
             skip: [1; 2],
             fresh: true,

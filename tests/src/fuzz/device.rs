@@ -1,10 +1,10 @@
 //! A board without a controller behind it.
 
-use shared::control::{Birth, Command, Controller, Refused, Status};
+use shared::control::{BootInfo, Command, Controller, Refused, Status};
 use shared::fault::Record;
 use shared::forecast::{Forecast, Row};
 use shared::link::{
-    Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
+    Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
 };
 use shared::model::params::WIRES;
 use shared::model::regime::Regime;
@@ -22,7 +22,7 @@ impl Bench {
     /// A board just started.
     pub fn new() -> Self {
         let settings = Settings::for_rig(&WIRES);
-        let controller = Controller::new(&settings, &Birth::default());
+        let controller = Controller::new(&settings, &BootInfo::default());
         Self {
             status: controller.expect("good settings").status(),
             settings,
@@ -84,8 +84,8 @@ impl Device for Bench {
         self.recording = on;
         Ok(())
     }
-    fn take_exchange(&mut self) -> Option<Exchange> {
+    fn take_block(&mut self) -> Option<RecordedBlock> {
         assert!(self.recording, "blocks are taken only while recording");
-        Some(Exchange::default())
+        Some(RecordedBlock::default())
     }
 }

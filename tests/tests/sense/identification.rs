@@ -2,7 +2,7 @@
 
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, RigParams, WIRES};
-use shared::sense::identify::{Estimate, Estimates};
+use shared::sense::identification::{Estimate, Estimates};
 use shared::settings::Settings;
 
 use crate::rig::{REAL, Ring, Sensors};

@@ -8,7 +8,7 @@ mod rig;
 
 use rig::{Recording, Sensors, record};
 use shared::model::params::RigParams;
-use shared::sense::identify::Identify;
+use shared::sense::identification::Identification;
 use shared::sense::{Measured, Pulse, Sense, Strobe};
 use shared::settings::Settings;
 
@@ -24,7 +24,7 @@ struct Seen {
     measured: Vec<Measured>,
     /// The observer's innovation at every strobe.
     health: Vec<f32>,
-    identify: Identify,
+    identify: Identification,
 }
 
 /// Senses `rig`, driven at `ratio` of its natural frequency, with settings that may believe otherwise.
@@ -38,7 +38,7 @@ fn watch(settings: &Settings, rig: &RigParams, ratio: f64, sensors: &Sensors) ->
         strobes: vec![],
         measured: vec![],
         health: vec![],
-        identify: Identify::new(settings),
+        identify: Identification::new(settings),
     };
     for (tick, sample) in (0..).zip(&seen.recording.samples) {
         let now = sense.tick(*sample, tick, &drive);

@@ -7,14 +7,14 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use shared::io::{EmergencyStop as _, NormallyClosed};
+use shared::io::NormallyClosed;
 use stm32f4xx_hal::{
     gpio::{Edge, ExtiPin, Input, Output, PA8, PB5},
     pac,
     syscfg::SysCfg,
 };
 
-use super::kept;
+use super::retained;
 
 /// Set where the enable was taken away without the controller: it must learn of it first.
 static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
@@ -49,7 +49,7 @@ impl Enable {
     /// Low.
     pub fn new(mut pin: PA8<Output>) -> Self {
         pin.set_low();
-        kept::note_drive(false);
+        retained::note_drive(false);
         Self { pin, on: false }
     }
 
@@ -71,7 +71,7 @@ impl Enable {
         }
         if on != self.on {
             self.on = on;
-            kept::note_drive(on);
+            retained::note_drive(on);
         }
     }
 }

@@ -21,16 +21,16 @@
 //! | priority | interrupt | what |
 //! |---|---|---|
 //! | highest | EXTI9_5 | emergency stop: enable low, a few stores |
-//! | highest | TIM7, 1 kHz | [`guard`]: enable low if blocks fail to come |
+//! | highest | TIM7, 1 kHz | [`block_monitor`]: enable low if blocks fail to come |
 //! | next | DMA2_STREAM0, 2 kHz | the control task |
 //! | below | TIM6_DAC, 1 kHz | the link |
 
+pub mod block_monitor;
 pub mod drive;
 mod flash;
-pub mod guard;
-pub mod kept;
 mod report;
 mod reset;
+pub mod retained;
 mod sampling;
 mod serial;
 mod set_points;
@@ -62,7 +62,7 @@ const HSE_MHZ: u32 = 8;
 /// How often the link is looked at, Hz.
 const LINK_RATE_HZ: u32 = 1_000;
 
-defmt::timestamp!("{=u32:ms}", guard::blocks_served() / 2);
+defmt::timestamp!("{=u32:ms}", block_monitor::blocks_served() / 2);
 
 /// The board, set up and safe: the drive is off, nothing samples yet.
 pub struct Board {
@@ -75,7 +75,7 @@ pub struct Board {
     /// The emergency-stop chain.
     pub chain: drive::Chain,
     /// Watches that the control task goes on.
-    pub guard: guard::Guard,
+    pub block_monitor: block_monitor::BlockMonitor,
     /// The link's wire.
     pub serial: Serial,
     /// Ticks the link task.
@@ -83,9 +83,9 @@ pub struct Board {
     /// Where the settings are kept.
     pub store: Store,
     /// Shows the state.
-    pub led: Led,
+    pub led: LedPin,
     /// Starts and stops.
-    pub button: Button,
+    pub button: ButtonPin,
     /// Bench mode is asked for: strap to ground, or button held at reset.
     pub bench_asked: bool,
     /// Something is wired to the sensors or the emergency-stop chain.
@@ -112,7 +112,7 @@ impl Board {
             gpioa.pa1.into_input(),
             gpiob.pb0.into_input(),
         );
-        let (sensors, sensors_wired) = wiring::look(inputs);
+        let (sensors, sensors_wired) = wiring::probe(inputs);
         let wired = sensors_wired || chain.is_low();
         let bench_asked = strap.is_low() || button.is_low();
 
@@ -141,12 +141,12 @@ impl Board {
             set_points,
             enable: drive::Enable::new(enable),
             chain: drive::Chain::new(chain, &mut syscfg, &mut exti),
-            guard: guard::Guard::new(device.TIM7, &mut rcc)?,
+            block_monitor: block_monitor::BlockMonitor::new(device.TIM7, &mut rcc)?,
             serial: Serial::new(device.USART2, device.DMA1, wire, &mut rcc),
             link_timer: LinkTimer::new(device.TIM6.counter_hz(&mut rcc))?,
             store: Store::new(device.FLASH),
-            led: Led(gpioa.pa5.into_push_pull_output()),
-            button: Button(button),
+            led: LedPin(gpioa.pa5.into_push_pull_output()),
+            button: ButtonPin(button),
             bench_asked,
             wired,
             watchdog: WatchdogParts {
@@ -171,9 +171,9 @@ impl WatchdogParts {
 }
 
 /// The user LED.
-pub struct Led(PA5<Output>);
+pub struct LedPin(PA5<Output>);
 
-impl Led {
+impl LedPin {
     /// On or off.
     #[inline]
     pub fn set(&mut self, on: bool) {
@@ -183,9 +183,9 @@ impl Led {
 }
 
 /// The user button.
-pub struct Button(PC13<Input>);
+pub struct ButtonPin(PC13<Input>);
 
-impl Button {
+impl ButtonPin {
     /// Whether it is pressed now.
     #[inline]
     pub fn is_pressed(&self) -> bool {

@@ -5,8 +5,8 @@ use core::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use super::kept;
-use crate::hardware::fault::Fault;
+use super::retained;
+use crate::hardware::fault::ProcessorFault;
 
 /// Whether a panic or fault is being reported.
 static REPORTING: AtomicBool = AtomicBool::new(false);
@@ -15,16 +15,16 @@ static REPORTING: AtomicBool = AtomicBool::new(false);
 pub fn report_panic(info: &PanicInfo) -> ! {
     // A panic within a log call would find the logger taken, and panic again.
     if !REPORTING.swap(true, Ordering::Relaxed) {
-        kept::note_crash(None, 0);
+        retained::note_crash(None, 0);
         defmt::error!("panic: {}", defmt::Display2Format(info));
     }
     end()
 }
 
 /// Keeps a fault for the next run, logs it and ends this one.
-pub fn report_fault(fault: &Fault) -> ! {
+pub fn report_fault(fault: &ProcessorFault) -> ! {
     if !REPORTING.swap(true, Ordering::Relaxed) {
-        kept::note_crash(fault.address, fault.status);
+        retained::note_crash(fault.address, fault.status);
         match fault.address {
             Some(pc) => defmt::error!("fault at {=u32:#010x}, CFSR {=u32:#x}", pc, fault.status),
             None => defmt::error!(

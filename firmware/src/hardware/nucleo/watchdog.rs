@@ -5,7 +5,7 @@
 //! may rightly be held up by: one sector of settings being erased, 0.8 s at most (DS10693, "Flash memory
 //! programming"), and half a kilobyte being written after it, 0.05 s at most.
 //!
-//! A hung program leaves the drive on for no such time: [`super::guard`] takes the enable away within 2 ms.
+//! A hung program leaves the drive on for no such time: [`super::block_monitor`] takes the enable away within 2 ms.
 
 use stm32f4xx_hal::{pac, prelude::*, watchdog::IndependentWatchdog};
 

@@ -13,7 +13,7 @@ use super::sampling::SensorPins;
 const SETTLING_CYCLES: u32 = 16_000;
 
 /// Looks at the three pins, then makes them analogue. True if any of them is held by something.
-pub fn look(pins: (PA0<Input>, PA1<Input>, PB0<Input>)) -> (SensorPins, bool) {
+pub fn probe(pins: (PA0<Input>, PA1<Input>, PB0<Input>)) -> (SensorPins, bool) {
     let (mut force, mut hammer, mut cart) = pins;
     let held = [held(&mut force), held(&mut hammer), held(&mut cart)];
     (

@@ -13,7 +13,7 @@ use cortex_m_semihosting::{
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 
-use super::fault::Fault;
+use super::fault::ProcessorFault;
 
 /// The processor's clock, which also feeds SysTick.
 pub const CLOCK_HZ: u32 = 25_000_000;
@@ -83,7 +83,7 @@ pub fn report_panic(info: &PanicInfo) -> ! {
 }
 
 /// Prints a fault and fails the run.
-pub fn report_fault(fault: &Fault) -> ! {
+pub fn report_fault(fault: &ProcessorFault) -> ! {
     match fault.address {
         Some(pc) => hprintln!("fault at {:#010x}, CFSR {:#x}", pc, fault.status),
         None => hprintln!("fault with the stack overflowed, CFSR {:#x}", fault.status),

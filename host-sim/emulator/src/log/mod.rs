@@ -19,7 +19,7 @@ mod tests;
 mod writer;
 
 use serde::{Deserialize, Serialize};
-use shared::control::{Birth, Command, State, Status};
+use shared::control::{BootInfo, Command, State, Status};
 use shared::io::{Frame, Output};
 use shared::settings::Settings;
 
@@ -39,7 +39,7 @@ pub struct Header {
     /// The settings the controller began with.
     pub settings: Settings,
     /// What the controller was born with.
-    pub birth: Birth,
+    pub birth: BootInfo,
     /// Ticks in a block.
     pub block_ticks: u32,
     /// The scenario as TOML, if there was one.
@@ -56,7 +56,7 @@ pub enum Input {
     /// The control task overran.
     Overrun,
     /// The controller was made anew.
-    Born(Settings, Birth),
+    Born(Settings, BootInfo),
 }
 
 /// How a block's samples came to the controller.

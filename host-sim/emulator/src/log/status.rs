@@ -121,7 +121,7 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         of_fault(&|record| Cell::Int(i64::from(record.tick))),
         of_fault(&|record| Cell::Float(record.value)),
         of_fault(&|record| Cell::Float(record.frequency_hz)),
-        Cell::Int(i64::from(limits)),
+        Cell::Int(i64::from(limits.bits())),
         Cell::Float(frequency_hz),
         Cell::Float(amplitude_m),
         Cell::Float(measured_amplitude_m),

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use shared::control::{Basin, Birth, Command, Mode, ResetCause, State, Status};
+use shared::control::{ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, State, Status};
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, DacCode, Frame, Output};
 use shared::model::params::PRESETS;
@@ -21,7 +21,7 @@ fn header() -> Header {
     Header {
         source: "emulator".into(),
         settings,
-        birth: Birth {
+        birth: BootInfo {
             reset: ResetCause::Watchdog,
             record: status(21).fault,
             settings_corrupt: true,
@@ -42,7 +42,7 @@ fn status(k: usize) -> Status {
             value: 401.5,
             frequency_hz: 3.5,
         }),
-        limits: 3,
+        limits: ActiveLimits::FORCE | ActiveLimits::TRAVEL,
         frequency_hz: 3.0 + 0.1 * k as f32,
         amplitude_m: -0.0,
         measured_amplitude_m: f32::NAN,
@@ -86,7 +86,7 @@ fn block(k: usize) -> Block {
         inputs: match k {
             0 => vec![Input::Command(Command::Start(Mode::Automatic))],
             3 => vec![Input::Overrun, Input::Settings(header().settings)],
-            4 => vec![Input::Born(header().settings, Birth::default())],
+            4 => vec![Input::Born(header().settings, BootInfo::default())],
             _ => Vec::new(),
         },
         samples: match k {

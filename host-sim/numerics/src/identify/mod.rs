@@ -1,7 +1,7 @@
 //! Contact parameters from a drop test (section 3.3.2, figures 3.9 and 3.10): the hammer is let go at rest, falls
 //! back and strikes again and again; the law's parameters are sought whose impacts are most like the measured ones.
 //!
-//! This is not [`shared::sense::identify`], which is the microcontroller's: there a spring-dashpot follows in closed form
+//! This is not [`shared::sense::identification`], which is the microcontroller's: there a spring-dashpot follows in closed form
 //! from two figures of each impact while the rig runs. Here a whole record is searched on, offline, for any law.
 
 mod contacts;

@@ -14,7 +14,7 @@ pub mod tableau;
 
 use std::f64::consts::TAU;
 
-use shared::model::contacts::{CHATTER_STAY_S, Period};
+use shared::model::contacts::{Period, SUSTAINED_CONTACT_S};
 use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Mode, Rig};
 
@@ -333,7 +333,7 @@ impl<R: Scalar> Reference<R> {
                 open.impulse_n_s += step.totals.impulse;
                 open.energy_lost_j += step.totals.contact_work;
                 let third = self.recent[2];
-                period.chatter |= open.duration_s > CHATTER_STAY_S
+                period.chatter |= open.duration_s > SUSTAINED_CONTACT_S
                     && third.is_some_and(|third| open.onset_s - third < self.period_s);
             }
             period.touched = true;

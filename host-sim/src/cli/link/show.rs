@@ -30,19 +30,14 @@ pub fn line(status: &Status) -> String {
             status.target_hz, status.target_n
         ));
     }
-    if status.limits != 0 {
-        text.push_str(&format!("  limited: {}", limits(status.limits)));
+    if !status.limits.is_empty() {
+        let names: Vec<_> = status.limits.names().collect();
+        text.push_str(&format!("  limited: {}", names.join(", ")));
     }
     if let Some(record) = &status.fault {
         text.push_str(&format!("  fault: {}", fault(record)));
     }
     text
-}
-
-fn limits(bits: u8) -> String {
-    let names = ["force", "travel", "frequency", "amplitude"];
-    let set = names.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1);
-    set.map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
 }
 
 fn fault(record: &Record) -> String {

@@ -1,6 +1,6 @@
 //! The band as the chapter uses it.
 
-use super::{Span, State, Stepper, book_at_end, runge_kutta};
+use super::{Span, State, Stepper, record_at_end, runge_kutta};
 use crate::model::contacts::Ledger;
 use crate::model::rig::Rig;
 use crate::model::scalar::Real;
@@ -27,7 +27,7 @@ impl<R: Real> Stepper<R> for Banded<R> {
         let moved = runge_kutta(rig, span, state, (span.from, span.to), |at| {
             banded_force(rig.law(), at.delta, at.rate, approach, &self.band)
         });
-        book_at_end(rig, span, state, &moved, ledger);
+        record_at_end(rig, span, state, &moved, ledger);
     }
 
     #[inline]

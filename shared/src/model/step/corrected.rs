@@ -102,7 +102,7 @@ impl Corrected {
 
     /// The indicator and δ̇ at a state.
     #[inline]
-    pub(crate) fn look<R: Real>(rig: &Rig<R>, state: &State<R>) -> (R, R) {
+    pub(crate) fn indicator_and_rate<R: Real>(rig: &Rig<R>, state: &State<R>) -> (R, R) {
         let at = rig.kinematics(state.q.hi, state.v.hi);
         let (law, approach) = (rig.law(), state.approach);
         let indicator = match state.mode {
@@ -133,15 +133,15 @@ impl Corrected {
         (from, to): (R, R),
         end: &State<R>,
     ) -> Option<(R, R)> {
-        let (indicator, rate) = Self::look(rig, end);
+        let (indicator, rate) = Self::indicator_and_rate(rig, end);
         if Self::switched(state.mode, indicator) {
             return Some((to, indicator));
         }
-        let (_, rate_before) = Self::look(rig, state);
+        let (_, rate_before) = Self::indicator_and_rate(rig, state);
         if state.mode == Mode::Flight && rate_before > R::ZERO && rate < R::ZERO {
             let top = from + (to - from) * (rate_before / (rate_before - rate));
             let there = Self::step(rig, span, state, (from, top)).state;
-            let (indicator, _) = Self::look(rig, &there);
+            let (indicator, _) = Self::indicator_and_rate(rig, &there);
             if Self::switched(state.mode, indicator) {
                 return Some((top, indicator));
             }
@@ -160,14 +160,15 @@ impl Corrected {
         (far, at_far): (R, R),
         location: Location,
     ) -> (R, super::Moved<R>) {
-        let (mut x0, mut g0) = (from, Self::look(rig, state).0);
+        let (mut x0, mut g0) = (from, Self::indicator_and_rate(rig, state).0);
         let (mut far, mut at_far) = (far, at_far);
         if fresh {
             // The part starts on the switch before it: the indicator is zero here too, and would draw the
             // secant back. Start from a point that has not switched yet.
             for _ in 0..MAX_PROBES {
                 x0 = from + R::HALF * (far - from);
-                g0 = Self::look(rig, &Self::step(rig, span, state, (from, x0)).state).0;
+                g0 = Self::indicator_and_rate(rig, &Self::step(rig, span, state, (from, x0)).state)
+                    .0;
                 if !Self::switched(state.mode, g0) {
                     break;
                 }
@@ -185,7 +186,7 @@ impl Corrected {
             };
             let next = next.max(from).min(far);
             let moved = Self::step(rig, span, state, (from, next));
-            let (g, _) = Self::look(rig, &moved.state);
+            let (g, _) = Self::indicator_and_rate(rig, &moved.state);
             let settled = (next - x1).abs() <= R::from_f64(location.settled) || g == R::ZERO;
             if settled || iteration >= location.iterations {
                 return (next, moved);

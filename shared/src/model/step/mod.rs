@@ -186,7 +186,7 @@ pub(crate) fn piece<R: Real>(
 /// Bookkeeping for steppers that do not locate the switch: a contact is seen to begin or end only at
 /// the end of a step.
 #[inline]
-fn book_at_end<R: Real>(
+fn record_at_end<R: Real>(
     rig: &Rig<R>,
     span: &Span<R>,
     state: &mut State<R>,

@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_1_PI;
 
-use super::{Span, State, Stepper, book_at_end, runge_kutta};
+use super::{Span, State, Stepper, record_at_end, runge_kutta};
 use crate::model::contacts::Ledger;
 use crate::model::rig::Rig;
 use crate::model::scalar::Real;
@@ -44,7 +44,7 @@ impl<R: Real> Stepper<R> for Smoothed<R> {
         let moved = runge_kutta(rig, span, state, (span.from, span.to), |at| {
             self.blended(at.delta, rig.force(at, approach))
         });
-        book_at_end(rig, span, state, &moved, ledger);
+        record_at_end(rig, span, state, &moved, ledger);
     }
 
     #[inline]

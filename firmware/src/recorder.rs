@@ -6,30 +6,30 @@ use heapless::{Deque, Vec};
 use shared::control::{Command, Controller, Refused};
 use shared::forecast::Forecast;
 use shared::io::{Frame, Output};
-use shared::link::{Exchange, Given, Notes};
+use shared::link::{BlockNotes, GivenCommand, RecordedBlock};
 use shared::settings::Settings;
 
 /// Blocks kept until the link takes them: 2 ms of them. The link looks every millisecond.
-const KEPT: usize = 4;
+const CAPACITY: usize = 4;
 
 /// The controller and the recording.
 #[derive(Debug)]
-pub struct Desk {
+pub struct Recorder {
     controller: Controller,
     /// What was told since the last block.
-    notes: Notes,
+    notes: BlockNotes,
     recording: bool,
-    kept: Deque<Exchange, KEPT>,
+    blocks: Deque<RecordedBlock, CAPACITY>,
 }
 
-impl Desk {
-    /// A desk; nothing is recorded.
+impl Recorder {
+    /// A recorder; nothing is recorded.
     pub fn new(controller: Controller) -> Self {
         Self {
             controller,
-            notes: Notes::default(),
+            notes: BlockNotes::default(),
             recording: false,
-            kept: Deque::new(),
+            blocks: Deque::new(),
         }
     }
 
@@ -57,7 +57,7 @@ impl Desk {
         let result = self.controller.command(command);
         if self.recording {
             // One that finds no room is missing in the recording; see `takes_commands`.
-            let _ = self.notes.given.push(Given {
+            let _ = self.notes.given.push(GivenCommand {
                 command,
                 refused: result.err(),
             });
@@ -97,7 +97,7 @@ impl Desk {
         if self.recording {
             self.keep(tick, frames, outputs);
         }
-        self.notes = Notes::default();
+        self.notes = BlockNotes::default();
     }
 
     fn keep(&mut self, tick: u32, frames: Option<&[Frame]>, outputs: &[Output]) {
@@ -105,43 +105,43 @@ impl Desk {
         notes.stale = frames.is_none();
         notes.state = self.controller.state();
         let blank = [Frame::default(); crate::BLOCK_TICKS];
-        let exchange = Exchange {
+        let exchange = RecordedBlock {
             tick,
             frames: Vec::from_slice(frames.unwrap_or(&blank)).unwrap_or_default(),
             outputs: Vec::from_slice(outputs).unwrap_or_default(),
             notes,
         };
         // Full: this block is lost, and shows as a gap in the ticks.
-        let _ = self.kept.push_back(exchange);
+        let _ = self.blocks.push_back(exchange);
     }
 
     /// Starts or ends keeping blocks.
     pub fn record(&mut self, on: bool) {
         self.recording = on;
-        self.kept.clear();
+        self.blocks.clear();
     }
 
-    /// The oldest block kept.
-    pub fn take_exchange(&mut self) -> Option<Exchange> {
-        self.kept.pop_front()
+    /// The oldest block blocks.
+    pub fn take_block(&mut self) -> Option<RecordedBlock> {
+        self.blocks.pop_front()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::control::{Birth, Mode, State};
+    use shared::control::{BootInfo, Mode, State};
     use shared::io::AdcCode;
     use shared::model::params::WIRES;
 
-    fn desk() -> Desk {
+    fn recorder() -> Recorder {
         let settings = Settings::for_rig(&WIRES);
-        Desk::new(Controller::new(&settings, &Birth::default()).unwrap())
+        Recorder::new(Controller::new(&settings, &BootInfo::default()).unwrap())
     }
 
     #[test]
     fn a_recording_holds_what_the_controller_was_told() {
-        let mut desk = desk();
+        let mut recorder = recorder();
         let frames = [Frame {
             force: AdcCode(600),
             hammer: AdcCode(2048),
@@ -149,23 +149,23 @@ mod tests {
             emergency: false,
         }; crate::BLOCK_TICKS];
         let mut outputs = [Output::SAFE; crate::BLOCK_TICKS];
-        desk.block(Some(&frames), &mut outputs);
-        assert!(desk.take_exchange().is_none());
+        recorder.block(Some(&frames), &mut outputs);
+        assert!(recorder.take_block().is_none());
 
-        desk.record(true);
-        assert!(desk.takes_commands());
-        assert_eq!(desk.command(Command::Start(Mode::Automatic)), Ok(()));
-        assert!(!desk.takes_commands());
-        desk.block(Some(&frames), &mut outputs);
-        desk.note_overrun();
-        desk.block(None, &mut outputs);
-        let first = desk.take_exchange().unwrap();
+        recorder.record(true);
+        assert!(recorder.takes_commands());
+        assert_eq!(recorder.command(Command::Start(Mode::Automatic)), Ok(()));
+        assert!(!recorder.takes_commands());
+        recorder.block(Some(&frames), &mut outputs);
+        recorder.note_overrun();
+        recorder.block(None, &mut outputs);
+        let first = recorder.take_block().unwrap();
         assert_eq!(first.tick, 11);
         assert_eq!(first.frames.as_slice(), frames);
         assert_eq!(first.notes.given.len(), 1);
         assert_eq!(first.notes.state, State::SelfTest);
         assert!(!first.notes.overrun && !first.notes.stale);
-        let second = desk.take_exchange().unwrap();
+        let second = recorder.take_block().unwrap();
         assert_eq!(second.tick, 21);
         assert!(second.notes.overrun && second.notes.stale);
         assert!(second.notes.given.is_empty());
@@ -173,18 +173,18 @@ mod tests {
 
     #[test]
     fn what_is_not_taken_shows_as_a_gap() {
-        let mut desk = desk();
-        desk.record(true);
+        let mut recorder = recorder();
+        recorder.record(true);
         let mut outputs = [Output::SAFE; crate::BLOCK_TICKS];
-        for _ in 0..KEPT + 3 {
-            desk.block(None, &mut outputs);
+        for _ in 0..CAPACITY + 3 {
+            recorder.block(None, &mut outputs);
         }
         let mut last = 0;
-        while let Some(exchange) = desk.take_exchange() {
+        while let Some(exchange) = recorder.take_block() {
             last = exchange.tick;
         }
-        desk.block(None, &mut outputs);
-        let next = desk.take_exchange().unwrap().tick;
+        recorder.block(None, &mut outputs);
+        let next = recorder.take_block().unwrap().tick;
         assert_eq!(next - last, 4 * crate::BLOCK_TICKS as u32);
     }
 }

@@ -7,12 +7,12 @@ const BINS: usize = 512;
 
 /// Counts, in bins.
 #[derive(Clone, Debug)]
-pub struct Tally {
+pub struct Histogram {
     bins: [u32; BINS],
     worst: u32,
 }
 
-impl Default for Tally {
+impl Default for Histogram {
     fn default() -> Self {
         Self {
             bins: [0; BINS],
@@ -21,7 +21,7 @@ impl Default for Tally {
     }
 }
 
-impl Tally {
+impl Histogram {
     /// Adds a count.
     pub fn add(&mut self, count: u32) {
         let bin = (count / WIDTH) as usize;
@@ -54,11 +54,15 @@ mod tests {
 
     #[test]
     fn median_and_worst() {
-        let mut tally = Tally::default();
-        (0..1001).for_each(|i| tally.add(i * 10));
-        assert_eq!(tally.worst(), 10_000);
-        assert!((5000..5032).contains(&tally.median()), "{}", tally.median());
-        tally.add(1_000_000);
-        assert_eq!(tally.worst(), 1_000_000);
+        let mut histogram = Histogram::default();
+        (0..1001).for_each(|i| histogram.add(i * 10));
+        assert_eq!(histogram.worst(), 10_000);
+        assert!(
+            (5000..5032).contains(&histogram.median()),
+            "{}",
+            histogram.median()
+        );
+        histogram.add(1_000_000);
+        assert_eq!(histogram.worst(), 1_000_000);
     }
 }

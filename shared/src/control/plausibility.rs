@@ -21,7 +21,7 @@ pub const FAR_M: f32 = 1.5e-3;
 
 /// The judge.
 #[derive(Clone, Copy, Debug)]
-pub struct Family {
+pub struct Plausibility {
     mass_kg: f32,
     gap_m: f32,
     bad_pulses: u8,
@@ -29,7 +29,7 @@ pub struct Family {
     bad_periods: u8,
 }
 
-impl Family {
+impl Plausibility {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
@@ -101,13 +101,13 @@ mod tests {
     use super::*;
     use crate::model::params::WIRES;
 
-    fn family() -> Family {
-        Family::new(&Settings::for_rig(&WIRES))
+    fn plausibility() -> Plausibility {
+        Plausibility::new(&Settings::for_rig(&WIRES))
     }
 
-    fn trips_after(mut one: impl FnMut(&mut Family) -> Option<Trip>) -> Option<usize> {
-        let mut family = family();
-        (1..100).find(|_| one(&mut family).is_some())
+    fn trips_after(mut one: impl FnMut(&mut Plausibility) -> Option<Trip>) -> Option<usize> {
+        let mut plausibility = plausibility();
+        (1..100).find(|_| one(&mut plausibility).is_some())
     }
 
     #[test]

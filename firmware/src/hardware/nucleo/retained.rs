@@ -36,16 +36,16 @@ struct Words {
     drive: u32,
 }
 
-struct Kept(UnsafeCell<MaybeUninit<Words>>);
+struct Retained(UnsafeCell<MaybeUninit<Words>>);
 
 // SAFETY: plain words, touched by single volatile accesses only; an entry torn by a reset fails its check.
-unsafe impl Sync for Kept {}
+unsafe impl Sync for Retained {}
 
-#[unsafe(link_section = ".uninit.kept")]
-static KEPT: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
+#[unsafe(link_section = ".uninit.retained")]
+static RETAINED: Retained = Retained(UnsafeCell::new(MaybeUninit::uninit()));
 
 fn words() -> *mut Words {
-    KEPT.0.get().cast()
+    RETAINED.0.get().cast()
 }
 
 /// What the last run left; to be read once, before anything is noted anew.

@@ -6,7 +6,7 @@ const IDLE_STEPS: u8 = 50;
 
 /// The watchdog's conditions. That the supervisor goes on is shown by its asking.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Watch {
+pub struct Liveness {
     blocks: u32,
     links: u32,
     idles: u32,
@@ -15,7 +15,7 @@ pub struct Watch {
 
 /// Counts (that wrap) of what has been done since the start.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Done {
+pub struct Progress {
     /// Blocks served by the control task.
     pub blocks: u32,
     /// Turns of the link task.
@@ -24,10 +24,10 @@ pub struct Done {
     pub idles: u32,
 }
 
-impl Watch {
+impl Liveness {
     /// Once in 10 ms: whether control and link have gone on since the last step, and idle within the last
     /// half second.
-    pub fn step(&mut self, done: Done) -> bool {
+    pub fn step(&mut self, done: Progress) -> bool {
         let control = done.blocks != self.blocks;
         let link = done.links != self.links;
         self.without_idle = if done.idles == self.idles {
@@ -44,8 +44,8 @@ impl Watch {
 mod tests {
     use super::*;
 
-    fn going(step: u32) -> Done {
-        Done {
+    fn going(step: u32) -> Progress {
+        Progress {
             blocks: 20 * step,
             links: 10 * step,
             idles: step,
@@ -54,24 +54,24 @@ mod tests {
 
     #[test]
     fn fed_while_everything_goes_on() {
-        let mut watch = Watch::default();
-        assert!((1..100).all(|step| watch.step(going(step))));
+        let mut liveness = Liveness::default();
+        assert!((1..100).all(|step| liveness.step(going(step))));
     }
 
     #[test]
     fn whatever_stands_still_starves_it() {
-        let stopped: [fn(Done) -> Done; 2] = [
-            |done| Done { blocks: 0, ..done },
-            |done| Done { links: 0, ..done },
+        let stopped: [fn(Progress) -> Progress; 2] = [
+            |done| Progress { blocks: 0, ..done },
+            |done| Progress { links: 0, ..done },
         ];
         for stop in stopped {
-            let mut watch = Watch::default();
-            assert!((1..5).all(|step| !watch.step(stop(going(step)))));
+            let mut liveness = Liveness::default();
+            assert!((1..5).all(|step| !liveness.step(stop(going(step)))));
         }
-        let mut watch = Watch::default();
+        let mut liveness = Liveness::default();
         let fed = (1..100)
             .take_while(|step| {
-                watch.step(Done {
+                liveness.step(Progress {
                     idles: 0,
                     ..going(*step)
                 })

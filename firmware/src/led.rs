@@ -33,12 +33,12 @@ pub struct Shown {
 
 /// The LED's pattern.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Lamp {
+pub struct LedPattern {
     shown: Shown,
     step: u32,
 }
 
-impl Lamp {
+impl LedPattern {
     /// Whether the LED is lit in the next hundredth of a second. A new state begins its pattern anew.
     pub fn step(&mut self, shown: Shown) -> bool {
         if shown != self.shown {
@@ -74,8 +74,8 @@ mod tests {
 
     /// Times the LED comes on in `seconds`.
     fn flashes(shown: Shown, seconds: u32) -> usize {
-        let mut lamp = Lamp::default();
-        let lit: [bool; 3000] = core::array::from_fn(|_| lamp.step(shown));
+        let mut pattern = LedPattern::default();
+        let lit: [bool; 3000] = core::array::from_fn(|_| pattern.step(shown));
         let end = (seconds * RATE_HZ) as usize;
         let begins = usize::from(lit[0]);
         begins + lit[..end].windows(2).filter(|w| !w[0] && w[1]).count()
@@ -108,9 +108,9 @@ mod tests {
                 fault,
                 ..in_state(State::Fault)
             };
-            let mut lamp = Lamp::default();
+            let mut pattern = LedPattern::default();
             let round = u32::from(fault) * 40 + 200;
-            let lit: std::vec::Vec<_> = (0..2 * round).map(|_| lamp.step(shown)).collect();
+            let lit: std::vec::Vec<_> = (0..2 * round).map(|_| pattern.step(shown)).collect();
             let rises = lit.windows(2).filter(|w| !w[0] && w[1]).count();
             assert_eq!(rises, 2 * usize::from(fault) - 1);
             let dark = lit.iter().rev().take_while(|lit| !**lit).count();

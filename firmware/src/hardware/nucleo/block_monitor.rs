@@ -52,13 +52,13 @@ pub fn is_paused() -> bool {
 }
 
 /// TIM7, interrupting once per millisecond.
-pub struct Guard {
+pub struct BlockMonitor {
     timer: CounterHz<pac::TIM7>,
     seen: u32,
     missed: u8,
 }
 
-impl Guard {
+impl BlockMonitor {
     /// Starts with the first interrupt; `None` if the timer cannot be set.
     pub fn new(timer: pac::TIM7, rcc: &mut Rcc) -> Option<Self> {
         let mut timer = timer.counter_hz(rcc);
@@ -73,7 +73,7 @@ impl Guard {
 
     /// Serves the interrupt. Two blocks are due between two of them; none twice in a row is a stall.
     #[inline]
-    pub fn look(&mut self) {
+    pub fn check(&mut self) {
         self.timer.clear_flags(Flag::Update);
         let served = blocks_served();
         let stalled = served == self.seen && !is_paused();

@@ -5,36 +5,36 @@ use shared::control::{Command, Refused, Status};
 use shared::fault::Record;
 use shared::forecast::Forecast;
 use shared::link::{
-    Device, Exchange, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, Refusal,
+    Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
 };
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use crate::BLOCK_TICKS;
-use crate::desk::Desk;
+use crate::recorder::Recorder;
 
 /// Where settings outlive a reset.
-pub trait Keeper {
+pub trait SettingsStore {
     /// Stores them; whether that worked. May stand still for as long as the flash takes.
     fn store(&mut self, settings: &Settings) -> bool;
 }
 
 /// The board as the link sees it.
-pub struct OnBoard<'a, D, F, K> {
+pub struct BoardLink<'a, D, F, K> {
     /// The controller.
-    pub desk: &'a mut D,
+    pub recorder: &'a mut D,
     /// The last forecast that is complete.
     pub forecast: &'a mut F,
     /// Where settings are stored.
-    pub keeper: &'a mut K,
+    pub settings_store: &'a mut K,
     /// The board's name.
     pub board: &'static str,
 }
 
-impl<D, F, K> Device for OnBoard<'_, D, F, K>
+impl<D, F, K> Device for BoardLink<'_, D, F, K>
 where
-    D: Mutex<T = Desk>,
+    D: Mutex<T = Recorder>,
     F: Mutex<T = Forecast>,
-    K: Keeper,
+    K: SettingsStore,
 {
     fn hello(&mut self) -> Hello {
         let name = |text| Name::try_from(text).unwrap_or_default();
@@ -48,24 +48,27 @@ where
     }
 
     fn status(&mut self) -> Status {
-        self.desk.lock(|desk| desk.controller().status())
+        self.recorder
+            .lock(|recorder| recorder.controller().status())
     }
 
     fn command(&mut self, command: Command) -> Result<(), Refused> {
-        self.desk.lock(|desk| desk.command(command))
+        self.recorder.lock(|recorder| recorder.command(command))
     }
 
     fn settings(&mut self) -> Settings {
-        self.desk.lock(|desk| *desk.controller().settings())
+        self.recorder
+            .lock(|recorder| *recorder.controller().settings())
     }
 
     fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
-        self.desk.lock(|desk| desk.replace_settings(settings))
+        self.recorder
+            .lock(|recorder| recorder.replace_settings(settings))
     }
 
     fn store_settings(&mut self) -> Result<(), Refusal> {
         let settings = self.settings();
-        if self.keeper.store(&settings) {
+        if self.settings_store.store(&settings) {
             Ok(())
         } else {
             Err(Refusal::NotStored)
@@ -82,16 +85,16 @@ where
     }
 
     fn identified(&mut self) -> Identified {
-        self.desk
-            .lock(|desk| Identified::of(desk.controller().identified()))
+        self.recorder
+            .lock(|recorder| Identified::of(recorder.controller().identified()))
     }
 
     fn record(&mut self, on: bool) -> Result<(), Refusal> {
-        self.desk.lock(|desk| desk.record(on));
+        self.recorder.lock(|recorder| recorder.record(on));
         Ok(())
     }
 
-    fn take_exchange(&mut self) -> Option<Exchange> {
-        self.desk.lock(Desk::take_exchange)
+    fn take_block(&mut self) -> Option<RecordedBlock> {
+        self.recorder.lock(Recorder::take_block)
     }
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::model::params::WIRES;
 
 /// The hammer swinging freely in a cart that moves as it likes.
-fn swing(identify: &mut Identify, natural_hz: f64, seconds: f64) {
+fn swing(identification: &mut Identification, natural_hz: f64, seconds: f64) {
     let omega = std::f64::consts::TAU * natural_hz;
     let h = TICK_S;
     let (mut x, mut v) = (2e-3_f64, 0.0_f64);
@@ -18,7 +18,7 @@ fn swing(identify: &mut Identify, natural_hz: f64, seconds: f64) {
             hammer_m: (x + 1e-4) as f32,
             cart_m: y as f32,
         };
-        identify.flight(&sample, false);
+        identification.flight(&sample, false);
     }
 }
 
@@ -26,34 +26,34 @@ fn swing(identify: &mut Identify, natural_hz: f64, seconds: f64) {
 fn natural_frequency_ten_percent_off_is_found_whatever_the_cart_does() {
     let settings = Settings::for_rig(&WIRES);
     for factor in [0.9, 1.0, 1.1] {
-        let mut identify = Identify::new(&settings);
-        swing(&mut identify, factor * 1.82, 10.0);
-        let found = identify.estimates().natural_hz.unwrap();
+        let mut identification = Identification::new(&settings);
+        swing(&mut identification, factor * 1.82, 10.0);
+        let found = identification.estimates().natural_hz.unwrap();
         // The integrator above is of first order: 5e-5 relative at this step.
         let off = f64::from(found.value) / (factor * 1.82) - 1.0;
         assert!(off.abs() < 1e-3, "{factor}: {found:?}");
-        assert_eq!(identify.refused(), 0);
+        assert_eq!(identification.refused(), 0);
     }
 }
 
 #[test]
 fn a_rig_that_changes_is_followed_and_an_implausible_one_is_not_told() {
     let settings = Settings::for_rig(&WIRES);
-    let mut identify = Identify::new(&settings);
-    swing(&mut identify, 1.82, 10.0);
-    swing(&mut identify, 2.0, 60.0);
-    let found = identify.estimates().natural_hz.unwrap();
+    let mut identification = Identification::new(&settings);
+    swing(&mut identification, 1.82, 10.0);
+    swing(&mut identification, 2.0, 60.0);
+    let found = identification.estimates().natural_hz.unwrap();
     assert!((found.value - 2.0).abs() < 0.01, "{found:?}");
-    assert!(identify.refused() > 0);
-    let mut identify = Identify::new(&settings);
-    swing(&mut identify, 2.6, 10.0);
-    assert_eq!(identify.estimates().natural_hz, None);
+    assert!(identification.refused() > 0);
+    let mut identification = Identification::new(&settings);
+    swing(&mut identification, 2.6, 10.0);
+    assert_eq!(identification.estimates().natural_hz, None);
 }
 
 #[test]
 fn implausible_contacts_are_refused_and_counted() {
     let settings = Settings::for_rig(&WIRES);
-    let mut identify = Identify::new(&settings);
+    let mut identification = Identification::new(&settings);
     let good = Pulse {
         peak_n: 96.0,
         approach_m_per_s: 0.08,
@@ -63,11 +63,11 @@ fn implausible_contacts_are_refused_and_counted() {
         ..Pulse::default()
     };
     for _ in 0..10 {
-        identify.pulse(&good);
+        identification.pulse(&good);
     }
-    let before = identify.estimates();
+    let before = identification.estimates();
     assert!(before.stiffness.is_some() && before.damping.is_some());
-    assert_eq!(identify.refused(), 0);
+    assert_eq!(identification.refused(), 0);
     for bad in [
         Pulse {
             relative_m: -5e-3,
@@ -90,8 +90,8 @@ fn implausible_contacts_are_refused_and_counted() {
             ..good
         },
     ] {
-        identify.pulse(&bad);
+        identification.pulse(&bad);
     }
-    assert_eq!(identify.refused(), 5);
-    assert_eq!(identify.estimates().stiffness, before.stiffness);
+    assert_eq!(identification.refused(), 5);
+    assert_eq!(identification.estimates().stiffness, before.stiffness);
 }

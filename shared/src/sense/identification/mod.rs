@@ -115,7 +115,7 @@ struct Window {
 
 /// Identifies the rig from its own contacts and flights.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Identify {
+pub struct Identification {
     mass_kg: f32,
     believed: Believed,
     on_n: f32,
@@ -147,7 +147,7 @@ struct Believed {
     amplitude_m: f32,
 }
 
-impl Identify {
+impl Identification {
     /// Around the rig that the settings believe in.
     pub fn new(settings: &Settings) -> Self {
         let rig = &settings.rig;

@@ -2,7 +2,7 @@
 
 /// A spring-dashpot contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct SpringDashpotContact {
     /// ω₀ = √(k/m), rad/s.
     pub omega: f32,
     /// ζ.
@@ -25,7 +25,7 @@ pub struct Above {
 /// The spring-dashpot that rebounds at `restitution` of the approach speed and stays `above` a threshold that
 /// long; the search starts at ω₀ = `guess` rad/s. None for a restitution below e⁻² = 0.135, which no underdamped
 /// contact has, or of 1 and above, or if the search does not settle.
-pub fn spring_dashpot(restitution: f32, above: &Above, guess: f32) -> Option<Contact> {
+pub fn spring_dashpot(restitution: f32, above: &Above, guess: f32) -> Option<SpringDashpotContact> {
     if !(restitution > 0.14 && restitution < 0.99) {
         return None;
     }
@@ -46,7 +46,7 @@ pub fn spring_dashpot(restitution: f32, above: &Above, guess: f32) -> Option<Con
         change = next / omega - 1.0;
         omega = next;
     }
-    (change < 1e-3 && change > -1e-3).then_some(Contact {
+    (change < 1e-3 && change > -1e-3).then_some(SpringDashpotContact {
         omega,
         damping_ratio: zeta,
         duration_s: turns / omega,

@@ -1,15 +1,15 @@
 //! What is known of the future: the forecast as far as control needs it.
 
 use super::free::FreeSwing;
-use crate::forecast::{MAX_ROWS, Request, Target};
+use crate::forecast::{ForecastRequest, MAX_ROWS, Target};
 
 /// What is known of the future.
 #[derive(Clone, Debug, Default)]
-pub struct Outlook {
+pub struct ForecastCache {
     /// Number of the next request.
     pub next_id: u32,
     /// A request nobody has taken yet.
-    pub wanted: Option<Request>,
+    pub wanted: Option<ForecastRequest>,
     /// The request that is waited for.
     pub awaited: Option<u32>,
     /// Where to run.
@@ -22,7 +22,7 @@ pub struct Outlook {
     pub strikes: heapless::Vec<(f32, bool), MAX_ROWS>,
 }
 
-impl Outlook {
+impl ForecastCache {
     /// Whether there must be contact at `hz`: the forecast has it from rest on both sides, and a free swing
     /// would touch.
     pub fn must_strike_at(&self, hz: f32) -> bool {

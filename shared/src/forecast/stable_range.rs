@@ -3,13 +3,13 @@
 
 use super::Target;
 use super::forecaster::{Forecaster, Stage};
-use super::refine::{Edge, Known, Peak, is_neighbour};
+use super::refine::{Known, Peak, RangeEnd, is_neighbour};
 use super::settle::Settled;
 use crate::model::regime::Regime;
 
 /// The stretch of stable 1/1 that holds the target.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Stretch {
+pub(super) struct StableRange {
     /// First, strongest and last row.
     rows: (usize, usize, usize),
     low: Option<Known>,
@@ -19,7 +19,7 @@ pub(super) struct Stretch {
 
 impl Forecaster {
     /// Chooses the strongest stable row and the stretch around it, and goes for its upper end.
-    pub(super) fn begin_stretch(&mut self) {
+    pub(super) fn begin_stable_range(&mut self) {
         let rows = self.forecast.rows.len();
         let force = |known: &Known| known.solution.orbit.force_n;
         let mut top: Option<(usize, f32)> = None;
@@ -41,78 +41,78 @@ impl Forecaster {
         while last + 1 < rows && self.joined(last) {
             last += 1;
         }
-        self.stretch = Stretch {
+        self.stable_range = StableRange {
             rows: (first, top, last),
-            ..Stretch::default()
+            ..StableRange::default()
         };
         let Some(inside) = self.known(last) else {
             return self.finish();
         };
         if last + 1 == rows {
-            self.stretch.high = Some(inside);
+            self.stable_range.high = Some(inside);
             return self.begin_low();
         }
         let behind = last.checked_sub(1).filter(|row| *row >= first);
         let behind = behind.and_then(|row| self.known(row));
         let beyond = self.known(last + 1).map(|known| known.solution);
         let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
-        let edge = Edge::new(inside, behind, self.row_hz(last + 1), beyond);
+        let edge = RangeEnd::new(inside, behind, self.row_hz(last + 1), beyond);
         self.follow_high(edge);
     }
 
-    /// Whether a row and the next are of one stable stretch.
+    /// Whether a row and the next are of one stable range.
     fn joined(&self, row: usize) -> bool {
         self.stable(row)
             .zip(self.stable(row + 1))
             .is_some_and(|(a, b)| is_neighbour(&a.solution, &b.solution))
     }
 
-    pub(super) fn follow_high(&mut self, edge: Edge) {
+    pub(super) fn follow_high(&mut self, edge: RangeEnd) {
         if let Some(hz) = edge.wanted() {
             self.stage = Stage::High(edge);
             return self.shoot_at(hz, edge.guess(hz));
         }
-        self.stretch.high = Some(edge.inside());
-        self.stretch.doubling_hz = edge.doubling_hz();
+        self.stable_range.high = Some(edge.inside());
+        self.stable_range.doubling_hz = edge.doubling_hz();
         self.begin_low();
     }
 
     fn begin_low(&mut self) {
-        let (first, _, last) = self.stretch.rows;
+        let (first, _, last) = self.stable_range.rows;
         let Some(inside) = self.known(first) else {
             return self.finish();
         };
         if first == 0 {
-            self.stretch.low = Some(inside);
+            self.stable_range.low = Some(inside);
             return self.begin_peak();
         }
         let behind = (first < last).then(|| self.known(first + 1)).flatten();
         let beyond = self.known(first - 1).map(|known| known.solution);
         let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
-        let edge = Edge::new(inside, behind, self.row_hz(first - 1), beyond);
+        let edge = RangeEnd::new(inside, behind, self.row_hz(first - 1), beyond);
         self.follow_low(edge);
     }
 
-    pub(super) fn follow_low(&mut self, edge: Edge) {
+    pub(super) fn follow_low(&mut self, edge: RangeEnd) {
         if let Some(hz) = edge.wanted() {
             self.stage = Stage::Low(edge);
             return self.shoot_at(hz, edge.guess(hz));
         }
-        self.stretch.low = Some(edge.inside());
+        self.stable_range.low = Some(edge.inside());
         self.begin_peak();
     }
 
     fn begin_peak(&mut self) {
-        let (first, top, last) = self.stretch.rows;
+        let (first, top, last) = self.stable_range.rows;
         let low = if top > first {
             self.known(top - 1)
         } else {
-            self.stretch.low
+            self.stable_range.low
         };
         let high = if top < last {
             self.known(top + 1)
         } else {
-            self.stretch.high
+            self.stable_range.high
         };
         match (low, self.known(top), high) {
             (Some(low), Some(top), Some(high)) => self.follow_peak(Peak::new(low, top, high)),
@@ -126,7 +126,7 @@ impl Forecaster {
             return self.shoot_at(hz, peak.guess(hz));
         }
         let best = peak.best();
-        let (low, high) = (self.stretch.low, self.stretch.high);
+        let (low, high) = (self.stable_range.low, self.stable_range.high);
         self.forecast.target = Some(Target {
             frequency_hz: best.hz,
             orbit: best.solution.orbit,
@@ -134,7 +134,7 @@ impl Forecaster {
                 low.map_or(best.hz, |known| known.hz),
                 high.map_or(best.hz, |known| known.hz),
             ),
-            doubling_hz: self.stretch.doubling_hz,
+            doubling_hz: self.stable_range.doubling_hz,
             entry_hz: best.hz,
         });
         self.stage = Stage::Entry;
@@ -144,7 +144,7 @@ impl Forecaster {
     /// The run from rest at the target has ended: enter there, or at the nearest row of the stretch that
     /// rest leads to 1/1, or at least to strike.
     pub(super) fn enter(&mut self, settled: &Settled) {
-        let (first, top, last) = self.stretch.rows;
+        let (first, top, last) = self.stable_range.rows;
         if !settled.regime.is(1, 1) {
             let nearest = |wanted: &dyn Fn(Regime) -> bool| {
                 let rows = self.forecast.rows.iter().enumerate();
