@@ -38,30 +38,36 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 const INTRODUCTION: &str = "\
-# How exact the simulation is
+# How accurate the simulation is
 
-*This page is written by `cargo run --release -p host-sim --example accuracy`: run it to measure everything
-anew (five to ten minutes). All figures come from simulation on a desktop computer: the switch model of `shared`,
-in `f32` as on the microcontroller or in `f64`, against the event-located reference of `host-sim`. The
-reference itself is held to closed forms and to an independent SciPy integration by `host-sim/tests/reference`.*
+How far is the microcontroller's model from the exact solution, and which stepper and tick should you
+use? *This page is written by `cargo run --release -p host-sim --example accuracy`; run it to measure
+everything again (five to ten minutes).*
 
-What to take from it:
+All figures come from simulation on a desktop computer. They compare the switch model of `shared`, in
+`f32` as on the microcontroller or in `f64`, with the event-located reference of `host-sim`. Tests compare
+the reference itself with closed forms and with an independent SciPy integration. A *stepper* is the way
+the switch model handles the step in which contact begins or ends: `Corrected`, `Banded` or `Smoothed`
+(`--stepper corrected` and so on).
 
-- **`Corrected` in `f32` is what to use**, at 10 to 50 µs. It splits the step in which the switch falls, so its error is
-  Runge–Kutta's: fourth order in the tick. Below some 20 µs the rounding of `f32` is what remains, far below
-  anything that can be measured. This is for the spring-dashpot contact; the nonlinear laws, whose onset is not
-  smooth, were not surveyed: check them with `simulate` on both engines.
-- At 100 µs (six steps to a contact of 0.57 ms) forces are still good to about a tenth of a percent. At 200 µs they are
-  not, the section no longer repeats, and impacts may even die out.
-- **`Banded`**, the chapter's band and nothing else, needs a band of 50 nm or less *and* a tick that resolves it (about
-  0.05 µs). At a coarser tick the hammer steps over the band; the force is then wrong by where in the tick the onset
-  fell, and periodic motion reads as aperiodic.
-- **`Smoothed`** converges to the switch on a periodic orbit as its transition narrows, if the tick follows. It is
-  kept for comparison. Its rows compare the law's F at the peak; the force that acts there is fainter
-  by the two arctangents.
+The results in short:
 
-The switch model rounds the drive frequency to its phase accumulator (2⁻³² turns per tick). The reference is
-always run at the frequency that came out, so that both are asked the same question.
+- **Use `Corrected` in `f32`, with a tick of 10 to 50 µs.** It splits the step at the instant of onset or
+  release, so its error is that of Runge–Kutta: fourth order in the tick. Below some 20 µs only the
+  rounding of `f32` remains, far below anything that can be measured. This holds for the spring-dashpot
+  contact. The nonlinear laws, whose onset is not smooth, were not surveyed: check them by running
+  `simulate` with both engines.
+- At 100 µs (six steps per contact of 0.57 ms) forces are still accurate to about a tenth of a percent. At
+  200 µs they are not, the section no longer repeats, and impacts may even die out.
+- **`Banded`**, the chapter's band and nothing else, needs a band of 50 nm or less *and* a tick that
+  resolves it (about 0.05 µs). With a longer tick the hammer steps over the band. The force error then
+  depends on where in the tick the onset falls, and periodic motion looks aperiodic.
+- **`Smoothed`** converges to the switch on a periodic orbit as its transition narrows, if the tick shrinks
+  with it. It is kept for comparison. Its rows compare the law's F at the peak; the force that acts there
+  is smaller by the two arctangent factors.
+
+The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per
+tick). The reference always runs at this rounded frequency, so both solve the same problem.
 
 ";
 
@@ -118,8 +124,9 @@ fn method_name(method: Method, precision: Precision) -> String {
 
 fn single_section() -> Result<String, UserError> {
     let mut text = String::from(
-        "## One contact\n\nA free mass of 0.298 kg against the surface, in `f32`: largest error of the peak force, and in brackets of the \
-         rebound speed, in percent, over 100 onsets spread over a tick; against the closed form. `Banded` with η_α = 5e-8 m, η_β = 0.01 N.\n\n",
+        "## One contact\n\nA free mass of 0.298 kg against the surface, in `f32`. Largest error of the peak contact force, and in\n\
+         brackets of the rebound speed, in percent, relative to the closed form, over 100 onsets spread over a\n\
+         tick. `Banded` with η_α = 5e-8 m, η_β = 0.01 N.\n\n",
     );
     let ticks_us = &named::TICKS_US;
     text.push_str(&header("stepper", ticks_us));
@@ -145,12 +152,14 @@ fn survey_section() -> Result<String, UserError> {
     let points = survey::points(SEED, POINTS)?;
     let mut text = format!(
         "## {POINTS} random periodic points, `Corrected` in `f32`\n\n\
-         All four rigs in turn, gap uniform from 0 to {} mm, frequency ratio uniform from {} to {} (seed {SEED}); kept are \
-         points at which the reference, from rest, finds z = p/n with n ≤ 16. Both engines run {} drive periods from rest and \
-         compare the largest force of the last {}. The requirement is {} % at 10 and 50 µs.\n\n\
-         A point lies *on the edge between two attractors* if one of {} starts of the **reference** around rest, {:e} m away \
-         (in displacement and rate/Ω), changes its regime, or its force by more than the requirement. Points at which the two engines disagree are \
-         examined for this; those on an edge are listed apart, since nothing can decide them.\n\n",
+         The points use all four rigs in turn, a random gap from 0 to {} mm and a random frequency ratio from\n\
+         {} to {} (both uniform, seed {SEED}). Only points are used at which the reference, from rest, finds a\n\
+         regime z = p/n with n ≤ 16. Both engines run {} drive periods from rest; the largest forces of the last\n\
+         {} are compared. The requirement is {} % at 10 and 50 µs.\n\n\
+         Where the engines disagree, the **reference** also runs from {} initial conditions around rest, {:e} m away\n\
+         (in displacement and rate/Ω). If one of them changes the regime, or the force by more than the\n\
+         requirement, the point lies *on the boundary between two attractors*. Such points are listed separately,\n\
+         since no engine can decide them.\n\n",
         survey::GAP_MM,
         survey::RATIOS.start,
         survey::RATIOS.end,
@@ -195,8 +204,8 @@ fn survey_section() -> Result<String, UserError> {
     }
     if !apart.is_empty() {
         text.push_str(
-            "\nOn the edge (regime and largest force):\n\n\
-             | tick | rig | gap, mm | ratio | reference from rest | nudged starts that end elsewhere | switch model |\n\
+            "\nOn the boundary (regime and largest force):\n\n\
+             | tick | rig | gap, mm | ratio | reference from rest | nearby initial conditions that end elsewhere | switch model |\n\
              |---|---|---|---|---|---|---|\n",
         );
         text.push_str(&apart);
@@ -224,8 +233,9 @@ fn edge_text(tick_us: f64, c: &Compared, look: &Edge) -> String {
 fn named_section() -> Result<String, UserError> {
     let mut text = format!(
         "## Named points, every stepper\n\n\
-         Error in percent of the largest force, and in brackets of the approach speed of that contact. Started on the \
-         reference's settled orbit; {} periods pass, the next {} are compared. An asterisk: the regime is not the reference's.\n\n",
+         Error in percent of the largest force, and in brackets of the approach speed of that contact. The runs\n\
+         start on the reference's settled orbit; after {} periods the next {} are compared. An asterisk means that\n\
+         the regime differs from the reference's.\n\n",
         named::PLAN.transient,
         named::PLAN.cycles - named::PLAN.transient,
     );
@@ -249,8 +259,9 @@ fn band_section() -> Result<String, UserError> {
     let p = band::POINT;
     let mut text = format!(
         "## How narrow the band must be\n\n\
-         {}, {:.1} mm, ratio {}, `f64`, started on the reference's orbit. Cells as above. Only the 0.05 µs column resolves the \
-         band (the hammer travels 1e-8 m in it); in the others it is stepped over.\n\nη_α, with η_β = 0.001 N:\n\n",
+         {}, {:.1} mm, ratio {}, `f64`, started on the reference's orbit. The cells have the same meaning as\n\
+         above. Only the tick of 0.05 µs resolves the band (the hammer travels 1e-8 m in it); the longer ticks step\n\
+         over it.\n\nη_α, with η_β = 0.001 N:\n\n",
         p.rig, p.gap_mm, p.ratio
     );
     let mut push = |name: &str, unit: &str, rows: Vec<(f64, Row)>| {
@@ -269,10 +280,10 @@ fn band_section() -> Result<String, UserError> {
     };
     push("η_β", "N", band::by_eta_beta());
     text.push_str(
-        "\nCrossing the band takes 2 η_α ci/m of speed, since the damper alone acts there. The half above the surface would be \
-         taken without a band too, so a contact is as if the hammer had come slower by about half of it: a free mass of \
-         0.298 kg at 0.08 m/s,\n\n\
-         | η_α | 2 η_α ci/m, m/s | as if slower by, m/s | share of 0.08 m/s, % |\n|---|---|---|---|\n",
+        "\nCrossing the band reduces the speed by 2 η_α ci/m, since the damper alone acts there. The part of the band\n\
+         inside the surface would take its half without a band, too. The effect on a contact is therefore that of an\n\
+         approach slower by about half this amount. For a free mass of 0.298 kg at 0.08 m/s:\n\n\
+         | η_α | 2 η_α ci/m, m/s | equivalent loss of speed, m/s | share of 0.08 m/s, % |\n|---|---|---|---|\n",
     );
     for eta in [1e-6, 1e-7, 5e-8, 1e-8] {
         let loss = band::loss(eta)?;
@@ -285,8 +296,8 @@ fn band_section() -> Result<String, UserError> {
         );
     }
     text.push_str(
-        "\nA hammer slower than 2 η_α ci/m is trapped in the band, and so is one that rebounds slower than ki η_α/ci: on the way \
-         out the band's damper pulls as long as F > 0.\n\n\
+        "\nA hammer slower than 2 η_α ci/m is trapped in the band. So is one that rebounds slower than ki η_α/ci: on\n\
+         the way out the band's damper pulls as long as F > 0.\n\n\
          ## The smoothing method\n\nThe same point; ε_β = 1e7 N/m · ε_α.\n\n",
     );
     text.push_str(&header("ε_α", &band::TICKS_US));
