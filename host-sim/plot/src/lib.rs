@@ -56,14 +56,18 @@ mod canvas;
 pub mod chart;
 mod colorbar;
 mod data;
+mod font;
 mod item;
 mod layout;
 mod names;
 mod palette;
 mod panel;
+mod pixels;
 mod raster;
 mod render;
 mod series;
+mod shape;
+mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;

@@ -3,9 +3,9 @@
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use plotters::style::colors::colormaps::ViridisRGB;
-use resvg::tiny_skia::{ColorU8, Pixmap};
+use tiny_skia::{ColorU8, Pixmap};
 
-use super::canvas::{Spot, library};
+use super::canvas::library;
 use super::palette::{REGIMES, regime_fill, regime_group};
 use super::{Color, PictureError};
 
@@ -154,21 +154,14 @@ impl Image {
         }
     }
 
-    /// The SVG element that shows it between two corners of the canvas, cut to the frame's corners.
-    pub fn element(&self, at: [Spot; 2], frame: [Spot; 2]) -> Result<String, PictureError> {
-        let place = |[(left, top), (right, bottom)]: [Spot; 2]| {
-            let (width, height) = (right - left, bottom - top);
-            (
-                format!("x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\""),
-                format!("{left} {top} {width} {height}"),
-            )
-        };
-        let (outer, view) = place(frame);
-        let (inner, _) = place(at);
-        let data = BASE64_STANDARD.encode(self.0.encode_png().map_err(library)?);
-        Ok(format!(
-            "<svg {outer} viewBox=\"{view}\"><image {inner} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/></svg>"
-        ))
+    pub fn pixels(&self) -> &Pixmap {
+        &self.0
+    }
+
+    /// The bytes of a PNG file, a pixel each, written in Base64.
+    pub fn base64(&self) -> Result<String, PictureError> {
+        let file = self.0.encode_png().map_err(library)?;
+        Ok(BASE64_STANDARD.encode(file))
     }
 }
 
