@@ -45,6 +45,7 @@ pub mod pick;
 pub mod poincare;
 pub mod progress;
 pub mod reference;
+pub mod regime_style;
 pub mod replay;
 pub mod rigfile;
 pub mod signal;

@@ -6,7 +6,6 @@ use plotters::style::colors::colormaps::ViridisRGB;
 use tiny_skia::{ColorU8, Pixmap};
 
 use super::canvas::library;
-use super::palette::{REGIMES, regime_fill, regime_group};
 use super::{Color, PictureError};
 
 /// The scale of a raster of numbers: shown as a bar at the right of the panel.
@@ -90,22 +89,6 @@ impl Raster {
             names: named.collect(),
             bar: None,
         }
-    }
-
-    /// Cells of regimes by name (`1/1`, `none`...), in their colours ([`regime_fill`]); see [`Raster::categories`].
-    pub fn regimes<S: AsRef<str>>(
-        x: (f64, f64),
-        y: (f64, f64),
-        columns: usize,
-        regimes: impl IntoIterator<Item = S>,
-    ) -> Self {
-        let names = REGIMES.map(|(name, _)| (name.to_owned(), regime_fill(name)));
-        let index = |regime: S| {
-            let group = regime_group(regime.as_ref());
-            REGIMES.iter().position(|(name, _)| *name == group)
-        };
-        let cells: Vec<_> = regimes.into_iter().map(index).collect();
-        Self::categories(x, y, columns, &names, &cells)
     }
 
     /// Cells of numbers on the scale of `bar`; what is not a number is left clear. See [`Raster::categories`].

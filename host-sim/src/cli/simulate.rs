@@ -9,10 +9,11 @@ use crate::engine::{
     Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
 };
 use crate::error::UserError;
+use crate::regime_style::regime_color;
 use crate::rigfile::NamedRig;
 use crate::table::{Row, to_csv, to_parquet};
 use plot::chart::Chart;
-use plot::{Axis, Color, Figure, Item, Panel, regime_color};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]

@@ -8,6 +8,7 @@ use super::emit::{emit, tables};
 use crate::error::UserError;
 use crate::pick::picture::by_regime;
 use crate::progress::Progress;
+use crate::regime_style::regime_points;
 use crate::sweep::{Direction, Measured, MeasuredError, sweep};
 use crate::table::{Row, to_csv};
 use plot::chart::Chart;
@@ -202,7 +203,7 @@ fn figure(
             .into_iter()
             .map(|(hz, ratio)| (hz, ratio * weight))
             .collect();
-        panel = panel.item(Item::regime_points(&regime, newtons));
+        panel = panel.item(regime_points(&regime, newtons));
     }
     if let Some(measured) = measured {
         panel = panel.item(Item::points("measured", BLACK, measured.points.clone()));

@@ -13,7 +13,8 @@ use super::{Along, Diagram, Family, Special};
 use crate::engine::Start;
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Plan};
-use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke, regime_color};
+use crate::regime_style::regime_color;
+use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// What simulations show at their strobes: (parameter, value).
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -10,9 +10,10 @@ use crate::engine::Start;
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Outcome, Plan};
 use crate::progress::Progress;
+use crate::regime_style::{regime_group, regime_points};
 use crate::sweep::{jumps, spread};
 use crate::table::{Row, tidy, to_csv};
-use plot::{Axis, Color, Figure, Item, Panel, regime_group};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Up and down count as different when their forces differ by more than this share.
 const JUMP_SHARE: f64 = 0.1;
@@ -316,7 +317,7 @@ fn panel(curve: &Curve, titled: bool) -> Panel {
 
 /// Dots of a regime, small enough that a curve stays a curve.
 fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
-    match Item::regime_points(regime, points) {
+    match regime_points(regime, points) {
         Item::Points {
             points,
             color,

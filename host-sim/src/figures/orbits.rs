@@ -10,8 +10,9 @@ use crate::continuation::{Along, Request, Special, curves, diagram, picture};
 use crate::error::UserError;
 use crate::lanes::{self, Cell, Plan};
 use crate::progress::Progress;
+use crate::regime_style::regime_raster;
 use crate::table::{tidy, to_csv};
-use plot::{Axis, Figure, Item, Panel, Raster, edges};
+use plot::{Axis, Figure, Item, Panel, edges};
 
 /// A gap of the chapter's diagrams and what it says of it.
 struct Diagrammed {
@@ -174,7 +175,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     );
     panel
         .items
-        .push(Item::Raster(Raster::regimes(x, y, gaps, regimes)));
+        .push(Item::Raster(regime_raster(x, y, gaps, regimes)));
     panel.items.extend(picture::line_items(&lines));
     let figure = Figure::new("Wires: where the 1/1 doubles, folds and grazes, over the Peterka map")
         .subtitle("Areas: what simulations from rest settle on. Lines: special points of the 1/1 orbits, stable or not, followed at each gap.")

@@ -3,8 +3,9 @@
 use super::against::Against;
 use super::{Portrait, Request, SectionPoint, TRAJECTORY_PERIODS};
 use crate::engine::Sample;
+use crate::regime_style::regime_color;
 use crate::rigfile::NamedRig;
-use plot::{Axis, Color, Figure, Item, Panel, regime_color};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
 const VELOCITY: &str = "velocity relative to the cart, m/s";
