@@ -117,6 +117,7 @@ impl Raster {
 }
 
 /// Pixels that are clear until set.
+#[derive(Clone)]
 pub(super) struct Image(Pixmap);
 
 impl Image {

@@ -163,3 +163,101 @@ fn escaped(text: &str) -> String {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use plotters::style::text_anchor::Pos;
+
+    use super::*;
+    use crate::Color;
+    use crate::raster::Image;
+
+    const RED: Ink = Ink {
+        color: Color::RED,
+        alpha: 1.0,
+    };
+
+    #[test]
+    fn every_shape_is_an_element() {
+        let mut pixels = Image::new(1, 1).unwrap();
+        pixels.set(0, 0, Color::BLUE);
+        let thin = Ink { alpha: 0.5, ..RED };
+        let circle = |outline| Shape::Circle {
+            middle: (4, 5),
+            radius: 6,
+            outline,
+            ink: RED,
+        };
+        let cases = [
+            (
+                Shape::Line {
+                    ends: [(1, 2), (3, 4)],
+                    width: 5,
+                    ink: thin,
+                },
+                r##"<line opacity="0.5" stroke="#D55E00" stroke-width="5" x1="1" y1="2" x2="3" y2="4"/>"##,
+            ),
+            (
+                Shape::Polyline {
+                    spots: vec![(1, 2), (-3, 4)],
+                    width: 5,
+                    ink: RED,
+                },
+                r##"<polyline fill="none" opacity="1" stroke="#D55E00" stroke-width="5" points="1,2 -3,4 "/>"##,
+            ),
+            (
+                Shape::Polygon {
+                    corners: vec![(1, 2), (3, 4), (5, 0)],
+                    ink: RED,
+                },
+                r##"<polygon opacity="1" fill="#D55E00" points="1,2 3,4 5,0 "/>"##,
+            ),
+            (
+                Shape::Rectangle {
+                    corners: [(1, 2), (11, 22)],
+                    ink: RED,
+                },
+                r##"<rect x="1" y="2" width="10" height="20" opacity="1" fill="#D55E00" stroke="none"/>"##,
+            ),
+            (
+                circle(None),
+                r##"<circle cx="4" cy="5" r="6" opacity="1" fill="#D55E00" stroke="none" stroke-width="1"/>"##,
+            ),
+            (
+                circle(Some(3)),
+                r##"<circle cx="4" cy="5" r="6" opacity="1" fill="none" stroke="#D55E00" stroke-width="3"/>"##,
+            ),
+        ];
+        for (shape, expected) in cases {
+            assert_eq!(element(&shape).unwrap(), expected);
+        }
+        let image = Shape::Image {
+            pixels,
+            corners: [(0, 0), (30, 40)],
+            frame: [(10, 20), (20, 40)],
+        };
+        let image = element(&image).unwrap();
+        let start = r#"<svg x="10" y="20" width="10" height="20" viewBox="10 20 10 20"><image x="0" y="0" width="30" height="40" preserveAspectRatio="none" style="image-rendering:pixelated" href="data:image/png;base64,"#;
+        assert!(
+            image.starts_with(start) && image.ends_with("\"/></svg>"),
+            "{image}"
+        );
+    }
+
+    #[test]
+    fn letters_keep_their_size_place_and_turn() {
+        let text = Shape::Text(Text {
+            letters: "a < b & 'c'".to_owned(),
+            at: (7, 8),
+            size: 48.0,
+            bold: true,
+            ink: RED,
+            anchor: Pos::new(HPos::Center, VPos::Top),
+            turn: 270,
+        });
+        let expected = format!(
+            "<text x=\"7\" y=\"8\" dy=\"0.76em\" text-anchor=\"middle\" font-family=\"{FAMILY}\" font-size=\"48\" opacity=\"1\" fill=\"#D55E00\" font-weight=\"bold\" transform=\"rotate(270, 7, 8)\">\na &lt; b &amp; &apos;c&apos;\n</text>"
+        );
+        assert_eq!(element(&text).unwrap(), expected);
+    }
+}
