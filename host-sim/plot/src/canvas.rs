@@ -1,35 +1,29 @@
-//! The drawing surface: lines, shapes and letters in CSS px on an SVG.
+//! The drawing surface: lines, shapes and letters in CSS px.
 //!
-//! The SVG backend knows whole numbers only, so the canvas is [`UNIT`] times
-//! finer than the picture; the SVG's view box scales it back. It knows no images either: where one goes a text is
-//! written that no other can be, and the element is put in its place when the SVG is whole.
+//! The drawing library knows whole numbers only, so the canvas is [`UNIT`] times finer than the picture.
 
 use std::cell::RefCell;
 
-use ab_glyph::{Font, FontRef};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::Color as _;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::font::Font;
+use super::raster::Image;
+use super::shape::{Recorder, Shape, Spot};
+use super::svg::FAMILY;
 use super::{Color, Mark, PictureError, Stroke};
 
 /// Canvas units in one CSS px.
 pub(super) const UNIT: f64 = 4.0;
 
-/// Fonts asked for in the SVG. The first is the one the PNG is drawn with and
-/// texts are measured by; the others are its common stand-ins.
-const FAMILY: &str = "Noto Sans, DejaVu Sans, Verdana, Segoe UI, Helvetica Neue, Arial, sans-serif";
-
-/// Plotters gives a font the size `1 / 1.24` of what it is asked for.
-const FONT_SIZE: f64 = 1.24 * UNIT;
+/// What the drawing library calls size, in font sizes.
+pub(super) const LIBRARY_FONT_SIZE: f64 = 1.24;
 
 /// The drawing area behind the canvas.
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-/// A place on the canvas, in canvas units.
-pub(super) type Spot = (i32, i32);
+pub(super) type Area<'a> = DrawingArea<Recorder<'a>, Shift>;
 
 /// A rectangle in CSS px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,7 +97,7 @@ impl Letters {
         } else {
             FontStyle::Normal
         };
-        (FAMILY, self.size * FONT_SIZE, weight)
+        (FAMILY, self.size * (LIBRARY_FONT_SIZE * UNIT), weight)
             .into_font()
             .color(&rgb(self.color))
             .pos(Pos::new(self.side, VPos::Center))
@@ -111,50 +105,15 @@ impl Letters {
 
     /// Width of `text` in CSS px.
     pub fn width(&self, text: &str) -> f64 {
-        let bytes = if self.bold {
-            notosans::BOLD_TTF
-        } else {
-            notosans::REGULAR_TTF
-        };
-        let crude = 0.6 * self.size * text.chars().count() as f64;
-        let Ok(font) = FontRef::try_from_slice(bytes) else {
-            return crude;
-        };
-        let Some(em) = font.units_per_em() else {
-            return crude;
-        };
-        let advance: f32 = text
-            .chars()
-            .map(|c| font.h_advance_unscaled(font.glyph_id(c)))
-            .sum();
-        f64::from(advance / em) * self.size
+        Font::of(self.bold).width(text) * self.size
     }
 }
 
 /// Draws on an area in CSS px.
 pub(super) struct Canvas<'a, 'b> {
     pub area: &'b Area<'a>,
-    /// Elements of images, in the order of their markers.
-    pub images: &'b RefCell<Vec<String>>,
-}
-
-/// Stands around the number of an image in the text that is written in its place; never in another text.
-const MARKER: char = '\u{E000}';
-
-/// Puts `images` where their markers stand in `svg`.
-pub(super) fn place_images(svg: &str, images: &[String]) -> String {
-    let mut out = String::with_capacity(svg.len() + images.iter().map(String::len).sum::<usize>());
-    let mut rest = svg;
-    for (k, image) in images.iter().enumerate() {
-        let marker = format!("{MARKER}{k}{MARKER}");
-        let Some((before, after)) = rest.split_once(&marker) else {
-            continue;
-        };
-        out += before.rsplit_once("<text").map_or(before, |b| b.0);
-        out += image;
-        rest = after.split_once("</text>").map_or(after, |a| a.1);
-    }
-    out + rest
+    /// What is drawn so far.
+    pub shapes: &'b RefCell<Vec<Shape>>,
 }
 
 impl Canvas<'_, '_> {
@@ -181,15 +140,13 @@ impl Canvas<'_, '_> {
         self.area.draw_text(text, &style, spot(at)).map_err(library)
     }
 
-    /// Shows an image's `element` over what is drawn so far.
-    pub fn image(&self, element: String) -> Result<(), PictureError> {
-        let mut images = self.images.borrow_mut();
-        let marker = format!("{MARKER}{}{MARKER}", images.len());
-        images.push(element);
-        let written = self
-            .area
-            .draw_text(&marker, &Letters::new(1.0).style(), (0, 0));
-        written.map_err(library)
+    /// Shows `pixels` between two corners, cut to those of `frame`.
+    pub fn image(&self, pixels: Image, corners: [Spot; 2], frame: [Spot; 2]) {
+        self.shapes.borrow_mut().push(Shape::Image {
+            pixels,
+            corners,
+            frame,
+        });
     }
 
     /// Joins spots; `width` in CSS px.
@@ -311,7 +268,7 @@ pub(super) fn library(error: impl std::fmt::Display) -> PictureError {
 /// Control characters have no place in an SVG; they become spaces.
 pub(super) fn printable(text: &str) -> String {
     let swap = |c: char| {
-        if c.is_control() || matches!(c, MARKER | '\u{FFFE}' | '\u{FFFF}') {
+        if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') {
             ' '
         } else {
             c

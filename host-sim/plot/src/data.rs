@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::canvas::{Canvas, Rect, Spot, UNIT, px, spot};
+use super::canvas::{Canvas, Rect, UNIT, px, spot};
 use super::raster::Image;
 use super::render::PNG_SCALE;
 use super::series::{Window, stretches, thin};
+use super::shape::Spot;
 use super::ticks::{axis_range, is_drawable};
 use super::{Color, Item, Mark, Panel, PictureError, Range};
 
@@ -166,8 +167,7 @@ pub(super) fn draw(
                 to_spot((raster.x.1, raster.y.0)),
             ];
             let frame = [(frame.left, frame.top), (frame.right, frame.bottom)];
-            let shown = raster.image()?.element(corners, frame.map(spot))?;
-            canvas.image(shown)?;
+            canvas.image(raster.image()?, corners, frame.map(spot));
         }
         Item::BandX { .. } | Item::MarkX { .. } | Item::MarkPoint { .. } => {}
     }
@@ -202,5 +202,6 @@ fn cloud(
         }
     }
     let at = [(left, top), (left + width * fine, top + height * fine)];
-    canvas.image(image.element(at, corners)?)
+    canvas.image(image, at, corners);
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! What can be drawn in a panel.
 
-use super::{Color, Mark, Point, Raster, Stroke, regime_style};
+use super::{Color, Mark, Point, Raster, Stroke, Style};
 
 /// Something drawn in a panel. An empty label keeps it out of the legend.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,14 +123,12 @@ impl Item {
         }
     }
 
-    /// Points of one regime in its own colour and shape ([`regime_style`]),
-    /// named by the regime.
-    pub fn regime_points(regime: &str, points: Vec<Point>) -> Self {
-        let style = regime_style(regime);
+    /// Points of 3 px radius in the colour and shape of `style`.
+    pub fn styled_points(label: impl Into<String>, style: Style, points: Vec<Point>) -> Self {
         Self::Points {
             points,
             color: style.color,
-            label: regime.to_owned(),
+            label: label.into(),
             radius: 3.0,
             mark: style.mark,
         }

@@ -6,12 +6,12 @@
 //! Font License 1.1), and the same figure always gives the same bytes.
 //!
 //! ```
-//! use plot::{Axis, Figure, Item, Panel, regime_color, render_svg};
+//! use plot::{Axis, Color, Figure, Item, Panel, render_svg};
 //!
 //! let curve = (0..50).map(|i| (20.0 + f64::from(i), 300.0 + 5.0 * f64::from(i))).collect();
 //! let figure = Figure::new("Impact force over drive frequency").panel(
 //!     Panel::new(Axis::new("frequency, Hz"), Axis::new("peak force, N"))
-//!         .item(Item::line("1/1", regime_color("1/1"), curve))
+//!         .item(Item::line("one impact a period", Color::BLUE, curve))
 //!         .item(Item::mark_x("period doubling", 52.0)),
 //! );
 //! let svg = render_svg(&figure)?;
@@ -24,9 +24,9 @@
 //! What has too many parts to be drawn one by one is put into the picture as a small PNG, with crisp pixels, in the
 //! SVG as well:
 //!
-//! - [`Item::Raster`]: a grid of cells. [`Raster::regimes`] for a map of regimes, [`Raster::categories`] for any other
-//!   kinds (a basin's impact and no impact), [`Raster::values`] for a number per cell with a colour bar. Cells come row
-//!   by row from the lowest y, in each row by rising x; [`edges`] gives the outer edges from the first and last centre.
+//! - [`Item::Raster`]: a grid of cells. [`Raster::categories`] for kinds, each with a name and a colour,
+//!   [`Raster::values`] for a number per cell with a colour bar. Cells come row by row from the lowest y, in each row by
+//!   rising x; [`edges`] gives the outer edges from the first and last centre.
 //! - [`Item::Cloud`] (by [`Item::cloud`]): up to millions of points, a dot each: bifurcation diagrams, sections.
 //!
 //! ```
@@ -35,7 +35,8 @@
 //! // Three frequencies by two gaps.
 //! let x = edges(1.0, 2.0, 3);
 //! let y = edges(0.0, 0.1, 2);
-//! let map = Raster::regimes(x, y, 3, ["1/1", "1/1", "2/2", "1/1", "none", "1/2"]);
+//! let kinds = [("impact".to_owned(), Color::BLUE), ("no impact".to_owned(), Color::GREY)];
+//! let map = Raster::categories(x, y, 3, &kinds, &[Some(0), Some(0), None, Some(0), Some(1), Some(1)]);
 //! let force = [1.0, 2.0, f64::NAN, 1.5, f64::NAN, f64::NAN];
 //! let by_force = Raster::values(x, y, 3, &force, Bar::new("force ratio", 0.0, 2.0));
 //! let hz = || Axis::new("frequency, Hz");
@@ -56,23 +57,24 @@ mod canvas;
 pub mod chart;
 mod colorbar;
 mod data;
+mod font;
 mod item;
 mod layout;
 mod names;
 mod palette;
 mod panel;
+mod pixels;
 mod raster;
 mod render;
 mod series;
+mod shape;
+mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
 
 pub use item::Item;
-pub use palette::{
-    Color, Mark, OTHER_PERIODIC, REGIMES, RegimeStyle, Stroke, regime_color, regime_fill,
-    regime_group, regime_style,
-};
+pub use palette::{Color, Mark, Stroke, Style};
 pub use raster::{Bar, Raster, edges};
 pub use render::{PNG_SCALE, render_png, render_svg};
 

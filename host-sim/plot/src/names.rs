@@ -1,8 +1,9 @@
 //! What explains a panel: its legend, named vertical markers, named points.
 
-use super::canvas::{Canvas, Letters, Rect, Spot, px, spot};
+use super::canvas::{Canvas, Letters, Rect, px, spot};
 use super::layout::{Slot, beside, fit, stagger};
 use super::series::Window;
+use super::shape::Spot;
 use super::{Color, Item, Mark, Panel, PictureError, Stroke};
 
 const NAME_TEXT: f64 = 12.0;

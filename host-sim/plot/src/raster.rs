@@ -3,10 +3,9 @@
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use plotters::style::colors::colormaps::ViridisRGB;
-use resvg::tiny_skia::{ColorU8, Pixmap};
+use tiny_skia::{ColorU8, Pixmap};
 
-use super::canvas::{Spot, library};
-use super::palette::{REGIMES, regime_fill, regime_group};
+use super::canvas::library;
 use super::{Color, PictureError};
 
 /// The scale of a raster of numbers: shown as a bar at the right of the panel.
@@ -92,22 +91,6 @@ impl Raster {
         }
     }
 
-    /// Cells of regimes by name (`1/1`, `none`...), in their colours ([`regime_fill`]); see [`Raster::categories`].
-    pub fn regimes<S: AsRef<str>>(
-        x: (f64, f64),
-        y: (f64, f64),
-        columns: usize,
-        regimes: impl IntoIterator<Item = S>,
-    ) -> Self {
-        let names = REGIMES.map(|(name, _)| (name.to_owned(), regime_fill(name)));
-        let index = |regime: S| {
-            let group = regime_group(regime.as_ref());
-            REGIMES.iter().position(|(name, _)| *name == group)
-        };
-        let cells: Vec<_> = regimes.into_iter().map(index).collect();
-        Self::categories(x, y, columns, &names, &cells)
-    }
-
     /// Cells of numbers on the scale of `bar`; what is not a number is left clear. See [`Raster::categories`].
     pub fn values(x: (f64, f64), y: (f64, f64), columns: usize, values: &[f64], bar: Bar) -> Self {
         Self {
@@ -134,6 +117,7 @@ impl Raster {
 }
 
 /// Pixels that are clear until set.
+#[derive(Clone)]
 pub(super) struct Image(Pixmap);
 
 impl Image {
@@ -154,21 +138,14 @@ impl Image {
         }
     }
 
-    /// The SVG element that shows it between two corners of the canvas, cut to the frame's corners.
-    pub fn element(&self, at: [Spot; 2], frame: [Spot; 2]) -> Result<String, PictureError> {
-        let place = |[(left, top), (right, bottom)]: [Spot; 2]| {
-            let (width, height) = (right - left, bottom - top);
-            (
-                format!("x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\""),
-                format!("{left} {top} {width} {height}"),
-            )
-        };
-        let (outer, view) = place(frame);
-        let (inner, _) = place(at);
-        let data = BASE64_STANDARD.encode(self.0.encode_png().map_err(library)?);
-        Ok(format!(
-            "<svg {outer} viewBox=\"{view}\"><image {inner} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{data}\"/></svg>"
-        ))
+    pub fn pixels(&self) -> &Pixmap {
+        &self.0
+    }
+
+    /// The bytes of a PNG file, a pixel each, written in Base64.
+    pub fn base64(&self) -> Result<String, PictureError> {
+        let file = self.0.encode_png().map_err(library)?;
+        Ok(BASE64_STANDARD.encode(file))
     }
 }
 

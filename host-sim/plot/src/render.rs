@@ -3,12 +3,12 @@
 use std::cell::RefCell;
 
 use plotters::prelude::*;
-use resvg::{tiny_skia, usvg};
 
-use super::canvas::{Canvas, Letters, Rect, UNIT, library, place_images};
+use super::canvas::{Canvas, Letters, Rect, UNIT, library};
 use super::data::on_even_axes;
 use super::layout::{grid, wrap};
-use super::{Color, Figure, PictureError, panel};
+use super::shape::{Recorder, Shape};
+use super::{Color, Figure, PictureError, panel, pixels, svg};
 
 /// Pixels of a PNG per CSS px of the figure.
 pub const PNG_SCALE: u32 = 2;
@@ -24,29 +24,7 @@ const SUBTITLE_COLOR: Color = Color(0x55, 0x55, 0x55);
 /// [`PictureError::Size`] or [`PictureError::Crowded`] when the figure does not
 /// fit its size.
 pub fn render_svg(figure: &Figure) -> Result<String, PictureError> {
-    let (width, height) = figure.size;
-    let allowed = 200..=8000;
-    if !allowed.contains(&width) || !allowed.contains(&height) {
-        return Err(PictureError::Size { width, height });
-    }
-    let fine = (width * UNIT as u32, height * UNIT as u32);
-    let mut svg = String::new();
-    let images = RefCell::new(Vec::new());
-    {
-        let area = SVGBackend::with_string(&mut svg, fine).into_drawing_area();
-        area.fill(&WHITE).map_err(library)?;
-        let canvas = Canvas {
-            area: &area,
-            images: &images,
-        };
-        draw(&canvas, figure)?;
-        area.present().map_err(library)?;
-    }
-    // The view box stays fine, the picture gets the size that was asked for.
-    let drawn = format!("<svg width=\"{}\" height=\"{}\"", fine.0, fine.1);
-    let wanted = format!("<svg width=\"{width}\" height=\"{height}\"");
-    let svg = svg.replacen(&drawn, &wanted, 1);
-    Ok(place_images(&svg, &images.into_inner()))
+    svg::document(&shapes(figure)?, figure.size, fine(figure))
 }
 
 /// Draws `figure` as the bytes of a PNG file, [`PNG_SCALE`] pixels per CSS px.
@@ -54,23 +32,36 @@ pub fn render_svg(figure: &Figure) -> Result<String, PictureError> {
 /// # Errors
 /// As [`render_svg`].
 pub fn render_png(figure: &Figure) -> Result<Vec<u8>, PictureError> {
-    let svg = render_svg(figure)?;
-    let mut options = usvg::Options {
-        font_family: "Noto Sans".to_owned(),
-        ..usvg::Options::default()
-    };
-    let fonts = options.fontdb_mut();
-    fonts.load_font_data(notosans::REGULAR_TTF.to_vec());
-    fonts.load_font_data(notosans::BOLD_TTF.to_vec());
-    fonts.set_sans_serif_family("Noto Sans");
-    let tree = usvg::Tree::from_str(&svg, &options).map_err(library)?;
+    pixels::file(&shapes(figure)?, figure.size)
+}
+
+/// Width and height of the canvas, in canvas units.
+fn fine(figure: &Figure) -> (u32, u32) {
     let (width, height) = figure.size;
-    let mut pixels = tiny_skia::Pixmap::new(width * PNG_SCALE, height * PNG_SCALE)
-        .ok_or(PictureError::Size { width, height })?;
-    let scale = PNG_SCALE as f32;
-    let enlarge = tiny_skia::Transform::from_scale(scale, scale);
-    resvg::render(&tree, enlarge, &mut pixels.as_mut());
-    pixels.encode_png().map_err(library)
+    (width * UNIT as u32, height * UNIT as u32)
+}
+
+/// What both files show.
+fn shapes(figure: &Figure) -> Result<Vec<Shape>, PictureError> {
+    let (width, height) = figure.size;
+    let allowed = 200..=8000;
+    if !allowed.contains(&width) || !allowed.contains(&height) {
+        return Err(PictureError::Size { width, height });
+    }
+    let shapes = RefCell::new(Vec::new());
+    let recorder = Recorder {
+        size: fine(figure),
+        shapes: &shapes,
+    };
+    let area = recorder.into_drawing_area();
+    area.fill(&WHITE).map_err(library)?;
+    let canvas = Canvas {
+        area: &area,
+        shapes: &shapes,
+    };
+    draw(&canvas, figure)?;
+    drop(area);
+    Ok(shapes.into_inner())
 }
 
 /// Title, subtitle and the grid of panels.

@@ -6,6 +6,7 @@ use super::common::{Common, Cycles, Format, parse_start};
 use super::drive::At;
 use super::emit::emit;
 use crate::pictures::drawn;
+use crate::pictures::regimes::regime_color;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
@@ -14,7 +15,7 @@ use numerics::engine::{
 };
 use numerics::row::Row;
 use plot::chart::Chart;
-use plot::{Axis, Color, Figure, Item, Panel, regime_color};
+use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
 #[derive(Debug, clap::Args)]

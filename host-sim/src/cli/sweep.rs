@@ -8,6 +8,7 @@ use super::drive::Over;
 use super::emit::{emit, tables};
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
+use crate::pictures::regimes::regime_points;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
@@ -209,7 +210,7 @@ fn figure(
             .into_iter()
             .map(|(hz, ratio)| (hz, ratio * weight))
             .collect();
-        panel = panel.item(Item::regime_points(&regime, newtons));
+        panel = panel.item(regime_points(&regime, newtons));
     }
     if let Some(measured) = measured {
         panel = panel.item(Item::points("measured", BLACK, measured.points.clone()));

@@ -7,6 +7,7 @@ use shared::model::rig::Rig;
 
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
+use crate::pictures::regimes::{regime_group, regime_points};
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
@@ -15,7 +16,7 @@ use numerics::lanes::{self, Cell, Outcome, Plan};
 use numerics::row::regime_as_text;
 use numerics::row::{Row, tidy};
 use numerics::sweep::{jumps, spread};
-use plot::{Axis, Color, Figure, Item, Panel, regime_group};
+use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
 /// Up and down count as different when their forces differ by more than this share.
@@ -321,7 +322,7 @@ fn panel(curve: &Curve, titled: bool) -> Panel {
 
 /// Dots of a regime, small enough that a curve stays a curve.
 fn small(regime: &str, points: Vec<(f64, f64)>) -> Item {
-    match Item::regime_points(regime, points) {
+    match regime_points(regime, points) {
         Item::Points {
             points,
             color,

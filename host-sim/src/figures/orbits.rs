@@ -7,6 +7,7 @@ use shared::model::rig::Rig;
 use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
+use crate::pictures::regimes::regime_raster;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
@@ -14,7 +15,7 @@ use numerics::continuation::table::{Answer, line_rows};
 use numerics::continuation::{Along, Request, Special, curves, diagram};
 use numerics::lanes::{self, Cell, Plan};
 use numerics::row::tidy;
-use plot::{Axis, Figure, Item, Panel, Raster, edges};
+use plot::{Axis, Figure, Item, Panel, edges};
 
 /// A gap of the chapter's diagrams and what it says of it.
 struct Diagrammed {
@@ -177,7 +178,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     );
     panel
         .items
-        .push(Item::Raster(Raster::regimes(x, y, gaps, regimes)));
+        .push(Item::Raster(regime_raster(x, y, gaps, regimes)));
     panel.items.extend(pictures::orbits::line_items(&lines));
     let figure = Figure::new("Wires: where the 1/1 doubles, folds and grazes, over the Peterka map")
         .subtitle("Areas: what simulations from rest settle on. Lines: special points of the 1/1 orbits, stable or not, followed at each gap.")

@@ -1,7 +1,8 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
+use crate::pictures::regimes::regime_color;
 use numerics::basins::{Basins, Look};
-use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, regime_color};
+use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
 /// The chapter's colours.
 const IMPACT: Color = Color::BLUE;

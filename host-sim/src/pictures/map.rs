@@ -2,10 +2,9 @@
 
 use shared::model::regime::Regime;
 
+use crate::pictures::regimes::{regime_color, regime_group, regime_raster};
 use numerics::map::Map;
-use plot::{
-    Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges, regime_color, regime_group,
-};
+use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 
 /// A point laid over a map: gap (mm), drive frequency (Hz), and what was seen there.
 pub type Seen = (f64, f64, Regime);
@@ -170,7 +169,7 @@ fn regime_panel(map: &Map) -> Panel {
         }
     });
     let names: Vec<&str> = names.collect();
-    let raster = Raster::regimes(x, y, map.grid.frequencies_hz.len(), names);
+    let raster = regime_raster(x, y, map.grid.frequencies_hz.len(), names);
     axes().item(Item::Raster(raster))
 }
 

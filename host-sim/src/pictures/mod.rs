@@ -14,6 +14,7 @@ pub mod map;
 pub mod orbits;
 pub mod pick;
 pub mod poincare;
+pub mod regimes;
 
 /// `figure` as the files `NAME.svg` and `NAME.png`.
 ///

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
+use crate::pictures::regimes::regime_color;
 use files::UserError;
 use numerics::continuation::curves::Line;
 use numerics::continuation::family::Node;
@@ -13,7 +14,7 @@ use numerics::continuation::table::{seen, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, Plan};
-use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke, regime_color};
+use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// What simulations show at their strobes: (parameter, value).
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,9 +1,10 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
+use crate::pictures::regimes::{OTHER_PERIODIC, regime_points};
 use crate::words::pick::why;
 use numerics::pick::Pick;
 use numerics::row::Row;
-use plot::{Axis, Color, Figure, Item, OTHER_PERIODIC, Panel};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
 
@@ -65,7 +66,7 @@ fn panel(pick: &Pick) -> Panel {
         pick.curve.clone(),
     ));
     for (regime, points) in by_regime(pick.up.iter().chain(&pick.down)) {
-        panel = panel.item(Item::regime_points(&regime, points));
+        panel = panel.item(regime_points(&regime, points));
     }
     let at_natural = answer.force_ratio_at_natural_frequency;
     panel = panel

@@ -1,10 +1,11 @@
 //! Sections drawn.
 
+use crate::pictures::regimes::regime_color;
 use numerics::NamedRig;
 use numerics::engine::Sample;
 use numerics::poincare::against::Against;
 use numerics::poincare::{Portrait, Request, SectionPoint, TRAJECTORY_PERIODS};
-use plot::{Axis, Color, Figure, Item, Panel, regime_color};
+use plot::{Axis, Color, Figure, Item, Panel};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
 const VELOCITY: &str = "velocity relative to the cart, m/s";
