@@ -6,10 +6,9 @@ use std::time::{Duration, Instant};
 use crate::{
     Outcome,
     command::{self, cargo, run_tee},
-    debian,
     desktop::Build,
     firmware::{self, Board},
-    flip_link, forecast, pil, size,
+    forecast, pil, size, tools,
 };
 
 /// The host tests take minutes; a quarter of an hour is a test that hangs.
@@ -19,10 +18,7 @@ const TEST_LIMIT: Duration = Duration::from_secs(15 * 60);
 type Step = (&'static str, fn() -> Outcome<String>);
 
 const STEPS: &[Step] = &[
-    ("tools", || {
-        debian::provide()?;
-        silent(flip_link::provide().map(drop))
-    }),
+    ("tools", || silent(tools::list())),
     ("format", || {
         silent(command::run(cargo().args(["fmt", "--all", "--check"])))
     }),
@@ -67,7 +63,7 @@ fn silent(outcome: Outcome) -> Outcome<String> {
 fn board(board: Board) -> Outcome<String> {
     firmware::lint(board)?;
     firmware::build(board)?;
-    Ok(format!("built with {}", firmware::toolchain()?.describe()))
+    Ok(format!("built with {}", tools::toolchain()?.describe()))
 }
 
 fn host_tests() -> Outcome<String> {

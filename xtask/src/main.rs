@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo xtask test          everything that must hold before a change is done
+//! cargo xtask tools         gets the tools that checks and builds need, and lists them
 //! cargo xtask firmware      builds the firmware
 //! cargo xtask qemu          runs it in QEMU
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
@@ -13,17 +14,15 @@
 mod budgets;
 mod checks;
 mod command;
-mod debian;
 mod desktop;
 mod firmware;
 mod flash;
-mod flip_link;
 mod forecast;
 mod pil;
 mod qemu;
 mod size;
 mod ticks;
-mod toolchain;
+mod tools;
 
 use std::process::ExitCode;
 
@@ -36,7 +35,8 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   test                        everything that must hold before a change is done;
-                              installs what it lacks on Debian as root, else says what to install
+                              unpacks the tools it lacks on Debian, else says what to install
+  tools                       get the tools that checks and builds need, and list them
   firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
   qemu                        run the firmware in QEMU; its verdict is the exit code
   pil [--scenario NAME] [--seconds S] [--runs N]
@@ -54,6 +54,7 @@ cargo xtask COMMAND
 enum Job {
     Help,
     Test,
+    Tools,
     Firmware(Vec<Board>),
     Qemu,
     Pil(pil::Plan),
@@ -66,6 +67,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
     match args {
         [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
         ["test"] => Ok(Job::Test),
+        ["tools"] => Ok(Job::Tools),
         ["firmware"] => Ok(Job::Firmware(Board::ALL.to_vec())),
         ["firmware", "--board", name] => Board::named(name)
             .map(|board| Job::Firmware(vec![board]))
@@ -86,6 +88,7 @@ fn run(job: Job) -> Outcome {
     match job {
         Job::Help => print!("{HELP}"),
         Job::Test => checks::run()?,
+        Job::Tools => tools::list()?,
         Job::Firmware(boards) => {
             for board in boards {
                 for image in firmware::build(board)? {
@@ -132,6 +135,7 @@ mod tests {
     fn every_command_of_the_help_is_understood() {
         for word in [
             "test",
+            "tools",
             "firmware",
             "qemu",
             "pil",

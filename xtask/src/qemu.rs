@@ -5,9 +5,9 @@ use std::{path::Path, process::Command, time::Duration};
 
 use crate::{
     Outcome,
-    command::{self, find, run_tee},
-    debian,
+    command::{self, run_tee},
     firmware::{self, Board},
+    tools,
 };
 
 /// No run of ours takes this long; one that does hangs.
@@ -30,8 +30,7 @@ pub fn start(image: &Path, options: &[&str], echo: bool) -> Outcome<Vec<String>>
 
 /// QEMU with an image, to be started.
 pub fn command(image: &Path, semihosting: &str, options: &[&str]) -> Outcome<Command> {
-    let qemu = find("qemu-system-arm").ok_or_else(debian::qemu_advice)?;
-    let mut command = Command::new(qemu);
+    let mut command = Command::new(tools::qemu()?);
     command
         .current_dir(command::root())
         .args([
