@@ -3,8 +3,8 @@
 use host_sim::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use host_sim::orbit::{Multipliers, shoot};
 use host_sim::pick::{Answer, Limits, pick};
-use host_sim::rigfile::NamedRig;
 use host_sim::progress::Progress as Bar;
+use host_sim::rigfile::NamedRig;
 use shared::forecast::march::Model;
 use shared::forecast::shoot::{Progress, Shoot, Solution};
 use shared::forecast::{Forecast, Forecaster, Request, Target};

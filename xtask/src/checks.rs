@@ -1,7 +1,7 @@
 //! `cargo xtask test`: what must hold before a change is done, one step after
 //! the other; the first that fails ends it.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::{
     Outcome,
@@ -10,9 +10,6 @@ use crate::{
     firmware::{self, Board},
     forecast, pil, size, tools,
 };
-
-/// The host tests take minutes; a quarter of an hour is a test that hangs.
-const TEST_LIMIT: Duration = Duration::from_secs(15 * 60);
 
 /// A step ends with a remark for the summary, often empty.
 type Step = (&'static str, fn() -> Outcome<String>);
@@ -69,7 +66,6 @@ fn board(board: Board) -> Outcome<String> {
 fn host_tests() -> Outcome<String> {
     let lines = run_tee(
         cargo().args(["test", "--workspace", "--no-fail-fast"]),
-        TEST_LIMIT,
         true,
     )?;
     Ok(format!("{} tests passed", passed(&lines)))

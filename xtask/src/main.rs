@@ -18,6 +18,7 @@ mod desktop;
 mod firmware;
 mod flash;
 mod forecast;
+mod liveness;
 mod pil;
 mod qemu;
 mod size;

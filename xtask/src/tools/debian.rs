@@ -242,8 +242,20 @@ impl Apt {
         for file in files {
             output(Command::new("dpkg-deb").arg("-x").arg(file).arg(tree))?;
         }
+        keep_library_sources(tree)?;
         make_links_relative(tree, tree)
     }
+}
+
+/// Of Rust's sources, 440 MB, only those of its library are needed.
+fn keep_library_sources(tree: &Path) -> Outcome {
+    for sources in fs::read_dir(tree.join("usr/src")).into_iter().flatten() {
+        let sources = sources?.path();
+        for folder in ["src", "compiler"] {
+            remove(&sources.join(folder))?;
+        }
+    }
+    Ok(())
 }
 
 /// Everything apt writes goes into `folder`; hooks of the system's configuration are not run.

@@ -83,7 +83,7 @@ fn version(command: &mut Command) -> String {
 /// Sees to it that every tool is there, and prints a line for each: what it is for, its version, where it is.
 pub fn list() -> Outcome {
     let line = |purpose: &str, version: &str, place: &str| {
-        println!("{purpose:<32} {version:<50} {place}");
+        println!("{purpose:<28} {version}; {place}");
     };
     for (tool, purpose) in [("fmt", "format"), ("clippy", "lints")] {
         let version =
@@ -101,7 +101,8 @@ pub fn list() -> Outcome {
     match toolchain.linker() {
         Some(linker) => line(
             "firmware: linker",
-            &version(&mut Command::new(linker)),
+            // `rust-lld` is told which linker to be; `ld.lld` knows, and takes the same words.
+            &version(Command::new(linker).args(["-flavor", "gnu"])),
             &linker.display().to_string(),
         ),
         None => line("firmware: linker", "rust-lld", "the Rust in use has it"),
