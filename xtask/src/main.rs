@@ -8,6 +8,7 @@
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
+//! cargo xtask first-answer  times a build from nothing and the first answer
 //! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
 //! ```
 
@@ -16,6 +17,7 @@ mod checks;
 mod command;
 mod desktop;
 mod firmware;
+mod first_answer;
 mod flash;
 mod forecast;
 mod liveness;
@@ -23,6 +25,7 @@ mod pil;
 mod qemu;
 mod size;
 mod ticks;
+mod timing;
 mod tools;
 
 use std::process::ExitCode;
@@ -47,6 +50,8 @@ cargo xtask COMMAND
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
+  first-answer [--json FILE]  build host-sim from nothing and run `pick`: wall and processor time of both, and the
+                              ten dearest crates
   flash                       build for the NUCLEO-F446RE, flash it and show its log
 ";
 
@@ -61,6 +66,7 @@ enum Job {
     Pil(pil::Plan),
     BenchTicks,
     Size,
+    FirstAnswer(first_answer::Plan),
     Flash,
 }
 
@@ -75,6 +81,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
             .ok_or_else(|| format!("no board `{name}`: choose nucleo or qemu")),
         ["qemu"] => Ok(Job::Qemu),
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
+        ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["flash"] => Ok(Job::Flash),
         ["bench-ticks"] => Ok(Job::BenchTicks),
         ["size"] => Ok(Job::Size),
@@ -99,6 +106,7 @@ fn run(job: Job) -> Outcome {
         }
         Job::Qemu => drop(qemu::run()?),
         Job::Pil(plan) => pil::run(&plan, &desktop::Build::Alone)?,
+        Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Flash => flash::run()?,
         Job::BenchTicks => {
             ticks::run()?;
@@ -110,6 +118,9 @@ fn run(job: Job) -> Outcome {
 }
 
 fn main() -> ExitCode {
+    if let Some(code) = timing::rustc() {
+        return code;
+    }
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let job = match parse(&args) {
@@ -142,6 +153,7 @@ mod tests {
             "pil",
             "bench-ticks",
             "size",
+            "first-answer",
             "flash",
         ] {
             assert!(
