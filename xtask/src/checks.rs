@@ -6,7 +6,7 @@ use crate::{
     command::{self, cargo, run_tee},
     desktop::Build,
     firmware::{self, Board},
-    forecast, pil, size,
+    forecast, msrv, pil, size,
     timing::{Spent, Stopwatch},
     tools,
 };
@@ -29,6 +29,8 @@ const STEPS: &[Step] = &[
             "warnings",
         ])))
     }),
+    ("oldest Rust", msrv::run),
+    ("dependencies", dependencies),
     ("documentation", || {
         silent(command::run(
             cargo()
@@ -55,6 +57,19 @@ const STEPS: &[Step] = &[
 
 fn silent(outcome: Outcome) -> Outcome<String> {
     outcome.map(|()| String::new())
+}
+
+/// Known faults are not looked up: they are fetched from the network, and may be new without any change here.
+fn dependencies() -> Outcome<String> {
+    if command::find("cargo-deny").is_none() {
+        let remark = "skipped: no cargo-deny here; type: cargo install --locked cargo-deny";
+        println!("{remark}");
+        return Ok(remark.into());
+    }
+    let mut deny = cargo();
+    silent(command::run(
+        deny.args(["deny", "check", "licenses", "bans", "sources"]),
+    ))
 }
 
 fn board(board: Board) -> Outcome<String> {

@@ -9,6 +9,7 @@
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
+//! cargo xtask msrv          checks the workspace with the oldest Rust it supports
 //! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
 //! ```
 
@@ -20,7 +21,10 @@ mod firmware;
 mod first_answer;
 mod flash;
 mod forecast;
+#[cfg(test)]
+mod layers;
 mod liveness;
+mod msrv;
 mod pil;
 mod qemu;
 mod size;
@@ -52,6 +56,8 @@ cargo xtask COMMAND
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
   first-answer [--json FILE]  build host-sim from nothing and run `pick`: wall and processor time of both, and the
                               ten dearest crates
+  msrv [--version]            check the workspace with the oldest Rust it supports, if that is installed;
+                              with --version only print which that is
   flash                       build for the NUCLEO-F446RE, flash it and show its log
 ";
 
@@ -67,6 +73,8 @@ enum Job {
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
+    Msrv,
+    OldestRust,
     Flash,
 }
 
@@ -82,6 +90,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["qemu"] => Ok(Job::Qemu),
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
+        ["msrv"] => Ok(Job::Msrv),
+        ["msrv", "--version"] => Ok(Job::OldestRust),
         ["flash"] => Ok(Job::Flash),
         ["bench-ticks"] => Ok(Job::BenchTicks),
         ["size"] => Ok(Job::Size),
@@ -107,6 +117,8 @@ fn run(job: Job) -> Outcome {
         Job::Qemu => drop(qemu::run()?),
         Job::Pil(plan) => pil::run(&plan, &desktop::Build::Alone)?,
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
+        Job::Msrv => drop(msrv::run()?),
+        Job::OldestRust => println!("{}", msrv::OLDEST),
         Job::Flash => flash::run()?,
         Job::BenchTicks => {
             ticks::run()?;
@@ -154,6 +166,7 @@ mod tests {
             "bench-ticks",
             "size",
             "first-answer",
+            "msrv",
             "flash",
         ] {
             assert!(

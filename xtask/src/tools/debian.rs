@@ -9,6 +9,7 @@ use std::{
     process::{Command, Stdio},
 };
 
+use super::toolchain::version_of;
 use crate::{
     Outcome,
     command::{self, find},
@@ -23,6 +24,8 @@ pub struct Bundle {
     pub packages: &'static [&'static str],
     /// The programs wanted of them, all in `/usr/bin`.
     pub programs: &'static [&'static str],
+    /// The oldest version of its first program that will do; empty: any.
+    pub oldest: &'static str,
 }
 
 /// The emulator.
@@ -30,6 +33,7 @@ pub const QEMU: Bundle = Bundle {
     name: "qemu",
     packages: &["qemu-system-arm"],
     programs: &["qemu-system-arm"],
+    oldest: "",
 };
 
 /// Debian's Rust with the sources of `core`.
@@ -37,6 +41,7 @@ pub const RUST: Bundle = Bundle {
     name: "rust",
     packages: &["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"],
     programs: &["rustc", "cargo", "cargo-clippy", "clippy-driver"],
+    oldest: env!("CARGO_PKG_RUST_VERSION"),
 };
 
 /// A linker for the microcontroller.
@@ -44,6 +49,7 @@ pub const LLD: Bundle = Bundle {
     name: "lld",
     packages: &["lld"],
     programs: &["ld.lld"],
+    oldest: "",
 };
 
 /// Dependencies taken from the system: the C library (two of them in one process do not work), the C compiler, which
@@ -130,7 +136,7 @@ impl Bundle {
         );
         self.unpack().map_err(|error| {
             format!(
-                "cannot get Debian's {}: {error}; check the network, or type: {}",
+                "cannot get Debian's {}: {error}; check the network and apt's sources, or type: {}",
                 self.packages.join(", "),
                 self.install_line()
             )
@@ -153,7 +159,10 @@ impl Bundle {
         let libraries = library_folders(&tree)?;
         for program in self.programs {
             wrap(&tree, program, &libraries)?;
-            works(&starters.join(program))?;
+            let version = version(&starters.join(program))?;
+            if *program == self.programs[0] && version_of(&version) < version_of(self.oldest) {
+                return Err(format!("{version} is older than {}", self.oldest).into());
+            }
         }
         let stamp = format!("{}\n{}\n", self.wanted(), packages.join("\n"));
         fs::write(tree.join(STAMP), stamp)?;
@@ -358,9 +367,10 @@ fn wrap(tree: &Path, program: &str, libraries: &[String]) -> Outcome {
     output(Command::new("chmod").arg("755").arg(&path)).map(drop)
 }
 
-/// An error if the program cannot say its version: a library is missing, say.
-fn works(program: &Path) -> Outcome {
-    output(Command::new(program).arg("--version")).map(drop)
+/// What the program says of its version; an error if it cannot: a library is missing, say.
+fn version(program: &Path) -> Outcome<String> {
+    output(Command::new(program).arg("--version"))
+        .map(|text| text.lines().next().unwrap_or_default().to_owned())
 }
 
 /// A program's standard output; on failure the last line it wrote, an error of apt's rather than a warning.

@@ -113,7 +113,7 @@ fn is_debian_rust(bin: &Path) -> bool {
 }
 
 /// Major and minor version in `rustc 1.96.0 (…)` or `1.88`.
-fn version_of(text: &str) -> Option<(u32, u32)> {
+pub fn version_of(text: &str) -> Option<(u32, u32)> {
     let number = text
         .split_whitespace()
         .find(|word| word.starts_with(|c: char| c.is_ascii_digit()))?;
