@@ -134,7 +134,10 @@ impl Bundle {
             self.packages.join(", "),
             tools().join(self.name).display()
         );
-        self.unpack().map_err(|error| {
+        let part = tools().join(format!("{}.part", self.name));
+        self.unpack(&part).map_err(|error| {
+            // Its remains are of no use, and the next run begins by removing them anyway.
+            let _ = remove(&part);
             format!(
                 "cannot get Debian's {}: {error}; check the network and apt's sources, or type: {}",
                 self.packages.join(", "),
@@ -144,10 +147,9 @@ impl Bundle {
         })
     }
 
-    /// Unpacks into a folder beside and renames it when it is whole.
-    fn unpack(&self) -> Outcome {
-        let part = tools().join(format!("{}.part", self.name));
-        remove(&part)?;
+    /// Unpacks into the folder `part` and renames it when it is whole.
+    fn unpack(&self, part: &Path) -> Outcome {
+        remove(part)?;
         let tree = part.join(self.name);
         fs::create_dir_all(&tree)?;
         let apt = Apt::new(&part.join("apt"))?;
@@ -169,7 +171,7 @@ impl Bundle {
         let whole = tools().join(self.name);
         remove(&whole)?;
         fs::rename(&tree, &whole)?;
-        remove(&part)
+        remove(part)
     }
 }
 
