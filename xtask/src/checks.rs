@@ -1,28 +1,21 @@
 //! `cargo xtask test`: what must hold before a change is done, one step after
 //! the other; the first that fails ends it.
 
-use std::time::{Duration, Instant};
-
 use crate::{
     Outcome,
     command::{self, cargo, run_tee},
-    debian,
     desktop::Build,
     firmware::{self, Board},
-    flip_link, forecast, pil, size,
+    forecast, msrv, pil, size,
+    timing::{Spent, Stopwatch},
+    tools,
 };
-
-/// The host tests take minutes; a quarter of an hour is a test that hangs.
-const TEST_LIMIT: Duration = Duration::from_secs(15 * 60);
 
 /// A step ends with a remark for the summary, often empty.
 type Step = (&'static str, fn() -> Outcome<String>);
 
 const STEPS: &[Step] = &[
-    ("tools", || {
-        debian::provide()?;
-        silent(flip_link::provide().map(drop))
-    }),
+    ("tools", || silent(tools::list())),
     ("format", || {
         silent(command::run(cargo().args(["fmt", "--all", "--check"])))
     }),
@@ -36,6 +29,8 @@ const STEPS: &[Step] = &[
             "warnings",
         ])))
     }),
+    ("oldest Rust", msrv::run),
+    ("dependencies", dependencies),
     ("documentation", || {
         silent(command::run(
             cargo()
@@ -64,16 +59,28 @@ fn silent(outcome: Outcome) -> Outcome<String> {
     outcome.map(|()| String::new())
 }
 
+/// Known faults are not looked up: they are fetched from the network, and may be new without any change here.
+fn dependencies() -> Outcome<String> {
+    if command::find("cargo-deny").is_none() {
+        let remark = "skipped: no cargo-deny here; type: cargo install --locked cargo-deny";
+        println!("{remark}");
+        return Ok(remark.into());
+    }
+    let mut deny = cargo();
+    silent(command::run(
+        deny.args(["deny", "check", "licenses", "bans", "sources"]),
+    ))
+}
+
 fn board(board: Board) -> Outcome<String> {
     firmware::lint(board)?;
     firmware::build(board)?;
-    Ok(format!("built with {}", firmware::toolchain()?.describe()))
+    Ok(format!("built with {}", tools::toolchain()?.describe()))
 }
 
 fn host_tests() -> Outcome<String> {
     let lines = run_tee(
         cargo().args(["test", "--workspace", "--no-fail-fast"]),
-        TEST_LIMIT,
         true,
     )?;
     Ok(format!("{} tests passed", passed(&lines)))
@@ -89,28 +96,92 @@ fn passed(lines: &[String]) -> u32 {
         .sum()
 }
 
-/// Runs every step, then says how it went.
+/// What is known of a step when it has ended.
+struct Row {
+    name: &'static str,
+    spent: Spent,
+    outcome: Outcome<String>,
+}
+
+/// Runs the steps up to the first that fails, and says in the end what each took.
 pub fn run() -> Outcome {
-    let mut summary = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     for (name, step) in STEPS {
         println!("\n=== {name} ===");
-        let start = Instant::now();
-        let remark = step().map_err(|error| format!("step `{name}` failed: {error}"))?;
-        summary.push(format!(
-            "ok {:>5} s  {name:<30} {remark}",
-            start.elapsed().as_secs()
-        ));
+        let clocks = Stopwatch::start();
+        let outcome = step();
+        rows.push(Row {
+            name,
+            spent: clocks.spent(),
+            outcome,
+        });
+        if rows.last().is_some_and(|row| row.outcome.is_err()) {
+            break;
+        }
     }
-    println!("\n=== summary ===");
-    summary
-        .iter()
-        .for_each(|line| println!("{}", line.trim_end()));
-    Ok(())
+    println!("\n=== summary ===\n{}", table(&rows));
+    match rows.pop() {
+        Some(Row {
+            name,
+            outcome: Err(error),
+            ..
+        }) => Err(format!("step `{name}` failed: {error}").into()),
+        _ => Ok(()),
+    }
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut text = format!("{:<32} {:>8} {:>13}\n", "step", "wall, s", "processor, s");
+    let mut line = |name: &str, spent: Spent, remark: &str| {
+        let Spent {
+            wall_s,
+            processor_s,
+        } = spent;
+        let line = format!("{name:<32} {wall_s:>8.1} {processor_s:>13.1}  {remark}");
+        text += line.trim_end();
+        text.push('\n');
+    };
+    let mut all = Spent {
+        wall_s: 0.0,
+        processor_s: 0.0,
+    };
+    for row in rows {
+        let remark = row.outcome.as_ref().map_or("FAILED", |remark| remark);
+        line(row.name, row.spent, remark);
+        all.wall_s += row.spent.wall_s;
+        all.processor_s += row.spent.processor_s;
+    }
+    line("all", all, "");
+    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_table_has_every_step_that_ran_and_their_sum() {
+        let row = |name, wall_s, outcome| Row {
+            name,
+            spent: Spent {
+                wall_s,
+                processor_s: 2.0 * wall_s,
+            },
+            outcome,
+        };
+        let rows = [
+            row("format", 1.25, Ok(String::new())),
+            row("tests", 60.0, Ok("7 tests passed".into())),
+            row("lints", 2.0, Err("no".into())),
+        ];
+        let expected = "\
+            step                              wall, s  processor, s\n\
+            format                                1.2           2.5\n\
+            tests                                60.0         120.0  7 tests passed\n\
+            lints                                 2.0           4.0  FAILED\n\
+            all                                  63.2         126.5\n";
+        assert_eq!(table(&rows), expected);
+    }
 
     #[test]
     fn passed_tests_are_summed_up() {

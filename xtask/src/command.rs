@@ -4,12 +4,19 @@ use std::{
     ffi::OsStr,
     io::{BufRead, BufReader},
     path::PathBuf,
-    process::{Child, Command, Stdio},
+    process::{Child, Command, ExitStatus, Stdio},
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
     thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
-use crate::Outcome;
+use crate::{
+    Outcome,
+    liveness::{self, Watch},
+};
 
 /// The root of the project.
 pub fn root() -> PathBuf {
@@ -65,10 +72,25 @@ fn spawn(command: &mut Command) -> Outcome<Child> {
         .map_err(|e| format!("cannot start {program}: {e}").into())
 }
 
-/// Runs to the end; a non-zero exit is an error.
+/// How often a running program is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Runs to the end; a non-zero exit is an error, and so is one that does nothing any more.
 pub fn run(command: &mut Command) -> Outcome {
     announce(command);
+    let mut child = spawn(command)?;
+    let status = wait(&mut child, &program(command), &mut Watch::new()?, || 0)?;
+    passed(command, status)
+}
+
+/// Runs to the end, however long a person leaves it alone.
+pub fn run_attended(command: &mut Command) -> Outcome {
+    announce(command);
     let status = spawn(command)?.wait()?;
+    passed(command, status)
+}
+
+fn passed(command: &Command, status: ExitStatus) -> Outcome {
     if status.success() {
         Ok(())
     } else {
@@ -77,13 +99,18 @@ pub fn run(command: &mut Command) -> Outcome {
 }
 
 /// Runs like [`run`], passes the standard output on line by line, and returns it.
-///
-/// A program that has not ended when `limit` is over is killed, which is an error.
-pub fn run_tee(command: &mut Command, limit: Duration, echo: bool) -> Outcome<Vec<String>> {
+pub fn run_tee(command: &mut Command, echo: bool) -> Outcome<Vec<String>> {
+    tee(command, Watch::new()?, echo)
+}
+
+/// The same under this watch.
+pub fn tee(command: &mut Command, mut watch: Watch, echo: bool) -> Outcome<Vec<String>> {
     announce(command);
     let name = program(command);
     let mut child = spawn(command.stdin(Stdio::null()).stdout(Stdio::piped()))?;
     let output = child.stdout.take().ok_or("no pipe to the program")?;
+    let count = Arc::new(AtomicUsize::new(0));
+    let counted = Arc::clone(&count);
     let reader = thread::spawn(move || {
         let mut lines = Vec::new();
         for line in BufReader::new(output).split(b'\n').map_while(Result::ok) {
@@ -92,31 +119,44 @@ pub fn run_tee(command: &mut Command, limit: Duration, echo: bool) -> Outcome<Ve
                 println!("{line}");
             }
             lines.push(line);
+            counted.store(lines.len(), Ordering::Relaxed);
         }
         lines
     });
-    let deadline = Instant::now() + limit;
-    let status = loop {
-        if let Some(status) = child.try_wait()? {
-            break status;
-        }
-        if Instant::now() >= deadline {
-            child.kill()?;
-            child.wait()?;
-            return Err(format!("{name} had not ended after {} s", limit.as_secs()).into());
-        }
-        thread::sleep(Duration::from_millis(20));
-    };
+    let status = wait(&mut child, &name, &mut watch, || {
+        count.load(Ordering::Relaxed)
+    })?;
     let lines = reader
         .join()
         .map_err(|_| "the reader of the program's output failed")?;
-    if status.success() {
-        Ok(lines)
-    } else {
-        if !echo {
-            lines.iter().for_each(|line| println!("{line}"));
+    if !status.success() && !echo {
+        lines.iter().for_each(|line| println!("{line}"));
+    }
+    passed(command, status)?;
+    Ok(lines)
+}
+
+/// Waits for the end; a program the watch gives up is ended, with all it has started.
+fn wait(
+    child: &mut Child,
+    name: &str,
+    watch: &mut Watch,
+    lines: impl Fn() -> usize,
+) -> Outcome<ExitStatus> {
+    let mut looks: u32 = 0;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
         }
-        Err(format!("{name} ended with {status}").into())
+        // Reading the process table takes longer than asking for the end.
+        looks = looks.wrapping_add(1);
+        if looks.is_multiple_of(25)
+            && let Err(reason) = watch.look(child.id(), lines())
+        {
+            liveness::end(child);
+            return Err(format!("{name} {reason}").into());
+        }
+        thread::sleep(LOOK);
     }
 }
 
@@ -141,6 +181,8 @@ pub fn find(program: &str) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
     use super::*;
 
     #[test]
@@ -148,32 +190,52 @@ mod tests {
         assert!(root().join("xtask/Cargo.toml").is_file());
     }
 
-    #[test]
-    fn output_is_returned_and_failure_is_an_error() {
-        let long = Duration::from_secs(20);
-        let lines = run_tee(
-            Command::new("sh").args(["-c", "echo one; echo two"]),
-            long,
-            false,
-        );
-        assert_eq!(lines.unwrap(), ["one", "two"]);
-        assert!(run_tee(Command::new("sh").args(["-c", "exit 3"]), long, false).is_err());
+    const SECOND: Duration = Duration::from_secs(1);
+
+    fn shell(script: &str, patience: Duration, limit: Option<Duration>) -> Outcome<Vec<String>> {
+        let watch = Watch::with(patience, limit);
+        tee(Command::new("sh").args(["-c", script]), watch, false)
     }
 
     #[test]
-    fn what_does_not_end_is_ended() {
+    fn output_is_returned_and_failure_is_an_error() {
+        let lines = run_tee(Command::new("sh").args(["-c", "echo one; echo two"]), false);
+        assert_eq!(lines.unwrap(), ["one", "two"]);
+        assert!(run_tee(Command::new("sh").args(["-c", "exit 3"]), false).is_err());
+    }
+
+    #[test]
+    fn what_is_silent_and_idle_is_ended_with_all_it_started() {
+        // The inner shell would write the file after it has been left alone for long enough.
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("survived");
+        let script = format!("(sleep 4; echo > '{}') & sleep 600", file.display());
         let start = Instant::now();
-        let error = run_tee(
-            Command::new("sleep").arg("30"),
-            Duration::from_millis(100),
-            false,
-        );
-        assert!(
-            error
-                .unwrap_err()
-                .to_string()
-                .contains("sleep had not ended")
-        );
-        assert!(start.elapsed() < Duration::from_secs(10));
+        let error = shell(&script, SECOND, None).unwrap_err().to_string();
+        assert!(error.starts_with("sh was given up: no output"), "{error}");
+        thread::sleep((6 * SECOND).saturating_sub(start.elapsed()));
+        assert_eq!(file.exists(), cfg!(not(target_os = "linux")));
+    }
+
+    /// Only Linux tells here what a process tree has used.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn what_is_silent_and_busy_goes_on() {
+        let busy =
+            "end=$(($(date +%s) + 6)); while [ $(date +%s) -lt $end ]; do :; done; echo done";
+        assert_eq!(shell(busy, 3 * SECOND, None).unwrap(), ["done"]);
+    }
+
+    #[test]
+    fn what_writes_goes_on() {
+        let writes = "for i in 1 2 3 4 5 6 7 8 9 10; do echo $i; sleep 0.5; done";
+        assert_eq!(shell(writes, 3 * SECOND, None).unwrap().len(), 10);
+    }
+
+    #[test]
+    fn a_limit_ends_what_is_busy() {
+        let error = shell("while :; do :; done", 60 * SECOND, Some(SECOND));
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("had not ended after 1 s"), "{error}");
     }
 }

@@ -1,6 +1,6 @@
 //! The program `host-sim`, built.
 
-use std::{path::PathBuf, time::Duration};
+use std::path::PathBuf;
 
 use crate::{
     Outcome,
@@ -25,15 +25,12 @@ impl Build {
     }
 }
 
-/// A cold build takes minutes.
-const LIMIT: Duration = Duration::from_secs(20 * 60);
-
 /// Builds the program; where it is.
 pub fn program(build: &Build) -> Outcome<PathBuf> {
     let mut command = cargo();
     command.args(build.words());
     command.args(["--message-format", "json-render-diagnostics"]);
-    let messages = run_tee(&mut command, LIMIT, false)?;
+    let messages = run_tee(&mut command, false)?;
     let path = messages.iter().find_map(|message| executable(message));
     path.ok_or_else(|| "cargo names no program host-sim".into())
 }

@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use crate::{
-    Outcome, command, debian, flip_link,
-    toolchain::{self, TARGET, Toolchain},
+    Outcome, command,
+    tools::{
+        self, flip_link,
+        toolchain::{TARGET, Toolchain},
+    },
 };
 
 /// A board the firmware is built for.
@@ -48,20 +51,15 @@ impl Board {
     }
 }
 
-/// The way to build here, or what to install.
-pub fn toolchain() -> Outcome<Toolchain> {
-    toolchain::choose(&toolchain::look()).map_err(|missing| debian::advice(&missing).into())
-}
-
 /// What is built of the package, and how.
 const FIRMWARE: [&str; 5] = ["--profile", "firmware", "--package", "firmware", "--bins"];
 
 /// Builds all programs of a board and returns where they lie, relative to the root.
 pub fn build(board: Board) -> Outcome<Vec<PathBuf>> {
     match board {
-        Board::Nucleo => link_flipped(&toolchain()?)?,
+        Board::Nucleo => link_flipped(&tools::toolchain()?)?,
         Board::Qemu => {
-            let mut cargo = toolchain()?.cargo("build");
+            let mut cargo = tools::toolchain()?.cargo("build");
             cargo.args(FIRMWARE).args(["--features", board.feature()]);
             command::run(&mut cargo)?;
         }
@@ -98,7 +96,7 @@ pub fn image(program: &str) -> PathBuf {
 /// Runs clippy over a board's programs, warnings being errors; says so where
 /// there is no clippy for the target.
 pub fn lint(board: Board) -> Outcome {
-    let toolchain = toolchain()?;
+    let toolchain = tools::toolchain()?;
     if !toolchain.has_clippy() {
         println!("skipped: no clippy for {TARGET} here");
         return Ok(());
@@ -110,16 +108,17 @@ pub fn lint(board: Board) -> Outcome {
 
 /// Builds the model alone for the microcontroller: it must need nothing else.
 pub fn build_shared() -> Outcome {
-    command::run(
-        toolchain()?
-            .cargo("build")
-            .args(["--profile", "firmware", "--package", "shared"]),
-    )
+    command::run(tools::toolchain()?.cargo("build").args([
+        "--profile",
+        "firmware",
+        "--package",
+        "shared",
+    ]))
 }
 
 /// Links the control task's work alone, which fails if a panic can be reached in it.
 pub fn check_panic_free() -> Outcome {
-    let mut cargo = toolchain()?.cargo("build");
+    let mut cargo = tools::toolchain()?.cargo("build");
     cargo.args(FIRMWARE);
     command::run(cargo.args(["--features", "check-panic-free"]))
 }

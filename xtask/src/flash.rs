@@ -27,7 +27,7 @@ pub fn run() -> Outcome {
         .current_dir(command::root())
         .args(["run", "--chip", CHIP])
         .arg(firmware::image("nucleo"));
-    command::run(&mut flash)
+    command::run_attended(&mut flash)
 }
 
 #[cfg(test)]

@@ -2,28 +2,35 @@
 //!
 //! ```text
 //! cargo xtask test          everything that must hold before a change is done
+//! cargo xtask tools         gets the tools that checks and builds need, and lists them
 //! cargo xtask firmware      builds the firmware
 //! cargo xtask qemu          runs it in QEMU
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
+//! cargo xtask first-answer  times a build from nothing and the first answer
+//! cargo xtask msrv          checks the workspace with the oldest Rust it supports
 //! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
 //! ```
 
 mod budgets;
 mod checks;
 mod command;
-mod debian;
 mod desktop;
 mod firmware;
+mod first_answer;
 mod flash;
-mod flip_link;
 mod forecast;
+#[cfg(test)]
+mod layers;
+mod liveness;
+mod msrv;
 mod pil;
 mod qemu;
 mod size;
 mod ticks;
-mod toolchain;
+mod timing;
+mod tools;
 
 use std::process::ExitCode;
 
@@ -36,7 +43,8 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   test                        everything that must hold before a change is done;
-                              installs what it lacks on Debian as root, else says what to install
+                              unpacks the tools it lacks on Debian, else says what to install
+  tools                       get the tools that checks and builds need, and list them
   firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
   qemu                        run the firmware in QEMU; its verdict is the exit code
   pil [--scenario NAME] [--seconds S] [--runs N]
@@ -46,6 +54,10 @@ cargo xtask COMMAND
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
+  first-answer [--json FILE]  build host-sim from nothing and run `pick`: wall and processor time of both, and the
+                              ten dearest crates
+  msrv [--version]            check the workspace with the oldest Rust it supports, if that is installed;
+                              with --version only print which that is
   flash                       build for the NUCLEO-F446RE, flash it and show its log
 ";
 
@@ -54,11 +66,15 @@ cargo xtask COMMAND
 enum Job {
     Help,
     Test,
+    Tools,
     Firmware(Vec<Board>),
     Qemu,
     Pil(pil::Plan),
     BenchTicks,
     Size,
+    FirstAnswer(first_answer::Plan),
+    Msrv,
+    OldestRust,
     Flash,
 }
 
@@ -66,12 +82,16 @@ fn parse(args: &[&str]) -> Result<Job, String> {
     match args {
         [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
         ["test"] => Ok(Job::Test),
+        ["tools"] => Ok(Job::Tools),
         ["firmware"] => Ok(Job::Firmware(Board::ALL.to_vec())),
         ["firmware", "--board", name] => Board::named(name)
             .map(|board| Job::Firmware(vec![board]))
             .ok_or_else(|| format!("no board `{name}`: choose nucleo or qemu")),
         ["qemu"] => Ok(Job::Qemu),
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
+        ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
+        ["msrv"] => Ok(Job::Msrv),
+        ["msrv", "--version"] => Ok(Job::OldestRust),
         ["flash"] => Ok(Job::Flash),
         ["bench-ticks"] => Ok(Job::BenchTicks),
         ["size"] => Ok(Job::Size),
@@ -86,6 +106,7 @@ fn run(job: Job) -> Outcome {
     match job {
         Job::Help => print!("{HELP}"),
         Job::Test => checks::run()?,
+        Job::Tools => tools::list()?,
         Job::Firmware(boards) => {
             for board in boards {
                 for image in firmware::build(board)? {
@@ -95,6 +116,9 @@ fn run(job: Job) -> Outcome {
         }
         Job::Qemu => drop(qemu::run()?),
         Job::Pil(plan) => pil::run(&plan, &desktop::Build::Alone)?,
+        Job::FirstAnswer(plan) => first_answer::run(&plan)?,
+        Job::Msrv => drop(msrv::run()?),
+        Job::OldestRust => println!("{}", msrv::OLDEST),
         Job::Flash => flash::run()?,
         Job::BenchTicks => {
             ticks::run()?;
@@ -106,6 +130,9 @@ fn run(job: Job) -> Outcome {
 }
 
 fn main() -> ExitCode {
+    if let Some(code) = timing::rustc() {
+        return code;
+    }
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let job = match parse(&args) {
@@ -132,11 +159,14 @@ mod tests {
     fn every_command_of_the_help_is_understood() {
         for word in [
             "test",
+            "tools",
             "firmware",
             "qemu",
             "pil",
             "bench-ticks",
             "size",
+            "first-answer",
+            "msrv",
             "flash",
         ] {
             assert!(

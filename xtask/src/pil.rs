@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
     thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use crate::{
@@ -15,10 +15,11 @@ use crate::{
     command::{self, announce},
     desktop::{self, Build},
     firmware::{self, Board},
+    liveness::{self, Watch},
     qemu,
 };
 
-/// How long one side may go on after the other has ended.
+/// How long one side may do nothing after the other has ended.
 const AFTER: Duration = Duration::from_secs(20);
 
 /// What is run.
@@ -163,9 +164,17 @@ pub fn run(plan: &Plan, build: &Build) -> Outcome {
     both(&mut image, &mut desktop)
 }
 
-/// Waits for both; a side that goes on long after the other has ended is ended.
+/// Waits for both; sides that do nothing any more, or one that goes on without the other, are ended.
 fn both(image: &mut Child, desktop: &mut Child) -> Outcome {
-    let mut first_ended = None;
+    let mut watches = [
+        (
+            Watch::new()?.working_at_most(2 * qemu::MOST_WORK),
+            "QEMU",
+            image.id(),
+        ),
+        (Watch::new()?, "the desktop", desktop.id()),
+    ];
+    let mut left_alone = false;
     loop {
         let (image_ended, desktop_ended) = (image.try_wait()?, desktop.try_wait()?);
         if let (Some(image), Some(desktop)) = (image_ended, desktop_ended) {
@@ -175,20 +184,22 @@ fn both(image: &mut Child, desktop: &mut Child) -> Outcome {
                 (true, false) => Err(format!("QEMU ended with {image}").into()),
             };
         }
-        if image_ended.is_some() || desktop_ended.is_some() {
-            let since = *first_ended.get_or_insert_with(Instant::now);
-            if since.elapsed() > AFTER {
-                let _ = (image.kill(), desktop.kill());
-                let _ = (image.wait(), desktop.wait());
-                let which = if image_ended.is_some() {
-                    "QEMU"
-                } else {
-                    "the desktop"
-                };
-                return Err(format!("{which} ended and the other side did not").into());
+        if !left_alone && (image_ended.is_some() || desktop_ended.is_some()) {
+            // What is left to do is to see the closed pipe, and to print.
+            left_alone = true;
+            for (watch, ..) in &mut watches {
+                *watch = Watch::with(AFTER, None).working_at_most(2 * qemu::MOST_WORK);
             }
         }
-        thread::sleep(Duration::from_millis(20));
+        let running = [image_ended.is_none(), desktop_ended.is_none()];
+        for ((watch, name, process), _) in watches.iter_mut().zip(running).filter(|(_, on)| *on) {
+            if let Err(reason) = watch.look(*process, 0) {
+                liveness::end(image);
+                liveness::end(desktop);
+                return Err(format!("{name} {reason}").into());
+            }
+        }
+        thread::sleep(Duration::from_millis(100));
     }
 }
 

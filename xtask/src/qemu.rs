@@ -4,14 +4,15 @@
 use std::{path::Path, process::Command, time::Duration};
 
 use crate::{
-    Outcome,
-    command::{self, find, run_tee},
-    debian,
+    Outcome, command,
     firmware::{self, Board},
+    liveness::Watch,
+    tools,
 };
 
-/// No run of ours takes this long; one that does hangs.
-const LIMIT: Duration = Duration::from_secs(180);
+/// Processor time an emulated run may use: an image that hangs keeps QEMU busy. The longest run of ours takes about a
+/// minute of a slow processor.
+pub const MOST_WORK: Duration = Duration::from_secs(20 * 60);
 
 /// Builds the firmware, runs the app and returns what it said. Counting, so that what it counts are instructions.
 pub fn run() -> Outcome<Vec<String>> {
@@ -21,17 +22,16 @@ pub fn run() -> Outcome<Vec<String>> {
 
 /// Starts an image and returns the lines it said; fails if the program does.
 pub fn start(image: &Path, options: &[&str], echo: bool) -> Outcome<Vec<String>> {
-    run_tee(
+    command::tee(
         &mut command(image, "enable=on,target=native", options)?,
-        LIMIT,
+        Watch::new()?.working_at_most(MOST_WORK),
         echo,
     )
 }
 
 /// QEMU with an image, to be started.
 pub fn command(image: &Path, semihosting: &str, options: &[&str]) -> Outcome<Command> {
-    let qemu = find("qemu-system-arm").ok_or_else(debian::qemu_advice)?;
-    let mut command = Command::new(qemu);
+    let mut command = Command::new(tools::qemu()?);
     command
         .current_dir(command::root())
         .args([

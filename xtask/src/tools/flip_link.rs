@@ -13,6 +13,7 @@ use crate::{
     Outcome,
     command::{self, find},
     size::{RAM_START, symbol},
+    tools::debian::tools,
 };
 
 /// The version that is installed where there is none.
@@ -34,6 +35,15 @@ pub fn provide() -> Outcome<PathBuf> {
         })?;
     }
     Ok(program)
+}
+
+/// Which version that is; one in the path cannot be asked, for it is a linker.
+pub fn version(program: &Path) -> String {
+    if program.starts_with(tools()) {
+        format!("flip-link {VERSION}")
+    } else {
+        "flip-link".into()
+    }
 }
 
 const ADVICE: &str = "cargo install flip-link --locked";
@@ -94,10 +104,6 @@ fn name_it(linker: &Path, link: &Path) -> std::io::Result<()> {
 #[cfg(not(unix))]
 fn name_it(linker: &Path, link: &Path) -> std::io::Result<()> {
     fs::copy(linker, link).map(drop)
-}
-
-fn tools() -> PathBuf {
-    command::root().join("target/tools")
 }
 
 fn file(program: &str) -> String {

@@ -9,6 +9,7 @@ use std::{
     process::Command,
 };
 
+use super::debian;
 use crate::command;
 
 /// The microcontroller, as Rust calls it: Cortex-M4 with a single-precision FPU.
@@ -24,8 +25,8 @@ pub struct Found {
     pub target_core: bool,
     /// The Rust in use finds its own `rust-lld` when it links.
     pub own_linker: bool,
-    /// Debian's rustc and cargo, recent enough, with the sources of `core`.
-    pub debian_rust: bool,
+    /// The folder of Debian's rustc and cargo, recent enough, with the sources of `core`.
+    pub debian_rust: Option<PathBuf>,
     /// A linker that can be named to either.
     pub lld: Option<PathBuf>,
 }
@@ -35,8 +36,13 @@ pub struct Found {
 pub enum Toolchain {
     /// The Rust in use, as it is; with a linker where it has none.
     InUse(Option<PathBuf>),
-    /// Debian's Rust, which builds `core` too; with this linker.
-    Debian(PathBuf),
+    /// Debian's Rust, which builds `core` too.
+    Debian {
+        /// Where rustc and cargo are started from.
+        bin: PathBuf,
+        /// The linker named to it.
+        linker: PathBuf,
+    },
 }
 
 /// What must be installed before the firmware can be built.
@@ -50,20 +56,18 @@ pub enum Missing {
 
 /// Chooses the way that needs least: the Rust in use, then Debian's.
 pub fn choose(found: &Found) -> Result<Toolchain, Missing> {
-    match (found.target_core, found.debian_rust) {
-        (true, _) if found.own_linker => Ok(Toolchain::InUse(None)),
-        (true, _) => found
-            .lld
-            .clone()
-            .map(|lld| Toolchain::InUse(Some(lld)))
-            .ok_or(Missing::Linker),
-        (false, true) => found
-            .lld
-            .clone()
-            .map(Toolchain::Debian)
-            .ok_or(Missing::Linker),
-        (false, false) => Err(Missing::Rust),
+    if found.target_core && found.own_linker {
+        return Ok(Toolchain::InUse(None));
     }
+    let bin = match (&found.debian_rust, found.target_core) {
+        (None, false) => return Err(Missing::Rust),
+        (bin, _) => bin.clone(),
+    };
+    let linker = found.lld.clone().ok_or(Missing::Linker)?;
+    Ok(match bin {
+        Some(bin) if !found.target_core => Toolchain::Debian { bin, linker },
+        _ => Toolchain::InUse(Some(linker)),
+    })
 }
 
 /// Looks around on this machine.
@@ -75,11 +79,14 @@ pub fn look() -> Found {
         .map(|bin| bin.join("rust-lld"))
         .filter(|file| file.is_file());
     let libdir = command::ask(rustc().args(["--print", "target-libdir", "--target", TARGET]));
+    let unpacked_lld = Some(debian::LLD.starters().join("ld.lld")).filter(|file| file.is_file());
     Found {
         target_core: libdir.is_some_and(|libdir| holds_core(Path::new(&libdir))),
         own_linker: own_lld.is_some() || command::find("rust-lld").is_some(),
-        debian_rust: debian_rust(),
-        lld: command::find("ld.lld").or(own_lld),
+        debian_rust: [PathBuf::from(DEBIAN_BIN), debian::RUST.starters()]
+            .into_iter()
+            .find(|bin| is_debian_rust(bin)),
+        lld: command::find("ld.lld").or(own_lld).or(unpacked_lld),
     }
 }
 
@@ -90,8 +97,8 @@ fn holds_core(libdir: &Path) -> bool {
         .any(|name| name.to_string_lossy().starts_with("libcore-"))
 }
 
-fn debian_rust() -> bool {
-    let rustc = Path::new(DEBIAN_BIN).join("rustc");
+fn is_debian_rust(bin: &Path) -> bool {
+    let rustc = bin.join("rustc");
     let version = command::ask(on_its_own(&mut Command::new(&rustc)).arg("--version"));
     let sysroot = command::ask(on_its_own(&mut Command::new(&rustc)).args(["--print", "sysroot"]));
     let (Some(version), Some(sysroot)) = (version, sysroot) else {
@@ -102,11 +109,11 @@ fn debian_rust() -> bool {
         && Path::new(&sysroot)
             .join("lib/rustlib/src/rust/library/core")
             .is_dir()
-        && Path::new(DEBIAN_BIN).join("cargo").is_file()
+        && bin.join("cargo").is_file()
 }
 
 /// Major and minor version in `rustc 1.96.0 (…)` or `1.88`.
-fn version_of(text: &str) -> Option<(u32, u32)> {
+pub fn version_of(text: &str) -> Option<(u32, u32)> {
     let number = text
         .split_whitespace()
         .find(|word| word.starts_with(|c: char| c.is_ascii_digit()))?;
@@ -141,7 +148,7 @@ impl Toolchain {
                 command.arg(subcommand);
                 command
             }
-            Self::Debian(_) => debian_cargo(subcommand),
+            Self::Debian { bin, .. } => debian_cargo(bin, subcommand),
         };
         if let Some(linker) = self.linker() {
             command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
@@ -158,7 +165,7 @@ impl Toolchain {
     pub fn linker(&self) -> Option<&Path> {
         match self {
             Self::InUse(linker) => linker.as_deref(),
-            Self::Debian(linker) => Some(linker),
+            Self::Debian { linker, .. } => Some(linker),
         }
     }
 
@@ -168,7 +175,23 @@ impl Toolchain {
             Self::InUse(_) => {
                 command::ask(command::cargo().args(["clippy", "--version"])).is_some()
             }
-            Self::Debian(_) => debian_clippy(),
+            Self::Debian { bin, .. } => ["cargo-clippy", "clippy-driver"]
+                .iter()
+                .all(|tool| bin.join(tool).is_file()),
+        }
+    }
+
+    /// Its compiler, to be asked something.
+    pub fn rustc(&self) -> Command {
+        match self {
+            Self::InUse(_) => {
+                Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
+            }
+            Self::Debian { bin, .. } => {
+                let mut rustc = Command::new(bin.join("rustc"));
+                on_its_own(&mut rustc);
+                rustc
+            }
         }
     }
 
@@ -176,22 +199,19 @@ impl Toolchain {
     pub fn describe(&self) -> String {
         match self {
             Self::InUse(_) => format!("the Rust in use (it has {TARGET})"),
-            Self::Debian(_) => "Debian's Rust (it builds `core` itself)".into(),
+            Self::Debian { bin, .. } => {
+                format!(
+                    "Debian's Rust in {} (it builds `core` itself)",
+                    bin.display()
+                )
+            }
         }
     }
 }
 
-/// Whether Debian's clippy is there.
-pub fn debian_clippy() -> bool {
-    ["cargo-clippy", "clippy-driver"]
-        .iter()
-        .all(|tool| Path::new(DEBIAN_BIN).join(tool).is_file())
-}
-
 /// Building `core` is not a stable feature of cargo: `RUSTC_BOOTSTRAP` allows it,
 /// on this one command and nowhere else.
-fn debian_cargo(subcommand: &str) -> Command {
-    let bin = Path::new(DEBIAN_BIN);
+fn debian_cargo(bin: &Path, subcommand: &str) -> Command {
     // cargo would find another toolchain's clippy first: start Debian's directly.
     let clippy = subcommand == "clippy";
     let mut command = Command::new(bin.join(if clippy { "cargo-clippy" } else { "cargo" }));
@@ -214,12 +234,19 @@ mod tests {
         Some("/usr/bin/ld.lld".into())
     }
 
+    fn debian() -> Toolchain {
+        Toolchain::Debian {
+            bin: DEBIAN_BIN.into(),
+            linker: "/usr/bin/ld.lld".into(),
+        }
+    }
+
     #[test]
     fn a_rust_with_the_target_is_used_as_it_is() {
         let found = Found {
             target_core: true,
             own_linker: true,
-            debian_rust: true,
+            debian_rust: Some(DEBIAN_BIN.into()),
             lld: lld(),
         };
         assert_eq!(choose(&found), Ok(Toolchain::InUse(None)));
@@ -239,14 +266,11 @@ mod tests {
     fn debian_steps_in_where_the_target_is_missing() {
         let found = Found {
             own_linker: true,
-            debian_rust: true,
+            debian_rust: Some(DEBIAN_BIN.into()),
             lld: lld(),
             ..Found::default()
         };
-        assert_eq!(
-            choose(&found),
-            Ok(Toolchain::Debian("/usr/bin/ld.lld".into()))
-        );
+        assert_eq!(choose(&found), Ok(debian()));
     }
 
     #[test]
@@ -260,7 +284,7 @@ mod tests {
         );
         assert_eq!(
             choose(&Found {
-                debian_rust: true,
+                debian_rust: Some(DEBIAN_BIN.into()),
                 ..Found::default()
             }),
             Err(Missing::Linker)
@@ -294,11 +318,11 @@ mod tests {
                 .map(|(name, value)| (name.to_string_lossy().into_owned(), value.is_some()))
                 .collect()
         };
-        let debian = envs(Toolchain::Debian("/usr/bin/ld.lld".into()));
-        assert!(debian.contains(&("RUSTC_BOOTSTRAP".into(), true)));
+        let envs_of_debian = envs(debian());
+        assert!(envs_of_debian.contains(&("RUSTC_BOOTSTRAP".into(), true)));
         for dropped in ["RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH", "CARGO"] {
             assert!(
-                debian.contains(&(dropped.into(), false)),
+                envs_of_debian.contains(&(dropped.into(), false)),
                 "{dropped} is inherited"
             );
         }
