@@ -14,6 +14,11 @@ pub const TICK_RATE_HZ: u32 = 20_000;
 /// Length of a control tick, s.
 pub const TICK_S: f64 = 1.0 / TICK_RATE_HZ as f64;
 
+/// Whole control ticks in a time, s.
+pub(crate) fn ticks_of(seconds: f32) -> u32 {
+    (seconds * TICK_RATE_HZ as f32) as u32
+}
+
 /// What moves the cart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DriveKind {
