@@ -1,18 +1,25 @@
 //! Everything the controller must be told: the rig it believes in, how its sensors and its shaker are
 //! calibrated, limits and trip levels. Checked as a whole, then swapped as a whole.
 
+mod check;
+
 use core::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
 use crate::io::Channel;
-use crate::model::params::{ParamError, RigParams};
+use crate::model::params::RigParams;
 
 /// Control ticks per second: one sample and one set-point each.
 pub const TICK_RATE_HZ: u32 = 20_000;
 
 /// Length of a control tick, s.
 pub const TICK_S: f64 = 1.0 / TICK_RATE_HZ as f64;
+
+/// Whole control ticks in a time, s.
+pub(crate) fn ticks_of(seconds: f32) -> u32 {
+    (seconds * TICK_RATE_HZ as f32) as u32
+}
 
 /// What moves the cart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -156,171 +163,5 @@ impl Settings {
                 refractory_s: 1.5e-3,
             },
         }
-    }
-
-    /// Whether these settings can be run with.
-    ///
-    /// # Errors
-    /// The first setting out of range, named with its unit.
-    pub fn check(&self) -> Result<(), ParamError> {
-        self.rig.check()?;
-        let positive = "a positive number";
-        let range = |key, value: f32, from: f32, to: f32, must_be| {
-            let good = value.is_finite() && value >= from && value <= to;
-            (key, value, good, must_be)
-        };
-        let amplitude_m = self.rig.amplitude_m as f32;
-        let Self {
-            force,
-            hammer,
-            cart,
-            drive,
-            limits,
-            trips,
-            detection,
-            ..
-        } = self;
-        let channel = |key, unit: f32| {
-            let size = unit.abs();
-            let good = size.is_finite() && size > 0.0;
-            (key, unit, good, "a number other than 0")
-        };
-        let zero = |key, code: f32| range(key, code, 124.0, 3971.0, "a code from 124 to 3971");
-        let tiny = f32::MIN_POSITIVE;
-        let checks = [
-            channel("force.unit_per_code", force.unit_per_code),
-            channel("hammer.unit_per_code", hammer.unit_per_code),
-            channel("cart.unit_per_code", cart.unit_per_code),
-            zero("force.zero_code", force.zero_code),
-            zero("hammer.zero_code", hammer.zero_code),
-            zero("cart.zero_code", cart.zero_code),
-            range("drive.m_per_code", drive.m_per_code, tiny, 1e-3, positive),
-            range(
-                "drive.frequency_slew_hz_per_s",
-                drive.frequency_slew_hz_per_s,
-                1e-3,
-                1e3,
-                "0.001 to 1000",
-            ),
-            range(
-                "drive.amplitude_slew_m_per_s",
-                drive.amplitude_slew_m_per_s,
-                1e-6,
-                1.0,
-                "1e-6 to 1",
-            ),
-            range("limits.force_n", limits.force_n, tiny, 1e6, positive),
-            range("limits.travel_m", limits.travel_m, tiny, 1.0, positive),
-            range(
-                "limits.min_frequency_hz",
-                limits.min_frequency_hz,
-                0.05,
-                500.0,
-                "0.05 to 500",
-            ),
-            range(
-                "limits.max_frequency_hz",
-                limits.max_frequency_hz,
-                limits.min_frequency_hz,
-                500.0,
-                "from limits.min_frequency_hz to 500",
-            ),
-            range(
-                "limits.amplitude_m",
-                limits.amplitude_m,
-                amplitude_m,
-                2047.0 * drive.m_per_code,
-                "from the rig's amplitude to what the DAC reaches",
-            ),
-            range(
-                "trips.force_n",
-                trips.force_n,
-                limits.force_n,
-                1e6,
-                "at least limits.force_n",
-            ),
-            range(
-                "trips.travel_m",
-                trips.travel_m,
-                limits.travel_m,
-                1.0,
-                "at least limits.travel_m",
-            ),
-            range(
-                "trips.cart_m",
-                trips.cart_m,
-                limits.amplitude_m,
-                1.0,
-                "at least limits.amplitude_m",
-            ),
-            range(
-                "trips.no_contact_s",
-                trips.no_contact_s,
-                0.1,
-                3600.0,
-                "0.1 to 3600",
-            ),
-            range(
-                "trips.regime_lost_s",
-                trips.regime_lost_s,
-                1.0,
-                3600.0,
-                "1 to 3600",
-            ),
-            range(
-                "trips.link_timeout_s",
-                trips.link_timeout_s,
-                0.0,
-                3600.0,
-                "0 to 3600",
-            ),
-            range(
-                "detection.on_n",
-                detection.on_n,
-                tiny,
-                limits.force_n,
-                "positive, at most limits.force_n",
-            ),
-            range(
-                "detection.off_n",
-                detection.off_n,
-                tiny,
-                detection.on_n,
-                "positive, at most detection.on_n",
-            ),
-            range(
-                "detection.refractory_s",
-                detection.refractory_s,
-                2e-4,
-                2e-2,
-                "0.0002 to 0.02",
-            ),
-        ];
-        match checks.iter().find(|(_, _, good, _)| !good) {
-            None => Ok(()),
-            Some(&(key, value, _, must_be)) => Err(ParamError {
-                key,
-                value: f64::from(value),
-                must_be,
-            }),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::params::PRESETS;
-
-    #[test]
-    fn defaults_of_every_rig_pass_and_what_is_out_of_range_is_named() {
-        for (name, rig) in PRESETS {
-            assert_eq!(Settings::for_rig(&rig).check(), Ok(()), "{name}");
-        }
-        let mut settings = Settings::for_rig(&PRESETS[0].1);
-        settings.trips.force_n = f32::NAN;
-        assert_eq!(settings.check().unwrap_err().key, "trips.force_n");
-        settings.rig.mass_kg = -1.0;
-        assert!(settings.check().unwrap_err().key.starts_with("mass"));
     }
 }

@@ -319,6 +319,30 @@ fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
 }
 
 #[test]
+fn a_replacement_of_the_settings_keeps_time_counts_and_the_fault() {
+    let mut bench = Bench::new();
+    bench.block(10, &Happening::Overrun);
+    bench.block(10, &Happening::Emergency);
+    bench.block(10, &Happening::Sound { noise: 2 });
+    let before = bench.controller.status();
+    assert_eq!((before.tick, before.overruns), (30, 1));
+    let mut settings = bench.settings;
+    settings.limits.travel_m *= 0.9;
+    bench.controller.replace_settings(&settings).unwrap();
+    let after = bench.controller.status();
+    assert_eq!((after.tick, after.overruns), (30, 1));
+    assert_eq!((after.state, after.fault), (before.state, before.fault));
+    assert_eq!(*bench.controller.settings(), settings);
+    // The forecast is of the old settings: a new one is requested, under the next number.
+    assert_eq!((before.target_hz, after.target_hz), (3.6, 0.0));
+    let request = bench.controller.forecast_request().unwrap();
+    bench.controller.deliver(&forecast(request.id - 1));
+    assert_eq!(bench.controller.status().target_hz, 0.0);
+    bench.controller.deliver(&forecast(request.id));
+    assert_eq!(bench.controller.status().target_hz, 3.6);
+}
+
+#[test]
 fn a_fault_whose_cause_is_there_cannot_be_cleared() {
     let mut bench = Bench::new();
     bench.block(10, &Happening::Emergency);

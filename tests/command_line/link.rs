@@ -445,11 +445,14 @@ fn what_goes_wrong_is_told_in_one_line() {
         &["no answer within 2.1 s", "powered"],
     );
 
-    let newer = toy(Toy {
-        protocol: PROTOCOL_VERSION + 1,
-        ..Toy::new()
-    });
-    refused(&folder, &newer.line("status"), &["protocol 2", "9.9.9"]);
+    for protocol in [PROTOCOL_VERSION - 1, PROTOCOL_VERSION + 1] {
+        let other = toy(Toy {
+            protocol,
+            ..Toy::new()
+        });
+        let versions = format!("protocol {protocol} and this program {PROTOCOL_VERSION}");
+        refused(&folder, &other.line("status"), &[&versions, "9.9.9"]);
+    }
 
     let board = toy(Toy::new());
     refused(&folder, &board.line("clear-fault"), &["not in this state"]);

@@ -1,28 +1,82 @@
-//! What is known of the future: the forecast as far as control needs it.
+//! The last forecast, as far as control needs it, and the request for the next.
 
 use super::free::FreeSwing;
-use crate::forecast::{ForecastRequest, MAX_ROWS, Target};
+use crate::forecast::{Forecast, ForecastRequest, MAX_ROWS, Target};
+use crate::model::params::RigParams;
+use crate::model::regime::Regime;
 
-/// What is known of the future.
+/// Range of a forecast in natural frequencies: from below where 1/1 begins to above where it doubles, at
+/// every gap of the chapter's map.
+const FORECAST_RANGE: (f32, f32) = (0.8, 3.0);
+
+/// The last forecast and the request for the next.
 #[derive(Clone, Debug, Default)]
 pub struct ForecastCache {
-    /// Number of the next request.
-    pub next_id: u32,
     /// A request nobody has taken yet.
-    pub wanted: Option<ForecastRequest>,
+    wanted: Option<ForecastRequest>,
     /// The request that is waited for.
-    pub awaited: Option<u32>,
+    awaited: Option<u32>,
     /// Where to run.
-    pub target: Option<Target>,
+    target: Option<Target>,
     /// Whether a forecast has come at all.
-    pub come: bool,
+    has_come: bool,
     /// The swing of a hammer that does not touch.
-    pub free: FreeSwing,
+    free: FreeSwing,
     /// Frequency and whether a start from rest strikes there.
-    pub strikes: heapless::Vec<(f32, bool), MAX_ROWS>,
+    strikes: heapless::Vec<(f32, bool), MAX_ROWS>,
 }
 
 impl ForecastCache {
+    /// Requests a forecast of `rig`, as far as it lies within `limits_hz`, under number `id`.
+    pub fn request(&mut self, id: u32, rig: &RigParams, limits_hz: (f32, f32)) {
+        let natural_hz = rig.natural_frequency_hz() as f32;
+        let (low, high) = limits_hz;
+        let from = (FORECAST_RANGE.0 * natural_hz).max(low);
+        let to = (FORECAST_RANGE.1 * natural_hz).min(high).max(from);
+        self.awaited = Some(id);
+        self.wanted = Some(ForecastRequest {
+            id,
+            rig: *rig,
+            range_hz: (from, to),
+            rows: MAX_ROWS as u8,
+        });
+    }
+
+    /// The request, once.
+    pub fn take_request(&mut self) -> Option<ForecastRequest> {
+        self.wanted.take()
+    }
+
+    /// Takes in a forecast of `rig`; false, and nothing changes, for one that was not requested last.
+    pub fn take_in(&mut self, forecast: &Forecast, rig: &RigParams) -> bool {
+        if self.awaited != Some(forecast.id) {
+            return false;
+        }
+        self.awaited = None;
+        self.has_come = true;
+        self.target = forecast.target;
+        self.free = FreeSwing::new(rig);
+        self.strikes.clear();
+        for row in &forecast.rows {
+            // As many rows as fit: both have room for the same number.
+            let _ = self
+                .strikes
+                .push((row.frequency_hz, row.regime != Regime::None));
+        }
+        true
+    }
+
+    /// Whether a forecast has come at all.
+    pub fn has_come(&self) -> bool {
+        self.has_come
+    }
+
+    /// The target's frequency, Hz, and force, N; 0 without a target.
+    pub fn target_point(&self) -> (f32, f32) {
+        let target = self.target.as_ref();
+        target.map_or((0.0, 0.0), |t| (t.frequency_hz, t.orbit.force_n))
+    }
+
     /// Whether there must be contact at `hz`: the forecast has it from rest on both sides, and a free swing
     /// would touch.
     pub fn must_strike_at(&self, hz: f32) -> bool {
@@ -39,13 +93,14 @@ impl ForecastCache {
         below.unwrap_or(false)
     }
 
-    /// The forecast's target, entered where the hammer must strike. (The forecast starts from rest at full
-    /// amplitude; the amplitude of a real start rises slowly, and its swing follows the free one.)
-    pub fn entered(&self, target: &Target) -> Target {
+    /// The target, entered where the hammer must strike. (The forecast starts from rest at full amplitude; the
+    /// amplitude of a real start rises slowly, and its swing follows the free one.)
+    pub fn entered_target(&self) -> Option<Target> {
+        let target = self.target?;
         let certain_hz = self.free.certain_up_to(target.entry_hz);
-        Target {
+        Some(Target {
             entry_hz: certain_hz.min(target.entry_hz),
-            ..*target
-        }
+            ..target
+        })
     }
 }

@@ -89,6 +89,22 @@ impl SubAssign for ActiveLimits {
     }
 }
 
+/// The limits that clamp, and those reported last.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LimitReport {
+    pub active: ActiveLimits,
+    reported: ActiveLimits,
+}
+
+impl LimitReport {
+    /// The set, if it differs from the one reported last; it counts as reported then.
+    pub fn change(&mut self) -> Option<ActiveLimits> {
+        let changed = self.active != self.reported;
+        self.reported = self.active;
+        changed.then_some(self.active)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,16 +14,21 @@
 //! [`Controller`] does what control priority does, a block of samples at a time. [`Lockstep`] is it together
 //! with the forecast, for where time stands still between blocks (desktop, QEMU).
 
+mod basin;
+mod block_health;
 mod climb;
 mod controller;
 mod event;
 mod forecast_cache;
 mod free;
 mod guard;
+mod lifetime;
 mod limits;
 mod lockstep;
 mod oscillator;
+mod phase;
 mod plausibility;
+mod rig_estimate;
 mod sampling;
 mod search;
 mod self_test;

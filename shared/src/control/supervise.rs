@@ -1,145 +1,151 @@
-//! The states, and what leads from one to another.
+//! The transitions between states: by time, by command, by fault.
 
-use super::controller::{Controller, ticks_of};
+use super::basin::BasinTracker;
+use super::block_health::BlockHealth;
+use super::controller::Controller;
 use super::event::EventKind;
 use super::guard::Trip;
+use super::lifetime::Remote;
+use super::phase::{Phase, Seeking, Start};
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
-use super::{ActiveLimits, Basin, Mode, Refused, State};
+use super::{ActiveLimits, Mode, Refused, State};
 use crate::fault::{Fault, Record};
-
-/// How long a start waits for the forecast, s.
-const FORECAST_PATIENCE_S: f32 = 120.0;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
     pub(super) fn supervise(&mut self, ticks: usize) {
-        self.timers.overruns = self.timers.overruns.saturating_sub(1);
         let ticks = ticks as u32;
-        self.timers.in_state = self.timers.in_state.saturating_add(ticks);
-        let trips = self.settings.trips;
-        self.timers.since_alive = self.timers.since_alive.saturating_add(ticks);
-        let silent = trips.link_timeout_s > 0.0
-            && self.timers.remote
-            && self.is_driving()
-            && self.timers.since_alive > ticks_of(trips.link_timeout_s);
-        if silent {
-            self.trip(Trip::system(Fault::LinkTimeout, trips.link_timeout_s));
+        self.blocks.served();
+        self.life.remote.pass(ticks);
+        let timeout_s = self.settings.trips.link_timeout_s;
+        if self.life.phase.is_driving() && self.life.remote.is_lost(timeout_s) {
+            self.trip(Trip::system(Fault::LinkTimeout, timeout_s));
         }
-        match self.state {
-            State::SelfTest => {}
-            State::Ramp if self.oscillator.has_arrived() => self.ramped(),
-            State::Seek | State::Hold => self.check_contacts(ticks),
-            State::Stop if self.oscillator.amplitude_m() <= 0.0 => self.change(State::Idle),
+        match &mut self.life.phase {
+            Phase::SelfTest(start) => start.pass(ticks),
+            Phase::Ramp(search) if self.oscillator.has_arrived() => {
+                let next = match *search {
+                    Some(search) => Phase::Seek(Seeking::new(search)),
+                    None => Phase::Manual,
+                };
+                self.change(next);
+            }
+            Phase::Seek(_) | Phase::Hold(_) => self.check_search(ticks),
+            Phase::Stop if self.oscillator.amplitude_m() <= 0.0 => self.change(Phase::Idle),
             _ => {}
         }
-        let limits = self.limits;
-        self.limits = match self.state {
+        self.limits.active = match self.state() {
             State::Seek | State::Hold | State::Manual => {
-                (limits & ActiveLimits::FREQUENCY) | self.trim.limits()
+                (self.limits.active & ActiveLimits::FREQUENCY) | self.trim.limits()
             }
             _ => ActiveLimits::NONE,
         };
-        if self.limits != self.told_limits {
-            self.told_limits = self.limits;
-            self.events.push(self.tick, EventKind::Limits(self.limits));
+        if let Some(limits) = self.limits.change() {
+            self.life.push(EventKind::Limits(limits));
         }
     }
 
-    /// The two faults of a hammer that does not do what it should.
-    pub(super) fn check_contacts(&mut self, ticks: u32) {
+    /// Trips when the search has been without contact, or without 1/1, for too long.
+    fn check_search(&mut self, ticks: u32) {
         let trips = self.settings.trips;
-        let hz = self.oscillator.frequency_hz();
-        if self.forecast.must_strike_at(hz) {
-            self.timers.since_contact = self.timers.since_contact.saturating_add(ticks);
-        }
-        if self.timers.since_contact > ticks_of(trips.no_contact_s) {
-            self.trip(Trip::system(Fault::NoContact, trips.no_contact_s));
+        let must_strike = self.forecast.must_strike_at(self.oscillator.frequency_hz());
+        let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
-        }
-        self.timers.since_one_one = self.timers.since_one_one.saturating_add(ticks);
-        if self.timers.since_one_one > ticks_of(trips.regime_lost_s) {
+        };
+        if seeking.is_without_contact(ticks, must_strike, trips.no_contact_s) {
+            self.trip(Trip::system(Fault::NoContact, trips.no_contact_s));
+        } else if seeking.is_without_one_one(ticks, trips.regime_lost_s) {
             self.trip(Trip::system(Fault::RegimeLost, trips.regime_lost_s));
         }
     }
 
-    /// The self test has found the zeros.
-    pub(super) fn tested(&mut self, zero: Zero) {
+    /// The self test has found the zeros: the ramp begins, or the self test goes on until there is a forecast.
+    pub(super) fn finish_self_test(&mut self, zero: Zero) {
         let rest_m = zero.relative_m.unwrap_or(0.0);
         self.sense.set_zero(zero.force_n, rest_m);
         self.guard.set_force_is_live(zero.force_is_live);
-        if self.mode == Mode::Automatic {
-            let patient = self.timers.in_state < ticks_of(FORECAST_PATIENCE_S);
-            if !self.forecast.come && patient {
-                // The forecast is still in work: look at the sensors once more meanwhile.
-                self.self_test = SelfTest::new(&self.settings);
+        let Phase::SelfTest(start) = &mut self.life.phase else {
+            return;
+        };
+        let search = match start.mode {
+            Mode::Manual => None,
+            Mode::Automatic if !self.forecast.has_come() && start.can_wait() => {
+                // The forecast is still in work: the sensors are tested once more meanwhile.
+                start.test = SelfTest::new(&self.settings);
                 return;
             }
-            let Some(target) = self.forecast.target else {
-                self.events.push(self.tick, EventKind::NoTarget);
-                self.change(State::Idle);
-                return;
-            };
-            let target = self.forecast.entered(&target);
-            let search = Search::new(&target, self.range_hz());
-            self.oscillator.jump(search.goal_hz());
-            self.search = Some(search);
-        } else {
-            self.search = None;
-        }
+            Mode::Automatic => {
+                let Some(target) = self.forecast.entered_target() else {
+                    self.life.push(EventKind::NoTarget);
+                    self.change(Phase::Idle);
+                    return;
+                };
+                Some(Search::new(&target, self.range_hz()))
+            }
+        };
         self.guard.restart(self.sensed_drive.now());
         self.plausibility.restart();
         self.trim = Trim::new(&self.settings);
-        if let (Mode::Automatic, Some(target)) = (self.mode, &self.forecast.target) {
-            self.trim.expect(target.orbit.force_n);
+        if let Some(search) = &search {
+            self.oscillator.jump(search.goal_hz());
+            self.trim.expect(self.forecast.target_point().1);
         }
         let amplitude_m = self.trim.command();
         self.oscillator.aim_amplitude(amplitude_m);
-        self.change(State::Ramp);
+        self.change(Phase::Ramp(search));
     }
 
-    pub(super) fn ramped(&mut self) {
-        self.timers.since_contact = 0;
-        self.timers.since_one_one = 0;
-        self.timers.good_periods = 0;
-        self.change(match self.mode {
-            Mode::Automatic => State::Seek,
-            Mode::Manual => State::Manual,
-        });
-    }
-
-    pub(super) fn start(&mut self, mode: Mode) {
-        self.mode = mode;
-        // Whoever steers says so after the start.
-        self.timers.remote = false;
-        self.self_test = SelfTest::new(&self.settings);
-        self.timers.since_alive = 0;
-        self.basin = Basin::Unknown;
-        self.striking = 0;
-        self.silent = 0;
+    pub(super) fn start(&mut self, mode: Mode) -> Result<(), Refused> {
+        if !self.life.is_in(State::Idle) {
+            return Err(Refused::WrongState);
+        }
+        // A computer that steers says so after the start.
+        self.life.remote = Remote::default();
+        self.seen.basin = BasinTracker::NEW;
         self.sense.reset();
-        self.identification.reset();
-        self.change(State::SelfTest);
+        self.rig.identification.reset();
+        self.change(Phase::SelfTest(Start::new(mode, &self.settings)));
+        Ok(())
     }
 
-    pub(super) fn stop(&mut self) {
-        self.search = None;
-        self.oscillator.aim(self.oscillator.frequency_hz());
-        self.oscillator.aim_amplitude(0.0);
-        self.change(State::Stop);
+    pub(super) fn stop(&mut self) -> Result<(), Refused> {
+        self.life.remote = Remote::default();
+        match self.state() {
+            State::Fault => return Err(Refused::WrongState),
+            State::Idle | State::Stop => {}
+            State::SelfTest => self.change(Phase::Idle),
+            _ => {
+                self.oscillator.aim(self.oscillator.frequency_hz());
+                self.oscillator.aim_amplitude(0.0);
+                self.change(Phase::Stop);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn clear_fault(&mut self) -> Result<(), Refused> {
+        if !self.life.is_in(State::Fault) {
+            return Err(Refused::WrongState);
+        }
+        if !self.life.faults.can_be_cleared() {
+            return Err(Refused::StillFaulty);
+        }
+        self.clear();
+        Ok(())
     }
 
     pub(super) fn set_point(&mut self, frequency_hz: f32, amplitude_m: f32) -> Result<(), Refused> {
         if !(frequency_hz.is_finite() && amplitude_m.is_finite()) {
             return Err(Refused::NotANumber);
         }
-        if self.mode != Mode::Manual || !self.is_driving() || self.state == State::Stop {
+        if !self.life.phase.is_manual() {
             return Err(Refused::WrongState);
         }
         let (low, high) = self.range_hz();
         let clamped_hz = frequency_hz.max(low).min(high);
-        self.limits = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
+        self.limits.active = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
         self.oscillator.aim(clamped_hz);
         self.trim
             .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
@@ -149,32 +155,28 @@ impl Controller {
     }
 
     pub(super) fn alive(&mut self) {
-        self.timers.since_alive = 0;
-        self.timers.remote = true;
-        let waits = self.record.is_some_and(|r| r.fault == Fault::LinkTimeout);
-        if self.state == State::Fault && waits {
+        self.life.remote.alive();
+        if self.life.is_in(State::Fault) && self.life.faults.is(Fault::LinkTimeout) {
             self.clear();
         }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.record = None;
-        self.timers.overruns = 0;
-        self.timers.stale = 0;
-        self.events.push(self.tick, EventKind::Cleared);
-        self.change(State::Idle);
+    fn clear(&mut self) {
+        self.life.faults.record = None;
+        self.blocks = BlockHealth::default();
+        self.life.push(EventKind::Cleared);
+        self.change(Phase::Idle);
     }
 
-    /// Off first; then the record.
+    /// Switches the drive off; records the fault only then.
     pub(super) fn trip(&mut self, trip: Trip) {
-        self.condition = Some(trip.fault);
-        if self.state == State::Fault {
+        self.life.faults.condition = Some(trip.fault);
+        if self.life.is_in(State::Fault) {
             return;
         }
         self.oscillator.silence();
-        self.search = None;
         self.note(trip);
-        self.change(State::Fault);
+        self.change(Phase::Fault);
     }
 
     pub(super) fn note(&mut self, trip: Trip) {
@@ -186,25 +188,17 @@ impl Controller {
         let record = Record {
             fault,
             origin,
-            tick: self.tick,
+            tick: self.life.tick,
             value,
             frequency_hz: self.oscillator.frequency_hz(),
         };
-        self.record = Some(record);
-        self.events.push(self.tick, EventKind::Fault(record));
+        self.life.faults.record = Some(record);
+        self.life.push(EventKind::Fault(record));
     }
 
-    pub(super) fn change(&mut self, to: State) {
-        let from = self.state;
-        if from == to {
-            return;
-        }
-        self.state = to;
-        self.timers.in_state = 0;
-        if matches!(to, State::Idle | State::Fault) {
+    pub(super) fn change(&mut self, to: Phase) {
+        if self.life.change(to) && matches!(self.life.phase, Phase::Idle | Phase::Fault) {
             self.oscillator.silence();
-            self.search = None;
         }
-        self.events.push(self.tick, EventKind::State { from, to });
     }
 }

@@ -91,6 +91,33 @@ fn forecast(rows: usize) -> Forecast {
     }
 }
 
+#[test]
+fn the_first_answer_keeps_its_bytes_for_ever() {
+    // What a board of any version sends first: sequence 7, kind 0 (an answer), to request 5, answer 0 (hello),
+    // and the version before all else. A computer of any version can read that far.
+    let name = |text| Name::try_from(text).unwrap();
+    let packet = |protocol| Packet {
+        sequence: 7,
+        message: FromBoard::Answer {
+            request: 5,
+            answer: Answer::Hello(Hello {
+                protocol,
+                firmware: name("a"),
+                board: name("b"),
+                tick_rate_hz: 20_000,
+                block_ticks: 10,
+            }),
+        },
+    };
+    let mut buffer = [0; MAX_PACKET];
+    for version in [1, PROTOCOL_VERSION] {
+        let bytes = postcard::to_slice(&packet(version), &mut buffer).unwrap();
+        let rest = [1, b'a', 1, b'b', 0xa0, 0x9c, 0x01, 10];
+        assert_eq!(bytes[..5], [7, 0, 5, 0, version as u8]);
+        assert_eq!(bytes[5..], rest);
+    }
+}
+
 fn longest_answers() -> Vec<Answer> {
     let name = || Name::try_from("01234567890123456789012").unwrap();
     let mut answers = std::vec![

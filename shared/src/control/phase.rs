@@ -1,0 +1,154 @@
+//! The controller's state with the data that belongs to it.
+
+use super::search::Search;
+use super::self_test::SelfTest;
+use super::{Mode, State};
+use crate::settings::{Settings, ticks_of};
+
+/// Drive periods with one contact each, in a row, after which 1/1 counts as regained.
+const REGAINED_PERIODS: u8 = 8;
+/// How long a start waits for the forecast, s.
+const FORECAST_PATIENCE_S: f32 = 120.0;
+
+/// What the controller is doing, with what it needs for it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) enum Phase {
+    #[default]
+    Idle,
+    SelfTest(Start),
+    /// The amplitude rises; then the search takes over, or manual set-points without one.
+    Ramp(Option<Search>),
+    Seek(Seeking),
+    Hold(Seeking),
+    Stop,
+    Fault,
+    Manual,
+}
+
+impl Phase {
+    /// The same without the data.
+    pub fn state(&self) -> State {
+        match self {
+            Self::Idle => State::Idle,
+            Self::SelfTest(_) => State::SelfTest,
+            Self::Ramp(_) => State::Ramp,
+            Self::Seek(_) => State::Seek,
+            Self::Hold(_) => State::Hold,
+            Self::Stop => State::Stop,
+            Self::Fault => State::Fault,
+            Self::Manual => State::Manual,
+        }
+    }
+
+    /// Whether the drive is enabled.
+    pub fn is_driving(&self) -> bool {
+        matches!(
+            self,
+            Self::Ramp(_) | Self::Seek(_) | Self::Hold(_) | Self::Stop | Self::Manual
+        )
+    }
+
+    /// Whether set-points are given by hand.
+    pub fn is_manual(&self) -> bool {
+        matches!(self, Self::Ramp(None) | Self::Manual)
+    }
+
+    /// The search, from the ramp on.
+    pub fn search_mut(&mut self) -> Option<&mut Search> {
+        match self {
+            Self::Ramp(search) => search.as_mut(),
+            Self::Seek(seeking) | Self::Hold(seeking) => Some(&mut seeking.search),
+            _ => None,
+        }
+    }
+
+    /// The search and its times, while it runs.
+    pub fn seeking_mut(&mut self) -> Option<&mut Seeking> {
+        match self {
+            Self::Seek(seeking) | Self::Hold(seeking) => Some(seeking),
+            _ => None,
+        }
+    }
+}
+
+/// A start: the self test, and what comes after it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub mode: Mode,
+    pub test: SelfTest,
+    /// Ticks since the start.
+    ticks: u32,
+}
+
+impl Start {
+    pub fn new(mode: Mode, settings: &Settings) -> Self {
+        Self {
+            mode,
+            test: SelfTest::new(settings),
+            ticks: 0,
+        }
+    }
+
+    /// A block has passed.
+    pub fn pass(&mut self, ticks: u32) {
+        self.ticks = self.ticks.saturating_add(ticks);
+    }
+
+    /// Whether a forecast that has not come yet is still waited for.
+    pub fn can_wait(&self) -> bool {
+        self.ticks < ticks_of(FORECAST_PATIENCE_S)
+    }
+}
+
+/// The search, and how long it has been without what it needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seeking {
+    pub search: Search,
+    ticks_without_contact: u32,
+    ticks_without_one_one: u32,
+    /// Drive periods in a row with one contact each.
+    one_one_periods: u8,
+}
+
+impl Seeking {
+    pub fn new(search: Search) -> Self {
+        Self {
+            search,
+            ticks_without_contact: 0,
+            ticks_without_one_one: 0,
+            one_one_periods: 0,
+        }
+    }
+
+    /// A contact has begun.
+    pub fn contact(&mut self) {
+        self.ticks_without_contact = 0;
+    }
+
+    /// A drive period has ended with this many contacts.
+    pub fn strobe(&mut self, contacts: u16) {
+        self.one_one_periods = if contacts == 1 {
+            self.one_one_periods.saturating_add(1)
+        } else {
+            0
+        };
+        if self.one_one_periods >= REGAINED_PERIODS {
+            self.ticks_without_one_one = 0;
+        }
+    }
+
+    /// A block has passed. Whether there was no contact for longer than `limit_s`; time counts only where
+    /// the hammer `must_strike`.
+    pub fn is_without_contact(&mut self, ticks: u32, must_strike: bool, limit_s: f32) -> bool {
+        if must_strike {
+            self.ticks_without_contact = self.ticks_without_contact.saturating_add(ticks);
+        }
+        self.ticks_without_contact > ticks_of(limit_s)
+    }
+
+    /// A block has passed. Whether there was no 1/1 for longer than `limit_s`.
+    pub fn is_without_one_one(&mut self, ticks: u32, limit_s: f32) -> bool {
+        self.ticks_without_one_one = self.ticks_without_one_one.saturating_add(ticks);
+        self.ticks_without_one_one > ticks_of(limit_s)
+    }
+}

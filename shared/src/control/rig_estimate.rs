@@ -1,0 +1,134 @@
+//! The rig as its own pulses and flights show it to be.
+
+use crate::model::params::RigParams;
+use crate::sense::identification::{Estimates, Identification};
+use crate::settings::Settings;
+
+/// Drive periods between two comparisons of the rig with its estimates.
+const COMPARE_PERIODS: u16 = 32;
+/// A natural frequency further off than this needs a new forecast, relative.
+const NATURAL_STEP: f64 = 0.01;
+/// A gap further off than this needs a new forecast, m.
+const GAP_STEP_M: f64 = 3e-5;
+/// Largest relative standard error of a natural frequency that is used.
+const NATURAL_SIGMA: f32 = 0.003;
+/// Largest standard error of a gap that is used, m.
+const GAP_SIGMA_M: f32 = 1e-5;
+
+/// The rig that forecasts are made of, and its online identification.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RigEstimate {
+    pub identification: Identification,
+    set: RigParams,
+    believed: RigParams,
+    periods: u16,
+}
+
+impl RigEstimate {
+    /// The rig of `settings`, nothing identified yet.
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            identification: Identification::new(settings),
+            set: settings.rig,
+            believed: settings.rig,
+            periods: 0,
+        }
+    }
+
+    /// The rig that forecasts are made of.
+    pub fn rig(&self) -> &RigParams {
+        &self.believed
+    }
+
+    /// A drive period of the search has ended. Once every [`COMPARE_PERIODS`], the rig if it has changed
+    /// enough for a new forecast.
+    pub fn strobe(&mut self) -> Option<&RigParams> {
+        self.periods += 1;
+        if self.periods < COMPARE_PERIODS {
+            return None;
+        }
+        self.periods = 0;
+        let rig = estimated(&self.set, &self.believed, &self.identification.estimates());
+        let natural = rig.natural_frequency_hz() / self.believed.natural_frequency_hz() - 1.0;
+        let gap_m = rig.gap_m - self.believed.gap_m;
+        let differs = !(-NATURAL_STEP..=NATURAL_STEP).contains(&natural)
+            || !(-GAP_STEP_M..=GAP_STEP_M).contains(&gap_m);
+        if !differs || rig.check().is_err() {
+            return None;
+        }
+        self.believed = rig;
+        Some(&self.believed)
+    }
+}
+
+/// The rig of the settings with what has been identified surely enough in place of what was set. Contact
+/// stiffness and damping stay as set: 20 kHz samples do not identify them well enough
+/// ([`crate::sense::identification`]), and they hardly move the target.
+fn estimated(set: &RigParams, believed: &RigParams, found: &Estimates) -> RigParams {
+    let mut rig = *believed;
+    if let Some(natural) = found.natural_hz
+        && natural.sigma <= NATURAL_SIGMA * natural.value
+    {
+        let factor = f64::from(natural.value) / set.natural_frequency_hz();
+        rig = set.with_natural_frequency_scaled(factor);
+        rig.gap_m = believed.gap_m;
+    }
+    if let Some(gap) = found.gap_m
+        && gap.sigma <= GAP_SIGMA_M
+    {
+        rig.gap_m = f64::from(gap.value);
+    }
+    rig
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::params::WIRES;
+    use crate::sense::identification::Estimate;
+
+    fn found(natural: Option<(f32, f32)>, gap: Option<(f32, f32)>) -> Estimates {
+        let estimate = |(value, sigma)| Estimate {
+            value,
+            sigma,
+            samples: 50,
+        };
+        Estimates {
+            natural_hz: natural.map(estimate),
+            gap_m: gap.map(estimate),
+            ..Estimates::default()
+        }
+    }
+
+    #[test]
+    fn only_sure_estimates_replace_what_was_set() {
+        let natural_hz = WIRES.natural_frequency_hz() as f32;
+        let sure = estimated(
+            &WIRES,
+            &WIRES,
+            &found(
+                Some((1.05 * natural_hz, 0.002 * natural_hz)),
+                Some((2e-4, 9e-6)),
+            ),
+        );
+        let ratio = sure.natural_frequency_hz() / WIRES.natural_frequency_hz();
+        assert!((ratio - 1.05).abs() < 1e-6, "{ratio}");
+        assert!((sure.gap_m - 2e-4).abs() < 1e-10);
+        let unsure = estimated(
+            &WIRES,
+            &WIRES,
+            &found(
+                Some((1.05 * natural_hz, 0.004 * natural_hz)),
+                Some((2e-4, 11e-6)),
+            ),
+        );
+        assert_eq!(unsure, WIRES);
+    }
+
+    #[test]
+    fn a_rig_as_set_needs_no_new_forecast() {
+        let mut estimate = RigEstimate::new(&Settings::for_rig(&WIRES));
+        assert!((0..100).all(|_| estimate.strobe().is_none()));
+        assert_eq!(*estimate.rig(), WIRES);
+    }
+}

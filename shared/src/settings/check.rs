@@ -1,0 +1,300 @@
+//! The ranges of the settings.
+
+use super::{Detection, DriveSettings, Limits, Settings, Trips};
+use crate::io::{HIGH_RAIL, LOW_RAIL};
+use crate::model::params::ParamError;
+
+impl Settings {
+    /// Whether these settings can be run with.
+    ///
+    /// # Errors
+    /// If a setting is out of range: the first such, named with its unit.
+    pub fn check(&self) -> Result<(), ParamError> {
+        self.rig.check()?;
+        self.check_sensors()?;
+        self.check_drive()?;
+        self.check_limits()?;
+        self.check_trips()?;
+        self.check_detection()
+    }
+
+    fn check_sensors(&self) -> Result<(), ParamError> {
+        for (key, channel) in [
+            ("force.unit_per_code", &self.force),
+            ("hammer.unit_per_code", &self.hammer),
+            ("cart.unit_per_code", &self.cart),
+        ] {
+            let unit = channel.unit_per_code;
+            if !unit.is_finite() || unit == 0.0 {
+                return Err(out_of_range(key, unit, "a number other than 0"));
+            }
+        }
+        let codes = (f32::from(LOW_RAIL.0), f32::from(HIGH_RAIL.0));
+        all_within(&[
+            ("force.zero_code", self.force.zero_code, codes, CODE),
+            ("hammer.zero_code", self.hammer.zero_code, codes, CODE),
+            ("cart.zero_code", self.cart.zero_code, codes, CODE),
+        ])
+    }
+
+    fn check_drive(&self) -> Result<(), ParamError> {
+        let DriveSettings {
+            m_per_code,
+            frequency_slew_hz_per_s: hz_per_s,
+            amplitude_slew_m_per_s: m_per_s,
+            ..
+        } = self.drive;
+        let (step, slew) = ((TINY, 1e-3), "drive.frequency_slew_hz_per_s");
+        all_within(&[
+            ("drive.m_per_code", m_per_code, step, POSITIVE),
+            (slew, hz_per_s, (1e-3, 1e3), "0.001 to 1000"),
+            (
+                "drive.amplitude_slew_m_per_s",
+                m_per_s,
+                (1e-6, 1.0),
+                "1e-6 to 1",
+            ),
+        ])
+    }
+
+    fn check_limits(&self) -> Result<(), ParamError> {
+        let Limits {
+            force_n,
+            travel_m,
+            min_frequency_hz: min_hz,
+            max_frequency_hz: max_hz,
+            amplitude_m,
+        } = self.limits;
+        let amplitudes = (self.rig.amplitude_m as f32, 2047.0 * self.drive.m_per_code);
+        let from_min = "from limits.min_frequency_hz to 500";
+        let reach = "from the rig's amplitude to what the DAC reaches";
+        all_within(&[
+            ("limits.force_n", force_n, (TINY, 1e6), POSITIVE),
+            ("limits.travel_m", travel_m, (TINY, 1.0), POSITIVE),
+            (
+                "limits.min_frequency_hz",
+                min_hz,
+                (0.05, 500.0),
+                "0.05 to 500",
+            ),
+            ("limits.max_frequency_hz", max_hz, (min_hz, 500.0), from_min),
+            ("limits.amplitude_m", amplitude_m, amplitudes, reach),
+        ])
+    }
+
+    fn check_trips(&self) -> Result<(), ParamError> {
+        let Trips {
+            force_n,
+            travel_m,
+            cart_m,
+            no_contact_s,
+            regime_lost_s,
+            link_timeout_s,
+        } = self.trips;
+        let limits = &self.limits;
+        let (force, travel) = ((limits.force_n, 1e6), (limits.travel_m, 1.0));
+        let cart = (limits.amplitude_m, 1.0);
+        all_within(&[
+            ("trips.force_n", force_n, force, "at least limits.force_n"),
+            (
+                "trips.travel_m",
+                travel_m,
+                travel,
+                "at least limits.travel_m",
+            ),
+            ("trips.cart_m", cart_m, cart, "at least limits.amplitude_m"),
+            (
+                "trips.no_contact_s",
+                no_contact_s,
+                (0.1, 3600.0),
+                "0.1 to 3600",
+            ),
+            (
+                "trips.regime_lost_s",
+                regime_lost_s,
+                (1.0, 3600.0),
+                "1 to 3600",
+            ),
+            (
+                "trips.link_timeout_s",
+                link_timeout_s,
+                (0.0, 3600.0),
+                "0 to 3600",
+            ),
+        ])
+    }
+
+    fn check_detection(&self) -> Result<(), ParamError> {
+        let Detection {
+            on_n,
+            off_n,
+            refractory_s,
+        } = self.detection;
+        let (on, off) = ((TINY, self.limits.force_n), (TINY, on_n));
+        let key = "detection.refractory_s";
+        all_within(&[
+            (
+                "detection.on_n",
+                on_n,
+                on,
+                "positive, at most limits.force_n",
+            ),
+            (
+                "detection.off_n",
+                off_n,
+                off,
+                "positive, at most detection.on_n",
+            ),
+            (key, refractory_s, (2e-4, 2e-2), "0.0002 to 0.02"),
+        ])
+    }
+}
+
+/// The least positive number that is not subnormal.
+const TINY: f32 = f32::MIN_POSITIVE;
+const POSITIVE: &str = "a positive number";
+/// [`LOW_RAIL`] to [`HIGH_RAIL`].
+const CODE: &str = "a code from 124 to 3971";
+
+/// A setting: its name, value, lowest and highest value, and these in words.
+type Bounded = (&'static str, f32, (f32, f32), &'static str);
+
+fn all_within(settings: &[Bounded]) -> Result<(), ParamError> {
+    let good = |value: f32, (low, high)| value.is_finite() && value >= low && value <= high;
+    match settings
+        .iter()
+        .find(|(_, value, range, _)| !good(*value, *range))
+    {
+        None => Ok(()),
+        Some(&(key, value, _, must_be)) => Err(out_of_range(key, value, must_be)),
+    }
+}
+
+fn out_of_range(key: &'static str, value: f32, must_be: &'static str) -> ParamError {
+    ParamError {
+        key,
+        value: f64::from(value),
+        must_be,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::params::PRESETS;
+
+    #[test]
+    fn defaults_of_every_rig_pass_and_what_is_out_of_range_is_named() {
+        for (name, rig) in PRESETS {
+            assert_eq!(Settings::for_rig(&rig).check(), Ok(()), "{name}");
+        }
+        let mut settings = Settings::for_rig(&PRESETS[0].1);
+        settings.rig.mass_kg = -1.0;
+        assert!(settings.check().unwrap_err().key.starts_with("mass"));
+    }
+
+    #[test]
+    fn every_setting_has_a_range_and_is_named_outside_it() {
+        type Field = fn(&mut Settings) -> &mut f32;
+        // Just outside on either side; the ends that are other settings are those of the wires' defaults.
+        let cases: [(&str, Field, f32, f32); 23] = [
+            (
+                "force.unit_per_code",
+                |s| &mut s.force.unit_per_code,
+                0.0,
+                f32::INFINITY,
+            ),
+            (
+                "hammer.unit_per_code",
+                |s| &mut s.hammer.unit_per_code,
+                0.0,
+                f32::INFINITY,
+            ),
+            (
+                "cart.unit_per_code",
+                |s| &mut s.cart.unit_per_code,
+                0.0,
+                f32::INFINITY,
+            ),
+            ("force.zero_code", |s| &mut s.force.zero_code, 123.0, 3972.0),
+            (
+                "hammer.zero_code",
+                |s| &mut s.hammer.zero_code,
+                123.0,
+                3972.0,
+            ),
+            ("cart.zero_code", |s| &mut s.cart.zero_code, 123.0, 3972.0),
+            ("drive.m_per_code", |s| &mut s.drive.m_per_code, 0.0, 1.1e-3),
+            (
+                "drive.frequency_slew_hz_per_s",
+                |s| &mut s.drive.frequency_slew_hz_per_s,
+                9e-4,
+                1.1e3,
+            ),
+            (
+                "drive.amplitude_slew_m_per_s",
+                |s| &mut s.drive.amplitude_slew_m_per_s,
+                9e-7,
+                1.1,
+            ),
+            ("limits.force_n", |s| &mut s.limits.force_n, 0.0, 1.1e6),
+            ("limits.travel_m", |s| &mut s.limits.travel_m, 0.0, 1.1),
+            (
+                "limits.min_frequency_hz",
+                |s| &mut s.limits.min_frequency_hz,
+                0.04,
+                501.0,
+            ),
+            (
+                "limits.max_frequency_hz",
+                |s| &mut s.limits.max_frequency_hz,
+                1.3,
+                501.0,
+            ),
+            (
+                "limits.amplitude_m",
+                |s| &mut s.limits.amplitude_m,
+                0.88e-3,
+                2.51e-3,
+            ),
+            ("trips.force_n", |s| &mut s.trips.force_n, 200.0, 1.1e6),
+            ("trips.travel_m", |s| &mut s.trips.travel_m, 7.9e-3, 1.1),
+            ("trips.cart_m", |s| &mut s.trips.cart_m, 1.3e-3, 1.1),
+            (
+                "trips.no_contact_s",
+                |s| &mut s.trips.no_contact_s,
+                0.09,
+                3601.0,
+            ),
+            (
+                "trips.regime_lost_s",
+                |s| &mut s.trips.regime_lost_s,
+                0.9,
+                3601.0,
+            ),
+            (
+                "trips.link_timeout_s",
+                |s| &mut s.trips.link_timeout_s,
+                -0.1,
+                3601.0,
+            ),
+            ("detection.on_n", |s| &mut s.detection.on_n, 0.0, 300.0),
+            ("detection.off_n", |s| &mut s.detection.off_n, 0.0, 20.0),
+            (
+                "detection.refractory_s",
+                |s| &mut s.detection.refractory_s,
+                1.9e-4,
+                2.1e-2,
+            ),
+        ];
+        for (key, field, below, above) in cases {
+            for value in [below, above, f32::NAN] {
+                let mut settings = Settings::for_rig(&PRESETS[0].1);
+                *field(&mut settings) = value;
+                let error = settings.check().expect_err(key);
+                assert_eq!(error.key, key, "{value}");
+                assert!(error.value == f64::from(value) || value.is_nan());
+            }
+        }
+    }
+}
