@@ -1,5 +1,7 @@
 //! Impact regimes z = p/n, told from the Poincaré section at drive phase 0.
 
+use core::fmt::Write;
+
 use serde::{Deserialize, Serialize};
 
 use crate::model::contacts::Period;
@@ -66,10 +68,16 @@ impl Regime {
 }
 
 impl core::fmt::Display for Regime {
+    /// "p/n", "none", "aperiodic" or "chatter", padded to the width asked for.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::None => f.pad("none"),
-            Self::Periodic { impacts, periods } => write!(f, "{impacts}/{periods}"),
+            Self::Periodic { impacts, periods } => {
+                // Longest: "65535/255".
+                let mut name = heapless::String::<9>::new();
+                write!(name, "{impacts}/{periods}")?;
+                f.pad(&name)
+            }
             Self::Aperiodic { .. } => f.pad("aperiodic"),
             Self::Chatter { .. } => f.pad("chatter"),
         }
@@ -213,6 +221,20 @@ mod tests {
             detector.push(q, 0.0, &period);
         }
         detector.regime()
+    }
+
+    #[test]
+    fn a_name_is_padded_to_the_width_asked_for() {
+        let largest = Regime::Periodic {
+            impacts: u16::MAX,
+            periods: u8::MAX,
+        };
+        assert_eq!(std::format!("{largest}"), "65535/255");
+        let one = Regime::Periodic {
+            impacts: 1,
+            periods: 1,
+        };
+        assert_eq!(std::format!("{one:<5}|{:>5}|", Regime::None), "1/1  | none|");
     }
 
     #[test]
