@@ -181,8 +181,9 @@ impl Controller {
         }
     }
 
-    /// Replaces the settings as a whole, in Idle (or after a fault, which stays). Everything that was made from
-    /// the old ones is lost; [`Lifetime`] goes on. After damaged settings, only this lets the fault be cleared.
+    /// Replaces the settings as a whole, in Idle (or after a fault, which stays). Everything made from the old ones
+    /// is lost; time, events, counts, the link and the fault go on. After damaged settings, only this lets the
+    /// fault be cleared.
     ///
     /// # Errors
     /// If the controller is in any other state, or a setting is out of range.

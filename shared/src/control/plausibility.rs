@@ -6,7 +6,7 @@ use crate::settings::Settings;
 
 use super::guard::Trip;
 
-/// Pulses in a row, outside [`IMPULSE_RANGE`], that trip.
+/// Pulses in a row, with an impulse that no contact of that speed can have, that trip.
 pub const BAD_PULSES: u8 = 8;
 /// Pulses in a row, with the hammer away from the surface, that trip.
 pub const FAR_PULSES: u8 = 3;
