@@ -1,9 +1,9 @@
-//! Bench mode: the twin stands in for the rig, so that a bare board shows what the controller does.
+//! Bench mode: the model takes the place of the rig, so that a bare board runs the controller.
 //!
 //! The controller's own set-points go in, sensor codes come out. The shaker of this rig follows without lag: at
 //! each upward zero crossing of the set-point its phase is set afresh, its frequency is the one commanded, and its
 //! amplitude the largest of the period before. The hammer is [`shared::model::twin`]'s. What a real rig adds (a shaker of
-//! finite force, filters, ringing, noise of a sensor) is the desktop emulator's business, not this one's.
+//! finite force, filters, ringing, noise of a sensor) is in the desktop emulator, not here.
 
 use shared::io::{ADC_FULL_SCALE, AdcCode, Channel, DacCode, Frame, Output};
 use shared::model::drive::{Drive, Stamp};
@@ -15,14 +15,14 @@ use shared::settings::{DriveKind, Settings, TICK_RATE_HZ, TICK_S};
 
 /// Ticks in a second.
 const PER_TICK_S: f32 = TICK_RATE_HZ as f32;
-/// Cart amplitude of a drive that stands, m: a rig must have one; no sensor tells it from none.
+/// Cart amplitude of a drive at rest, m: the model needs one above 0; no sensor resolves it.
 const STANDING_M: f64 = 1e-9;
 /// The set-point must have been this far below the middle for its rise through it to count, codes.
 const ARMED: i32 = 8;
 /// Longest period of a set-point that is still followed, ticks: 10 s.
 const LONGEST: u32 = 200_000;
 
-/// The stand-in.
+/// The model in place of the rig.
 #[derive(Clone, Debug)]
 pub struct Bench {
     settings: Settings,
@@ -50,7 +50,7 @@ impl Bench {
         }
     }
 
-    /// What the sensors read in the ticks in which `outputs` are played; of unequal numbers the shorter counts.
+    /// The sensors' readings in the ticks in which `outputs` are played; of unequal numbers the shorter counts.
     pub fn block(&mut self, outputs: &[Output], frames: &mut [Frame]) {
         for (output, frame) in outputs.iter().zip(frames) {
             *frame = self.tick(output);
@@ -119,7 +119,7 @@ impl Bench {
         }
     }
 
-    /// Goes on from the hammer's state under a drive of that frequency and of the amplitude that was found.
+    /// Continues from the hammer's state under a drive of that frequency and of the present amplitude.
     fn restart(&mut self, frequency_hz: f64, from_zero: bool) {
         let params = RigParams {
             amplitude_m: self.amplitude_m.max(STANDING_M),

@@ -13,7 +13,7 @@ pub struct Button {
 }
 
 impl Button {
-    /// A button that is `pressed` already: held at reset, that press has been read and means nothing more.
+    /// A button that is `pressed` already: held at reset, that press has been used already.
     pub fn new(pressed: bool) -> Self {
         Self { pressed, steps: 0 }
     }
@@ -33,7 +33,7 @@ impl Button {
     }
 }
 
-/// What a press asks for: start from Idle, clear a fault, stop anything else.
+/// The command of a press: start from Idle, clear a fault, stop anything else.
 pub fn meaning(state: State) -> Command {
     match state {
         State::Idle => Command::Start(Mode::Automatic),

@@ -1,4 +1,4 @@
-//! Median and worst of many counts, in little memory.
+//! Median and worst of many counts in little memory.
 
 /// Width of a bin.
 const WIDTH: u32 = 32;

@@ -1,4 +1,4 @@
-//! What the one LED tells: the controller's state, and a fault's number.
+//! The pattern of the one LED: the controller's state, and a fault's number.
 //!
 //! | state | LED |
 //! |---|---|
@@ -20,14 +20,14 @@ const FLASH: (u32, u32) = (20, 20);
 /// The pause after a fault's flashes, steps.
 const PAUSE: u32 = 2 * RATE_HZ;
 
-/// What is to be shown.
+/// What the LED shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shown {
     /// What the controller is doing.
     pub state: State,
     /// The fault's number.
     pub fault: u8,
-    /// Whether the twin stands in for the rig.
+    /// Bench mode: the model takes the place of the rig.
     pub bench: bool,
 }
 
@@ -39,7 +39,7 @@ pub struct LedPattern {
 }
 
 impl LedPattern {
-    /// Whether the LED is lit in the next hundredth of a second. A new state begins its pattern anew.
+    /// Whether the LED is lit in the next hundredth of a second. A new state starts its pattern from the beginning.
     pub fn step(&mut self, shown: Shown) -> bool {
         if shown != self.shown {
             *self = Self { shown, step: 0 };
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn states_are_told_apart() {
+    fn each_state_has_its_own_pattern() {
         let mut bench = in_state(State::Idle);
         assert_eq!(flashes(bench, 10), 5);
         bench.bench = true;

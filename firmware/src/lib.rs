@@ -1,8 +1,8 @@
 //! The hammer on the microcontroller.
 //!
-//! This library is what both boards share; it has no hardware in it, and also
-//! compiles and tests on the host. The apps stand in `src/bin/`, what only one
-//! board can run stands behind one module each in `hardware`.
+//! This library is common to both boards. It has no hardware in it, and also
+//! compiles and tests on the host. The apps are in `src/bin/`, code for one board
+//! only in one module each of `hardware`.
 #![no_std]
 
 #[cfg(test)]

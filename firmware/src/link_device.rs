@@ -1,4 +1,5 @@
-//! What the link may do on a board: reach the controller by short locks, store settings, read the forecast.
+//! The link's functions on a board: it reaches the controller by short locks, stores settings and reads the
+//! forecast.
 
 use rtic::Mutex;
 use shared::control::{Command, Refused, Status};
@@ -12,9 +13,9 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 use crate::BLOCK_TICKS;
 use crate::recorder::Recorder;
 
-/// Where settings outlive a reset.
+/// Storage of settings that outlives a reset.
 pub trait SettingsStore {
-    /// Stores them; whether that worked. May stand still for as long as the flash takes.
+    /// Stores them; returns whether that worked. May block for as long as the flash takes.
     fn store(&mut self, settings: &Settings) -> bool;
 }
 
@@ -24,7 +25,7 @@ pub struct BoardLink<'a, D, F, K> {
     pub recorder: &'a mut D,
     /// The last forecast that is complete.
     pub forecast: &'a mut F,
-    /// Where settings are stored.
+    /// The storage of the settings.
     pub settings_store: &'a mut K,
     /// The board's name.
     pub board: &'static str,

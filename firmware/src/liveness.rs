@@ -1,10 +1,10 @@
-//! Whether the watchdog may be fed: only if everything that must go on has gone on since the last time.
+//! Whether the watchdog may be fed: only if every task has run since the last time.
 
-/// Steps (of 10 ms) in which idle must have been reached: link and control together may hold it up, a forecast
-/// slice is short, but nothing may starve it for long.
+/// The idle loop must have run within this many steps of 10 ms: link and control may delay it, but not for
+/// longer.
 const IDLE_STEPS: u8 = 50;
 
-/// The watchdog's conditions. That the supervisor goes on is shown by its asking.
+/// The conditions for feeding the watchdog. The supervisor runs if it calls [`Liveness::step`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Liveness {
     blocks: u32,
@@ -13,7 +13,7 @@ pub struct Liveness {
     without_idle: u8,
 }
 
-/// Counts (that wrap) of what has been done since the start.
+/// Counts since the start (they wrap).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Progress {
     /// Blocks served by the control task.
@@ -25,8 +25,8 @@ pub struct Progress {
 }
 
 impl Liveness {
-    /// Once in 10 ms: whether control and link have gone on since the last step, and idle within the last
-    /// half second.
+    /// Call every 10 ms. Whether control and link have run since the last step, and idle within the last half
+    /// second.
     pub fn step(&mut self, done: Progress) -> bool {
         let control = done.blocks != self.blocks;
         let link = done.links != self.links;
@@ -53,13 +53,13 @@ mod tests {
     }
 
     #[test]
-    fn fed_while_everything_goes_on() {
+    fn fed_while_every_task_runs() {
         let mut liveness = Liveness::default();
         assert!((1..100).all(|step| liveness.step(going(step))));
     }
 
     #[test]
-    fn whatever_stands_still_starves_it() {
+    fn any_stopped_task_starves_it() {
         let stopped: [fn(Progress) -> Progress; 2] = [
             |done| Progress { blocks: 0, ..done },
             |done| Progress { links: 0, ..done },

@@ -14,12 +14,12 @@ pub const RIG: RigParams = WIRES;
 /// this rig hits once per drive period.
 pub const FREQUENCY_RATIO: f64 = 2.0;
 
-/// Why there is nothing to run.
+/// Why there is no model to run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refused {
-    /// The rig cannot be.
+    /// A parameter of the rig is out of range.
     Rig(ParamError),
-    /// The drive cannot be.
+    /// The drive frequency is out of range.
     Drive(DriveError),
 }
 
@@ -31,7 +31,7 @@ impl Model {
     /// [`RIG`] at rest under a drive of [`FREQUENCY_RATIO`].
     ///
     /// # Errors
-    /// If rig or drive are refused.
+    /// If the rig or the drive is out of range.
     pub fn new() -> Result<Self, Refused> {
         let rig = Rig::new(&RIG).map_err(Refused::Rig)?;
         let frequency_hz = FREQUENCY_RATIO * RIG.natural_frequency_hz();

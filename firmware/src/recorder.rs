@@ -1,6 +1,6 @@
-//! The controller with what the board keeps beside it: the blocks of the last moments, for whoever records.
+//! The controller with a short recording buffer of its last blocks.
 //!
-//! Every way to the controller leads through here, so that a recording misses nothing that it was told.
+//! Every access to the controller goes through here, so that a recording misses none of its inputs.
 
 use heapless::{Deque, Vec};
 use shared::control::{Command, Controller, Refused};
@@ -9,21 +9,21 @@ use shared::io::{Frame, Output};
 use shared::link::{BlockNotes, GivenCommand, RecordedBlock};
 use shared::settings::Settings;
 
-/// Blocks kept until the link takes them: 2 ms of them. The link looks every millisecond.
+/// Blocks in the buffer: 2 ms of them. The link takes them every millisecond.
 const CAPACITY: usize = 4;
 
 /// The controller and the recording.
 #[derive(Debug)]
 pub struct Recorder {
     controller: Controller,
-    /// What was told since the last block.
+    /// Inputs since the last block.
     notes: BlockNotes,
     recording: bool,
     blocks: Deque<RecordedBlock, CAPACITY>,
 }
 
 impl Recorder {
-    /// A recorder; nothing is recorded.
+    /// A controller whose recording is off.
     pub fn new(controller: Controller) -> Self {
         Self {
             controller,
@@ -33,26 +33,26 @@ impl Recorder {
         }
     }
 
-    /// The controller, to look at.
+    /// The controller, to read.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// The controller, for what changes nothing that a recording shows (events and requests taken).
+    /// The controller, to take events and forecast requests: that changes nothing in a recording.
     pub fn taking(&mut self) -> &mut Controller {
         &mut self.controller
     }
 
-    /// Whether another command fits into what is kept of a block; if not, wait for the next block.
+    /// Whether another command fits into the record of a block; if not, wait for the next block.
     pub fn takes_commands(&self) -> bool {
         // A packet can bring two: a sign of life and what it says.
         !self.recording || self.notes.given.is_empty()
     }
 
-    /// Passes a command on.
+    /// Passes a command to the controller.
     ///
     /// # Errors
-    /// See [`Refused`].
+    /// If the controller refuses it.
     pub fn command(&mut self, command: Command) -> Result<(), Refused> {
         let result = self.controller.command(command);
         if self.recording {
@@ -65,10 +65,10 @@ impl Recorder {
         result
     }
 
-    /// Swaps the settings.
+    /// Replaces the settings.
     ///
     /// # Errors
-    /// See [`Controller::replace_settings`].
+    /// If the controller refuses them ([`Controller::replace_settings`]).
     pub fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
         self.controller.replace_settings(settings)?;
         self.notes.restarted = true;
@@ -111,17 +111,17 @@ impl Recorder {
             outputs: Vec::from_slice(outputs).unwrap_or_default(),
             notes,
         };
-        // Full: this block is lost, and shows as a gap in the ticks.
+        // When the buffer is full, this block is lost and shows as a gap in the ticks.
         let _ = self.blocks.push_back(exchange);
     }
 
-    /// Starts or ends keeping blocks.
+    /// Starts or ends recording.
     pub fn record(&mut self, on: bool) {
         self.recording = on;
         self.blocks.clear();
     }
 
-    /// The oldest block blocks.
+    /// The oldest recorded block.
     pub fn take_block(&mut self) -> Option<RecordedBlock> {
         self.blocks.pop_front()
     }
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_holds_what_the_controller_was_told() {
+    fn a_recording_holds_every_input_of_the_controller() {
         let mut recorder = recorder();
         let frames = [Frame {
             force: AdcCode(600),

@@ -1,4 +1,4 @@
-//! What a reset is put down to.
+//! The cause of a reset.
 
 use shared::control::ResetCause;
 
@@ -18,11 +18,11 @@ pub struct Flags {
 }
 
 impl Flags {
-    /// The cause. `driving`: memory that outlives a short drop of the supply says that the drive was enabled;
-    /// then power that "comes on" is a supply that dropped while it was needed.
+    /// The cause. `driving`: memory that outlives a short drop of the supply shows that the drive was enabled;
+    /// then a power-on flag means that the supply dropped while the drive ran.
     ///
     /// Several flags are set at once: the part sets the pin's with every cause, and the brown-out's with
-    /// power coming on (RM0390, "RCC clock control and status register"). So the rarer is asked first.
+    /// power coming on (RM0390, "RCC clock control and status register"). So the rarer flag is tested first.
     pub fn cause(self, driving: bool) -> ResetCause {
         match self {
             Self { watchdog: true, .. } => ResetCause::Watchdog,
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rarer_flag_tells_the_cause() {
+    fn the_rarer_flag_decides() {
         let pin = Flags {
             pin: true,
             ..Flags::default()

@@ -33,7 +33,7 @@ pub enum Fault {
     Overrun = 10,
     /// The samples did not arrive in time, or are the same block again.
     StaleSamples = 11,
-    /// Nothing was heard over the link for too long while it was in command.
+    /// The link was silent for too long while it steered.
     LinkTimeout = 12,
     /// The stored settings are damaged.
     CorruptSettings = 13,
@@ -101,8 +101,8 @@ impl Fault {
 }
 
 impl Fault {
-    /// Whether the drive stays off until the fault is cleared by hand. The others are reported: a link that
-    /// is heard again is a link again, and after a brown-out the controller waits in Idle anyway.
+    /// Whether the drive stays off until the fault is cleared by hand. A link timeout ends with the next packet,
+    /// and after a brown-out the controller waits in Idle anyway.
     pub const fn latches(self) -> bool {
         !matches!(self, Self::LinkTimeout | Self::BrownOut)
     }
@@ -123,7 +123,7 @@ pub enum Origin {
     Cart = 3,
 }
 
-/// What is known of a fault: written when it trips, kept over a reset, reported after it.
+/// The record of a fault: written when it trips, retained over a reset, reported after it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// The fault.
@@ -139,7 +139,7 @@ pub struct Record {
 }
 
 /// A record as it lies in memory that survives a reset (no-init RAM or backup registers): words with a
-/// check, so that what a power-up left there is not taken for one.
+/// check, so that the random contents after power-up are not taken for a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Persisted {

@@ -18,7 +18,7 @@ pub const ADC_FULL_SCALE: u16 = 4095;
 pub struct DacCode(pub u16);
 
 impl DacCode {
-    /// The middle of the travel: what a drive that is off is told.
+    /// The middle of the travel: the set-point of a drive that is off.
     pub const MIDDLE: Self = Self(2048);
 }
 
@@ -47,14 +47,14 @@ pub struct Channel {
     pub unit_per_code: f32,
 }
 
-/// What a code stands for.
+/// The meaning of a code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
     /// A value, N or m.
     Value(f32),
     /// At a rail: the true value is beyond this one, N or m.
     Saturated(f32),
-    /// No sensor at the other end of the wire.
+    /// The wire is open: no sensor is connected.
     Open,
 }
 
@@ -65,7 +65,7 @@ impl Channel {
         (f32::from(code.0) - self.zero_code) * self.unit_per_code
     }
 
-    /// A code, told apart from a rail and an open wire.
+    /// The value of a code, or that it is a rail or an open wire.
     #[inline]
     pub fn read(&self, code: AdcCode) -> Reading {
         if code <= OPEN_AT {
@@ -91,7 +91,7 @@ pub struct Frame {
     pub emergency: bool,
 }
 
-/// What the drive is told for one tick.
+/// Set-points of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Output {
     /// Position set-point of the shaker.

@@ -1,5 +1,5 @@
-//! Everything the controller must be told: the rig it believes in, how its sensors and its shaker are
-//! calibrated, limits and trip levels. Checked as a whole, then swapped as a whole.
+//! The controller's settings: the rig, the calibration of sensors and shaker, limits and trip levels. They are
+//! checked as a whole and replaced as a whole.
 
 mod check;
 
@@ -43,12 +43,12 @@ pub struct DriveSettings {
     pub amplitude_slew_m_per_s: f32,
 }
 
-/// Limits: what would pass them is clamped and reported. They are no faults.
+/// Limits: the controller stays within them and reports when they clamp. They are not faults.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
-    /// Largest contact force held, N: the amplitude is drawn back until the force is below.
+    /// Largest contact force held, N: the amplitude is reduced until the force is below.
     pub force_n: f32,
-    /// Largest hammer displacement relative to the cart held, m: the amplitude is drawn back.
+    /// Largest hammer displacement relative to the cart held, m: the amplitude is reduced.
     pub travel_m: f32,
     /// Lowest drive frequency, Hz.
     pub min_frequency_hz: f32,
@@ -58,7 +58,7 @@ pub struct Limits {
     pub amplitude_m: f32,
 }
 
-/// Trip levels: what passes them switches the drive off.
+/// Trip levels: beyond them the drive is switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trips {
     /// Contact force, N.
@@ -67,11 +67,11 @@ pub struct Trips {
     pub travel_m: f32,
     /// Cart displacement, m.
     pub cart_m: f32,
-    /// How long no contact may be felt where the forecast has one, s.
+    /// Longest time without contact where the forecast has one, s.
     pub no_contact_s: f32,
-    /// How long the regime may stay lost while it is sought again, s.
+    /// Longest time without 1/1 while it is sought again, s.
     pub regime_lost_s: f32,
-    /// How long the link may be silent while it is in command, s; 0: for ever.
+    /// Longest silence of the link while it steers, s; 0: no limit.
     pub link_timeout_s: f32,
 }
 
@@ -86,10 +86,10 @@ pub struct Detection {
     pub refractory_s: f32,
 }
 
-/// Everything the controller must be told.
+/// The controller's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// The rig as it is believed to be; its `amplitude_m` is the amplitude held.
+    /// The believed rig; its `amplitude_m` is the amplitude held.
     pub rig: RigParams,
     /// Force sensor, N.
     pub force: Channel,

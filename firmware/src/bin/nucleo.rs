@@ -11,7 +11,7 @@
 //!
 //! Tasks share two things, by locks that are short: the recorder (the controller) and the last forecast.
 //!
-//! In bench mode (docs/flashing.md) the twin stands in for the rig: its samples come from [`Bench`], and the
+//! In bench mode (docs/flashing.md) the model takes the place of the rig: the samples come from [`Bench`], and the
 //! drive's enable line, kept low, is not handed to any task.
 #![no_main]
 #![no_std]
@@ -76,7 +76,7 @@ mod app {
         forecaster: Forecaster,
     }
 
-    /// What the supervisor keeps.
+    /// State of the supervisor.
     pub struct Supervisor {
         led: nucleo::LedPin,
         pin: nucleo::ButtonPin,
@@ -155,7 +155,7 @@ mod app {
     ///
     /// Deadline: 500 µs after the interrupt, when the next block is complete and these set-points are due. A
     /// block that ends later has overrun: what it writes late is played half old, half new, the next block starts
-    /// at once, and the controller is told; more than one in five and it trips. If two blocks were due, the older is
+    /// at once, and the overrun is reported to the controller; more than one in five and it trips. If two blocks were due, the older is
     /// lost. If none is served for 2 ms, `watch_blocks` takes the enable away.
     #[task(binds = DMA2_STREAM0, priority = 3, shared = [recorder],
         local = [sampler, set_points, chain, enable, bench, outputs])]
@@ -201,7 +201,7 @@ mod app {
         drive::acknowledge();
     }
 
-    /// Looks whether blocks go on being served.
+    /// Checks that blocks are being served.
     #[task(binds = TIM7, priority = 4, local = [block_monitor])]
     fn watch_blocks(context: watch_blocks::Context) {
         context.local.block_monitor.check();
@@ -244,7 +244,7 @@ mod app {
         LINKS.fetch_add(1, Ordering::Relaxed);
         *local.turns = local.turns.wrapping_add(1);
         if local.turns.is_multiple_of(10) {
-            // Refused while the last one is at work; then the watchdog has to wait.
+            // Refused while the last one runs; then the watchdog is not fed.
             let _ = supervise::spawn();
         }
     }
@@ -307,7 +307,7 @@ mod app {
         }
     }
 
-    /// The forecast, a slice at a time, in the time nobody else wants.
+    /// The forecast, a slice at a time, in idle time.
     #[idle(shared = [recorder, forecast], local = [forecaster])]
     fn idle(mut context: idle::Context) -> ! {
         let forecaster: &mut Forecaster = context.local.forecaster;
@@ -321,7 +321,7 @@ mod app {
             let busy = forecaster.slice();
             if let Some(result) = forecaster.result().filter(|_| waiting && !busy) {
                 waiting = false;
-                context.shared.forecast.lock(|kept| kept.clone_from(result));
+                context.shared.forecast.lock(|last| last.clone_from(result));
                 recorder.lock(|recorder| recorder.deliver(result));
             }
             IDLES.fetch_add(1, Ordering::Relaxed);
@@ -341,10 +341,14 @@ mod app {
             );
         }
         if boot.settings_corrupt {
-            defmt::error!("stored settings are damaged; defaults stand in");
+            defmt::error!(
+                "the stored settings are damaged; defaults are in use, and starts are refused until settings are sent"
+            );
         }
         match (bench, asked) {
-            (true, _) => defmt::info!("bench mode: the twin stands in, the drive stays off"),
+            (true, _) => {
+                defmt::info!("bench mode: the model replaces the rig, the drive stays off")
+            }
             (false, true) => defmt::warn!("bench mode refused: something is wired to the inputs"),
             _ => {}
         }

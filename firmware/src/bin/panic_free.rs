@@ -1,5 +1,5 @@
-//! A check, not to be run: links only if no panic can be reached from the
-//! control task's work, from the forecast's slices, or from what the link makes of bytes.
+//! A link-time check, not to be run. It links only if no panic can be reached from the
+//! control task, the forecast's slices, or the decoding of bytes from the link.
 //!
 //! The panic handler calls a function that nobody defines. As long as a panic
 //! is left in the program after optimisation, so is the handler, and the linker

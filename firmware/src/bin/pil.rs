@@ -26,7 +26,7 @@ mod app {
         },
     };
 
-    /// What the control task works on and what it leaves.
+    /// Input and output of the control task.
     pub struct Block {
         frames: Vec<Frame, MAX_BLOCK>,
         blind: bool,
@@ -76,7 +76,7 @@ mod app {
         loop {
             let reply = match pipes.receive::<ExchangeRequest>() {
                 None => {
-                    hprintln!("the run was broken off");
+                    hprintln!("the plant has closed its pipe: the run is incomplete");
                     qemu::exit(false);
                 }
                 Some(ExchangeRequest::End) => {
@@ -125,7 +125,7 @@ mod app {
         }
     }
 
-    /// The slices of the forecast, and everything there is to tell.
+    /// The slices of the forecast, and the reply.
     fn answer(slot: &mut Option<Lockstep>, block: &mut Block, slices: u16) -> ExchangeReply {
         let Some(lockstep) = slot else {
             return ExchangeReply::Noted;

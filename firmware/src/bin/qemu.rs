@@ -1,8 +1,8 @@
-//! The controller on QEMU's MPS2 AN386 in bench mode, as on a bare board: the twin stands in for the rig.
+//! The controller on QEMU's MPS2 AN386 in bench mode, as on a bare board: the model takes the place of the rig.
 //!
 //! Time here is lock-step: nothing ticks but `idle`, which pends the control interrupt as soon as the last block
 //! and its slices of the forecast are done. So a run is the same every time, and takes as long as the computing
-//! does. It ends with success if the controller has come to Hold by itself and has stayed there, and tells how
+//! does. It ends with success if the controller has reached Hold by itself and stayed there, and prints how
 //! much stack and how many instructions that took (under `-icount shift=0`; `cargo xtask size` holds them to
 //! their budgets).
 #![no_main]
@@ -34,7 +34,7 @@ mod app {
     const SLICES: u32 = 20;
     /// Hold must be reached within this long, s of rig time.
     const WITHIN_S: u32 = 300;
-    /// And then kept this long, s.
+    /// Hold must then last this long, s.
     const KEPT_S: u32 = 10;
 
     #[shared]
@@ -70,7 +70,7 @@ mod app {
         (shared, local)
     }
 
-    /// Lets time pass, tells what happens, and ends the run.
+    /// Lets time pass, prints events, and ends the run.
     #[idle(shared = [lockstep, histogram])]
     fn idle(mut context: idle::Context) -> ! {
         let mut held_since = None;

@@ -1,5 +1,5 @@
-//! Panics and faults, the same on every board: outputs are made safe, then the
-//! report is made, then nothing more.
+//! Panics and processor faults, the same on every board: outputs are made safe,
+//! then the fault is reported, then the program ends.
 #![allow(unsafe_code)]
 
 use core::{arch::naked_asm, panic::PanicInfo};
@@ -12,7 +12,7 @@ use super::nucleo as board;
 #[cfg(feature = "board-qemu")]
 use super::qemu as board;
 
-/// What is known of a fault.
+/// A processor fault.
 pub struct ProcessorFault {
     /// The instruction it happened at; unknown if the stack had overflowed.
     pub address: Option<u32>,

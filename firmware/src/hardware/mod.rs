@@ -1,5 +1,5 @@
-//! What only one board can run, and what happens when something goes wrong on
-//! it. `unsafe` may be used here, and nowhere else.
+//! Code for one board each, and its handling of panics and processor faults.
+//! `unsafe` may be used here, and nowhere else.
 
 #[cfg(any(feature = "board-nucleo", feature = "board-qemu"))]
 pub(crate) mod fault;

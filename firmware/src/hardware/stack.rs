@@ -1,5 +1,5 @@
-//! How much of the stack has ever been used: the start-up code paints it (cortex-m-rt's `paint-stack`), and
-//! what has lost its paint was used.
+//! The largest use of the stack so far: the start-up code fills it with a pattern (cortex-m-rt's `paint-stack`),
+//! and words that no longer hold it were used.
 #![allow(unsafe_code)]
 
 use cortex_m_rt::STACK_PAINT_VALUE;
@@ -14,7 +14,7 @@ pub fn reserved() -> usize {
     (&raw const _stack_start as usize) - (&raw const _stack_end as usize)
 }
 
-/// Most bytes of the stack in use at once since the start. Looks at every unused word: not for control.
+/// Most bytes of the stack in use at once since the start. Reads every unused word: not for control.
 pub fn peak() -> usize {
     let bottom = &raw const _stack_end;
     let words = reserved() / size_of::<u32>();

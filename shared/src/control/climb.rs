@@ -7,7 +7,7 @@
 /// multiplier to this power (0.317 at the wires' optimum: 1e-4; 0.7: 6 %).
 pub const SETTLE_PERIODS: u16 = 8;
 
-/// How a climb probes.
+/// Step, averaging and reach of a climb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
     /// Distance of the outer frequencies from the middle one, relative.
@@ -33,7 +33,7 @@ impl Probe {
     };
 }
 
-/// What a strobe meant to the climb.
+/// The effect of a strobe on the climb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Advice {
     /// Nothing to change.
@@ -115,7 +115,7 @@ impl Climb {
         }
     }
 
-    /// Where the parabola's top lies, in steps from the middle; towards the higher side if it has none.
+    /// Where the parabola's top lies, in steps from the middle; towards the higher side if it has no top.
     fn top(&self) -> f32 {
         let [low, middle, high] = self.means;
         let rise = high - low;

@@ -136,7 +136,7 @@ impl Controller {
         self.put_out(outputs);
     }
 
-    /// A block whose samples did not arrive: the set-points go on, until it is too long.
+    /// A block whose samples did not arrive: the set-points go on until that trips.
     pub fn blind_block(&mut self, outputs: &mut [Output]) {
         for _ in outputs.iter() {
             self.pass_tick();
@@ -148,7 +148,7 @@ impl Controller {
         self.put_out(outputs);
     }
 
-    /// The control task ended after the next was due.
+    /// The control task ended after the next block was due.
     pub fn note_overrun(&mut self) {
         self.life.overruns = self.life.overruns.saturating_add(1);
         if self.blocks.overran() {
@@ -161,10 +161,10 @@ impl Controller {
         self.sensed_drive.advance();
     }
 
-    /// Obeys a command, or says why not.
+    /// Carries out a command.
     ///
     /// # Errors
-    /// See [`Refused`].
+    /// If the command is refused in this state, or has a number that is not finite ([`Refused`]).
     pub fn command(&mut self, command: Command) -> Result<(), Refused> {
         match command {
             Command::Start(mode) => self.start(mode),
@@ -181,8 +181,9 @@ impl Controller {
         }
     }
 
-    /// Replaces the settings as a whole, in Idle (or after a fault, which stays). Everything that was made from
-    /// the old ones is lost; [`Lifetime`] goes on. After damaged settings, only this lets the fault be cleared.
+    /// Replaces the settings as a whole, in Idle (or after a fault, which stays). Everything made from the old ones
+    /// is lost; time, events, counts, the link and the fault go on. After damaged settings, only this lets the
+    /// fault be cleared.
     ///
     /// # Errors
     /// If the controller is in any other state, or a setting is out of range.
@@ -203,7 +204,7 @@ impl Controller {
         &self.settings
     }
 
-    /// The rig as it is believed to be by now.
+    /// The rig that forecasts are made of.
     pub fn believed(&self) -> &RigParams {
         self.rig.rig()
     }
@@ -213,7 +214,7 @@ impl Controller {
         &self.rig.identification
     }
 
-    /// A forecast that is wanted; each is given once.
+    /// The forecast request, if one waits; each is given once.
     pub fn forecast_request(&mut self) -> Option<ForecastRequest> {
         self.forecast.take_request()
     }
@@ -234,7 +235,7 @@ impl Controller {
         }
     }
 
-    /// Everything worth reporting.
+    /// The state as reported.
     pub fn status(&self) -> Status {
         let last = self.seen.strobe.unwrap_or_default();
         let (target_hz, target_n) = self.forecast.target_point();
@@ -293,7 +294,7 @@ impl Controller {
         (limits.min_frequency_hz, limits.max_frequency_hz)
     }
 
-    /// Requests a forecast of the rig as it is believed to be.
+    /// Requests a forecast of the believed rig.
     pub(super) fn request_forecast(&mut self) {
         let id = self.life.forecast_id();
         self.forecast.request(id, self.rig.rig(), self.range_hz());

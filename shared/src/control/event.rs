@@ -1,4 +1,4 @@
-//! What is worth a line in the timeline.
+//! Events of the timeline.
 
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::{ActiveLimits, Basin, State};
 use crate::fault::Record;
 
-/// Events kept until they are taken.
+/// Events that can wait to be taken.
 pub const EVENT_CAPACITY: usize = 16;
 
-/// Something that happened.
+/// The kinds of events.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
     /// The state changed.
@@ -23,16 +23,16 @@ pub enum EventKind {
     Fault(Record),
     /// A fault was cleared.
     Cleared,
-    /// A forecast has come in: where to run, Hz and N; 0: no stable 1/1 in the range.
+    /// A forecast was delivered: its target, Hz and N; 0 without a stable 1/1 in the range.
     Forecast {
         /// Target, Hz.
         target_hz: f32,
         /// Force there, N.
         force_n: f32,
     },
-    /// There is no stable 1/1 to go to within the limits: the start is given up.
+    /// The start was given up: there is no stable 1/1 within the limits.
     NoTarget,
-    /// What the rig's own pulses and swings say differs from what was believed: a new forecast is made.
+    /// The identified rig differs from the believed one: a new forecast is requested.
     Identified {
         /// Natural frequency, Hz.
         natural_hz: f32,
@@ -48,12 +48,12 @@ pub enum EventKind {
     },
     /// 1/1 was lost; it is sought again.
     RegimeLost,
-    /// The period doubled: the frequency is drawn back below this one, Hz.
+    /// The period doubled: the search stays clear of this frequency.
     Doubling {
-        /// Where it was seen, Hz.
+        /// The frequency, Hz.
         frequency_hz: f32,
     },
-    /// The hammer came to strike, or ceased to.
+    /// The hammer has come to another basin of attraction.
     Basin(Basin),
     /// The set of limits that clamp has changed.
     Limits(ActiveLimits),
@@ -68,7 +68,7 @@ pub struct Event {
     pub kind: EventKind,
 }
 
-/// Events waiting to be taken; the newest are dropped, and counted, when nobody takes them.
+/// Events waiting to be taken. When they are full, new events are dropped and counted.
 #[derive(Clone, Debug, Default)]
 pub struct Events {
     waiting: Deque<Event, EVENT_CAPACITY>,

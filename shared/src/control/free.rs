@@ -1,4 +1,4 @@
-//! The hammer that swings without touching: where it reaches the surface, and where it need not.
+//! The free swing: at which frequencies it reaches the surface, and the hammer must strike.
 //!
 //! Under y = A0 sin Ωt the swing relative to the cart settles to A0 r²/|1 − r²|, r = Ω/ω (linear, its damping
 //! left out: 0 on wires, 0.004 on beams). Where that is less than the gap, swinging free lasts beside
@@ -6,10 +6,10 @@
 
 use crate::model::params::RigParams;
 
-/// Share by which the free swing must pass the gap before contact is taken for certain.
+/// The free swing must exceed the gap by this factor for contact to be certain.
 const MARGIN: f32 = 1.2;
 
-/// What is needed of the rig.
+/// The free swing of a rig.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FreeSwing {
     natural_hz: f32,

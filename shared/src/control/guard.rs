@@ -1,6 +1,6 @@
-//! What is watched at every tick: the conditions that trip the drive by themselves.
+//! The conditions that trip the drive by themselves, checked at every tick.
 //!
-//! Counts are consecutive ticks, so that a single spoilt sample trips nothing; latencies are in the fault
+//! Counts are consecutive ticks, so that a single bad sample trips nothing; latencies are in the fault
 //! table of the documentation, and held by tests.
 
 use crate::fault::{Fault, Origin};
@@ -40,7 +40,7 @@ impl Trip {
     }
 }
 
-/// One channel's channel.
+/// The checks of one channel.
 #[derive(Clone, Copy, Debug, Default)]
 struct ChannelMonitor {
     last: AdcCode,
@@ -88,7 +88,7 @@ impl ChannelMonitor {
     }
 }
 
-/// The watch over a tick's samples.
+/// The checks of a tick's samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Guard {
     force_channel: Channel,
@@ -104,7 +104,7 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// A watch with the trip levels of `settings`.
+    /// Checks with the trip levels of `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
             force_channel: settings.force,
@@ -120,13 +120,12 @@ impl Guard {
         }
     }
 
-    /// Whether the force sensor's code was seen to vary with the drive off: then one that never varies is
-    /// frozen.
+    /// Sets whether the force sensor's code varied with the drive off: only then can a constant one be frozen.
     pub fn set_force_is_live(&mut self, live: bool) {
         self.force_is_live = live;
     }
 
-    /// Forgets when codes last changed: the drive starts.
+    /// The drive starts: counts changes of codes from now on.
     pub fn restart(&mut self, now: Stamp) {
         for channel in [&mut self.force, &mut self.hammer, &mut self.cart] {
             channel.changed = now;
@@ -134,7 +133,7 @@ impl Guard {
         }
     }
 
-    /// Looks at a tick's codes, sampled at drive instant `now` while the cart was to be `moving`.
+    /// Checks a tick's codes, sampled at drive instant `now`; `moving`: the cart should be moving.
     #[inline]
     pub fn check(
         &mut self,
@@ -181,7 +180,7 @@ impl Guard {
         (sample, self.frozen(now, moving))
     }
 
-    /// A code that has not changed for a whole drive period while it had to.
+    /// Trips on a code that has not changed for a whole drive period although the cart moves.
     #[inline]
     fn frozen(&self, now: Stamp, moving: bool) -> Option<Trip> {
         if !moving {

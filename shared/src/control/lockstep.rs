@@ -1,4 +1,4 @@
-//! The controller and its forecast where time stands still between blocks.
+//! Controller and forecast in programs in which time stands still between blocks.
 
 use super::{BootInfo, Controller};
 use crate::forecast::{Forecast, Forecaster};
@@ -6,7 +6,7 @@ use crate::io::{Frame, Output};
 use crate::model::params::ParamError;
 use crate::settings::Settings;
 
-/// What an exchange brought, besides the outputs.
+/// The results of an exchange besides the outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Exchanged {
     /// Whether a forecast was delivered before the block.
@@ -24,10 +24,10 @@ pub struct Lockstep {
 }
 
 impl Lockstep {
-    /// Both, at their start.
+    /// Both at their start.
     ///
     /// # Errors
-    /// The first setting out of range.
+    /// If a setting is out of range: the first such.
     pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
         Ok(Self {
             controller: Controller::new(settings, boot)?,

@@ -11,8 +11,8 @@
 //!        Fault <--- any state: a condition of the fault table; the drive is off first
 //! ```
 //!
-//! [`Controller`] does what control priority does, a block of samples at a time. [`Lockstep`] is it together
-//! with the forecast, for where time stands still between blocks (desktop, QEMU).
+//! [`Controller`] is all work at control priority, a block of samples at a time. [`Lockstep`] adds the forecast,
+//! for programs in which time stands still between blocks (desktop, QEMU).
 
 mod basin;
 mod block_health;
@@ -57,7 +57,7 @@ pub enum State {
     /// Drive off, waiting for a start.
     #[default]
     Idle = 0,
-    /// Drive off, looking at the sensors.
+    /// Drive off, testing the sensors.
     SelfTest = 1,
     /// Drive on, amplitude rising at the frequency the search starts from.
     Ramp = 2,
@@ -79,11 +79,11 @@ pub enum Mode {
     /// The controller seeks and holds the operating frequency.
     #[default]
     Automatic,
-    /// Whoever sends [`Command::SetPoint`].
+    /// The sender of [`Command::SetPoint`].
     Manual,
 }
 
-/// What the controller can be told while it runs.
+/// A command to the running controller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Command {
     /// From Idle: self test, then run.
@@ -103,7 +103,7 @@ pub enum Command {
     Alive,
 }
 
-/// Why a command was not obeyed.
+/// Why a command was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refused {
     /// Not in this state.
@@ -120,23 +120,23 @@ pub enum Refused {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basin {
-    /// Not told yet.
+    /// Not known yet.
     #[default]
     Unknown,
-    /// It strikes.
+    /// The hammer strikes.
     Impact,
-    /// It swings without touching.
+    /// The hammer swings without touching.
     NoImpact,
 }
 
-/// Everything worth reporting, by value.
+/// The state of the controller, as reported.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Control ticks since the start (wraps).
     pub tick: u32,
     /// What the controller is doing.
     pub state: State,
-    /// The fault that is or was; survives the reset.
+    /// The present or last fault; survives a reset.
     pub fault: Option<Record>,
     /// Limits that clamp now.
     pub limits: ActiveLimits,
@@ -154,7 +154,7 @@ pub struct Status {
     pub peak_n: f32,
     /// Mean impulse per contact over the last drive periods, N·s.
     pub impulse_n_s: f32,
-    /// The forecast's target, Hz; 0: none yet.
+    /// The forecast's target, Hz; 0 without one.
     pub target_hz: f32,
     /// The forecast's force there, N.
     pub target_n: f32,
@@ -182,7 +182,7 @@ pub enum ResetCause {
     BrownOut,
 }
 
-/// What the controller is born with.
+/// Why and with what the board started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BootInfo {
     /// Why the board started.

@@ -22,7 +22,7 @@ impl Oscillator {
     /// At `frequency_hz`, amplitude 0, phase 0.
     ///
     /// # Errors
-    /// If the frequency cannot be run at the control tick.
+    /// If the frequency is out of range at the control tick.
     pub fn new(settings: &DriveSettings, frequency_hz: f32) -> Result<Self, DriveError> {
         Ok(Self {
             drive: Drive::new(f64::from(frequency_hz), TICK_S)?,
@@ -35,7 +35,7 @@ impl Oscillator {
         })
     }
 
-    /// Goes towards `frequency_hz`; what is no number changes nothing.
+    /// Sets the goal of the frequency; NaN and infinity are ignored.
     pub fn aim(&mut self, frequency_hz: f32) {
         if frequency_hz.is_finite() {
             self.frequency_goal_hz = frequency_hz;
@@ -48,7 +48,7 @@ impl Oscillator {
         self.retune(self.frequency_goal_hz);
     }
 
-    /// Goes towards `amplitude_m`; what is no number changes nothing.
+    /// Sets the goal of the amplitude; NaN and infinity are ignored.
     pub fn aim_amplitude(&mut self, amplitude_m: f32) {
         if amplitude_m.is_finite() {
             self.amplitude_goal_m = amplitude_m.max(0.0);
@@ -71,12 +71,12 @@ impl Oscillator {
         self.amplitude_m
     }
 
-    /// Whether frequency and amplitude have arrived where they were sent.
+    /// Whether frequency and amplitude have reached their goals.
     pub fn has_arrived(&self) -> bool {
         self.frequency_hz == self.frequency_goal_hz && self.amplitude_m == self.amplitude_goal_m
     }
 
-    /// Whether the frequency has arrived.
+    /// Whether the frequency has reached its goal.
     pub fn frequency_has_arrived(&self) -> bool {
         self.frequency_hz == self.frequency_goal_hz
     }
@@ -86,7 +86,7 @@ impl Oscillator {
         &self.drive
     }
 
-    /// Lets frequency and amplitude move by what a block of `ticks` allows.
+    /// Moves frequency and amplitude by as much as a block of `ticks` allows.
     pub fn slew(&mut self, ticks: usize) {
         let block_s = ticks as f32 * TICK_S as f32;
         let next_m = towards(
@@ -125,7 +125,7 @@ impl Oscillator {
     }
 
     fn retune(&mut self, frequency_hz: f32) {
-        // Limits are checked with the settings; a frequency that is refused all the same is not gone to.
+        // Limits are checked with the settings; a frequency that the drive refuses all the same is ignored.
         if self
             .drive
             .set_frequency(f64::from(frequency_hz), TICK_S)
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_goes_nowhere() {
+    fn nan_and_infinity_are_ignored() {
         let settings = Settings::for_rig(&WIRES).drive;
         let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
         oscillator.aim(f32::NAN);

@@ -1,4 +1,4 @@
-//! Whether the sensors agree with each other and with mechanics, judged once per contact or drive period.
+//! Plausibility of the sensors, against each other and against mechanics, once per contact or drive period.
 
 use crate::fault::{Fault, Origin};
 use crate::sense::{Pulse, Strobe};
@@ -6,20 +6,20 @@ use crate::settings::Settings;
 
 use super::guard::Trip;
 
-/// Contacts in a row that no contact can make.
+/// Pulses in a row, with an impulse that no contact of that speed can have, that trip.
 pub const BAD_PULSES: u8 = 8;
-/// Contacts in a row with the hammer away from the surface.
+/// Pulses in a row, with the hammer away from the surface, that trip.
 pub const FAR_PULSES: u8 = 3;
-/// Drive periods in a row in which the cart does not follow.
+/// Drive periods in a row, in which the cart does not follow, that trip.
 pub const BAD_PERIODS: u8 = 4;
-/// Impulse over m v: 1 + e lies between 1 and 2 whatever the surface; the rest is left to the sensors.
+/// Plausible impulse over m v. It is 1 + e, between 1 and 2 on any surface; the margin is for the sensors.
 pub const IMPULSE_RANGE: (f32, f32) = (0.6, 2.8);
 /// Measured over commanded cart amplitude.
 pub const FOLLOW_RANGE: (f32, f32) = (0.5, 1.6);
 /// Distance of the hammer from the surface at a contact, m.
 pub const FAR_M: f32 = 1.5e-3;
 
-/// The judge.
+/// The checks and their counts.
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
     mass_kg: f32,
@@ -56,7 +56,7 @@ impl Plausibility {
             return trip(Origin::Force, far_m);
         }
         let momentum = self.mass_kg * pulse.approach_m_per_s;
-        // A contact too slow to judge proves nothing.
+        // Without an approach speed the impulse cannot be judged.
         if momentum <= 0.0 {
             return None;
         }
@@ -82,7 +82,7 @@ impl Plausibility {
     }
 }
 
-/// Counts a run of bad ones; whether it has reached its length.
+/// Counts bad ones in a row; whether there are `length`.
 fn run(count: &mut u8, bad: bool, length: u8) -> bool {
     *count = if bad { count.saturating_add(1) } else { 0 };
     *count >= length

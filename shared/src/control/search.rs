@@ -26,10 +26,10 @@ const LOST_AT: u8 = 16;
 const FOUND_STEPS: f32 = 0.5;
 /// Drive periods a doubling must be seen before it is believed: noise alternates for a while, too.
 const DOUBLED_PERIODS: u8 = 16;
-/// Climbs in Seek at most: a hill that flees is followed in Hold.
+/// Most climbs in Seek: an optimum that keeps moving is followed in Hold.
 const MAX_CLIMBS: u8 = 6;
 
-/// What the search is about.
+/// The phases of the search.
 #[derive(Clone, Copy, Debug)]
 enum SearchLeg {
     /// On the way to the entry, or waiting there for the hammer to strike.
@@ -42,7 +42,7 @@ enum SearchLeg {
     Rest { periods: u16 },
 }
 
-/// What a strobe meant to the search.
+/// The effect of a strobe on the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// Nothing to report.
@@ -71,7 +71,7 @@ pub struct Search {
     best_hz: f32,
     floor_hz: f32,
     ceiling_hz: f32,
-    /// What has been met, as against what is forecast.
+    /// Bounds met while searching, beside the forecast ones.
     met_ceiling_hz: f32,
     met_floor_hz: f32,
     goal_hz: f32,
@@ -104,7 +104,7 @@ impl Search {
         search
     }
 
-    /// Where the frequency is to go, Hz.
+    /// The goal of the frequency, Hz.
     pub fn goal_hz(&self) -> f32 {
         self.goal_hz
     }
@@ -114,8 +114,8 @@ impl Search {
         self.goal_hz <= self.floor_hz || self.goal_hz >= self.ceiling_hz
     }
 
-    /// A new forecast: the bounds are set anew. While seeking, and not yet climbing near it, the target is
-    /// gone to.
+    /// A new forecast: sets the bounds anew. While seeking, the search goes to the new target, unless it climbs
+    /// near it already.
     pub fn retarget(&mut self, target: &Target, range_hz: (f32, f32)) {
         self.set_bounds(target, range_hz);
         if self.holding {
@@ -150,7 +150,7 @@ impl Search {
         self.best_hz = self.within_bounds(self.best_hz);
     }
 
-    /// `hz` within what is forecast and what has been met.
+    /// `hz` within the forecast bounds and those met.
     fn within_bounds(&self, hz: f32) -> f32 {
         let floor = self.floor_hz.max(self.met_floor_hz);
         let ceiling = self.ceiling_hz.min(self.met_ceiling_hz).max(floor);
@@ -230,7 +230,7 @@ impl Search {
     }
 
     fn climb(&mut self, mut climb: Climb, strobe: &Strobe, good: bool) -> Step {
-        // A point measured at a bound, and not where it was asked for, would bend the parabola.
+        // Only periods with one contact count: others would bend the parabola.
         let advice = if good {
             climb.strobe(strobe.impulse_n_s)
         } else {
@@ -323,7 +323,7 @@ impl Search {
     }
 
     fn mark_lost(&mut self, lost_hz: f32) -> Step {
-        // Lost away from the best frequency: that way lies an edge. Lost at it twice running: so does this.
+        // Lost away from the best frequency: the edge lies on that side. Lost at it twice in a row: the same.
         // On the way from the entry, the edge lies ahead.
         let at_rest = matches!(self.leg, SearchLeg::Rest { .. });
         if at_rest {

@@ -1,4 +1,4 @@
-//! Before the drive goes on: are the sensors alive, where do they read zero?
+//! The self test before the drive goes on: whether the sensors are alive, and where they read zero.
 
 use crate::fault::{Fault, Origin};
 use crate::io::{AdcCode, Frame};
@@ -63,7 +63,7 @@ impl SelfTest {
         }
     }
 
-    /// Takes in a tick with the drive off. Ends with the zeros, or with what is wrong.
+    /// Takes in a tick with the drive off. At the end, the zeros or the fault.
     pub fn tick(&mut self, frame: &Frame, sample: &Sample) -> Option<Result<Zero, Trip>> {
         if self.ticks == 0 {
             // Sums are of what differs from the first sample, so that they stay small.
@@ -113,7 +113,7 @@ impl SelfTest {
             _ => Ok(Zero {
                 force_n,
                 relative_m,
-                // A hammer that swings may strike: that is no noise.
+                // A swinging hammer may strike; that is not noise.
                 force_is_live: relative_m.is_some() && self.codes.0 != self.codes.1,
             }),
         }

@@ -1,4 +1,4 @@
-//! The amplitude loop, and the limits that draw it back.
+//! The amplitude loop, and the limits that reduce the amplitude.
 //!
 //! Limits clamp and are reported; they are no faults. The loop works once per drive period.
 
@@ -10,9 +10,9 @@ use crate::settings::Settings;
 const GAIN: f32 = 0.2;
 /// How far the loop may move the command from the amplitude wanted, either way.
 const RANGE: (f32, f32) = (0.6, 1.6);
-/// Drive periods between two cuts: a hammer takes some to answer to one.
+/// Drive periods between two reductions: the hammer needs some to respond.
 const ANSWER_PERIODS: u8 = 4;
-/// How much of what a limit has drawn back is given again per drive period.
+/// Factor by which a reduced amplitude recovers per drive period.
 const RELEASE: f32 = 1.01;
 
 /// The amplitude loop.
@@ -24,9 +24,9 @@ pub struct Trim {
     travel_m: f32,
     /// Command over amplitude.
     gain: f32,
-    /// Share of the amplitude wanted that the limits leave.
+    /// Share of the wanted amplitude that the limits allow.
     draw: f32,
-    /// Drive periods until the next cut or release.
+    /// Drive periods until the next reduction or recovery.
     wait: u8,
     limits: ActiveLimits,
 }
@@ -51,8 +51,8 @@ impl Trim {
         self.wanted_m = amplitude_m.max(0.0);
     }
 
-    /// The forecast has `force_n` at the amplitude wanted: the amplitude starts as low as the force limit asks
-    /// (the force of a 1/1 at no gap is in proportion to it).
+    /// Takes the force forecast at the wanted amplitude: if it exceeds the force limit, the initial amplitude is
+    /// reduced accordingly (the force of a 1/1 at no gap is proportional to the amplitude).
     pub fn expect(&mut self, force_n: f32) {
         if force_n > self.force_n {
             self.draw = (0.9 * self.force_n / force_n).max(0.05);
@@ -66,7 +66,7 @@ impl Trim {
     }
 
     /// A drive period has ended with the amplitude at its command. `closed`: whether the loop may correct
-    /// (the cart's sensor is believed).
+    /// (the drive is a shaker).
     pub fn strobe(&mut self, strobe: &Strobe, closed: bool) {
         let target_m = self.wanted_m * self.draw;
         if closed && target_m > 0.0 {
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shaker_that_gives_less_is_told_more() {
+    fn a_shaker_that_moves_less_gets_a_larger_command() {
         let mut trim = Trim::new(&Settings::for_rig(&WIRES));
         let command = run(&mut trim, 40, |m| Strobe {
             amplitude_m: 0.8 * m,
@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(
             trim.command(),
             command,
-            "what the rig can do says nothing of it"
+            "a force below the limit changes nothing"
         );
     }
 

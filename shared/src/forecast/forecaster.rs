@@ -1,4 +1,4 @@
-//! The forecast in slices: which run comes next, and what its finding means.
+//! The forecast in slices: the order of the runs, and the use of their results.
 //!
 //! Rows are worked off by rising frequency: what rest settles to, then the 1/1 orbit, from there or from
 //! the rows before. A second pass, downwards, looks for orbits that rest does not lead to, from the row
@@ -15,7 +15,7 @@ use crate::model::regime::Regime;
 /// A run that ends this close to a stable 1/1 (in A0 and A0 Ω) is settling on it, however slowly.
 const NEAR_THE_ORBIT: f32 = 0.05;
 
-/// What runs now.
+/// The run under way.
 #[derive(Clone, Copy, Debug)]
 enum Run {
     Nothing,
@@ -27,7 +27,7 @@ enum Run {
     Shoot(Shoot, f32),
 }
 
-/// What the run is for.
+/// The purpose of the run.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Stage {
     Done,
@@ -68,7 +68,7 @@ impl Default for Forecaster {
 }
 
 impl Forecaster {
-    /// With nothing to do.
+    /// A forecaster without a request.
     pub fn new() -> Self {
         Self {
             request: None,
@@ -82,8 +82,8 @@ impl Forecaster {
         }
     }
 
-    /// Starts on `request`, whatever was going on. A request that cannot be (a rig that fails its check, a
-    /// range that is none) is answered with no rows and no target.
+    /// Starts on `request` and abandons any other. An invalid request (a rig out of range, an empty frequency
+    /// range) is answered with no rows and no target.
     pub fn start(&mut self, request: &ForecastRequest) {
         self.request = Some(*request);
         self.forecast.id = request.id;
@@ -105,13 +105,13 @@ impl Forecaster {
         self.request.as_ref().map(|request| request.id)
     }
 
-    /// The forecast, once it is done.
+    /// The forecast, if it is done.
     pub fn result(&self) -> Option<&Forecast> {
         let done = matches!(self.stage, Stage::Done) && self.request.is_some();
         done.then_some(&self.forecast)
     }
 
-    /// One slice of work: one step of whatever runs. Says whether there is more to do.
+    /// One slice of work: one step of the run under way. Returns whether there is more to do.
     pub fn slice(&mut self) -> bool {
         match &mut self.run {
             Run::Nothing => {}
@@ -306,7 +306,7 @@ impl Forecaster {
         }
     }
 
-    /// Enters a row's orbit if it is a 1/1; says whether it is.
+    /// Enters a row's orbit if it is a 1/1; returns whether it is.
     fn enter_orbit(&mut self, index: usize, found: Option<Solution>) -> bool {
         let Some(solution) = found else { return false };
         let Some(orbit) = solution.one_one() else {

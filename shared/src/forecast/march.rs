@@ -30,7 +30,7 @@ const CONTACT_STEP: f32 = 0.2;
 /// The longest step in a contact that lasts, in the same unit.
 const LONGEST_CONTACT_STEP: f32 = 1.0;
 
-/// Steps of unchanged length at the beginning of a contact: longer than a blow lasts.
+/// Steps of unchanged length at the beginning of a contact: more than a usual contact takes.
 const STEPS_OF_A_CONTACT: u16 = 40;
 
 /// The same under the nonlinear laws: some steps are shorter, and Hunt–Crossley's hammer leaves slowly.
@@ -39,7 +39,7 @@ const STEPS_OF_A_NONLINEAR_CONTACT: u16 = 80;
 /// The shortest step under the nonlinear laws, as a share of the usual one in contact.
 const SHORTEST_STEP: f32 = 1.0 / 32.0;
 
-/// Speed of a typical blow in units of A0 ω, for laws whose time scale depends on it.
+/// Approach speed of a typical contact in units of A0 ω, for laws whose time scale depends on it.
 const CONTACT_SPEED: f64 = 5.0;
 
 /// Switches are located to this share of a tick, unless the iterations run out first.
@@ -48,7 +48,7 @@ const LOCATION: Location = Location {
     settled: 2e-5,
 };
 
-/// λ, 1/s: the faster of the contact's oscillation, v/δ_max of a typical blow (√(ki/m) for the linear
+/// λ, 1/s: the faster of the contact's oscillation, v/δ_max of a typical contact (√(ki/m) for the linear
 /// spring), and its damper's decay ci/m.
 fn contact_rate(params: &RigParams) -> f64 {
     let (stiffness, n) = (params.contact.stiffness(), params.contact.exponent());
@@ -74,7 +74,7 @@ impl ForecastModel {
     /// The model of `params`.
     ///
     /// # Errors
-    /// A parameter that no rig can have.
+    /// If a parameter is out of range: the first such.
     pub fn new(params: &RigParams) -> Result<Self, ParamError> {
         Ok(Self {
             rig: Rig::new(params)?,
@@ -125,7 +125,7 @@ impl Setup {
     }
 }
 
-/// What a step did: enough to follow it in other numbers.
+/// A step of the march: enough to repeat it in tangent numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarchStep {
     /// The part of the tick it spans.
@@ -138,16 +138,16 @@ pub struct MarchStep {
     pub period_ended: bool,
 }
 
-/// What the march notes beside the ledger: the latest contact.
+/// The latest contact, noted beside the contact record.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LatestContact {
-    /// ∫F dt since the notes were cleared, N·s.
+    /// ∫F dt since the start, N·s.
     pub impulse_n_s: f32,
     /// The latest onset, and the penetration rate there, m/s.
     pub onset: Option<(Stamp, f32)>,
 }
 
-/// The hammer on its way.
+/// The hammer on its march.
 #[derive(Clone, Copy, Debug)]
 pub struct March {
     setup: Setup,
@@ -204,7 +204,7 @@ impl March {
         &self.latest
     }
 
-    /// Closes the book of the drive period that has just ended.
+    /// Closes the contact record of the drive period that has just ended.
     pub fn close_period(&mut self) -> Period<f32> {
         let _ = self.ledger.take_finished();
         self.ledger.close_period()
@@ -214,7 +214,7 @@ impl March {
     pub fn step(&mut self) -> MarchStep {
         let from = self.at;
         let to = from + self.stride;
-        // No crumbs: a remainder of less than half a step is taken along.
+        // A remainder of less than half a step is included in this one.
         let to = if to + 0.5 * self.stride >= 1.0 {
             1.0
         } else {
@@ -238,7 +238,7 @@ impl March {
             let rate = rig.kinematics(self.state.q.hi, self.state.v.hi).rate;
             let stamp = span.stamp(leg.at);
             match self.state.mode {
-                // On the way out, where F is as good as zero and rounding decides: the same contact.
+                // Moving away, with F near zero, where rounding decides: still the same contact.
                 Mode::Flight if self.setup.nonlinear && rate < 0.0 => {
                     self.state.mode = Mode::Contact;
                     self.ledger.resume(stamp, self.state.approach);
@@ -300,7 +300,7 @@ impl March {
     fn half_the_depth(&self, usual: f32) -> f32 {
         let at = (self.setup.rig).kinematics(self.state.q.hi, self.state.v.hi);
         let half = 0.5 * at.delta / (libm::fabsf(at.rate) * self.drive.tick_s());
-        // Where δ stands still the quotient is not a number or without bound.
+        // At δ̇ = 0 the quotient is NaN or infinite.
         if half < usual {
             Real::max(half, SHORTEST_STEP * usual)
         } else {

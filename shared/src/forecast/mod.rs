@@ -1,5 +1,5 @@
-//! The online twin: what the hammer will do at each frequency, computed in slices while control has
-//! nothing to do.
+//! The forecast (the online twin): the hammer's regime and 1/1 orbit at each frequency, computed in slices while
+//! control is idle.
 //!
 //! [`march`] runs the hammer in long steps, [`settle`] from rest until its section repeats; [`variation`]
 //! carries the derivative along, with which [`shoot`] finds the 1/1 orbit, stable or not; [`refine`] finds where a
@@ -24,12 +24,12 @@ use crate::model::regime::Regime;
 /// Frequencies of a forecast at most.
 pub const MAX_ROWS: usize = 40;
 
-/// What to forecast.
+/// A request for a forecast.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ForecastRequest {
     /// Counts requests; the answer carries it.
     pub id: u32,
-    /// The rig as it is believed to be.
+    /// The believed rig.
     pub rig: RigParams,
     /// Lowest and highest frequency, Hz.
     pub range_hz: (f32, f32),
@@ -121,7 +121,7 @@ pub struct Forecast {
     pub id: u32,
     /// By rising frequency.
     pub rows: Vec<Row, MAX_ROWS>,
-    /// Where to run; none if no stable 1/1 was found.
+    /// The frequency to run at; `None` without a stable 1/1.
     pub target: Option<Target>,
 }
 

@@ -1,6 +1,6 @@
 //! Between the rows: where a stretch of stable 1/1 ends, and where its force is largest.
 //!
-//! Both searches say at which frequency they want the next orbit, and take what was found there.
+//! Both searches give the frequency of the next orbit, and take the orbit found there.
 
 use super::shoot::Solution;
 
@@ -226,7 +226,7 @@ impl Peak {
             return top_hz;
         }
         let shift = -0.5 * (slope_a - curvature * a) / curvature;
-        // A comparison with a number that is none is false.
+        // Comparisons with NaN are false.
         if shift > 0.9 * a && shift < 0.9 * c {
             top_hz + shift
         } else {

@@ -1,5 +1,5 @@
-//! What a start from rest settles to at a frequency: the march until the section repeats, or until the
-//! work set aside for it is done.
+//! The regime reached from rest at a frequency: the march until the section repeats, or until its budget of
+//! steps is spent.
 
 use super::march::{ForecastModel, March, MarchStep, Setup};
 use crate::model::regime::{Detector, Regime};
@@ -18,7 +18,7 @@ const CONFIRMATIONS: u32 = 4;
 /// Steps at most; a period of chatter takes some hundreds.
 const MOST_STEPS: u32 = 9000;
 
-/// What was found.
+/// The result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settled {
     /// The regime over the last window.

@@ -17,10 +17,10 @@ const CLOSURE: f32 = 1e-5;
 /// The longest step of Newton's iteration, in A0 and A0 Ω.
 const LONGEST_STEP: f32 = 3.0;
 
-/// Onsets in a period after which it leads nowhere.
+/// Onsets in a period after which the iteration gives up.
 const MOST_ONSETS: u16 = 6;
 
-/// Steps in a period after which it leads nowhere.
+/// Steps in a period after which the iteration gives up.
 const MOST_STEPS: u16 = 600;
 
 /// A section point farther out than this (in A0 and A0 Ω), or deeper inside the surface (in A0), belongs to
@@ -35,7 +35,7 @@ pub struct Solution {
     pub section: [f32; 2],
     /// Onsets in the period.
     pub onsets: u16,
-    /// What it does.
+    /// The orbit through it.
     pub orbit: Orbit,
 }
 
@@ -114,7 +114,7 @@ impl Shoot {
         let [q, v] = self.start;
         let rig = &self.setup.rig;
         let [a, b] = self.setup.units;
-        // A comparison with a number that is none is false.
+        // Comparisons with NaN are false.
         libm::fabsf(q / a) < FAR
             && libm::fabsf(v / b) < FAR
             && rig.kinematics(q, v).delta < DEEP * rig.amplitude()

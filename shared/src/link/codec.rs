@@ -11,7 +11,7 @@ use crate::crc_32::CRC_32;
 
 const CRC_BYTES: usize = 4;
 
-/// Writes a packet as one frame, with its final 0, into `out`; what was written. `None` if it does not fit
+/// Writes a packet as one frame, with its final 0, into `out` and returns it. `None` if it does not fit
 /// ([`super::MAX_FRAME`] bytes hold every message).
 pub fn encode<'a, M: Serialize>(packet: &Packet<M>, out: &'a mut [u8]) -> Option<&'a [u8]> {
     let framing = Framing::new(out)?;
@@ -87,12 +87,12 @@ impl Flavor for Framing<'_> {
     }
 }
 
-/// What a decoder has met. Counts stay at their largest value.
+/// Counts of received frames. They saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Frames that gave a message.
     pub good: u32,
-    /// Frames with a good CRC that are no message known here: a peer of another version.
+    /// Frames with a good CRC and an unknown message: from a peer of another version.
     pub unknown: u32,
     /// Frames longer than any message.
     pub oversized: u32,
@@ -143,12 +143,12 @@ impl Decoder {
         }
     }
 
-    /// What was met so far.
+    /// Counts so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }
 
-    /// Takes one byte; gives the packet that it completes. Zeros between frames are no frames.
+    /// Takes one byte; gives the packet that it completes. Zeros between frames are ignored.
     pub fn push<M: DeserializeOwned>(&mut self, byte: u8) -> Option<Packet<M>> {
         if byte != 0 {
             self.begun = true;
@@ -190,7 +190,7 @@ impl Decoder {
     }
 }
 
-/// The bytes before their CRC, if it is theirs.
+/// The bytes before the CRC, if the CRC is right.
 fn checked(bytes: &[u8]) -> Option<&[u8]> {
     let (packet, check) = bytes.split_last_chunk::<CRC_BYTES>()?;
     (CRC_32.checksum(packet) == u32::from_le_bytes(*check)).then_some(packet)

@@ -1,10 +1,10 @@
-//! What the controller has learned of its rig from the rig's own pulses, for the reader.
+//! The identified parameters of the rig, as a message.
 
 use serde::{Deserialize, Serialize};
 
 use crate::sense::identification::Identification;
 
-/// What the controller has learned of its rig. `None`: not told yet, or never plausibly.
+/// The identified parameters of the rig. `None`: too few samples yet, or not plausible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
     /// Contact stiffness ki, N/m.
@@ -17,12 +17,12 @@ pub struct Identified {
     pub gap_m: Option<f32>,
     /// Contacts that stiffness and damping rest on.
     pub contacts: u32,
-    /// Pulses and results that were not plausible and were left out.
+    /// Implausible pulses and results, left out.
     pub refused: u32,
 }
 
 impl Identified {
-    /// What was identified so far.
+    /// The estimates so far.
     pub fn of(identification: &Identification) -> Self {
         let estimates = identification.estimates();
         Self {

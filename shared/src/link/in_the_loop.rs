@@ -1,9 +1,9 @@
-//! Messages between a plant and a controller that wait for each other: the desktop on one side, the firmware's
+//! The messages of the processor in the loop. Plant and controller wait for each other: the desktop on one side, the firmware's
 //! image under QEMU on the other.
 //!
 //! On the wire a message is its length (two bytes, little-endian) and its postcard encoding. There is no check:
-//! what carries it (a pipe) loses nothing. A reply holds everything that can be told of the controller from
-//! outside, so that two runs are the same if the bytes of their replies are, instruction counts apart.
+//! what carries it (a pipe) loses nothing. A reply holds everything visible of the controller, so that two
+//! runs are the same if the bytes of their replies are, instruction counts apart.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -19,30 +19,30 @@ pub const LENGTH: usize = 2;
 /// Events in a reply at most; more are given with the next.
 pub const MAX_EVENTS: usize = 4;
 
-/// What the plant's side asks.
+/// A request of the plant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(
     clippy::large_enum_variant,
     reason = "there is no heap, and one lives at a time"
 )]
 pub enum ExchangeRequest {
-    /// A controller, made anew.
+    /// Makes a new controller.
     Begin {
         /// Its settings.
         settings: Settings,
-        /// What it is born with.
+        /// Why and with what it starts.
         boot: BootInfo,
     },
     /// A block, then slices of the forecast.
     Block {
-        /// The samples; for a block without them as many frames, not looked at.
+        /// The samples; for a blind block as many frames, which are ignored.
         frames: Vec<Frame, MAX_BLOCK>,
         /// The samples did not arrive.
         blind: bool,
         /// Slices of the forecast after it.
         slices: u16,
     },
-    /// A command, obeyed before the next block.
+    /// A command, carried out before the next block.
     Command(Command),
     /// The control task ended too late.
     Overrun,
@@ -50,7 +50,7 @@ pub enum ExchangeRequest {
     End,
 }
 
-/// What the controller's side answers.
+/// An answer of the controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(
     clippy::large_enum_variant,
@@ -63,18 +63,18 @@ pub enum ExchangeReply {
     Block {
         /// Set-points, as many as there were frames.
         outputs: Vec<Output, MAX_BLOCK>,
-        /// What the controller is doing after the block and the slices.
+        /// The state after the block and the slices.
         status: Status,
-        /// What happened, oldest first.
+        /// The events, oldest first.
         events: Vec<Event, MAX_EVENTS>,
         /// Whether a forecast was delivered before the block.
         delivered: bool,
         /// Instructions of the block at control priority; 0 where they are not counted.
         instructions: u32,
     },
-    /// Whether a command was obeyed.
+    /// Whether a command was carried out.
     Command(Result<(), Refused>),
-    /// Noted.
+    /// The request was noted.
     Noted,
 }
 
@@ -91,13 +91,13 @@ pub fn encode<'a, M: Serialize>(message: &M, out: &'a mut [u8]) -> Option<&'a [u
     out.get(..LENGTH + length)
 }
 
-/// The length that the first two bytes of a message tell; `None` if it is longer than any.
+/// The length in the first two bytes of a message; `None` if above [`MAX_MESSAGE`].
 pub fn length(head: [u8; LENGTH]) -> Option<usize> {
     let length = usize::from(u16::from_le_bytes(head));
     (length <= MAX_MESSAGE).then_some(length)
 }
 
-/// The message in `bytes` (without its length); `None` if it is none.
+/// The message in `bytes` (without its length); `None` if malformed.
 pub fn decode<M: DeserializeOwned>(bytes: &[u8]) -> Option<M> {
     postcard::from_bytes(bytes).ok()
 }

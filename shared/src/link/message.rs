@@ -1,4 +1,4 @@
-//! What is said, in both directions. Appended to, never reordered: see [the module](super).
+//! The messages in both directions. New ones are appended, none is reordered: see [the module](super).
 
 use serde::{Deserialize, Serialize};
 
@@ -13,15 +13,14 @@ use crate::settings::Settings;
 pub struct Packet<M> {
     /// Counts the packets the sender meant to send (wraps).
     pub sequence: u16,
-    /// What it says.
+    /// The message.
     pub message: M,
 }
 
-/// What a computer asks of the controller. Every one gets exactly one [`Answer`], in order.
+/// A request of the computer. Each gets exactly one [`Answer`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToBoard {
-    /// Who are you? Begins a conversation, so it ends the streams and the command of the one before. Answered
-    /// with
+    /// Begins a conversation: ends the streams of the one before, and its command of the drive. Answered with
     /// [`Answer::Hello`].
     Hello,
     /// Answered with [`Answer::Status`].
@@ -31,7 +30,7 @@ pub enum ToBoard {
     /// Answered with [`Answer::Settings`].
     GetSettings,
     /// New settings, checked and taken as a whole, in Idle only, and stored in flash if they are not the same
-    /// as those there. The controller is made anew with them. Answered with [`Answer::Done`] or
+    /// as those there. The controller starts anew with them. Answered with [`Answer::Done`] or
     /// [`Answer::Refused`].
     SetSettings(Settings),
     /// A page of the forecast, from 0. Answered with [`Answer::Forecast`]; beyond the last, a page without rows.
@@ -55,7 +54,7 @@ pub enum ToBoard {
     GetIdentified,
 }
 
-/// What the controller says.
+/// A message of the controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(
     clippy::large_enum_variant,
@@ -66,7 +65,7 @@ pub enum FromBoard {
     Answer {
         /// [`Packet::sequence`] of the request.
         request: u16,
-        /// What it is.
+        /// The answer.
         answer: Answer,
     },
     /// Unasked, at the decimation asked for.
@@ -82,11 +81,11 @@ pub enum FromBoard {
     reason = "there is no heap, and one lives at a time"
 )]
 pub enum Answer {
-    /// Who answers.
+    /// Versions and names.
     Hello(Hello),
-    /// It is done.
+    /// The request was carried out.
     Done,
-    /// It is not done.
+    /// The request was refused.
     Refused(Refusal),
     /// What the controller is doing.
     Status(Status),
@@ -94,16 +93,16 @@ pub enum Answer {
     Settings(Settings),
     /// A page of the forecast.
     Forecast(ForecastPage),
-    /// The fault that is, or was before the last reset.
+    /// The present or last fault; it survives a reset.
     FaultRecord(Option<Record>),
-    /// What was learned of the rig.
+    /// The identified parameters of the rig.
     Identified(Identified),
 }
 
 /// A name of up to 23 bytes.
 pub type Name = heapless::String<23>;
 
-/// Who answers. The first field is the version, for ever.
+/// Versions and names of the answering side. The first field is the version, for ever.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
     /// [`super::PROTOCOL_VERSION`].
@@ -118,14 +117,14 @@ pub struct Hello {
     pub block_ticks: u8,
 }
 
-/// Why a request was not done.
+/// Why a request was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
-    /// The controller does not obey now.
+    /// The controller refused the command.
     Controller(control::Refused),
     /// The settings are in use, but could not be stored: they are lost at the next reset.
     NotStored,
-    /// This board cannot do that.
+    /// The board lacks this function.
     NotAvailable,
 }
 
@@ -135,10 +134,10 @@ impl From<control::Refused> for Refusal {
     }
 }
 
-/// What the controller is doing, unasked.
+/// The state of the controller, sent unasked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Everything worth reporting.
+    /// The state.
     pub status: Status,
     /// Packets dropped for want of room since the start.
     pub dropped: u32,
@@ -150,7 +149,7 @@ pub const ROWS_PER_PAGE: usize = 6;
 /// A part of the forecast.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForecastPage {
-    /// [`Forecast::id`]: pages of different numbers do not belong together. 0 with no rows: there is none yet.
+    /// [`Forecast::id`]: pages of different numbers do not belong together. 0 without rows: there is no forecast yet.
     pub id: u32,
     /// Which page.
     pub page: u8,
@@ -158,7 +157,7 @@ pub struct ForecastPage {
     pub rows_in_all: u8,
     /// This page's, by rising frequency.
     pub rows: heapless::Vec<Row, ROWS_PER_PAGE>,
-    /// Where to run; none if no stable 1/1 was found.
+    /// The frequency to run at; `None` without a stable 1/1.
     pub target: Option<Target>,
 }
 

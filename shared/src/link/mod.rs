@@ -1,4 +1,4 @@
-//! The serial link: what a computer can ask of the controller, and what the controller tells.
+//! The serial link: requests of a computer to the controller, answers and telemetry.
 //!
 //! ## On the wire
 //!
@@ -6,7 +6,7 @@
 //! reflected, little-endian) and wrapped by COBS; a 0 ends it. Since a 0 stands nowhere else, a reader that
 //! has lost its place finds it again at the next one. The CRC finds every burst of up to 32 bits.
 //!
-//! Each side counts the packets it *meant* to send. The board drops whole packets when its queue is full
+//! Each side numbers the packets it *meant* to send. The board drops whole packets when its queue is full
 //! and counts them all the same, so a gap in the numbers is what was lost.
 //!
 //! ## Versions
@@ -15,16 +15,16 @@
 //! change nothing for those who do not know them: such a packet has a good CRC, is not understood, is
 //! counted as [`Counters::unknown`] and dropped. [`ToBoard::Hello`] (the first message) and [`Answer::Hello`]
 //! (the first answer, with the version as its first field) keep their encoding for ever, so that two
-//! versions can always tell each other what they are.
+//! versions can always recognise each other.
 //!
-//! ## Who may wait for whom
+//! ## Waiting
 //!
-//! Nobody: a [`Session`] runs below control priority, telemetry that does not fit is dropped, and answers
+//! Neither side waits for the other: a [`Session`] runs below control priority, telemetry that does not fit is dropped, and answers
 //! have a part of the queue that telemetry may not fill ([`ANSWER_RESERVE`]).
 //!
 //! ## Why not postcard-rpc
 //!
-//! postcard-rpc 0.12 was read: its server is a set of `async` traits that need an executor to poll and to spawn
+//! The server of postcard-rpc 0.12 is a set of `async` traits that need an executor to poll and to spawn
 //! on (its implementations are for embassy's USB and async serial), and its frames carry no CRC. RTIC tasks
 //! here are run to completion, and a UART beside a shaker's power stage wants a CRC; so the encoding is the
 //! same, postcard, and the dispatch is one `match` in [`Session`].

@@ -23,7 +23,7 @@ impl<const N: usize> ByteQueue<N> {
         N.saturating_sub(self.bytes.len())
     }
 
-    /// Takes `frame` if that leaves `reserve` bytes free; else counts it as dropped. Whether it was taken.
+    /// Takes `frame` if that leaves `reserve` bytes free; else counts it as dropped. Returns whether it was taken.
     pub fn push(&mut self, frame: &[u8], reserve: usize) -> bool {
         if frame.len().saturating_add(reserve) > self.free() {
             self.dropped = self.dropped.saturating_add(1);
@@ -46,7 +46,7 @@ impl<const N: usize> ByteQueue<N> {
         self.bytes.pop_front()
     }
 
-    /// Moves the next bytes for the wire into `out`; how many.
+    /// Moves the next bytes for the wire into `out`; returns how many.
     pub fn drain(&mut self, out: &mut [u8]) -> usize {
         let mut moved = 0;
         for place in out {

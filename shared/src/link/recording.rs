@@ -9,30 +9,30 @@ use crate::io::{AdcCode, DacCode, Frame, Output};
 /// Commands recorded before a block at most; a board keeps a further one for the next block.
 pub const MAX_GIVEN: usize = 2;
 
-/// A command that was given before a block, and what the controller said.
+/// A command given before a block, and whether it was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GivenCommand {
     /// The command.
     pub command: Command,
-    /// Why it was not obeyed; none: it was.
+    /// Why it was refused; `None`: it was carried out.
     pub refused: Option<Refused>,
 }
 
-/// What the controller was told besides the frames, and what it is doing: with the frames and the settings,
-/// all that a replay needs.
+/// The inputs of a block besides the frames, and the state after it: with frames and settings, all that a replay
+/// needs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlockNotes {
     /// Commands given before the block.
     pub given: Vec<GivenCommand, MAX_GIVEN>,
-    /// The controller was made anew just before the block: its settings were replaced.
+    /// The settings were replaced just before the block.
     pub restarted: bool,
     /// A finished forecast was handed to the controller before the block.
     pub forecast_delivered: bool,
-    /// The controller was told that it overran.
+    /// An overrun was reported to the controller.
     pub overrun: bool,
-    /// The block's samples did not arrive and the controller ran without; its frames are not to be looked at.
+    /// The block's samples did not arrive and the controller ran without; its frames mean nothing.
     pub stale: bool,
-    /// What it was doing after the block.
+    /// The state after the block.
     pub state: State,
 }
 
@@ -41,11 +41,11 @@ pub struct BlockNotes {
 pub struct RecordedBlock {
     /// Control tick of the first frame (wraps).
     pub tick: u32,
-    /// What the controller was given.
+    /// The samples.
     pub frames: Vec<Frame, MAX_BLOCK>,
-    /// What it answered, as many.
+    /// The set-points, as many.
     pub outputs: Vec<Output, MAX_BLOCK>,
-    /// Everything else.
+    /// The other inputs, and the state.
     pub notes: BlockNotes,
 }
 

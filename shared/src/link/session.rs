@@ -8,40 +8,40 @@ use crate::control::{Command, Mode, Refused, State, Status};
 use crate::fault::{Fault, Record};
 use crate::settings::Settings;
 
-/// What a board (or the emulator) lets the link do. Nothing here may wait.
+/// The functions of a board (or the emulator) that the link uses. None may wait.
 pub trait Device {
-    /// Who answers.
+    /// Versions and names.
     fn hello(&mut self) -> Hello;
     /// What the controller is doing.
     fn status(&mut self) -> Status;
     /// Passes a command on.
     ///
     /// # Errors
-    /// Why it is not obeyed.
+    /// If the controller refuses it.
     fn command(&mut self, command: Command) -> Result<(), Refused>;
     /// The settings in use.
     fn settings(&mut self) -> Settings;
     /// Takes settings that have been checked into use, as a whole.
     ///
     /// # Errors
-    /// Not in Idle.
+    /// If the controller is neither in Idle nor in Fault.
     fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused>;
     /// Stores the settings in use; called only right after they were taken, so in Idle with the drive off.
     /// A board must make sure that no start comes between.
     ///
     /// # Errors
-    /// [`Refusal::NotStored`].
+    /// If the flash fails: [`Refusal::NotStored`].
     fn store_settings(&mut self) -> Result<(), Refusal>;
     /// A page of the last forecast ([`ForecastPage::of`]).
     fn forecast(&mut self, page: u8) -> ForecastPage;
-    /// The fault that is, or was before the last reset.
+    /// The present or last fault; it survives a reset.
     fn fault_record(&mut self) -> Option<Record>;
-    /// What was learned of the rig.
+    /// The identified parameters of the rig.
     fn identified(&mut self) -> Identified;
     /// Starts or ends keeping blocks for [`Device::take_block`].
     ///
     /// # Errors
-    /// [`Refusal::NotAvailable`].
+    /// If the board cannot record: [`Refusal::NotAvailable`].
     fn record(&mut self, on: bool) -> Result<(), Refusal>;
     /// The oldest block kept, if any. What is not taken in time is lost, and shows as a gap in the ticks.
     fn take_block(&mut self) -> Option<RecordedBlock>;
@@ -73,7 +73,7 @@ impl<const N: usize> Default for Session<N> {
 impl<const N: usize> Session<N> {
     const ROOM_FOR_AN_ANSWER_AND_MORE: () = assert!(N >= 2 * MAX_FRAME);
 
-    /// Nothing heard yet.
+    /// A session without a conversation yet.
     pub const fn new() -> Self {
         let () = Self::ROOM_FOR_AN_ANSWER_AND_MORE;
         Self {
@@ -87,7 +87,7 @@ impl<const N: usize> Session<N> {
         }
     }
 
-    /// What the decoder has met.
+    /// Counts of received frames.
     pub fn counters(&self) -> Counters {
         self.decoder.counters()
     }
@@ -97,9 +97,9 @@ impl<const N: usize> Session<N> {
         &mut self.queue
     }
 
-    /// Whether the computer steers: it has started in manual mode, given a set-point or said that it is
-    /// alive, and there was no stop, no hello and no fault but the link's own since. Then each of its packets reaches the controller as
-    /// [`Command::Alive`].
+    /// Whether the computer steers. It does once it has started in manual mode, given a set-point or sent
+    /// [`Command::Alive`], until a stop, a hello or a fault other than the link's own. While it steers, each of its
+    /// packets reaches the controller as [`Command::Alive`].
     pub fn is_in_command(&self) -> bool {
         self.in_command
     }
@@ -129,7 +129,7 @@ impl<const N: usize> Session<N> {
                 self.send(FromBoard::Telemetry(telemetry), ANSWER_RESERVE);
             }
         }
-        // Bounded: a device that makes blocks as fast as they are taken must not hold the task for ever.
+        // Bounded, so that a device that records as fast as blocks are taken does not hold the task.
         for _ in 0..8 {
             let Some(block) = self.recording.then(|| device.take_block()).flatten() else {
                 return;
@@ -139,8 +139,8 @@ impl<const N: usize> Session<N> {
         }
     }
 
-    /// A packet that came is a sign of life of the computer that steers. It ends a fault for want of them; any
-    /// other fault ends its command.
+    /// A packet is a sign of life of the computer that steers. It ends a link timeout; any other fault ends the
+    /// computer's command.
     fn keep_alive(&mut self, device: &mut impl Device) {
         let status = device.status();
         let fault = status.fault.map(|record| record.fault);
@@ -148,7 +148,7 @@ impl<const N: usize> Session<N> {
             self.in_command = false;
         }
         if self.in_command {
-            // Refused only where there is nothing to keep alive.
+            // Never refused.
             let _ = device.command(Command::Alive);
         }
     }
@@ -168,8 +168,7 @@ impl<const N: usize> Session<N> {
     fn answer(&mut self, request: ToBoard, device: &mut impl Device) -> Answer {
         match request {
             ToBoard::Hello => {
-                // Whoever it is now must take command anew; a fault that the silence before has tripped is
-                // there to be seen.
+                // The computer must take command anew; the fault of a link timeout before it stays visible.
                 self.in_command = false;
                 self.decimation = 0;
                 if self.recording {

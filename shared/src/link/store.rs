@@ -22,13 +22,13 @@
 //! Cells that a cut left halfway may read either way at the next start; then so does the CRC, and either
 //! way one of the two slots is whole.
 //!
-//! ## What cannot be read
+//! ## Settings that cannot be read
 //!
-//! [`Loaded::Corrupt`] means that there were settings and they cannot be had: no slot is whole and one is
+//! [`Loaded::Corrupt`] means that settings were stored and cannot be read: no slot is whole and one is
 //! damaged or both hold something; or the newest is of a layout this program does not know, or is out of
 //! range. The last two are not passed over in favour of the older slot: after a change of firmware it may be
-//! years old. The controller reports it as [`crate::fault::Fault::CorruptSettings`] and runs with nothing until
-//! settings are sent anew. Settings of another layout are therefore not carried over an update.
+//! years old. The controller reports [`crate::fault::Fault::CorruptSettings`] and does not start until
+//! settings are sent. Settings of another layout are therefore not carried over an update.
 //!
 //! Writing and erasing stalls a microcontroller with a single flash bank (up to 2 s for 128 KiB on an
 //! STM32F446): the caller sees to it that the controller is in Idle with the drive off.
@@ -60,7 +60,7 @@ const PAYLOAD_AT: usize = 2 * ALIGN;
 
 type Image = [u8; IMAGE_BYTES];
 
-/// What a start found.
+/// The result of loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -74,13 +74,13 @@ pub enum Loaded {
         /// The other slot is damaged: it may have held newer ones (or a save was cut short there).
         other_damaged: bool,
     },
-    /// None were ever stored (or the power went while the first were).
+    /// None were ever stored (or the power failed during the first save).
     Default,
-    /// There were settings, and they cannot be had.
+    /// Settings were stored and cannot be read.
     Corrupt,
 }
 
-/// What a save did.
+/// The result of a save.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Saved {
     /// Written and read back.
@@ -89,12 +89,12 @@ pub enum Saved {
     Unchanged,
 }
 
-/// Why settings were not stored; what was stored before still is.
+/// Why settings were not stored; those stored before are untouched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveError<E> {
-    /// The flash answered with an error.
+    /// The flash returned an error.
     Flash(E),
-    /// What was read back is not what was written.
+    /// The bytes read back differ from those written.
     NotAsWritten,
     /// A slot is too small or the flash writes in larger pieces than an image has.
     NotSuited,
@@ -106,7 +106,7 @@ impl<E> From<E> for SaveError<E> {
     }
 }
 
-/// What an image is.
+/// The contents of a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(
     clippy::large_enum_variant,
@@ -227,7 +227,7 @@ impl<F: NorFlash> Store<F> {
     /// The settings stored last.
     ///
     /// # Errors
-    /// What the flash answers when it cannot be read.
+    /// If the flash cannot be read: its error.
     pub fn load(&mut self) -> Result<Loaded, F::Error> {
         let slots = self.read_slots()?;
         Ok(choose(&slots))
@@ -236,7 +236,7 @@ impl<F: NorFlash> Store<F> {
     /// Stores `settings`. The caller has checked them, and the controller is in Idle with the drive off.
     ///
     /// # Errors
-    /// [`SaveError`]; the settings stored before are untouched then.
+    /// If the flash fails or is not suited ([`SaveError`]); the settings stored before are untouched then.
     pub fn save(&mut self, settings: &Settings) -> Result<Saved, SaveError<F::Error>> {
         let suited = |slot: &Range<u32>| slot.end.saturating_sub(slot.start) >= IMAGE_BYTES as u32;
         let sizes = [F::WRITE_SIZE, F::READ_SIZE];

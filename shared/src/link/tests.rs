@@ -225,7 +225,7 @@ fn every_message_fits_at_its_longest_and_comes_back() {
     assert!(longest > MAX_FRAME - 40, "{longest} of {MAX_FRAME}");
 }
 
-/// A device that remembers what it was told.
+/// A device that records its calls.
 struct Stub {
     status: Status,
     settings: Settings,
@@ -485,7 +485,7 @@ fn a_full_queue_drops_recordings_whole_counts_them_and_still_answers() {
     let heard = pair.heard();
     let last = &heard.last().unwrap().message;
     assert!(matches!(last, FromBoard::Answer { .. }), "{last:?}");
-    // The numbers tell what was lost: the first packet answered the request to stream.
+    // The numbers show what was lost: the first packet answered the request to stream.
     let missing = heard.last().unwrap().sequence - 1 - heard.len() as u16;
     assert_eq!(u32::from(missing), dropped);
     assert_eq!(pair.session.queue().dropped(), dropped);

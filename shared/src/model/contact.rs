@@ -99,7 +99,7 @@ impl<R: Real> Law<R> {
         }
     }
 
-    /// A function whose sign tells contact (> 0) from flight (< 0): min(ki δ, F) for the spring-dashpot,
+    /// A function that is positive in contact and negative in flight: min(ki δ, F) for the spring-dashpot,
     /// and a smooth equivalent of min(δ, 1 + λδ̇) for the others. It is continuous along a trajectory,
     /// so that its zeros can be located.
     #[inline]

@@ -1,12 +1,12 @@
-//! Bookkeeping of contacts: what each one did, how many there were in a drive period.
+//! The record of contacts: each finished contact, and the contacts of a drive period.
 
 use crate::model::drive::Stamp;
 use crate::model::scalar::Real;
 
-/// A stay longer than this, after three onsets within one period, is chatter: s.
+/// A sustained contact: one longer than this, s. After three onsets within one period it is chatter.
 pub const SUSTAINED_CONTACT_S: f64 = 5e-3;
 
-/// One finished stay in Γ+.
+/// One finished contact: a stay in Γ+.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<R> {
     /// When it began.
@@ -34,7 +34,7 @@ pub struct Period<R> {
     pub onsets: u16,
     /// Whether the hammer touched the surface at all.
     pub touched: bool,
-    /// Whether three or more onsets ended in a stay longer than [`SUSTAINED_CONTACT_S`].
+    /// Whether three or more onsets ended in a sustained contact ([`SUSTAINED_CONTACT_S`]).
     pub chatter: bool,
     /// Largest contact force, N.
     pub peak_force: R,
@@ -55,7 +55,7 @@ pub struct Piece<R> {
     pub work: R,
 }
 
-/// The book: the open contact, and the period so far.
+/// The contact record: the open contact, and the period so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger<R> {
     open: Option<Open<R>>,
@@ -88,7 +88,7 @@ impl<R: Real> Ledger<R> {
         self.resume(at, approach);
     }
 
-    /// A run starts at `at` within a contact: it is kept, and not counted as an onset.
+    /// A run starts at `at` within a contact: the contact is recorded, but not counted as an onset.
     #[inline]
     pub fn resume(&mut self, at: Stamp, approach: R) {
         self.period.touched = true;

@@ -103,10 +103,10 @@ impl<R: Real> Drive<R> {
     /// A drive at `frequency_hz`, advanced `tick_s` seconds per tick, at phase 0.
     ///
     /// The frequency is rounded to the accumulator's grain (5e-6 Hz at 20 kHz); [`Self::frequency_hz`]
-    /// tells what it became.
+    /// gives the rounded one.
     ///
     /// # Errors
-    /// See [`DriveError`].
+    /// If frequency or tick are out of range: see [`DriveError`].
     pub fn new(frequency_hz: f64, tick_s: f64) -> Result<Self, DriveError> {
         let mut drive = Self {
             now: Stamp::default(),
@@ -125,7 +125,7 @@ impl<R: Real> Drive<R> {
     /// Changes the frequency without a jump in phase.
     ///
     /// # Errors
-    /// See [`DriveError`]; the drive is then unchanged.
+    /// If the frequency is out of range ([`DriveError`]); the drive is then unchanged.
     pub fn set_frequency(&mut self, frequency_hz: f64, tick_s: f64) -> Result<(), DriveError> {
         let turns = frequency_hz * tick_s;
         if !(frequency_hz > 0.0 && tick_s > 0.0 && turns.is_finite()) {

@@ -235,7 +235,7 @@ impl RigParams {
     /// Checks every parameter.
     ///
     /// # Errors
-    /// The first parameter that no rig can have.
+    /// If a parameter is out of range: the first such.
     pub fn check(&self) -> Result<(), ParamError> {
         within("mass_kg", self.mass_kg, &MASS_KG)?;
         within("cart_mass_kg", self.cart_mass_kg, &MASS_KG)?;
@@ -317,8 +317,8 @@ fn check_law(law: &Law<f64>) -> Result<(), ParamError> {
     }
 }
 
-/// What a parameter may be: from, to, and how it is told. Far wider than any rig; beyond, arithmetic ends before
-/// physics does.
+/// Range of a parameter: lowest, highest, and the range in words. It is far wider than any rig; beyond it the
+/// arithmetic overflows.
 struct Allowed(f64, f64, &'static str);
 
 const MASS_KG: Allowed = Allowed(1e-6, 1e6, "a positive number from 1e-6 to 1e6");
@@ -404,12 +404,12 @@ mod tests {
                 "amplitude_mm"
             );
         }
-        let told = RigParams {
+        let heavy = RigParams {
             mass_kg: 1e300,
             ..WIRES
         };
         assert_eq!(
-            std::format!("{}", told.check().unwrap_err()),
+            std::format!("{}", heavy.check().unwrap_err()),
             "mass_kg is 1e300, must be a positive number from 1e-6 to 1e6"
         );
         let contact = Law::SpringDashpot {

@@ -1,4 +1,4 @@
-//! Impact regimes z = p/n, told from the Poincaré section at drive phase 0.
+//! Impact regimes z = p/n, detected on the Poincaré section at drive phase 0.
 
 use core::fmt::Write;
 
@@ -84,7 +84,7 @@ impl core::fmt::Display for Regime {
     }
 }
 
-/// Tells the regime from the strobes of a window, in constant space and time per strobe.
+/// Detects the regime from the strobes of a window, in constant space and time per strobe.
 ///
 /// For every n up to [`MAX_PERIODS`] it keeps the largest distance between points n periods apart and
 /// whether the number of contacts per n periods was always the same. n is accepted once at least n pairs

@@ -73,7 +73,7 @@ impl<R: Real> Rig<R> {
     /// Reduces parameters to a rig.
     ///
     /// # Errors
-    /// The first parameter out of range ([`RigParams::check`]).
+    /// If a parameter is out of range: the first such ([`RigParams::check`]).
     pub fn new(params: &RigParams) -> Result<Self, ParamError> {
         params.check()?;
         let r = R::from_f64;

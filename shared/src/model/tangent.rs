@@ -3,7 +3,7 @@
 //!
 //! Branches are taken by the value, and every operation computes the value as `f32` does, bit for bit: a
 //! [`Tangent`] run follows the very trajectory of the plain one. At a switch the field jumps, and the
-//! derivative with it; whoever steps across one adds that jump ([`crate::forecast::variation`]).
+//! derivative with it; a stepper that crosses one adds that jump ([`crate::forecast::variation`]).
 
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};

@@ -18,7 +18,7 @@ pub struct Strobe<R> {
     pub period: Period<R>,
 }
 
-/// What a tick brought.
+/// The events of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick<R> {
     /// Contact force at the end of the tick, N.
@@ -67,7 +67,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
     /// Changes the drive frequency without a jump in phase.
     ///
     /// # Errors
-    /// See [`DriveError`]; nothing has then changed.
+    /// If the frequency is out of range ([`DriveError`]); nothing has then changed.
     pub fn set_frequency(&mut self, frequency_hz: f64, tick_s: f64) -> Result<(), DriveError> {
         self.drive.set_frequency(frequency_hz, tick_s)?;
         self.drive_acceleration = drive_acceleration(&self.rig, &self.drive);
@@ -89,7 +89,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         &self.state
     }
 
-    /// Contacts lost to the book because two ended within one tick ([`Ledger::missed`]).
+    /// Contacts missing in the record because two ended within one tick ([`Ledger::missed`]).
     pub fn missed_contacts(&self) -> u16 {
         self.ledger.missed()
     }

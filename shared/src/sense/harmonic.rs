@@ -1,7 +1,7 @@
 //! The cart's motion at the drive frequency: amplitude and lag, by correlation with the command.
 //!
 //! Over every whole drive period the cart's displacement is multiplied by the sine and cosine of the
-//! commanded phase and summed (synchronous detection). Offset, noise and the harmonics that a blow
+//! commanded phase and summed (synchronous detection). Offset, noise and the harmonics that a contact
 //! leaves in the cart's motion are orthogonal to both and drop out.
 
 use micromath::F32Ext;
@@ -22,8 +22,8 @@ impl Fundamental {
     }
 
     /// Lag behind the command, rad, −π to π. By micromath's arctangent: within 0.005 rad of the exact
-    /// one, which is 0.3 degrees; the observer does not use it but the two parts themselves. 0 of a motion
-    /// so small that its squares are nothing: the arctangent divides by them.
+    /// one, which is 0.3 degrees; the observer does not use it but the two parts themselves. 0 for a motion
+    /// so small that its squares underflow: the arctangent divides by them.
     pub fn lag_rad(&self) -> f32 {
         if self.sine * self.sine + self.cosine * self.cosine == 0.0 {
             return 0.0;
@@ -56,7 +56,7 @@ impl Harmonic {
         self.ticks = self.ticks.saturating_add(1);
     }
 
-    /// A drive period is over: what it measured, unless it was not whole.
+    /// A drive period is over: its fundamental; that of the period before, if it was not whole.
     pub fn strobe(&mut self) -> Fundamental {
         if self.whole && self.ticks > 0 {
             let per_tick = 1.0 / self.ticks as f32;
@@ -71,7 +71,7 @@ impl Harmonic {
         self.last
     }
 
-    /// What the last whole period measured.
+    /// The fundamental of the last whole period.
     #[inline]
     pub fn last(&self) -> Fundamental {
         self.last
@@ -82,7 +82,7 @@ impl Harmonic {
         self.offset_m
     }
 
-    /// The period under way does not count.
+    /// Discards the period under way.
     pub fn restart(&mut self) {
         self.begin(false);
     }
@@ -106,8 +106,8 @@ mod tests {
     use super::*;
     use crate::model::drive::Drive;
 
-    /// The cart over 5 periods at 2.73 Hz with an offset, and a ramp of speed after a blow once per period.
-    fn measure(amplitude: f64, lag: f64, blow: f64) -> Fundamental {
+    /// The cart over 5 periods at 2.73 Hz with an offset, and a ramp of speed after a contact once per period.
+    fn measure(amplitude: f64, lag: f64, kick_m: f64) -> Fundamental {
         let mut drive = Drive::<f32>::new(2.73, 50e-6).unwrap();
         let mut harmonic = Harmonic::default();
         let mut last = Fundamental::default();
@@ -120,10 +120,10 @@ mod tests {
             }
             let phase = f64::from(now.phase) / crate::model::drive::TURN;
             let angle = core::f64::consts::TAU * phase - lag;
-            // What a position loop leaves of a blow at phase 0.3: gone after a tenth of a period.
+            // A position loop has corrected the kick of a contact at phase 0.3 after a tenth of a period.
             let since = phase - 0.3;
             let kick = if (0.0..0.1).contains(&since) {
-                blow * (since * 10.0) * (1.0 - since * 10.0)
+                kick_m * (since * 10.0) * (1.0 - since * 10.0)
             } else {
                 0.0
             };
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_blow_leaves_hardly_shows() {
+    fn the_kick_of_a_contact_hardly_shows() {
         // A transient of 5 % of A0, a tenth of a period long.
         let found = measure(0.89e-3, 0.4, 45e-6);
         assert!(

@@ -1,8 +1,8 @@
-//! What the sensors tell: contacts, the hammer between them, the section, the regime, the cart.
+//! Sensing: contacts, the hammer between them, the section, the regime and the cart, from samples.
 //!
 //! [`Sense::tick`] takes one instant's samples and the commanded drive and passes them on:
 //!
-//! | module | tells |
+//! | module | finds |
 //! |---|---|
 //! | [`pulse`] | contacts: onset, peak, impulse, duration; what merges |
 //! | [`observer`] | displacement and rate relative to the cart; approach and rebound speeds |
@@ -84,7 +84,7 @@ pub struct Strobe {
     pub lag_rad: f32,
 }
 
-/// What a tick brought.
+/// The events of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
     /// A contact that ended.
@@ -93,7 +93,7 @@ pub struct Seen {
     pub strobe: Option<Strobe>,
 }
 
-/// The measured regime and how sure it is.
+/// The measured regime and the number of periods it rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// z = p/n.
@@ -107,7 +107,7 @@ const TICK: f32 = TICK_S as f32;
 /// Share of 1/ω after a release at which the rebound speed is taken.
 const REBOUND_AFTER: f32 = 0.25;
 
-/// What the controller knows of its rig, from samples.
+/// All sensing of the controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sense {
     pulses: PulseDetector,
@@ -155,7 +155,7 @@ impl Sense {
         }
     }
 
-    /// Forgets what was sensed; the offsets stay.
+    /// Starts anew; the offsets stay.
     pub fn reset(&mut self) {
         self.pulses.reset();
         self.observer.reset();
@@ -166,12 +166,12 @@ impl Sense {
         self.period = Strobe::default();
     }
 
-    /// The frequency has changed: the regime is told afresh, from whole periods at the new one.
+    /// The frequency has changed: the regime is measured anew, from whole periods at the new frequency.
     pub fn frequency_changed(&mut self) {
         self.section.restart();
     }
 
-    /// What the self test found at rest: the force reading, N, and x − y, m. Both are subtracted.
+    /// Sets the readings at rest: force, N, and x − y, m. Both are subtracted from now on.
     pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32) {
         self.force_offset_n = force_offset_n;
         self.rest_relative_m = rest_relative_m;
@@ -189,7 +189,7 @@ impl Sense {
         let (sin, cos) = (drive.sin(), drive.cos());
         self.harmonic.tick(sample.cart_m, sin, cos);
         let cart = self.harmonic.last();
-        // A restart of the drive's phase is no frequency.
+        // A jump of the phase is a restart of the drive, not a frequency.
         let angle = if increment <= crate::model::drive::MAX_INCREMENT {
             increment as f32 * ANGLE_PER_PHASE
         } else {
@@ -302,12 +302,12 @@ impl Sense {
         Some(pulse)
     }
 
-    /// The regime, and how many drive periods it rests on; 0 periods: not told yet.
+    /// The regime, and how many drive periods it rests on; 0 periods: not known yet.
     pub fn measured(&self) -> Measured {
         self.section.measured()
     }
 
-    /// Displacement of the hammer relative to the cart, m (from rest, if [`Self::set_zero`] was told it),
+    /// Displacement of the hammer relative to the cart, m (from the rest position given to [`Self::set_zero`], if any),
     /// and its rate, m/s.
     pub fn relative(&self) -> (f32, f32) {
         self.observer.relative()

@@ -7,15 +7,15 @@
 //! ```
 //!
 //! a and b are the measured parts of the cart's motion ([`super::harmonic`]), φ the commanded phase. The
-//! third state d, a disturbance acceleration that wanders slowly, takes up what the model has wrong: a
-//! natural frequency 10 % off, offsets, a cart whose speed a blow has changed.
+//! third state d, a disturbance acceleration that wanders slowly, absorbs the errors of the model: a
+//! natural frequency 10 % off, offsets, a cart whose speed a contact has changed.
 //!
 //! Prediction runs every tick. The difference between measured and predicted displacement is averaged
 //! over [`DECIMATION`] ticks, and then corrects; the covariance runs at that lower rate.
 //!
 //! A contact turns the rate round within half a millisecond. At its onset the observer notes the rate (the
 //! approach speed), sets a guess of the rebound, opens the rate's covariance by as much as the jump, and
-//! looks away until the contact is over. Innovations beyond five standard deviations are clipped; if
+//! ignores the samples until the contact is over. Innovations beyond five standard deviations are clipped; if
 //! that happens four times in a row, the observer is wrong and not the sensor (a contact too weak
 //! to be detected), and the covariance is opened.
 

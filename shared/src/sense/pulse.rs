@@ -7,12 +7,12 @@
 //!
 //! **What merges.** Two contacts are counted as one if the force between them does not stay below `off_n`
 //! for the whole refractory time: with a ringing of half the peak that has decayed within 2 ms, contacts
-//! whose onsets lie further apart than about 2 ms plus the refractory time are told apart, nearer ones are
-//! not. A contact whose force never reaches `on_n` is not seen at all. So chatter is counted down to hops of
-//! that length, and its end (sticking, at a force of tenths of a newton) is not seen.
+//! whose onsets lie further apart than about 2 ms plus the refractory time are counted separately, nearer ones
+//! are not. A contact whose force never reaches `on_n` is not detected. So chatter is counted down to hops of
+//! that length, and its end (sticking, at a force of tenths of a newton) is not detected.
 //!
-//! A single sample above the threshold whose successor is below `off_n` is a disturbance of the wire, not a
-//! contact: the anti-alias filter lets no contact be that short. Such samples are counted.
+//! A single sample above the threshold whose successor is below `off_n` is electrical interference: behind the
+//! anti-alias filter no contact is that short. Such samples are counted ([`PulseDetector::glitches`]).
 
 use crate::settings::Detection;
 
@@ -25,7 +25,7 @@ const TAIL: u32 = 2;
 /// Ticks after which filter and notch have left the onset behind.
 const SETTLED: u32 = 4;
 
-/// Longest stay counted, ticks (0.2 s): one that lasts longer is reported then, as it is.
+/// Longest contact, ticks (0.2 s): one that lasts longer is reported then, as if it had ended.
 const LONGEST: u32 = 4_000;
 
 /// A contact on the force signal, times in ticks relative to the sample that crossed the threshold.
@@ -73,7 +73,7 @@ impl Notch {
     }
 }
 
-/// What a sample did.
+/// The effect of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PulseEdge {
     /// Nothing.

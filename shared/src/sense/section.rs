@@ -8,19 +8,19 @@
 //!
 //! - with a bound: above it the section does not repeat with n;
 //! - with the scatter left by multiples of n: if one of them explains much more (a ratio of variances that
-//!   noise reaches practically never, and classes further apart than a floor), n is not enough. So a 2/2 is told
+//!   noise reaches practically never, and classes further apart than a floor), n is not enough. So a 2/2 differs
 //!   from a noisy 1/1 by its alternation, not by its scatter.
 //!
 //! The smallest n that passes both is the answer. For n up to 5 one period in the window may have the
 //! wrong number of contacts (one missed, or one too many); it and its successor are then left out.
 //!
-//! **Where a period is cut** matters: an onset that falls on the cut jitters to either side. Two books
-//! are kept, cut at drive phase 0 and at ½, and the one with fewer onsets near its cut answers.
+//! **Where a period is cut** matters: an onset that falls on the cut jitters to either side. Periods
+//! are recorded twice, cut at drive phase 0 and at ½, and the record with fewer onsets near its cut decides.
 //!
-//! **Delay.** A period is booked a quarter turn after its cut. After a change of frequency the first answer
+//! **Delay.** A period is entered a quarter turn after its cut. After a change of frequency the first answer
 //! needs 4 periods; n needs min(3n, 16). When the regime changes by itself, the last [`RECENT`]
-//! periods decide as soon as the whole window is consistent with nothing: 7 or 8 periods. No contact at all is
-//! told after 4 periods of silence.
+//! periods decide as soon as no n fits the whole window: 7 or 8 periods. No contact at all is
+//! reported after 4 periods without contact.
 //!
 //! **Limits.** A doubling whose impulses alternate by less than 2.5 % either side of the mean, and whose onsets by
 //! less than 0.002 turns, is called 1/n. Chatter is reported as the p/n that was counted: sticking is
@@ -42,7 +42,7 @@ pub const LONGEST: usize = 8;
 pub const RECENT: usize = 8;
 
 /// Ticks between two parts of the work: one part is up to 11,000 instructions (counted in QEMU), an answer takes 17, and
-/// books close half a period apart (385 ticks at 26 Hz).
+/// the two windows close a period half a drive period apart (385 ticks at 26 Hz).
 const PAUSE: u8 = 19;
 
 /// Fewest periods an answer rests on.
@@ -52,7 +52,7 @@ const FEWEST: usize = 4;
 /// (turns), displacement (of A0), rate (of A0 Ω).
 const REPEATS: [f32; FEATURES] = [0.08, 0.012, 0.15, 0.15];
 
-/// Distance between classes below which they are not told apart, same units.
+/// Distance between classes below which they count as one, same units.
 const FLOOR: [f32; FEATURES] = [0.025, 0.002, 0.03, 0.04];
 
 /// Onsets this near to the cut count against it, turns.
@@ -117,7 +117,7 @@ impl PeriodWindow {
 
     fn impulse(&mut self, cycle: u32, impulse_n_s: f32) {
         let entry = self.slot(cycle);
-        // None booked: the contact outlasted its period's closing.
+        // No onset entered: the contact outlasted its period's closing.
         if entry.contacts > 0 {
             entry.features[0] += impulse_n_s;
         }
@@ -185,7 +185,7 @@ impl PeriodWindow {
         }
     }
 
-    /// Nothing felt for longer than the rarest regular contact seen in the window would allow.
+    /// Whether there was no contact for longer than between any two contacts in the window.
     fn is_silent(&self) -> bool {
         let entries = self.entries.get(..self.count).unwrap_or(&[]);
         let silence = entries.iter().take_while(|e| e.contacts == 0).count();
@@ -320,8 +320,8 @@ impl Section {
 
     fn turn(&mut self, (cycle, quarter): (u32, u32)) {
         let [zero, half] = &mut self.skip;
-        // Cut at 0: period `cycle − 1` is booked a quarter turn into `cycle`. Cut at ½: period `cycle`, from ½ of
-        // `cycle − 1` to ½ of `cycle`, is booked at ¾.
+        // Cut at 0: period `cycle − 1` is entered a quarter turn into `cycle`. Cut at ½: period `cycle`, from ½ of
+        // `cycle − 1` to ½ of `cycle`, is entered at ¾.
         match quarter {
             1 if *zero > 0 => {
                 *zero -= 1;

@@ -1,5 +1,5 @@
-//! Watches, once per millisecond and above every other task, that blocks go on being served: what hangs or
-//! starves the control task, or stops the samples, takes the drive's enable away within 2 ms.
+//! Checks once per millisecond, above every other task, that blocks are being served. If the control task hangs
+//! or is starved, or the samples stop, the drive's enable is taken away within 2 ms.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -16,7 +16,7 @@ use super::drive;
 static SERVED: AtomicU32 = AtomicU32::new(0);
 /// Set while the flash is erased or written: no block can be served then, and the drive is off.
 static PAUSED: AtomicBool = AtomicBool::new(false);
-/// Set when the guard had to act; the control task takes it and reports stale samples.
+/// Set when the enable was taken away; the control task takes it and reports stale samples.
 static ACTED: AtomicBool = AtomicBool::new(false);
 
 /// Counts a block as served; to be called at the end of the control task.
@@ -31,7 +31,7 @@ pub fn blocks_served() -> u32 {
     SERVED.load(Ordering::Relaxed)
 }
 
-/// Whether blocks failed to come since the last call.
+/// Whether blocks were missing since the last call.
 #[inline]
 pub fn take_stale() -> bool {
     ACTED.swap(false, Ordering::Relaxed)
@@ -71,7 +71,7 @@ impl BlockMonitor {
         })
     }
 
-    /// Serves the interrupt. Two blocks are due between two of them; none twice in a row is a stall.
+    /// Serves the interrupt. Two blocks are due between two interrupts; none, twice in a row, is a stall.
     #[inline]
     pub fn check(&mut self) {
         self.timer.clear_flags(Flag::Update);

@@ -1,8 +1,8 @@
 //! The drive's enable line, and the emergency stop that takes it away.
 //!
-//! The chain itself switches the drive off in hardware (docs/wiring.md); what is done here comes on top: the
-//! chain's opening interrupts everything and pulls the enable low at once, and the line stays low until the
-//! controller has seen it in its samples and has itself switched the drive off.
+//! The chain itself switches the drive off in hardware (docs/wiring.md). In addition, its opening interrupts every
+//! task and pulls the enable low at once. The line stays low until the controller has seen the open chain in its
+//! samples and has itself switched the drive off.
 #![allow(unsafe_code)]
 
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use stm32f4xx_hal::{
 
 use super::retained;
 
-/// Set where the enable was taken away without the controller: it must learn of it first.
+/// Set where the enable was taken away without the controller, until the controller has switched off, too.
 static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
 
 /// Pulls the enable low, from anywhere, whatever state the program is in.
@@ -35,11 +35,11 @@ pub fn disable() {
 pub fn take_away() {
     disable();
     TAKEN_AWAY.store(true, Ordering::Release);
-    // In case the control task was just between its look at the flag and its store.
+    // In case the control task was just between reading the flag and raising the line.
     disable();
 }
 
-/// The enable line. Whoever does not hold it cannot raise it: bench mode never gets it.
+/// The enable line. Only its owner can raise it: bench mode never gets it.
 pub struct Enable {
     pin: PA8<Output>,
     on: bool,
@@ -53,11 +53,11 @@ impl Enable {
         Self { pin, on: false }
     }
 
-    /// What the controller wants. `reported` is what it was told of the line having been taken away.
+    /// Applies the controller's output. `reported`: whether the controller has been given the open chain.
     #[inline]
     pub fn apply(&mut self, on: bool, reported: bool) {
         if on {
-            // Nothing may come between the look and the store.
+            // No interrupt may come between reading the flag and raising the line.
             cortex_m::interrupt::free(|_| {
                 if !TAKEN_AWAY.load(Ordering::Acquire) {
                     self.pin.set_high();

@@ -36,7 +36,7 @@ const FIRST_SECTOR: u8 = 1;
 const SECTOR: u32 = 0x4000;
 
 unsafe extern "C" {
-    /// Where the linker was told to leave room; [`OFFSET`] must agree with it.
+    /// Where the linker leaves room; [`OFFSET`] must agree with it.
     static __settings_start: u8;
     static __settings_end: u8;
 }
@@ -49,7 +49,7 @@ impl SettingsFlash {
         Self(LockedFlash::new(flash))
     }
 
-    /// Whether the linker left out what is written here.
+    /// Whether the linker leaves these sectors free.
     fn agrees_with_linker(&self) -> bool {
         let base = self.0.address() + OFFSET as usize;
         (&raw const __settings_start) as usize == base

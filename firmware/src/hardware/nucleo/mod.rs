@@ -15,13 +15,13 @@
 //! | PA2, PA3 | – | link: USART2 through the debugger's serial port | – |
 //!
 //! Between reset and [`Board::new`] all pins float: the drive stage needs a pull-down of its own on its enable
-//! input. How all this is wired stands in docs/wiring.md. It has been built and linked, and never run: no such
-//! board is attached to the machines that build this project.
+//! input. The wiring is described in docs/wiring.md. This module has been built and linked, but never run: no
+//! such board is attached to the machines that build this project.
 //!
 //! | priority | interrupt | what |
 //! |---|---|---|
 //! | highest | EXTI9_5 | emergency stop: enable low, a few stores |
-//! | highest | TIM7, 1 kHz | [`block_monitor`]: enable low if blocks fail to come |
+//! | highest | TIM7, 1 kHz | [`block_monitor`]: enable low if blocks are missing |
 //! | next | DMA2_STREAM0, 2 kHz | the control task |
 //! | below | TIM6_DAC, 1 kHz | the link |
 
@@ -59,7 +59,7 @@ pub use watchdog::Watchdog;
 pub const SYSCLK_MHZ: u32 = 180;
 /// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
 const HSE_MHZ: u32 = 8;
-/// How often the link is looked at, Hz.
+/// Rate of the link task, Hz.
 const LINK_RATE_HZ: u32 = 1_000;
 
 defmt::timestamp!("{=u32:ms}", block_monitor::blocks_served() / 2);
@@ -74,13 +74,13 @@ pub struct Board {
     pub enable: drive::Enable,
     /// The emergency-stop chain.
     pub chain: drive::Chain,
-    /// Watches that the control task goes on.
+    /// Checks that blocks are being served.
     pub block_monitor: block_monitor::BlockMonitor,
     /// The link's wire.
     pub serial: Serial,
     /// Ticks the link task.
     pub link_timer: LinkTimer,
-    /// Where the settings are kept.
+    /// The storage of the settings.
     pub store: Store,
     /// Shows the state.
     pub led: LedPin,
@@ -88,9 +88,9 @@ pub struct Board {
     pub button: ButtonPin,
     /// Bench mode is asked for: strap to ground, or button held at reset.
     pub bench_asked: bool,
-    /// Something is wired to the sensors or the emergency-stop chain.
+    /// Sensors or the emergency-stop chain are wired.
     pub wired: bool,
-    /// What starts the watchdog.
+    /// The watchdog, not started yet.
     pub watchdog: WatchdogParts,
 }
 
@@ -157,7 +157,7 @@ impl Board {
     }
 }
 
-/// What the watchdog is made of, not started yet.
+/// The watchdog, not started yet.
 pub struct WatchdogParts {
     iwdg: pac::IWDG,
     debug: pac::DBGMCU,

@@ -1,4 +1,4 @@
-//! The end of the program: what is done after a panic or a fault, once the outputs are safe.
+//! The end of the program after a panic or a fault, once the outputs are safe.
 
 use core::{
     panic::PanicInfo,
@@ -11,7 +11,7 @@ use crate::hardware::fault::ProcessorFault;
 /// Whether a panic or fault is being reported.
 static REPORTING: AtomicBool = AtomicBool::new(false);
 
-/// Keeps a panic for the next run, logs it and ends this one.
+/// Retains a panic for the next run, logs it and ends this one.
 pub fn report_panic(info: &PanicInfo) -> ! {
     // A panic within a log call would find the logger taken, and panic again.
     if !REPORTING.swap(true, Ordering::Relaxed) {
@@ -21,7 +21,7 @@ pub fn report_panic(info: &PanicInfo) -> ! {
     end()
 }
 
-/// Keeps a fault for the next run, logs it and ends this one.
+/// Retains a fault for the next run, logs it and ends this one.
 pub fn report_fault(fault: &ProcessorFault) -> ! {
     if !REPORTING.swap(true, Ordering::Relaxed) {
         retained::note_crash(fault.address, fault.status);
@@ -37,7 +37,7 @@ pub fn report_fault(fault: &ProcessorFault) -> ! {
 }
 
 /// A breakpoint for the debugger, if one is attached, and then standstill; else a reset, after which the
-/// controller starts in Fault with the record that was kept.
+/// controller starts in Fault with the retained record.
 fn end() -> ! {
     cortex_m::interrupt::disable();
     if cortex_m::peripheral::DCB::is_debugger_attached() {

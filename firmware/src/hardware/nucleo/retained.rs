@@ -1,12 +1,12 @@
-//! What outlives a reset: a few words of RAM that the start-up code leaves alone.
+//! Memory that outlives a reset: a few words of RAM that the start-up code does not initialise.
 //!
-//! | kept | for |
+//! | retained | for |
 //! |---|---|
 //! | the last fault's record | the report after the reset |
 //! | where the program crashed | the log after the reset |
-//! | whether the drive was enabled | telling a drop of the supply from switching on |
+//! | whether the drive was enabled | a drop of the supply, as against switching on |
 //!
-//! After power-up the words hold anything; each entry carries a check that rubbish does not pass.
+//! After power-up the words are random; each entry is validated when it is read.
 #![allow(unsafe_code)]
 
 use core::{cell::UnsafeCell, mem::MaybeUninit};
@@ -48,7 +48,7 @@ fn words() -> *mut Words {
     RETAINED.0.get().cast()
 }
 
-/// What the last run left; to be read once, before anything is noted anew.
+/// What the last run left. To be read once, before anything new is written.
 pub struct Left {
     /// Its last fault.
     pub record: Option<Record>,
@@ -78,21 +78,21 @@ pub fn take() -> Left {
     }
 }
 
-/// Keeps a record, or that there is none.
+/// Retains a record, or that there is none.
 pub fn keep(record: Option<&Record>) {
     let record = record.map_or(Persisted::EMPTY, Persisted::new);
     // SAFETY: the place is valid for writes.
     unsafe { (&raw mut (*words()).record).write_volatile(record) };
 }
 
-/// Keeps whether the drive is enabled.
+/// Retains whether the drive is enabled.
 #[inline]
 pub fn note_drive(on: bool) {
     // SAFETY: the place is valid for writes.
     unsafe { (&raw mut (*words()).drive).write_volatile(if on { DRIVING } else { 0 }) };
 }
 
-/// Keeps that and where the program crashed.
+/// Retains where the program crashed.
 pub fn note_crash(address: Option<u32>, status: u32) {
     keep(Some(&Record {
         fault: Fault::Crash,

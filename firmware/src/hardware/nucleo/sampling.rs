@@ -2,7 +2,7 @@
 //!
 //! TIM2 updates at 20 kHz; each update triggers a scan of three channels (force, hammer, cart), which the
 //! DMA writes into a ring of two halves of [`BLOCK_TICKS`] frames. An interrupt comes at the end of each
-//! half, once in 500 µs; the half then stays as it is until the next interrupt.
+//! half, once in 500 µs; the half is not written again until the next interrupt.
 //!
 //! | quantity | value | from |
 //! |---|---|---|
@@ -62,7 +62,7 @@ impl Half {
     }
 }
 
-/// What an interrupt brought.
+/// The block of an interrupt.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrived {
     /// The half that is complete.
@@ -144,7 +144,7 @@ impl Sampler {
         self.timer.cr1().modify(|_, w| w.cen().set_bit());
     }
 
-    /// Takes note of an interrupt; to be called first in it.
+    /// Acknowledges an interrupt; to be called first in it.
     #[inline]
     pub fn arrived(&mut self) -> Arrived {
         let flags = self.dma.lisr().read();
@@ -154,7 +154,7 @@ impl Sampler {
             w.chtif0().clear().ctcif0().clear();
             w.cteif0().clear().cdmeif0().clear()
         });
-        // What is left to be transferred tells which half is being written now; the other is complete.
+        // The count of remaining transfers shows which half is being written now; the other is complete.
         let left = self.dma.st(0).ndtr().read().bits() as u16;
         Arrived {
             half: Half(usize::from(left > SAMPLES / 2)),

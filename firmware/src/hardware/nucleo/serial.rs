@@ -7,7 +7,7 @@
 //! | receive ring | 1024 bytes | 4.5 ms of the wire; the link task looks every millisecond |
 //!
 //! What arrives while the ring is full overwrites what was not read; the frame's check then fails and the loss is
-//! counted. What is sent while the wire is busy is refused to the caller: nothing ever waits here.
+//! counted. A send while the wire is busy is refused: nothing waits here.
 //!
 //! Sources: RM0390, "DMA request mapping" (DMA1 channel 4: stream 5 USART2_RX, stream 6 USART2_TX).
 #![allow(unsafe_code)]

@@ -1,11 +1,11 @@
 //! The independent watchdog: a clock of its own resets the board when it is not fed.
 //!
 //! Its clock is the 32 kHz LSI, which the data sheet gives as 17 to 47 kHz (DS10693, "Low-speed internal
-//! RC oscillator"): a nominal [`PERIOD_MS`] is 1.36 to 3.76 s. The shortest must outlast what the processor
-//! may rightly be held up by: one sector of settings being erased, 0.8 s at most (DS10693, "Flash memory
+//! RC oscillator"): a nominal [`PERIOD_MS`] is 1.36 to 3.76 s. The shortest must be longer than the longest permitted
+//! stall of the processor: one sector of settings being erased, 0.8 s at most (DS10693, "Flash memory
 //! programming"), and half a kilobyte being written after it, 0.05 s at most.
 //!
-//! A hung program leaves the drive on for no such time: [`super::block_monitor`] takes the enable away within 2 ms.
+//! A hung program does not leave the drive on for that long: [`super::block_monitor`] takes the enable away within 2 ms.
 
 use stm32f4xx_hal::{pac, prelude::*, watchdog::IndependentWatchdog};
 

@@ -1,4 +1,4 @@
-//! Whether anything is wired to the sensor pins, told before they become analogue.
+//! Whether anything is wired to the sensor pins, probed before they become analogue.
 //!
 //! A pin with nothing on it follows the part's own pull resistors (some 40 kΩ); so does one with only the 100 kΩ
 //! pull-down of an open sensor wire. A conditioner's output does not: it holds its voltage, and the pin reads
@@ -12,7 +12,7 @@ use super::sampling::SensorPins;
 /// times 40 kΩ · 1 nF.
 const SETTLING_CYCLES: u32 = 16_000;
 
-/// Looks at the three pins, then makes them analogue. True if any of them is held by something.
+/// Probes the three pins, then makes them analogue. True if a voltage holds any of them.
 pub fn probe(pins: (PA0<Input>, PA1<Input>, PB0<Input>)) -> (SensorPins, bool) {
     let (mut force, mut hammer, mut cart) = pins;
     let held = [held(&mut force), held(&mut hammer), held(&mut cart)];

@@ -41,7 +41,7 @@ impl Pipes {
         })
     }
 
-    /// The next message; `None` at the end or if it is none.
+    /// The next message; `None` at the end or if malformed.
     pub fn receive<M: DeserializeOwned>(&mut self) -> Option<M> {
         loop {
             if let [low, high, rest @ ..] = self.waiting.as_slice() {

@@ -228,7 +228,7 @@ fn damage_falls_back_and_says_so_or_is_corrupt() {
             once.flash.bytes[byte] ^= flip;
             assert_eq!(load(&mut once), Loaded::Corrupt, "byte {byte}");
             once.flash.bytes[byte] ^= flip;
-            // The newer of two: the older one, and it is told. Both: corrupt.
+            // The newer of two damaged: the older one is loaded, and the damage reported. Both: corrupt.
             twice.flash.bytes[SLOT + byte] ^= flip;
             let older = Loaded::Settings {
                 settings: settings(1),

@@ -183,8 +183,8 @@ pub(crate) fn piece<R: Real>(
     }
 }
 
-/// Bookkeeping for steppers that do not locate the switch: a contact is seen to begin or end only at
-/// the end of a step.
+/// The contact record for steppers that do not locate the switch: a contact begins and ends only at the end
+/// of a step.
 #[inline]
 fn record_at_end<R: Real>(
     rig: &Rig<R>,

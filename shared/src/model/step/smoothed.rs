@@ -13,7 +13,7 @@ use crate::model::scalar::Real;
 /// the further from the switch it stands for. In chaos its section differs from the switch's however
 /// small ε is chosen (the chapter's figure 3.4, after Wiercigroch).
 ///
-/// The book of contacts keeps the law's F as the peak force; what acts is that times the two factors.
+/// The contact record keeps the law's F as the peak force; the force that acts is F times the two factors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed<R> {
     /// ε_α, m: penetration over which contact fades in.

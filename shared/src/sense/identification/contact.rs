@@ -18,7 +18,7 @@ pub struct Above {
     pub duration_s: f32,
     /// The threshold over m v, v the approach speed, 1/s.
     pub threshold: f32,
-    /// What the time is too long by, s: the first less the second times threshold over initial force.
+    /// Excess of that time, s: the first less the second times threshold over initial force.
     pub late_s: (f32, f32),
 }
 

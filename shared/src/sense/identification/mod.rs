@@ -1,4 +1,4 @@
-//! What the rig tells of itself while it runs: contact stiffness and damping, natural frequency, gap.
+//! Online identification: contact stiffness and damping, natural frequency and gap of the running rig.
 //!
 //! # Natural frequency
 //! In flight the hammer's absolute acceleration is −ω² (Δ − Δ₀) − c Δ̇ with Δ = x − y, whatever the cart does.
@@ -13,8 +13,9 @@
 //! Each window without a contact gives a point (X, Y); the slope of the line through them is ω². Old points
 //! fade ([`MEMORY`] windows). Measured with 2 % noise over 100 drive periods: within 1 % near 1.5 times the
 //! natural frequency, within 2 % at 2.4, where a flight holds two windows only, and at 3.8, where a pendulum's large
-//! strokes lower its frequency. If contacts too weak to be detected hide in the flights, nothing is told. Offsets of the sensors end in Δ₀; a cart that a blow has shaken does no harm, since
-//! its measured motion is what enters.
+//! strokes lower its frequency. If contacts too weak to be detected hide in the flights, no natural frequency is given.
+//! Offsets of the sensors enter Δ₀ alone. A cart shaken by a contact does no harm, since its measured motion
+//! enters.
 //!
 //! # Contact
 //! For the spring-dashpot (3-3) with ω₀ = √(k/m) and ζ = cos ψ the contact lasts 2ψ/(ω₀ sin ψ) and rebounds at
@@ -29,7 +30,7 @@
 //! is corrected as measured against the reference (`LATE_S`). What is left depends on how the surface rings: with 2 % noise,
 //! `tests/tests/sense` finds stiffness within 15 % and damping within 8 % if it does not ring or rings from the force's peak
 //! on, within 40 % and 20 % if the ringing is a mode that the force itself excites. So a spread below
-//! [`SYSTEMATIC`] is never given. Told for the spring-dashpot alone.
+//! [`SYSTEMATIC`] is never given. Only the spring-dashpot is identified.
 //!
 //! # Gap
 //! The observer's displacement at the onset, averaged. It is relative to the rest position found in the self
@@ -45,13 +46,13 @@ use crate::settings::{Settings, TICK_S};
 use contact::{Above, spring_dashpot};
 use statistics::{Average, Line};
 
-/// Windows or contacts that an estimate rests on at most: older ones fade.
+/// Largest number of windows or contacts in an estimate: older ones fade.
 pub const MEMORY: u32 = 200;
 
 /// Least relative spread given for stiffness; half of it for damping.
 pub const SYSTEMATIC: f32 = 0.2;
 
-/// Largest deviation from what is believed that is taken for true: a factor for stiffness and damping.
+/// Largest deviation from the believed value that is accepted: a factor for stiffness and damping.
 pub const CONTACT_RANGE: f32 = 3.0;
 
 /// The same for the natural frequency, a share.
@@ -60,7 +61,7 @@ pub const NATURAL_RANGE: f32 = 0.3;
 /// The same for the gap, in units of A0.
 pub const GAP_RANGE: f32 = 2.0;
 
-/// What the time above the threshold is too long by, s: the first less the second times threshold over initial force.
+/// Excess of the measured time above the threshold, s: the first less the second times threshold over initial force.
 /// Measured against the reference through a second-order filter of 5 kHz at initial forces of 38 to
 /// 128 N and a threshold of 14 N, contacts of 0.49 to 0.71 ms; within 6 µs.
 const LATE_S: (f32, f32) = (85e-6, 235e-6);
@@ -68,13 +69,13 @@ const LATE_S: (f32, f32) = (85e-6, 235e-6);
 /// Ticks after a contact before a window may open (2 ms).
 const SETTLE: u32 = 40;
 
-/// Points needed before a natural frequency is told.
+/// Points needed for a natural frequency.
 const FEWEST_WINDOWS: u32 = 24;
 
 /// Share of the variance of Y that the line may leave unexplained.
 const SCATTER: f32 = 0.08;
 
-/// Contacts needed before anything about the contact is told.
+/// Contacts needed for stiffness and damping.
 const FEWEST_CONTACTS: u32 = 8;
 
 /// An estimate.
@@ -88,7 +89,7 @@ pub struct Estimate {
     pub samples: u32,
 }
 
-/// What has been identified; none: too little seen, or the result is not plausible.
+/// The estimates; `None` if there are too few samples or the result is not plausible.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimates {
     /// Contact stiffness ki of the spring-dashpot, N/m.
@@ -113,7 +114,7 @@ struct Window {
     level: f32,
 }
 
-/// Identifies the rig from its own contacts and flights.
+/// Identifies the rig from its contacts and flights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Identification {
     mass_kg: f32,
@@ -148,7 +149,7 @@ struct Believed {
 }
 
 impl Identification {
-    /// Around the rig that the settings believe in.
+    /// Starts from the rig of the settings.
     pub fn new(settings: &Settings) -> Self {
         let rig = &settings.rig;
         let natural_hz = rig.natural_frequency_hz() as f32;
@@ -237,7 +238,7 @@ impl Identification {
         if let Some((slope, square)) = self.line.fit() {
             let off = y - self.line.y - slope * (x - self.line.x);
             let limit = 25.0 * (square + self.grain);
-            // Written so that what is not a number is an outlier, too.
+            // Written so that NaN is an outlier, too.
             let fits = off * off <= limit;
             if !fits {
                 self.refused = self.refused.saturating_add(1);

@@ -37,7 +37,7 @@ fn natural_frequency_ten_percent_off_is_found_whatever_the_cart_does() {
 }
 
 #[test]
-fn a_rig_that_changes_is_followed_and_an_implausible_one_is_not_told() {
+fn a_rig_that_changes_is_followed_and_an_implausible_one_is_not_reported() {
     let settings = Settings::for_rig(&WIRES);
     let mut identification = Identification::new(&settings);
     swing(&mut identification, 1.82, 10.0);

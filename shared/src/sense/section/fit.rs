@@ -2,10 +2,10 @@
 
 use super::{FEWEST, LONGEST};
 
-/// What a period is described by.
+/// Features that describe a period.
 pub const FEATURES: usize = 4;
 
-/// One drive period in the book.
+/// One drive period of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Entry {
     pub contacts: u8,
@@ -14,7 +14,7 @@ pub struct Entry {
     pub features: [f32; FEATURES],
 }
 
-/// What one n leaves unexplained.
+/// The scatter that one n leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fit {
     /// Contact counts agree, with at most the allowed exception.

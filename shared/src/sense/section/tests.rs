@@ -74,7 +74,7 @@ fn settled(pattern: &[&[(f32, f32)]]) -> Regime {
 }
 
 #[test]
-fn regimes_are_told() {
+fn regimes_are_found() {
     assert!(settled(&[&[(0.3, 1.0)]]).is(1, 1));
     assert!(settled(&[&[(0.3, 1.0), (0.5, 0.2)]]).is(2, 1));
     assert!(settled(&[&[(0.3, 1.1)], &[(0.3, 0.9)]]).is(2, 2));
@@ -119,7 +119,7 @@ fn one_missed_contact_changes_nothing_and_two_do() {
 }
 
 #[test]
-fn a_change_is_told_within_nine_periods_and_silence_within_five() {
+fn a_change_is_reported_within_nine_periods_and_silence_within_five() {
     let mut section = Section::default();
     let mut dice = Dice(3);
     run(&mut section, 0, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
@@ -128,15 +128,15 @@ fn a_change_is_told_within_nine_periods_and_silence_within_five() {
         30,
         noisy(&[&[(0.3, 1.2)], &[(0.3, 0.8)]], 30, &mut dice),
     );
-    let told = answers.iter().position(|a| a.regime.is(2, 2)).unwrap();
-    assert!(told <= 9, "{told}");
-    assert!(answers[told..].iter().all(|a| a.regime.is(2, 2)));
+    let first = answers.iter().position(|a| a.regime.is(2, 2)).unwrap();
+    assert!(first <= 9, "{first}");
+    assert!(answers[first..].iter().all(|a| a.regime.is(2, 2)));
     let answers = run(&mut section, 60, noisy(&[&[]], 30, &mut dice));
-    let told = answers
+    let first = answers
         .iter()
         .position(|a| a.regime == Regime::None)
         .unwrap();
-    assert!(told <= 5, "{told}");
+    assert!(first <= 5, "{first}");
 }
 
 #[test]
@@ -146,6 +146,6 @@ fn the_first_answer_after_a_change_of_frequency_needs_five_or_six_periods() {
     run(&mut section, 0, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
     section.restart();
     let answers = run(&mut section, 30, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
-    let told = answers.iter().position(|a| a.regime.is(1, 1)).unwrap();
-    assert!(told <= 5, "{told}");
+    let first = answers.iter().position(|a| a.regime.is(1, 1)).unwrap();
+    assert!(first <= 5, "{first}");
 }
