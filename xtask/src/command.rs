@@ -171,6 +171,29 @@ fn wait(
     }
 }
 
+/// A program's standard output; on failure the last line it wrote, an error of apt's rather than a warning.
+pub fn output(command: &mut Command) -> Outcome<String> {
+    let program = program(command);
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|e| format!("cannot start {program}: {e}"))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
+    let reason = lines()
+        .find(|line| line.starts_with("E:"))
+        .or_else(|| lines().last());
+    Err(reason
+        .map_or_else(
+            || format!("{program} ended with {}", output.status),
+            |reason| reason.trim_start_matches("E:").trim().into(),
+        )
+        .into())
+}
+
 /// A program's standard output, trimmed; `None` if it is not there or fails.
 pub fn ask(command: &mut Command) -> Option<String> {
     let output = command
@@ -199,6 +222,14 @@ mod tests {
     #[test]
     fn the_root_holds_the_workspace() {
         assert!(root().join("xtask/Cargo.toml").is_file());
+    }
+
+    #[test]
+    fn a_failure_is_told_by_apts_error() {
+        let script =
+            "echo 'W: slow' >&2; echo 'E: no such package' >&2; echo 'W: more' >&2; exit 100";
+        let error = output(Command::new("sh").args(["-c", script])).unwrap_err();
+        assert_eq!(error.to_string(), "no such package");
     }
 
     const SECOND: Duration = Duration::from_secs(1);
