@@ -91,7 +91,7 @@ impl Bundle {
         format!("wanted: {}", self.packages.join(" "))
     }
 
-    /// Unpacks it where that has not been done; `Err` says in one line why not, and what to type.
+    /// Unpacks it where that has not been done; `Err` says in one line why not.
     pub fn provide(&self) -> Outcome {
         if self.is_there() {
             return Ok(());
@@ -111,9 +111,8 @@ impl Bundle {
             // Its remains are of no use, and the next run begins by removing them anyway.
             let _ = remove(&part);
             format!(
-                "cannot get Debian's {}: {error}; check the network and apt's sources, or type: {}",
+                "cannot get Debian's {}: {error}; check the network and apt's sources",
                 self.packages.join(", "),
-                self.install_line()
             )
             .into()
         })
