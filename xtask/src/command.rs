@@ -185,7 +185,7 @@ pub fn output(command: &mut Command) -> Outcome<String> {
     let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
     let reason = lines()
         .find(|line| line.starts_with("E:"))
-        .or_else(|| lines().last());
+        .or_else(|| lines().next_back());
     Err(reason
         .map_or_else(
             || format!("{program} ended with {}", output.status),
