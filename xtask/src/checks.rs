@@ -1,12 +1,20 @@
-//! `cargo xtask test`: what must hold before a change is done, one step after
-//! the other; the first that fails ends it.
+//! `cargo xtask test`: what must hold before a change is done. The desktop's half and the firmware's need nothing of
+//! each other and run side by side: the emulator, and the linker that optimises a whole image, keep one processor
+//! busy each. Within a half one step follows the other, and the first that fails ends it.
+
+use std::{
+    env, fs,
+    fs::File,
+    path::PathBuf,
+    process::{Child, Command, Stdio},
+};
 
 use crate::{
     Outcome,
     command::{self, cargo, run_tee},
     desktop::Build,
     firmware::{self, Board},
-    forecast, msrv, pil, size,
+    forecast, liveness, msrv, pil, size,
     timing::{Spent, Stopwatch},
     tools,
 };
@@ -14,8 +22,21 @@ use crate::{
 /// A step ends with a remark for the summary, often empty.
 type Step = (&'static str, fn() -> Outcome<String>);
 
-const STEPS: &[Step] = &[
-    ("tools", || silent(tools::list())),
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// Both halves, side by side.
+    All,
+    /// What needs no microcontroller.
+    Host,
+    /// What needs one, or QEMU.
+    Firmware,
+}
+
+/// Before both.
+const TOOLS: Step = ("tools", || silent(tools::list()));
+
+const HOST: &[Step] = &[
     ("format", || {
         silent(command::run(cargo().args(["fmt", "--all", "--check"])))
     }),
@@ -39,6 +60,9 @@ const STEPS: &[Step] = &[
         ))
     }),
     ("tests, host", host_tests),
+];
+
+const FIRMWARE: &[Step] = &[
     ("model for the microcontroller", || {
         silent(firmware::build_shared())
     }),
@@ -103,10 +127,19 @@ struct Row {
     outcome: Outcome<String>,
 }
 
-/// Runs the steps up to the first that fails, and says in the end what each took.
-pub fn run() -> Outcome {
+/// Runs a part, and says in the end what each step took.
+pub fn run(part: Part) -> Outcome {
+    match part {
+        Part::All => side_by_side(),
+        Part::Host => steps(HOST),
+        Part::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
+    }
+}
+
+/// Runs the steps up to the first that fails.
+fn steps(steps: &[Step]) -> Outcome {
     let mut rows: Vec<Row> = Vec::new();
-    for (name, step) in STEPS {
+    for (name, step) in steps {
         println!("\n=== {name} ===");
         let clocks = Stopwatch::start();
         let outcome = step();
@@ -128,6 +161,57 @@ pub fn run() -> Outcome {
         }) => Err(format!("step `{name}` failed: {error}").into()),
         _ => Ok(()),
     }
+}
+
+/// The firmware's half, run by this program once more, with its output in a file until the other half has ended.
+struct Beside {
+    child: Child,
+    log: PathBuf,
+}
+
+impl Beside {
+    fn start() -> Outcome<Self> {
+        let log = command::root().join("target/xtask-firmware.log");
+        let file = File::create(&log)?;
+        let mut command = Command::new(env::current_exe()?);
+        command
+            .args(["test", "--firmware"])
+            .stdin(Stdio::null())
+            .stdout(file.try_clone()?)
+            .stderr(file);
+        println!(
+            "\nthe firmware's half runs beside; its output is in {}",
+            log.display()
+        );
+        Ok(Self {
+            child: command.spawn()?,
+            log,
+        })
+    }
+
+    /// Waits for its end, and shows its output.
+    fn finish(mut self) -> Outcome {
+        println!("\nwaiting for the firmware's half");
+        // It gives up its own steps.
+        let status = self.child.wait()?;
+        println!("\n=== the firmware's half ===");
+        println!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
+        if status.success() {
+            Ok(())
+        } else {
+            Err("the firmware's half failed; its output is above".into())
+        }
+    }
+}
+
+fn side_by_side() -> Outcome {
+    steps(&[TOOLS])?;
+    let mut firmware = Beside::start()?;
+    if let Err(error) = steps(HOST) {
+        liveness::end(&mut firmware.child);
+        return Err(error);
+    }
+    firmware.finish()
 }
 
 fn table(rows: &[Row]) -> String {

@@ -78,8 +78,9 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Runs to the end; a non-zero exit is an error, and so is one that does nothing any more.
 pub fn run(command: &mut Command) -> Outcome {
     announce(command);
+    let mut watch = watch(command)?;
     let mut child = spawn(command)?;
-    let status = wait(&mut child, &program(command), &mut Watch::new()?, || 0)?;
+    let status = wait(&mut child, &program(command), &mut watch, || 0)?;
     passed(command, status)
 }
 
@@ -100,7 +101,17 @@ fn passed(command: &Command, status: ExitStatus) -> Outcome {
 
 /// Runs like [`run`], passes the standard output on line by line, and returns it.
 pub fn run_tee(command: &mut Command, echo: bool) -> Outcome<Vec<String>> {
-    tee(command, Watch::new()?, echo)
+    tee(command, watch(command)?, echo)
+}
+
+/// The usual watch; cargo may wait for another cargo.
+fn watch(command: &Command) -> Result<Watch, String> {
+    let watch = Watch::new()?;
+    Ok(if program(command).starts_with("cargo") {
+        watch.waiting_alone()
+    } else {
+        watch
+    })
 }
 
 /// The same under this watch.
@@ -160,6 +171,29 @@ fn wait(
     }
 }
 
+/// A program's standard output; on failure the last line it wrote, an error of apt's rather than a warning.
+pub fn output(command: &mut Command) -> Outcome<String> {
+    let program = program(command);
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|e| format!("cannot start {program}: {e}"))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
+    let reason = lines()
+        .find(|line| line.starts_with("E:"))
+        .or_else(|| lines().next_back());
+    Err(reason
+        .map_or_else(
+            || format!("{program} ended with {}", output.status),
+            |reason| reason.trim_start_matches("E:").trim().into(),
+        )
+        .into())
+}
+
 /// A program's standard output, trimmed; `None` if it is not there or fails.
 pub fn ask(command: &mut Command) -> Option<String> {
     let output = command
@@ -190,6 +224,14 @@ mod tests {
         assert!(root().join("xtask/Cargo.toml").is_file());
     }
 
+    #[test]
+    fn a_failure_is_told_by_apts_error() {
+        let script =
+            "echo 'W: slow' >&2; echo 'E: no such package' >&2; echo 'W: more' >&2; exit 100";
+        let error = output(Command::new("sh").args(["-c", script])).unwrap_err();
+        assert_eq!(error.to_string(), "no such package");
+    }
+
     const SECOND: Duration = Duration::from_secs(1);
 
     fn shell(script: &str, patience: Duration, limit: Option<Duration>) -> Outcome<Vec<String>> {
@@ -215,6 +257,19 @@ mod tests {
         assert!(error.starts_with("sh was given up: no output"), "{error}");
         thread::sleep((6 * SECOND).saturating_sub(start.elapsed()));
         assert_eq!(file.exists(), cfg!(not(target_os = "linux")));
+    }
+
+    /// Another process in the tree is what makes the difference.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn what_may_wait_alone_is_ended_only_with_company() {
+        let ends = |script: &str| {
+            let watch = Watch::with(SECOND, None).waiting_alone();
+            let ended = tee(Command::new("sh").args(["-c", script]), watch, false);
+            ended.map_err(|error| error.to_string())
+        };
+        assert_eq!(ends("exec sleep 4"), Ok(Vec::new()));
+        assert!(ends("sleep 600; :").unwrap_err().contains("was given up"));
     }
 
     /// Only Linux tells here what a process tree has used.

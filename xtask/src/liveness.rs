@@ -30,6 +30,8 @@ pub struct Watch {
     limit: Option<Duration>,
     /// The most processor time it may use.
     work: Option<Duration>,
+    /// Whether it may wait as long as it likes while it is the only process of its tree.
+    alone: bool,
     start: Instant,
     last_look: Instant,
     /// For how long nothing has happened.
@@ -56,6 +58,7 @@ impl Watch {
             patience,
             limit,
             work: None,
+            alone: false,
             start: now,
             last_look: now,
             quiet: Duration::ZERO,
@@ -73,14 +76,23 @@ impl Watch {
         }
     }
 
+    /// Lets it wait as long as it likes before it has started another process, or between two: cargo, while another cargo
+    /// holds the target folder. It says so itself.
+    pub fn waiting_alone(self) -> Self {
+        Self {
+            alone: true,
+            ..self
+        }
+    }
+
     /// Looks again; `lines` is how many the program has written so far. The error says why to give it up.
     pub fn look(&mut self, process: u32, lines: usize) -> Result<(), String> {
-        self.observe(
-            self.last_look.elapsed(),
-            lines,
-            tree::processor_time(process),
-        )?;
+        let (processes, processor) = tree::used(process);
+        let passed = self.last_look.elapsed();
         self.last_look = Instant::now();
+        if !(self.alone && processes == 1) {
+            self.observe(passed, lines, processor)?;
+        }
         match self.limit {
             Some(limit) if self.start.elapsed() >= limit => Err(format!(
                 "had not ended after {} s, the limit in {LIMIT}",
@@ -196,9 +208,10 @@ mod tree {
         found
     }
 
-    /// Used by the process and all that descend from it.
-    pub fn processor_time(process: u32) -> Duration {
-        of(process).iter().map(|stat| stat.processor).sum()
+    /// How many processes there are, the first among them, and the processor time they have used.
+    pub fn used(process: u32) -> (usize, Duration) {
+        let all = of(process);
+        (all.len(), all.iter().map(|stat| stat.processor).sum())
     }
 
     /// Ends a process and all that descend from it. They are stopped first, so that none starts another meanwhile.
@@ -228,8 +241,8 @@ mod tree {
 mod tree {
     use std::time::Duration;
 
-    pub fn processor_time(_: u32) -> Duration {
-        Duration::ZERO
+    pub fn used(_: u32) -> (usize, Duration) {
+        (0, Duration::ZERO)
     }
 
     pub fn kill(_: u32) {}

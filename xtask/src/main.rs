@@ -34,6 +34,7 @@ mod tools;
 
 use std::process::ExitCode;
 
+use checks::Part;
 use firmware::Board;
 
 /// What a caretaker's job ends with; the error is meant to be read by a person.
@@ -42,7 +43,7 @@ pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 const HELP: &str = "\
 cargo xtask COMMAND
 
-  test                        everything that must hold before a change is done;
+  test [--host | --firmware]  everything that must hold before a change is done, or one half of it;
                               unpacks the tools it lacks on Debian, else says what to install
   tools                       get the tools that checks and builds need, and list them
   firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
@@ -65,7 +66,7 @@ cargo xtask COMMAND
 #[derive(Debug, PartialEq)]
 enum Job {
     Help,
-    Test,
+    Test(Part),
     Tools,
     Firmware(Vec<Board>),
     Qemu,
@@ -81,7 +82,9 @@ enum Job {
 fn parse(args: &[&str]) -> Result<Job, String> {
     match args {
         [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
-        ["test"] => Ok(Job::Test),
+        ["test"] => Ok(Job::Test(Part::All)),
+        ["test", "--host"] => Ok(Job::Test(Part::Host)),
+        ["test", "--firmware"] => Ok(Job::Test(Part::Firmware)),
         ["tools"] => Ok(Job::Tools),
         ["firmware"] => Ok(Job::Firmware(Board::ALL.to_vec())),
         ["firmware", "--board", name] => Board::named(name)
@@ -105,7 +108,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
 fn run(job: Job) -> Outcome {
     match job {
         Job::Help => print!("{HELP}"),
-        Job::Test => checks::run()?,
+        Job::Test(part) => checks::run(part)?,
         Job::Tools => tools::list()?,
         Job::Firmware(boards) => {
             for board in boards {
@@ -175,6 +178,17 @@ mod tests {
             );
             assert!(parse(&[word]).is_ok(), "{word} is not understood");
         }
+    }
+
+    #[test]
+    fn one_half_of_the_checks_can_be_chosen() {
+        assert_eq!(parse(&["test"]), Ok(Job::Test(Part::All)));
+        assert_eq!(parse(&["test", "--host"]), Ok(Job::Test(Part::Host)));
+        assert_eq!(
+            parse(&["test", "--firmware"]),
+            Ok(Job::Test(Part::Firmware))
+        );
+        assert!(parse(&["test", "--half"]).is_err());
     }
 
     #[test]

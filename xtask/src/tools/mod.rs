@@ -1,9 +1,11 @@
 //! The programs that checks and builds need beside the Rust in use. Each is taken from the path where it is there; on
 //! Debian it is unpacked below `target/tools` where it is not; elsewhere the error is the line to type.
 
+mod apt;
 pub mod debian;
 pub mod flip_link;
 pub mod toolchain;
+mod tree;
 
 use std::{path::PathBuf, process::Command};
 
@@ -43,13 +45,14 @@ pub fn toolchain() -> Outcome<Toolchain> {
     toolchain::choose(&toolchain::look()).map_err(|missing| advice(&missing).into())
 }
 
-/// Unpacks a bundle on Debian; elsewhere the advice is the error, and with what went wrong where it cannot be had.
+/// Unpacks a bundle on Debian. Where there is no Debian, or it fails, the error says what to type.
 fn provide(bundle: &Bundle, advice: impl Fn() -> String) -> Outcome {
-    if debian::here() {
-        bundle.provide()
-    } else {
-        Err(advice().into())
+    if !debian::here() {
+        return Err(advice().into());
     }
+    bundle
+        .provide()
+        .map_err(|error| format!("{error}\n{}", advice()).into())
 }
 
 /// Says what to type where there is no Debian.
