@@ -23,7 +23,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// As the command line calls it.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rest => "rest",

@@ -9,15 +9,16 @@ use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
+use crate::words;
+use crate::words::map::percent;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
 use numerics::engine::Setting;
 use numerics::lanes::Plan;
-use numerics::map::agree::percent;
 use numerics::map::measured::{Measured, hits};
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Agreement, Grid, Map, Request, Runner, alikeness, run};
+use numerics::map::{Agreement, Grid, Map, Request, Runner, run, similarity};
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
@@ -136,7 +137,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         figure: "switch-map",
         title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
         chapter: "Beyond the chapter, which has one engine.",
-        found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), agreement.line()),
+        found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), words::map::agreement(&agreement)),
         command: "host-sim map --rig wires --against switch --out out".to_owned(),
         files,
     }])
@@ -436,9 +437,9 @@ fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, User
 fn alike(maps: &[Map]) -> Result<Page, UserError> {
     let mut found = Vec::new();
     for (i, a) in maps.iter().enumerate() {
-        found.extend(maps[i + 1..].iter().map(|b| alikeness(a, b)));
+        found.extend(maps[i + 1..].iter().map(|b| similarity(a, b)));
     }
-    let lines: Vec<String> = found.iter().map(|a| a.line()).collect();
+    let lines: Vec<String> = found.iter().map(words::map::similarity).collect();
     let told = format!("{}.", lines.join("; "));
     let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();

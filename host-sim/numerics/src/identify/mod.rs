@@ -10,6 +10,7 @@ mod profile;
 pub mod ring;
 mod search;
 mod unknowns;
+mod warnings;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,6 +25,7 @@ pub use likeness::{Aligned, Likeness};
 pub use profile::{Estimate, Profile};
 use search::nelder_mead;
 pub use unknowns::Unknowns;
+pub use warnings::Warning;
 
 /// A kind of contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -92,6 +94,14 @@ pub struct Settings {
     pub impacts: usize,
 }
 
+/// Settings with which [`measure`] finds every contact of a record.
+pub(crate) const EVERY_CONTACT: Settings = Settings {
+    release_m: 0.0,
+    seek_release: false,
+    seek_exponent: false,
+    impacts: usize::MAX,
+};
+
 /// One measured impact beside the model's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImpactRow {
@@ -119,9 +129,9 @@ pub struct ImpactRow {
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// The law.
-    pub law: &'static str,
+    pub law: Family,
     /// What was made small.
-    pub misfit: &'static str,
+    pub misfit: Misfit,
     /// What was sought, with 95 % profile likelihood intervals.
     pub parameters: Vec<Estimate>,
     /// Root mean square misfit: of the peaks, or of the samples, N.
@@ -141,7 +151,8 @@ pub struct Fit {
     /// Impact by impact.
     pub impacts: Vec<ImpactRow>,
     /// What the data do not fix, and what the law cannot do.
-    pub warnings: Vec<String>,
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
     /// The law found.
     #[serde(skip)]
     pub found: Law<f64>,
@@ -209,8 +220,8 @@ pub fn fit(
     let parameters: Vec<_> = profiles.iter().map(|p| p.estimate.clone()).collect();
     let data = likeness.data() as f64;
     let mut fit = Fit {
-        law: family.name(),
-        misfit: misfit.name(),
+        law: family,
+        misfit,
         rms_n: (likeness.sum_of_squares(&seen) / data).sqrt(),
         noise_n,
         parameters,
@@ -225,7 +236,7 @@ pub fn fit(
         release_m,
         profiles,
     };
-    fit.warnings = warnings(&fit, measured, family, misfit);
+    fit.warnings = warnings::of(&fit, measured);
     Ok(fit)
 }
 
@@ -251,59 +262,6 @@ fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
         .enumerate()
         .map(row)
         .collect()
-}
-
-fn warnings(fit: &Fit, measured: &Measured, family: Family, misfit: Misfit) -> Vec<String> {
-    let mut said = Vec::new();
-    let impacts = measured.impacts.len();
-    let unknowns = fit.parameters.len();
-    if misfit == Misfit::Peaks && impacts < unknowns {
-        said.push(format!(
-            "{impacts} peak{} cannot fix {unknowns} parameters: the values are one choice of many; use --misfit force or more impacts",
-            if impacts == 1 { "" } else { "s" }
-        ));
-    } else if misfit == Misfit::Peaks && impacts == unknowns {
-        said.push(format!(
-            "{impacts} peaks for {unknowns} parameters: they are met whatever the law, so nothing tells whether it is right"
-        ));
-    }
-    for p in &fit.parameters {
-        if p.low.is_none() || p.high.is_none() {
-            said.push(format!("the data do not bound {} on both sides", p.key));
-        }
-        if p.at_limit {
-            said.push(format!(
-                "{} ends at the limit of its range: the law cannot do what the data ask for",
-                p.key
-            ));
-        }
-        if let Some((other, correlation)) = &p.strongest_correlation
-            && correlation.abs() > 0.95
-        {
-            said.push(format!(
-                "{} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either",
-                p.key
-            ));
-        }
-    }
-    if fit.widened > 1.0 {
-        said.push(format!(
-            "the law fits {:.1} times worse than the noise explains (ringing, or not this law); the intervals are widened by as much",
-            fit.widened
-        ));
-    }
-    if family == Family::Hertz && measured.impacts.len() > 1 {
-        said.push(
-            "this law loses no energy; a hammer that strikes ever more softly is not it".into(),
-        );
-    }
-    if measured.noise_n == 0.0 {
-        said.push(
-            "no noise is seen before the first impact: what is left of the misfit stands for it"
-                .into(),
-        );
-    }
-    said
 }
 
 /// The impacts of a record.

@@ -13,13 +13,16 @@ pub mod summary;
 use serde::{Deserialize, Serialize};
 use shared::model::regime::Regime;
 
-pub use self::agree::{Agreement, Alikeness, alikeness, audit};
+pub use self::agree::{Agreement, Similarity, audit, similarity};
 pub use self::request::{Request, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
 pub use self::summary::Summary;
 use crate::lanes::Outcome;
 use crate::row::NamedRig;
 use crate::row::{regime_as_text, tidy};
+
+/// Stands for the sources that decide what a cell shows. Cells computed by builds with different fingerprints may differ.
+pub const KERNEL_FINGERPRINT: &str = env!("KERNEL_FINGERPRINT");
 
 /// The points of a map.
 #[derive(Clone, Debug, PartialEq)]

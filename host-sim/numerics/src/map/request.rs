@@ -1,9 +1,7 @@
 //! What is asked of a map, and how it is cut into tiles.
 
-use std::fmt::Write;
 use std::ops::Range;
 
-use crc::{CRC_64_XZ, Crc};
 use shared::model::params::{RigParams, WIRES};
 
 use super::Grid;
@@ -26,7 +24,7 @@ pub enum Runner {
 }
 
 impl Runner {
-    /// Its name on the command line.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lanes => "event",
@@ -92,30 +90,6 @@ impl Request {
             gap_m: gap_mm * 1e-3,
             ..self.rig.params
         }
-    }
-
-    /// The request as text, a line for each part of it: what tiles on disk are compared with. The numbers are exact.
-    pub fn lines(&self) -> String {
-        let mut text = format!("program host-sim {}\n", env!("CARGO_PKG_VERSION"));
-        let parts: [(&str, &dyn std::fmt::Debug); 8] = [
-            ("rig", &self.params_at(0.0)),
-            ("gaps_mm", &self.grid.gaps_mm),
-            ("frequencies_hz", &self.grid.frequencies_hz),
-            ("engine", &self.runner),
-            ("cycles", &(self.plan.cycles, self.plan.recorded)),
-            ("settle", &self.settle),
-            ("from", &self.from),
-            ("tile_cells", &self.tile_cells()),
-        ];
-        for (name, value) in parts {
-            let _ = writeln!(text, "{name} {value:?}");
-        }
-        text
-    }
-
-    /// A number that stands for the whole request: CRC-64 of its text.
-    pub fn fingerprint(&self) -> u64 {
-        Crc::<u64>::new(&CRC_64_XZ).checksum(self.lines().as_bytes())
     }
 
     /// Refuses what cannot be run, before any work.

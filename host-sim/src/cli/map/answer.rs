@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::requests;
 use files::UserError;
 use numerics::map::measured::Hits;
-use numerics::map::{Agreement, Alikeness, Map, MapCell, Request, Summary};
+use numerics::map::{Agreement, Map, MapCell, Request, Similarity, Summary};
 
 /// Everything that was found.
 pub struct Answer<'a> {
@@ -14,7 +14,7 @@ pub struct Answer<'a> {
     pub summaries: Vec<Summary>,
     pub audit: Option<Agreement>,
     pub against: Option<Agreement>,
-    pub alikeness: Vec<Alikeness>,
+    pub alikeness: Vec<Similarity>,
     pub measured: Option<Hits>,
 }
 
@@ -26,7 +26,7 @@ struct Json<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     against: Option<Agreement>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    alikeness: &'a [Alikeness],
+    alikeness: &'a [Similarity],
     #[serde(skip_serializing_if = "Option::is_none")]
     measured: Option<Hits>,
 }

@@ -18,10 +18,11 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::tiles::Store;
+use crate::words;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::error::{Error, MapError};
-use numerics::map::{self, Map, Request, Summary, agree, alikeness, measured, measured::Measured};
+use numerics::map::{self, Map, Request, Summary, agree, measured, measured::Measured, similarity};
 use numerics::sweep::Direction;
 use plot::Figure;
 
@@ -306,7 +307,7 @@ fn answer<'a>(
     };
     let mut alike = Vec::new();
     for (i, a) in beside.iter().enumerate() {
-        alike.extend(beside[i + 1..].iter().map(|b| alikeness(a, b)));
+        alike.extend(beside[i + 1..].iter().map(|b| similarity(a, b)));
     }
     Ok(Answer {
         requests,
@@ -386,7 +387,11 @@ fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)
     if !answer.alikeness.is_empty() {
         let beside = answer.maps.len() - usize::from(answer.against.is_some());
         let maps: Vec<_> = answer.maps[..beside].iter().collect();
-        let lines: Vec<_> = answer.alikeness.iter().map(|a| a.line()).collect();
+        let lines: Vec<_> = answer
+            .alikeness
+            .iter()
+            .map(words::map::similarity)
+            .collect();
         let figure = pictures::map::side_by_side(&maps, &lines.join(". "));
         figures.push((format!("{first}-beside"), figure));
     }

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use shared::model::regime::Regime;
 
 use super::answer::Answer;
-use numerics::map::agree::percent;
+use crate::words;
+use crate::words::map::percent;
 use numerics::map::{Map, Request, Summary};
 use plot::chart::terminal_width;
 
@@ -20,10 +21,10 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
         text.push('\n');
     }
     if let Some(against) = &answer.against {
-        let _ = writeln!(text, "against    {}", against.line());
+        let _ = writeln!(text, "against    {}", words::map::agreement(against));
     }
     for alike in &answer.alikeness {
-        let _ = writeln!(text, "alike      {}", alike.line());
+        let _ = writeln!(text, "alike      {}", words::map::similarity(alike));
     }
     if let Some(hits) = &answer.measured {
         let _ = writeln!(
@@ -37,7 +38,7 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
             text,
             "audit      {} cells again by the reference: {}",
             audit.cells,
-            audit.line()
+            words::map::agreement(audit)
         );
     }
     text
