@@ -301,11 +301,10 @@ fn end_words(end: End) -> &'static str {
 }
 
 fn special_line(point: &SpecialRow) -> String {
-    let kind = Special::ALL.into_iter().find(|k| k.name() == point.special);
     format!(
         "{:<8} {:<25} {:>10.6} {:>9.6} {:>9.4} {:>9.3} {:>12.4}\n",
         point.branch,
-        kind.map_or(point.special, Special::label),
+        point.special.label(),
         point.frequency_hz,
         point.frequency_ratio,
         point.gap_mm,
@@ -339,7 +338,7 @@ fn curves_text(rows: &[SpecialRow]) -> String {
     }
     let mut chart = Chart::new("gap, mm", "drive frequency, Hz");
     for kind in Special::ALL {
-        let points = rows.iter().filter(|r| r.special == kind.name());
+        let points = rows.iter().filter(|r| r.special == kind);
         let points: Vec<_> = points.map(|r| (r.gap_mm, r.frequency_hz)).collect();
         if !points.is_empty() {
             chart = chart.points(kind.label(), points);

@@ -1,6 +1,6 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
-use numerics::basins::{Basins, Look};
+use numerics::basins::{Basins, Kind, Look};
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, regime_color};
 
 /// The chapter's colours.
@@ -36,11 +36,14 @@ fn styles(basins: &Basins) -> Vec<(String, Color)> {
             return ("other".to_owned(), Color::INK);
         }
         named += 1;
-        let base = attractor.name.split(' ').next().unwrap_or_default();
-        let own = match base {
-            "no" => Some(STILL),
-            "1/1" | "1/2" | "2/2" | "aperiodic" | "chatter" => Some(regime_color(base)),
-            _ => None,
+        let own = match attractor.name.kind {
+            Kind::NoImpact => Some(STILL),
+            Kind::Aperiodic => Some(regime_color("aperiodic")),
+            Kind::Chatter { .. } => Some(regime_color("chatter")),
+            Kind::Periodic { impacts, periods } => {
+                let styled = matches!((impacts, periods), (1, 1) | (1, 2) | (2, 2));
+                styled.then(|| regime_color(&format!("{impacts}/{periods}")))
+            }
         };
         let free = own.filter(|color| !taken.contains(color));
         let color = free.or_else(|| more.next()).unwrap_or(Color::INK);

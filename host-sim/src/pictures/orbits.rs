@@ -9,7 +9,7 @@ use shared::model::rig::Rig;
 use files::UserError;
 use numerics::continuation::curves::Line;
 use numerics::continuation::family::Node;
-use numerics::continuation::table::{seen, stretches};
+use numerics::continuation::table::{motion_at, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, Plan};
@@ -105,7 +105,8 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));
     let params = &diagram.params;
     let weight = params.weight_n();
-    let displacement = |node: &Node, k: usize| Some(seen(params, node, node.orbit.strobes[k]).0);
+    let displacement =
+        |node: &Node, k: usize| Some(motion_at(params, node, node.orbit.strobes[k]).0);
     let force = |node: &Node, k: usize| {
         let force = node.orbit.period_forces_n[k];
         (force > 0.0).then(|| force / weight)
@@ -147,7 +148,7 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
         }
     };
     for curve in &diagram.curves {
-        let regime = curve.regime();
+        let regime = curve.regime().to_string();
         let color = regime_color(&regime);
         for (nodes, stable) in stretches(&curve.nodes) {
             for k in 0..usize::from(curve.periods()) {

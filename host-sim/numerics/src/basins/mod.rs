@@ -8,7 +8,6 @@ pub mod attractors;
 pub mod cells;
 pub mod chapter;
 pub mod entropy;
-
 pub mod share;
 pub mod start;
 mod summary;
@@ -21,7 +20,7 @@ use crate::engine::Engine;
 use crate::error::{BasinsError, Error, Side};
 use crate::progress::Progress;
 use crate::row::NamedRig;
-pub use attractors::Attractor;
+pub use attractors::{Attractor, Kind, Name};
 pub use entropy::{Entropy, Uncertainty};
 pub use share::Share;
 pub use start::{Drive, Fate, Window};

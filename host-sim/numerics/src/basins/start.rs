@@ -15,8 +15,18 @@ use crate::progress::{Progress, step};
 const USUAL_LOW_M: f64 = -6e-3;
 /// Velocity to which the usual window reaches either way, m/s.
 const USUAL_SPEED_M_PER_S: f64 = 0.15;
-/// Cells run at a time: memory is bounded by this and by what is kept of each.
+/// Cells run at a time by the lanes: memory is bounded by this and by what is kept of each.
 const CHUNK: usize = 4096;
+/// The switch model is slower: so many fewer cells are run at a time, so that an interruption is soon seen.
+const SLOWER: usize = 16;
+
+/// Cells that `engine` runs at a time, if only their last cycles are kept.
+fn chunk(engine: Engine) -> usize {
+    match engine {
+        Engine::Event => CHUNK,
+        Engine::Switch(_) => CHUNK / SLOWER,
+    }
+}
 
 /// A rectangle of starts, cut into cells: a cell's start is its middle. Displacement and velocity are relative to the
 /// cart (l sin θ or Δ, and its rate).
@@ -159,7 +169,7 @@ pub fn fates(
     let scale = Rig::<f64>::new(&drive.params)?.coordinate_scale();
     let units = [scale, scale * std::f64::consts::TAU * drive.frequency_hz];
     let mut fates = Vec::with_capacity(starts.len());
-    for chunk in starts.chunks(CHUNK) {
+    for chunk in starts.chunks(chunk(engine)) {
         let outcomes = outcomes(engine, drive, chunk, &plan)?;
         let found = chunk.iter().zip(&outcomes);
         fates.extend(found.map(|(start, outcome)| Fate::new(*start, outcome, units)));
@@ -190,7 +200,7 @@ pub fn touching(
     };
     let mut counts = vec![0; cycles.len()];
     // Every cycle of every start is kept: few starts at a time.
-    for chunk in starts.chunks(CHUNK / 8) {
+    for chunk in starts.chunks(chunk(engine) / 8) {
         for outcome in outcomes(engine, drive, chunk, &plan)? {
             for (count, cycle) in counts.iter_mut().zip(cycles) {
                 *count += u64::from(touched(&outcome, *cycle, recorded));

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::entropy::{self, Entropy, Uncertainty};
-use super::{Basins, Look, Share};
+use super::{Basins, Look, Name, Share};
 
 /// What the basins come to, with units in the names. Shares are from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,7 +56,7 @@ pub struct Summary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttractorShare {
     /// Its name.
-    pub name: String,
+    pub name: Name,
     /// p.
     pub impacts: u16,
     /// n, if it repeats.
@@ -87,7 +87,7 @@ impl Summary {
         let attractors = (0_u16..).zip(&basins.attractors).map(|(number, a)| {
             let (share, share_mesh_error) = basins.grid_share(|_, which| which == number);
             AttractorShare {
-                name: a.name.clone(),
+                name: a.name,
                 impacts: a.regime.impacts(),
                 periods: a.regime.periods(),
                 force_ratio: a.force_n / params.weight_n(),

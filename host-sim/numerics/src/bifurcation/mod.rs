@@ -14,7 +14,7 @@ use shared::model::rig::Rig;
 use crate::engine::Engine;
 use crate::error::Error;
 use crate::lanes::{self, Cell, Outcome, Plan, Strobe};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, regime_as_text, tidy};
 use crate::sweep::Direction;
@@ -171,7 +171,10 @@ pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagra
         };
         diagram.changes = changes::find(&diagram);
         if request.locate {
-            changes::locate(&mut diagram, &|cells| request.run(cells))?;
+            changes::locate(&mut diagram, &|cells| {
+                check(progress)?;
+                request.run(cells)
+            })?;
         }
         diagrams.push(diagram);
     }

@@ -7,7 +7,7 @@ use super::diagram::{Request, diagram};
 use super::family::{Node, dot, minus};
 use super::{Along, Special};
 use crate::error::Error;
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, WithinStep, step};
 
 /// A line of special points of one kind, by rising gap.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub fn lines(
                 gap_m: *gap_m,
                 ..*params
             };
-            let curves = diagram(&params, &request, &())?.curves;
+            let curves = diagram(&params, &request, &WithinStep(progress))?.curves;
             step(progress, 1)?;
             let specials = curves.iter().flat_map(|c| c.specials());
             Ok(specials.map(|(node, _)| node.clone()).collect())

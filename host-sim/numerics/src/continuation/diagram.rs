@@ -10,7 +10,7 @@ use super::{End, Special, Until, march};
 use crate::engine::Start;
 use crate::error::Error;
 use crate::lanes::{self, Cell, Plan};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,9 +69,12 @@ impl Curve {
         self.nodes.first().map_or(0, |n| n.orbit.impacts)
     }
 
-    /// "p/n".
-    pub fn regime(&self) -> String {
-        format!("{}/{}", self.impacts(), self.periods())
+    /// z = p/n of its orbits.
+    pub fn regime(&self) -> Regime {
+        Regime::Periodic {
+            impacts: self.impacts(),
+            periods: self.periods(),
+        }
     }
 
     /// The special points along it.
@@ -177,7 +180,7 @@ pub fn diagram(
         let origin = Origin::Simulation;
         curves.push(Curve::through(family, seed, request.limits, origin));
         let newest = curves.len() - 1;
-        follow_doublings(&mut curves, newest, request);
+        follow_doublings(&mut curves, newest, request, progress)?;
     }
     Ok(Diagram {
         params: *params,
@@ -192,7 +195,12 @@ fn known(curves: &[Curve], node: &Node) -> bool {
 }
 
 /// Adds the doubled curves that leave the curves from index `from` on.
-fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
+fn follow_doublings(
+    curves: &mut Vec<Curve>,
+    from: usize,
+    request: &Request,
+    progress: &dyn Progress,
+) -> Result<(), Error> {
     let mut index = from;
     while index < curves.len() {
         let family = curves[index].family;
@@ -202,6 +210,7 @@ fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
             .map(|(node, _)| node.clone())
             .collect();
         for node in doublings {
+            check(progress)?;
             let enough =
                 2 * family.periods() > request.periods || 2 * node.orbit.impacts > request.impacts;
             let start = (!enough).then(|| doubled(&family, &node)).flatten();
@@ -220,6 +229,7 @@ fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
         }
         index += 1;
     }
+    Ok(())
 }
 
 /// What a simulation settled on.

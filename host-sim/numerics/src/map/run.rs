@@ -8,7 +8,7 @@ use super::compute;
 use super::request::Request;
 use super::{Map, MapCell};
 use crate::error::{Error, MapError};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 
 /// Where the tiles of an unfinished map are kept, so that a run that was cut off goes on and several can share one map.
 pub trait Tiles: Sync {
@@ -87,6 +87,7 @@ fn tiles(
         store.begin()?;
     }
     let one = |index: usize| {
+        check(progress)?;
         let expected = request.tile(index).len();
         let cells = match store.and_then(|s| s.read(index, expected)) {
             Some(cells) => cells,

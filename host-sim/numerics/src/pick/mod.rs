@@ -20,7 +20,7 @@ use crate::branch::{Branch, End, one_one_branches};
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, tidy};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
@@ -81,6 +81,7 @@ pub fn pick(
     let params = &rig.params;
     params.check()?;
     let branch = best_branch(rig)?;
+    check(progress)?;
     let nominal_range = (branch.low.frequency_hz, branch.high.frequency_hz);
     let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
     let (_, nominal) = maximise(&branch, nominal_range, force_at).ok_or_else(|| no_one_one(rig))?;
@@ -91,6 +92,7 @@ pub fn pick(
         rig,
         branch: &branch,
         members: &members,
+        progress,
     };
     let choice = field.choose(robust, limits)?;
     let chosen = &choice.orbit;
@@ -238,13 +240,11 @@ fn robust_range(
         .map(|member| {
             member.apply(&rig.params, 1.0).check().ok()?;
             let found = stable_interval(&rig.params, member, branch, nominal.frequency_hz, range);
-            progress.advance(1);
-            found.filter(|_| !progress.interrupted())
+            step(progress, 1).ok()?;
+            found
         })
         .try_reduce(|| range, |a, b| Some((a.0.max(b.0), a.1.min(b.1))));
-    if progress.interrupted() {
-        return Err(Error::Interrupted);
-    }
+    check(progress)?;
     // The ends of the common range are one member's loss of stability; stay a hair inside.
     let inside = common.map(|(low, high)| {
         let hair = if members.is_empty() {

@@ -11,7 +11,7 @@ use super::cloud::{Apart, apart};
 use super::{Portrait, Request, portrait};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::reference::smoothed::SmoothedReference;
 
 /// One width of the smoothing.
@@ -218,7 +218,10 @@ fn run(request: &Request, width_m: f64, progress: &dyn Progress) -> Result<Ran, 
     let omega = std::f64::consts::TAU * request.frequency_hz;
     let [q, v] = request.start.section(&rig, omega)?;
     let mut hammer = SmoothedReference::<f64>::new(params, request.frequency_hz, width_m, (q, v))?;
-    (0..request.transient).for_each(|_| hammer.run_period());
+    for _ in 0..request.transient {
+        check(progress)?;
+        hammer.run_period();
+    }
     let before = hammer.steps();
     let scale = rig.coordinate_scale();
     let mut detector = Detector::new(scale, scale * omega);

@@ -13,7 +13,7 @@ use shared::model::rig::Rig;
 
 use crate::engine::{self, Engine, Recorder, Sample, Start, machine, observe};
 use crate::error::{Error, MotionError};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::reference::{Observer, Reference, Segment};
 
 /// What to compute.
@@ -111,6 +111,7 @@ pub fn portrait(request: &Request, progress: &dyn Progress) -> Result<Portrait, 
     let [q, v] = request.start.section(&rig, omega)?;
     let mut hammer = Reference::<f64>::new(params, *frequency_hz, q, v)?;
     for _ in 0..request.transient {
+        check(progress)?;
         hammer.run_period(&mut ());
         within_reach(&hammer, *frequency_hz)?;
     }

@@ -225,7 +225,7 @@ struct Line<'a> {
     impact_share_first_look: Option<f64>,
     impact_share_last_look: Option<f64>,
     attractors: usize,
-    largest_attractor: &'a str,
+    largest_attractor: String,
     basin_entropy: Option<f64>,
     boundary_basin_entropy: Option<f64>,
     uncertainty_exponent: Option<f64>,
@@ -249,7 +249,10 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
             impact_share_first_look: look(summary.over_cycles.first()),
             impact_share_last_look: look(summary.over_cycles.last()),
             attractors: summary.attractors.len(),
-            largest_attractor: summary.attractors.first().map_or("", |a| &a.name),
+            largest_attractor: summary
+                .attractors
+                .first()
+                .map_or(String::new(), |a| a.name.to_string()),
             basin_entropy: summary.attractor_entropy.map(|e| e.basin),
             boundary_basin_entropy: summary.attractor_entropy.and_then(|e| e.boundary),
             uncertainty_exponent: summary.impact_uncertainty.map(|u| u.exponent),
