@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use files::UserError;
 use numerics::Error;
 use numerics::error::MapError;
-use numerics::map::{KERNEL_FINGERPRINT, MapCell, Request, Tiles};
+use numerics::map::{KERNEL_FINGERPRINT, MapCell, MapRequest, Tiles};
 
 const MAGIC: &[u8; 8] = b"HSTILE01";
 const REQUEST: &str = "request.txt";
@@ -43,7 +43,7 @@ impl Store {
     ///
     /// # Errors
     /// One line when the folder cannot be used, or holds the tiles of another request: which part differs.
-    pub fn open(dir: &Path, request: &Request) -> Result<Self, UserError> {
+    pub fn open(dir: &Path, request: &MapRequest) -> Result<Self, UserError> {
         let lines = lines(request);
         let path = dir.join(REQUEST);
         match fs::read_to_string(&path) {
@@ -136,7 +136,7 @@ fn is_tile(name: &str) -> bool {
 }
 
 /// The request as text, a line for each part of it, and first the sources that compute the cells. Numbers are exact.
-fn lines(request: &Request) -> String {
+fn lines(request: &MapRequest) -> String {
     let mut text = format!("{KERNEL} {KERNEL_FINGERPRINT}\n");
     let parts: [(&str, &dyn std::fmt::Debug); 8] = [
         ("rig", &request.params_at(0.0)),
@@ -187,14 +187,14 @@ fn another(dir: &Path, there: &str, ours: &str) -> UserError {
 mod tests {
     use super::*;
     use numerics::NamedRig;
-    use numerics::lanes::Plan;
+    use numerics::lanes::CellPlan;
     use numerics::map::{Grid, Runner};
     use numerics::sweep::Direction;
     use shared::model::params::WIRES;
 
     #[test]
     fn tiles_of_another_version_are_refused_in_one_clear_line() {
-        let request = Request {
+        let request = MapRequest {
             rig: NamedRig {
                 name: "wires".into(),
                 params: WIRES,
@@ -204,7 +204,7 @@ mod tests {
                 frequencies_hz: vec![3.0, 4.0],
             },
             runner: Runner::Lanes,
-            plan: Plan::CHAPTER,
+            plan: CellPlan::CHAPTER,
             settle: None,
             from: Direction::Rest,
         };

@@ -18,7 +18,7 @@ use crate::reference::smoothed::SmoothedReference;
 
 /// How long to follow a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct Span {
     /// Drive periods before the first that counts; the directions turn with the flow meanwhile.
     pub transient: u32,
     /// Drive periods that count, at least [`BLOCKS`].
@@ -103,7 +103,7 @@ pub fn exponents(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
-    plan: Plan,
+    plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let (q, v) = seeds(section);
@@ -120,7 +120,7 @@ pub fn of_smoothed(
     frequency_hz: f64,
     epsilon_m: f64,
     section: [f64; 2],
-    plan: Plan,
+    plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let carrier = SmoothedReference::new(params, frequency_hz, epsilon_m, seeds(section))?;
@@ -141,7 +141,7 @@ fn grow(
     mut carrier: impl Carrier,
     units: [f64; 2],
     frequency_hz: f64,
-    plan: Plan,
+    plan: Span,
 ) -> Result<Exponents, Error> {
     if plan.periods < BLOCKS {
         return Err(Error::LyapunovPeriods {

@@ -10,7 +10,7 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::words::compare::Worded;
 use files::UserError;
-use numerics::compare::{Comparison, Errors, Frame, Question, compare};
+use numerics::compare::{Comparison, ComparisonRequest, Errors, Frame, compare};
 use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -53,7 +53,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
     common.check_out()?;
     let rig = common.rig()?;
-    let question = Question {
+    let question = ComparisonRequest {
         params: rig.params,
         engine: common.engine()?,
         frequency_hz: args.drive.hz(rig.params.natural_frequency_hz()),

@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use files::UserError;
 use numerics::NamedRig;
 use numerics::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
-use numerics::continuation::{Along, End, Request, Special, curves, diagram};
+use numerics::continuation::{Along, End, OrbitsRequest, Special, curves, diagram};
 use numerics::engine::Engine;
 use plot::chart::Chart;
 
@@ -124,7 +124,7 @@ fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
     emit(common.format, &rows, &rows, || curves_text(&rows))
 }
 
-fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
+fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
     let natural_hz = rig.params.natural_frequency_hz();
     let (along, limits) = match args.along {
         Axis::Frequency => {
@@ -168,7 +168,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
             (Along::Gap(hz), (from / unit, to / unit))
         }
     };
-    Ok(Request {
+    Ok(OrbitsRequest {
         along,
         limits,
         periods: args.periods,

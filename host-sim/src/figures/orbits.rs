@@ -11,8 +11,8 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use numerics::continuation::table::{Answer, BranchRow, Name, line_rows};
-use numerics::continuation::{Along, Request, curves, diagram};
-use numerics::lanes::{self, Cell, Plan};
+use numerics::continuation::{Along, OrbitsRequest, curves, diagram};
+use numerics::lanes::{self, Cell, CellPlan};
 use numerics::row::tidy;
 use plot::{Axis, Figure, Item, Panel, Raster, edges};
 
@@ -69,7 +69,7 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
         Effort::Full => (40, 800),
         Effort::Coarse => (8, 20),
     };
-    let request = Request {
+    let request = OrbitsRequest {
         along: Along::Frequency,
         limits: (0.8, 4.0),
         periods: 2,
@@ -242,6 +242,6 @@ fn regimes(gaps_mm: &[f64], frequencies_hz: &[f64]) -> Result<Vec<String>, UserE
             });
         }
     }
-    let outcomes = lanes::run(&cells, &Plan::CHAPTER)?;
+    let outcomes = lanes::run(&cells, &CellPlan::CHAPTER)?;
     Ok(outcomes.iter().map(|o| o.regime.to_string()).collect())
 }

@@ -1,6 +1,6 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
-use numerics::basins::{Basins, Kind, Look};
+use numerics::basins::{Basins, ImpactAfter, Kind};
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, regime_color};
 
 /// The chapter's colours.
@@ -145,14 +145,14 @@ pub fn last_contact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
 
 /// Share of impact over the number of cycles one waits, of the random starts.
 fn looks_panel(basins: &Basins) -> Panel {
-    let looks = &basins.looks;
-    let line = |value: fn(&Look) -> f64| {
-        let points = looks.iter();
+    let over_cycles = &basins.over_cycles;
+    let line = |value: fn(&ImpactAfter) -> f64| {
+        let points = over_cycles.iter();
         points
             .map(|l| (f64::from(l.cycles), 100.0 * value(l)))
             .collect::<Vec<_>>()
     };
-    let of = looks.first().map_or(0, |l| l.impact.of);
+    let of = over_cycles.first().map_or(0, |l| l.impact.of);
     Panel::new(
         Axis::new("drive cycles run when one looks").with_zero(),
         Axis::new("impact, % of the random starts").fixed(0.0, 105.0),
@@ -181,7 +181,7 @@ pub fn figure(basins: &Basins) -> Figure {
         .panel(impact_panel(basins, "impact / no impact"))
         .panel(attractor_panel(basins, "by attractor"))
         .panel(last_contact_panel(basins, "how long it strikes"));
-    if basins.looks.is_empty() {
+    if basins.over_cycles.is_empty() {
         figure
     } else {
         figure.panel(looks_panel(basins))

@@ -12,7 +12,7 @@ use numerics::continuation::family::Node;
 use numerics::continuation::table::{motion_at, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
-use numerics::lanes::{self, Cell, Plan};
+use numerics::lanes::{self, Cell, CellPlan};
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke, regime_color};
 
 /// What simulations show at their strobes: (parameter, value).
@@ -25,7 +25,7 @@ pub struct Simulated {
 }
 
 /// Strobes drawn of each simulation: the last of all cycles, so that no transient is among them.
-const PLAN: Plan = Plan {
+const PLAN: CellPlan = CellPlan {
     cycles: 400,
     recorded: 60,
     early: false,

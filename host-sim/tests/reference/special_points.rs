@@ -3,7 +3,7 @@
 
 use host_sim::progress::Progress;
 use numerics::continuation::{
-    Along, Curve, End, Family, Node, Origin, Request, Special, Until, diagram, march,
+    Along, Curve, End, Family, Node, OrbitsRequest, Origin, Special, Until, diagram, march,
 };
 use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use numerics::orbit::{shoot, shoot_periods};
@@ -170,7 +170,7 @@ fn regime(params: &RigParams, frequency_hz: f64, section: [f64; 2], cycles: u32)
 
 fn curves(gap_m: f64, limits: (f64, f64), periods: u8, starts: usize) -> (RigParams, Vec<Curve>) {
     let params = RigParams { gap_m, ..WIRES };
-    let request = Request {
+    let request = OrbitsRequest {
         along: Along::Frequency,
         limits,
         periods,

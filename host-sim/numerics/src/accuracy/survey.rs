@@ -168,7 +168,7 @@ impl Edge {
     ///
     /// # Errors
     /// None for the presets.
-    pub fn look(compared: &Compared) -> Result<Self, Error> {
+    pub fn of(compared: &Compared) -> Result<Self, Error> {
         let params = compared.point.params();
         let frequency_hz = compared.truth.frequency_hz;
         let nudge = |k: usize| {

@@ -8,7 +8,7 @@ use shared::model::rig::Rig;
 
 use crate::engine::{Engine, Start};
 use crate::error::Error;
-use crate::lanes::{self, Cell, Outcome, Plan};
+use crate::lanes::{self, Cell, CellPlan, Outcome};
 use crate::progress::{Progress, step};
 
 /// Displacement at which the usual window begins, m.
@@ -160,7 +160,7 @@ pub fn fates(
     recorded: u32,
     progress: &dyn Progress,
 ) -> Result<Vec<Fate>, Error> {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles,
         recorded,
         early: true,
@@ -192,7 +192,7 @@ pub fn touching(
     progress: &dyn Progress,
 ) -> Result<Vec<u64>, Error> {
     let until = cycles.last().copied().unwrap_or(0);
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: until,
         recorded,
         early: true,
@@ -227,7 +227,7 @@ fn outcomes(
     engine: Engine,
     drive: &Drive,
     starts: &[[f64; 2]],
-    plan: &Plan,
+    plan: &CellPlan,
 ) -> Result<Vec<Outcome>, Error> {
     let rig = Rig::<f64>::new(&drive.params)?;
     let omega = std::f64::consts::TAU * drive.frequency_hz;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::entropy::{self, Entropy, Uncertainty};
-use super::{Basins, Look, Name, Share};
+use super::{Basins, ImpactAfter, Name, Share};
 
 /// What the basins come to, with units in the names. Shares are from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,7 +47,7 @@ pub struct Summary {
     /// The attractors.
     pub attractors: Vec<AttractorShare>,
     /// Share of impact over the number of cycles.
-    pub over_cycles: Vec<Look>,
+    pub over_cycles: Vec<ImpactAfter>,
     /// Starts (of the grid) an engine was uncertain of.
     pub uncertain: usize,
 }
@@ -117,7 +117,7 @@ impl Summary {
             impact_uncertainty: entropy::uncertainty(&picture, window.columns),
             fractal_by_entropy: boundary.is_some_and(|s| s > entropy::FRACTAL_ABOVE),
             attractors: attractors.collect(),
-            over_cycles: basins.looks.clone(),
+            over_cycles: basins.over_cycles.clone(),
             uncertain: basins.grid.iter().filter(|f| f.uncertain).count(),
         }
     }

@@ -13,7 +13,7 @@ use shared::model::rig::Rig;
 
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::lanes::{self, Cell, Outcome, Plan, Strobe};
+use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
 use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, regime_as_text, tidy};
@@ -92,7 +92,7 @@ pub struct Diagram {
 
 /// What to compute.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct DiagramRequest {
     /// The rig; its own gap is not used.
     pub rig: NamedRig,
     /// Gaps, mm.
@@ -104,12 +104,12 @@ pub struct Request {
     /// What integrates: the event engine runs through [`lanes`].
     pub engine: Engine,
     /// Cycles of each simulation; its strobes are the points.
-    pub plan: Plan,
+    pub plan: CellPlan,
     /// Whether changes are located by bisection between two frequencies.
     pub locate: bool,
 }
 
-impl Request {
+impl DiagramRequest {
     /// Simulations in all, location apart.
     pub fn simulations(&self) -> u64 {
         (self.gaps_mm.len() * self.frequencies_hz.len() * self.directions.len()) as u64
@@ -138,7 +138,7 @@ struct Chain {
 ///
 /// # Errors
 /// A parameter or frequency that cannot be; a hammer that leaves what the model describes.
-pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
+pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
     let mut chains = Vec::new();
     for gap_mm in &request.gaps_mm {
         let params = request.rig.params.with_gap_mm(*gap_mm)?;
@@ -185,7 +185,7 @@ pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagra
 const BATCH: usize = 256;
 
 fn from_rest(
-    request: &Request,
+    request: &DiagramRequest,
     chain: &Chain,
     progress: &dyn Progress,
 ) -> Result<Vec<Station>, Error> {
@@ -202,7 +202,7 @@ fn from_rest(
 }
 
 fn carry(
-    request: &Request,
+    request: &DiagramRequest,
     chains: &[Chain],
     direction: Direction,
     stations: &mut [Vec<Station>],

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Frame, FrequencySource, Question, Simulated};
+use super::{ComparisonRequest, Frame, FrequencySource, Simulated};
 use crate::error::{Error, RecordError};
 use crate::golden::maximum;
 use crate::identify::{EVERY_CONTACT, measure};
@@ -18,7 +18,10 @@ const SHIFTS: u32 = 160;
 const MULTIPLES: u32 = 4;
 
 /// Drive frequencies to try, Hz, and where they are from.
-pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, FrequencySource), Error> {
+pub fn drive(
+    signal: &Signal,
+    question: &ComparisonRequest,
+) -> Result<(Vec<f64>, FrequencySource), Error> {
     if let Some(frequency_hz) = question.frequency_hz {
         return Ok((vec![frequency_hz], FrequencySource::Given));
     }
@@ -48,7 +51,7 @@ pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, Frequenc
 }
 
 /// Whether the cart moves at all: a column that no sensor stands behind holds noise.
-fn moves(cart: &[f64], question: &Question) -> bool {
+fn moves(cart: &[f64], question: &ComparisonRequest) -> bool {
     let n = cart.len() as f64;
     let mean = cart.iter().sum::<f64>() / n;
     let rms = (cart.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();

@@ -27,7 +27,7 @@ pub enum Frame {
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Question {
+pub struct ComparisonRequest {
     /// The rig, with its gap.
     pub params: RigParams,
     /// What simulates.
@@ -172,7 +172,7 @@ pub struct Comparison {
 ///
 /// # Errors
 /// A drive that cannot be found or cannot be, a rig that cannot be, a record too short for one drive period.
-pub fn compare(signal: &Signal, question: &Question) -> Result<Comparison, Error> {
+pub fn compare(signal: &Signal, question: &ComparisonRequest) -> Result<Comparison, Error> {
     let (candidates, from) = align::drive(signal, question)?;
     let mut best: Option<(f64, Simulated, f64)> = None;
     let mut refused = None;
@@ -232,7 +232,7 @@ fn rows(signal: &Signal, simulated: &Simulated, shift_s: f64, frame: Frame) -> V
 /// The figures of a comparison.
 fn errors(
     signal: &Signal,
-    question: &Question,
+    question: &ComparisonRequest,
     simulated: &Simulated,
     (shift_s, frequency_from): (f64, FrequencySource),
     rows: &[Row],
@@ -346,7 +346,7 @@ impl Contacts {
 
 fn notes(
     signal: &Signal,
-    question: &Question,
+    question: &ComparisonRequest,
     simulated: &Simulated,
     errors: &Errors,
 ) -> Vec<Note> {

@@ -50,8 +50,8 @@ fn made_from(
     }
 }
 
-fn question(frequency_hz: Option<f64>) -> Question {
-    Question {
+fn question(frequency_hz: Option<f64>) -> ComparisonRequest {
+    ComparisonRequest {
         params: WIRES,
         engine: Engine::Event,
         start: Start::Rest,
@@ -95,7 +95,7 @@ fn of_two_motions_at_one_frequency_the_start_chooses() {
     let start = Start::Moving(0.0, swing * omega);
     let signal = made_from(start, &params, hz, 0.05, |_| 0.0);
     let seen = |start| {
-        let question = Question {
+        let question = ComparisonRequest {
             params,
             start,
             ..question(Some(hz))

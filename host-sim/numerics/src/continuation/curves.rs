@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use shared::model::params::RigParams;
 
-use super::diagram::{Request, diagram};
+use super::diagram::{OrbitsRequest, diagram};
 use super::family::{Node, dot, minus};
 use super::{Along, Special};
 use crate::error::Error;
@@ -34,7 +34,7 @@ pub fn lines(
     starts: usize,
     progress: &dyn Progress,
 ) -> Result<Vec<Line>, Error> {
-    let request = Request {
+    let request = OrbitsRequest {
         along: Along::Frequency,
         limits: ratios,
         periods: 1,

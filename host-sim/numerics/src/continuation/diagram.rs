@@ -9,12 +9,12 @@ use super::switching::doubled;
 use super::{End, Special, Until, march};
 use crate::engine::Start;
 use crate::error::Error;
-use crate::lanes::{self, Cell, Plan};
+use crate::lanes::{self, Cell, CellPlan};
 use crate::progress::{Progress, check, step};
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Request {
+pub struct OrbitsRequest {
     /// What is varied.
     pub along: Along,
     /// From and to, as Ω/ω or gap/A0.
@@ -27,7 +27,7 @@ pub struct Request {
     pub starts: usize,
 }
 
-impl Request {
+impl OrbitsRequest {
     /// Simulations that look for orbits: the steps of progress that [`diagram`] reports.
     pub fn simulations(&self) -> u64 {
         (STARTS * self.starts) as u64
@@ -141,13 +141,13 @@ pub struct Diagram {
     /// The rig; along [`Along::Gap`] its gap is not used.
     pub params: RigParams,
     /// What was looked for.
-    pub request: Request,
+    pub request: OrbitsRequest,
     /// The curves.
     pub curves: Vec<Curve>,
 }
 
 /// How long a simulation may take to settle.
-const SETTLE: Plan = Plan {
+const SETTLE: CellPlan = CellPlan {
     cycles: 400,
     recorded: 64,
     early: true,
@@ -160,7 +160,7 @@ const SETTLE: Plan = Plan {
 /// A parameter that cannot be, or a simulation that leaves what the model describes.
 pub fn diagram(
     params: &RigParams,
-    request: &Request,
+    request: &OrbitsRequest,
     progress: &dyn Progress,
 ) -> Result<Diagram, Error> {
     let family = Family::new(params, request.along, 1)?;
@@ -198,7 +198,7 @@ fn known(curves: &[Curve], node: &Node) -> bool {
 fn follow_doublings(
     curves: &mut Vec<Curve>,
     from: usize,
-    request: &Request,
+    request: &OrbitsRequest,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     let mut index = from;
@@ -241,7 +241,7 @@ struct Seed {
 }
 
 /// Orbits that simulations settled on, shorter periods first.
-fn seeds(family: &Family, request: &Request) -> Result<Vec<Seed>, Error> {
+fn seeds(family: &Family, request: &OrbitsRequest) -> Result<Vec<Seed>, Error> {
     let (low, high) = request.limits;
     let mut cells = Vec::new();
     let mut parameters = Vec::new();

@@ -205,7 +205,7 @@ pub fn fit(
     let near = 1e-2 * best.cost.abs() + 0.1;
     let starts_agreeing = first.iter().filter(|f| f.cost < best.cost + near).count();
     let degrees = likeness.data().saturating_sub(best.x.len());
-    let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.look(law, m));
+    let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.aligned(law, m));
     let noise_n = at(&best.x).map_or(f64::NAN, |seen| likeness.deviation_n(&seen));
     let noise = profile::Noise::new(
         &best,
@@ -216,7 +216,7 @@ pub fn fit(
     let (profiles, sought) = profile::all(&cost, &unknowns, &mut best, &noise);
     simulations += sought;
     let (law, release_m) = unknowns.read(&best.x).ok_or(Error::SearchLeftRange)?;
-    let seen = likeness.look(law, release_m);
+    let seen = likeness.aligned(law, release_m);
     let parameters: Vec<_> = profiles.iter().map(|p| p.estimate.clone()).collect();
     let data = likeness.data() as f64;
     let mut fit = Fit {
@@ -242,16 +242,16 @@ pub fn fit(
 
 fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
     let row = |(i, (impact, model)): (usize, (&Impact, &Aligned))| {
-        let blow = model.blow.as_ref().map(|b| b.contact);
+        let course = model.course.as_ref().map(|b| b.contact);
         ImpactRow {
             impact: i + 1,
             measured_at_s: impact.at_s,
-            model_at_s: blow.map_or(f64::NAN, |b| b.onset_s),
+            model_at_s: course.map_or(f64::NAN, |b| b.onset_s),
             measured_peak_n: impact.peak_n,
             model_peak_n: model.peak_n,
-            model_contact_time_ms: blow.map_or(0.0, |b| b.duration_s * 1e3),
+            model_contact_time_ms: course.map_or(0.0, |b| b.duration_s * 1e3),
             measured_impulse_n_s: impact.impulse_n_s,
-            model_impulse_n_s: blow.map_or(0.0, |b| b.impulse_n_s),
+            model_impulse_n_s: course.map_or(0.0, |b| b.impulse_n_s),
             residual_n: (model.squares / impact.window.len() as f64).sqrt(),
         }
     };
@@ -283,13 +283,13 @@ pub fn beside(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Vec<[f6
         return Vec::new();
     };
     let likeness = Likeness::new(measured, &params, Misfit::Force);
-    let seen = likeness.look(fit.found, fit.release_m);
+    let seen = likeness.aligned(fit.found, fit.release_m);
     let one = |(impact, model): (&Impact, &Aligned)| {
         let times = &measured.time_s[impact.window.clone()];
         let forces = &measured.force_n[impact.window.clone()];
         let row = |(t, f): (&f64, &f64)| {
             let model_n = model
-                .blow
+                .course
                 .as_ref()
                 .map_or(0.0, |b| b.force(&rig, t - model.onset_s));
             [t - times[0], *f, model_n]

@@ -45,7 +45,7 @@ struct Tail {
 /// The ringing after the releases that `fit` puts into the record; none if what is there is noise.
 pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
     let likeness = Likeness::new(measured, params, Misfit::Force);
-    let seen = likeness.look(fit.found, fit.release_m);
+    let seen = likeness.aligned(fit.found, fit.release_m);
     let tails: Vec<Tail> = measured
         .impacts
         .iter()
@@ -95,7 +95,7 @@ pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
 }
 
 fn tail(measured: &Measured, from: usize, model: &Aligned) -> Option<Tail> {
-    let contact = model.blow.as_ref()?.contact;
+    let contact = model.course.as_ref()?.contact;
     let release = model.onset_s + contact.duration_s;
     let times = &measured.time_s[from..];
     // The law may let go a little early or late: a tenth of the contact is left out.

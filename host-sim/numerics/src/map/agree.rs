@@ -7,11 +7,11 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 
 use super::compute::cell_from_rest;
-use super::request::Request;
+use super::request::MapRequest;
 use super::{Map, MapCell};
 use crate::engine::Engine;
 use crate::error::{Error, MapError};
-use crate::lanes::{Plan, by_engine};
+use crate::lanes::{CellPlan, by_engine};
 use crate::progress::{Progress, step};
 use crate::sweep::Direction;
 
@@ -73,7 +73,7 @@ pub fn same_label(a: Regime, b: Regime) -> bool {
 /// # Errors
 /// A map whose state was carried (its cells do not stand alone); a cell that cannot be run.
 pub fn audit(
-    request: &Request,
+    request: &MapRequest,
     map: &Map,
     (count, seed): (usize, u64),
     progress: &dyn Progress,
@@ -88,7 +88,7 @@ pub fn audit(
     for portion in chosen.chunks(64) {
         let cells = portion.iter().map(|i| cell_from_rest(request, *i));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
-        let plan = |cycles: u32| Plan {
+        let plan = |cycles: u32| CellPlan {
             cycles,
             early: false,
             ..request.plan
@@ -111,7 +111,7 @@ pub fn audit(
 ///
 /// # Errors
 /// As [`audit`].
-pub fn check_audit(request: &Request) -> Result<(), Error> {
+pub fn check_audit(request: &MapRequest) -> Result<(), Error> {
     if request.from == Direction::Rest {
         return Ok(());
     }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use shared::model::regime::Regime;
 
 pub use self::agree::{Agreement, Similarity, audit, similarity};
-pub use self::request::{Request, Runner};
+pub use self::request::{MapRequest, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
 pub use self::summary::Summary;
 use crate::lanes::Outcome;

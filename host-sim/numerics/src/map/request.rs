@@ -7,7 +7,7 @@ use shared::model::params::{RigParams, WIRES};
 use super::Grid;
 use crate::engine::{Setting, check_frequency};
 use crate::error::{Error, MapError};
-use crate::lanes::Plan;
+use crate::lanes::CellPlan;
 use crate::row::NamedRig;
 use crate::row::tidy;
 use crate::sweep::Direction;
@@ -36,7 +36,7 @@ impl Runner {
 
 /// Everything that decides what a map shows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct MapRequest {
     /// The rig; its own gap does not count.
     pub rig: NamedRig,
     /// The cells.
@@ -44,7 +44,7 @@ pub struct Request {
     /// What runs them.
     pub runner: Runner,
     /// Cycles, and how many of the last are recorded.
-    pub plan: Plan,
+    pub plan: CellPlan,
     /// Cells that have not settled run on up to so many cycles; none: they stay as they are.
     pub settle: Option<u32>,
     /// From rest, or the state carried up or down the frequencies of each gap.
@@ -61,7 +61,7 @@ const SLOW_TILE_CELLS: usize = 128;
 const TILE_GAPS: usize = 32;
 const SLOW_TILE_GAPS: usize = 1;
 
-impl Request {
+impl MapRequest {
     /// Cells of every tile but the last, which may have fewer. It depends on the request alone.
     pub fn tile_cells(&self) -> usize {
         let slow = self.runner != Runner::Lanes;
@@ -108,7 +108,7 @@ impl Request {
         for hz in &self.grid.frequencies_hz {
             check_frequency(*hz, &self.rig.params)?;
         }
-        let Plan {
+        let CellPlan {
             cycles, recorded, ..
         } = self.plan;
         if cycles == 0 {
@@ -124,7 +124,7 @@ impl Request {
     }
 }
 
-impl Request {
+impl MapRequest {
     /// Refuses tiles that are not there.
     ///
     /// # Errors
@@ -187,7 +187,7 @@ mod tests {
             (Direction::Up, Runner::Lanes),
             (Direction::Down, Runner::Reference),
         ] {
-            let request = Request {
+            let request = MapRequest {
                 rig: NamedRig {
                     name: "wires".into(),
                     params: WIRES,
@@ -197,7 +197,7 @@ mod tests {
                     frequencies_hz: (1..=59).map(f64::from).collect(),
                 },
                 runner,
-                plan: Plan::CHAPTER,
+                plan: CellPlan::CHAPTER,
                 settle: None,
                 from,
             };

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::compute;
-use super::request::Request;
+use super::request::MapRequest;
 use super::{Map, MapCell};
 use crate::error::{Error, MapError};
 use crate::progress::{Progress, check, step};
@@ -34,7 +34,7 @@ pub trait Tiles: Sync {
 /// # Errors
 /// A request that cannot be run; a disk that refuses.
 pub fn run(
-    request: &Request,
+    request: &MapRequest,
     store: Option<&dyn Tiles>,
     progress: &dyn Progress,
 ) -> Result<Map, Error> {
@@ -48,7 +48,7 @@ pub fn run(
 /// # Errors
 /// As [`run`]; also a range beyond the last tile.
 pub fn run_tiles(
-    request: &Request,
+    request: &MapRequest,
     range: Range<usize>,
     store: &dyn Tiles,
     progress: &dyn Progress,
@@ -62,7 +62,7 @@ pub fn run_tiles(
 ///
 /// # Errors
 /// One line that names the tiles that are missing or damaged.
-pub fn merge(request: &Request, store: &dyn Tiles) -> Result<Map, Error> {
+pub fn merge(request: &MapRequest, store: &dyn Tiles) -> Result<Map, Error> {
     request.check()?;
     let read = |index: usize| store.read(index, request.tile(index).len());
     let tiles: Vec<_> = (0..request.tiles()).into_par_iter().map(read).collect();
@@ -78,7 +78,7 @@ pub fn merge(request: &Request, store: &dyn Tiles) -> Result<Map, Error> {
 }
 
 fn tiles(
-    request: &Request,
+    request: &MapRequest,
     range: Range<usize>,
     store: Option<&dyn Tiles>,
     progress: &dyn Progress,
@@ -105,7 +105,7 @@ fn tiles(
     range.into_par_iter().map(one).collect()
 }
 
-fn assemble(request: &Request, tiles: Vec<Vec<MapCell>>) -> Map {
+fn assemble(request: &MapRequest, tiles: Vec<Vec<MapCell>>) -> Map {
     let mut cells = Vec::with_capacity(request.grid.len());
     for tile in tiles {
         cells.extend(tile);

@@ -18,7 +18,7 @@ mod observe;
 
 pub use beam::{Beam, BendingMode, Tip};
 pub use hammer::{Hammer, Watch};
-pub use observe::{Plan, Row, Seen, observe};
+pub use observe::{ModalObservation, ModesRequest, Row, observe};
 
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};

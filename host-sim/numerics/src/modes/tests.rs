@@ -192,8 +192,8 @@ fn three_modes_move_as_a_plain_integration_says() {
 #[test]
 fn a_flight_is_never_followed_through_the_surface() {
     // At every contact step and on a fine grid of the flights: δ > 0 with F > 0 is contact, nothing else.
-    struct Look(ModalRig, f64);
-    impl Watch for Look {
+    struct Deepest(ModalRig, f64);
+    impl Watch for Deepest {
         fn flight(&mut self, flight: &Flight, from: f64, to: f64) {
             let n = ((to - from) / 5e-6).ceil();
             for k in 1..n as usize {
@@ -217,12 +217,16 @@ fn a_flight_is_never_followed_through_the_surface() {
         )
         .unwrap();
         let mut hammer = Hammer::at_rest(rig.clone(), ratio * 5.25);
-        let mut look = Look(rig, 0.0);
+        let mut deepest = Deepest(rig, 0.0);
         let onsets: u32 = (0..40)
-            .map(|_| u32::from(hammer.run_period(&mut look).onsets))
+            .map(|_| u32::from(hammer.run_period(&mut deepest).onsets))
             .sum();
         assert!(onsets > 0);
-        assert!(look.1 == 0.0, "{ratio}: {} m inside, in flight", look.1);
+        assert!(
+            deepest.1 == 0.0,
+            "{ratio}: {} m inside, in flight",
+            deepest.1
+        );
     }
 }
 

@@ -5,7 +5,7 @@ use shared::model::regime::Regime;
 
 use super::{Limits, Pick, Uncertainty, pick, steps};
 use crate::basins::start::{self, Drive, Fate, Window};
-use crate::basins::{Query, Share};
+use crate::basins::{BasinsRequest, Share};
 use crate::engine::Engine;
 use crate::error::Error;
 use crate::progress::Progress;
@@ -166,13 +166,13 @@ fn fates(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<Fate>, Error> {
-    let Query {
+    let BasinsRequest {
         window,
         phase,
         cycles,
         recorded,
         ..
-    } = Query::usual(rig.clone(), frequency_hz, 1, 1);
+    } = BasinsRequest::usual(rig.clone(), frequency_hz, 1, 1);
     let drive = Drive {
         params: rig.params,
         frequency_hz,

@@ -144,7 +144,7 @@ pub fn maximise<T>(
         nodes[i.saturating_sub(1)],
         nodes[(i + 1).min(nodes.len() - 1)],
     );
-    let look = |hz: f64| {
+    let value_at = |hz: f64| {
         let Some((force, what)) = value(hz) else {
             return f64::NEG_INFINITY;
         };
@@ -154,7 +154,7 @@ pub fn maximise<T>(
         }
         force
     };
-    maximum(look, around, FREQUENCY_TOLERANCE * high, anchor);
+    maximum(value_at, around, FREQUENCY_TOLERANCE * high, anchor);
     Some(found)
 }
 

@@ -8,7 +8,7 @@ use shared::model::regime::Detector;
 use shared::model::rig::Rig;
 
 use super::cloud::{Apart, apart};
-use super::{Portrait, Request, portrait};
+use super::{Portrait, SectionRequest, portrait};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
 use crate::progress::{Progress, check, step};
@@ -21,13 +21,13 @@ pub struct Smoothing {
     pub epsilon_m: f64,
     /// Section at drive phase 0: displacement (mm) and velocity (m/s) relative to the cart.
     pub points: Vec<(f64, f64)>,
-    /// What is told of it.
-    pub told: Told,
+    /// Its figures.
+    pub summary: SectionSummary,
 }
 
-/// What is told of a section.
+/// The figures of a section.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Told {
+pub struct SectionSummary {
     /// "switch", "switch, another start" or "smoothed".
     pub model: &'static str,
     /// ε_α, m; none for the switch.
@@ -55,10 +55,10 @@ pub struct Told {
 pub struct Against {
     /// The switch's portrait.
     pub exact: Portrait,
-    /// What is told of it.
-    pub told: Told,
+    /// Its figures.
+    pub summary: SectionSummary,
     /// The switch again, from another start: no distance below this one's means anything.
-    pub again: Told,
+    pub again: SectionSummary,
     /// By falling width.
     pub smoothed: Vec<Smoothing>,
 }
@@ -67,14 +67,14 @@ pub struct Against {
 /// sticks, the middle one is periodic, and the narrowest is chaotic as the switch is.
 pub const WIDTHS_M: [f64; 3] = [1e-6, 3e-7, 1e-7];
 
-/// Drive periods an exponent is told from, at most.
+/// Most drive periods that an exponent is computed over.
 const EXPONENT_PERIODS: u32 = 2000;
 
 impl Against {
-    /// Everything told, the switch first.
-    pub fn rows(&self) -> Vec<Told> {
-        let switch = [self.told.clone(), self.again.clone()];
-        let smoothed = self.smoothed.iter().map(|s| s.told.clone());
+    /// All figures, the switch first.
+    pub fn rows(&self) -> Vec<SectionSummary> {
+        let switch = [self.summary.clone(), self.again.clone()];
+        let smoothed = self.smoothed.iter().map(|s| s.summary.clone());
         switch.into_iter().chain(smoothed).collect()
     }
 }
@@ -84,13 +84,13 @@ impl Against {
 /// # Errors
 /// As [`portrait`] and [`SmoothedReference::new`].
 pub fn against(
-    request: &Request,
+    request: &SectionRequest,
     widths_m: &[f64],
     progress: &dyn Progress,
 ) -> Result<Against, Error> {
     let mut widths = widths_m.to_vec();
     widths.sort_by(|a, b| b.total_cmp(a));
-    let request = Request {
+    let request = SectionRequest {
         phases: vec![0.0],
         ..request.clone()
     };
@@ -99,7 +99,7 @@ pub fn against(
     let [q, v] = request.start.section(&rig, omega)?;
     let units = (rig.amplitude() * 1e3, rig.amplitude() * omega);
     // Another start on the same attractor: shifted so far that the two forget each other within the transient.
-    let other = Request {
+    let other = SectionRequest {
         start: crate::engine::Start::Section([q - 0.01 * rig.coordinate_scale(), v]),
         ..request.clone()
     };
@@ -124,20 +124,20 @@ pub fn against(
     };
     let reference = cloud(&points_of(&exact));
     let distance = |points: &[(f64, f64)]| apart(&reference, &cloud(points));
-    let plan = lyapunov::Plan {
+    let plan = lyapunov::Span {
         transient: request.transient,
         periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
     };
     let exponents = lyapunov::exponents(&request.params, request.frequency_hz, [q, v], plan).ok();
     let switch = |model, portrait: &Portrait, exponents: Option<Exponents>| {
-        let told = Steps {
+        let steps = Steps {
             section_periods: portrait.regime.periods(),
             per_period: portrait.steps_per_period,
         };
-        tell(
+        summary(
             model,
             None,
-            told,
+            steps,
             distance(&points_of(portrait)),
             exponents,
             request.frequency_hz,
@@ -152,7 +152,7 @@ pub fn against(
             plan,
         );
         let hz = request.frequency_hz;
-        let told = tell(
+        let summary = summary(
             "smoothed",
             Some(epsilon),
             steps,
@@ -163,11 +163,11 @@ pub fn against(
         Smoothing {
             epsilon_m: epsilon.0,
             points,
-            told,
+            summary,
         }
     });
     Ok(Against {
-        told: switch("switch", &exact, exponents),
+        summary: switch("switch", &exact, exponents),
         again: switch("switch, another start", &again, None),
         smoothed: smoothed.collect(),
         exact,
@@ -179,15 +179,15 @@ struct Steps {
     per_period: f64,
 }
 
-fn tell(
+fn summary(
     model: &'static str,
     epsilon: Option<(f64, f64)>,
     steps: Steps,
     apart: Apart,
     exponents: Option<Exponents>,
     frequency_hz: f64,
-) -> Told {
-    Told {
+) -> SectionSummary {
+    SectionSummary {
         model,
         epsilon_m: epsilon.map(|e| e.0),
         epsilon_n: epsilon.map(|e| e.1),
@@ -212,7 +212,7 @@ fn points_of(portrait: &Portrait) -> Vec<(f64, f64)> {
 /// The section of the smoothed model.
 type Ran = ((f64, f64), Vec<(f64, f64)>, Steps);
 
-fn run(request: &Request, width_m: f64, progress: &dyn Progress) -> Result<Ran, Error> {
+fn run(request: &SectionRequest, width_m: f64, progress: &dyn Progress) -> Result<Ran, Error> {
     let params = &request.params;
     let rig = Rig::<f64>::new(params)?;
     let omega = std::f64::consts::TAU * request.frequency_hz;
@@ -231,7 +231,7 @@ fn run(request: &Request, width_m: f64, progress: &dyn Progress) -> Result<Ran, 
         if !(q.is_finite() && v.is_finite()) {
             return Err(MotionError::LostSmoothed { width_m }.into());
         }
-        // A smoothed contact has no beginning to count: only the section is told.
+        // A smoothed contact has no beginning to count: only the section is used.
         let touched = Period {
             touched: true,
             ..Period::default()

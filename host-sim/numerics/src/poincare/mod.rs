@@ -18,7 +18,7 @@ use crate::reference::{Observer, Reference, Segment};
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct SectionRequest {
     /// The rig, with its gap.
     pub params: RigParams,
     /// Drive frequency, Hz.
@@ -98,8 +98,8 @@ impl Observer for Strober<'_> {
 ///
 /// # Errors
 /// A parameter, frequency, start or phase that cannot be; a hammer that leaves what the model describes.
-pub fn portrait(request: &Request, progress: &dyn Progress) -> Result<Portrait, Error> {
-    let Request {
+pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Portrait, Error> {
+    let SectionRequest {
         params,
         frequency_hz,
         ..

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use shared::model::params::{RigParams, WIRES};
 
 use super::*;
-use crate::basins::{self, Query};
+use crate::basins::{self, BasinsRequest};
 use crate::bifurcation;
 use crate::engine::{self, Engine};
 use crate::lanes;
@@ -64,7 +64,7 @@ fn wires(gap_mm: f64) -> NamedRig {
     }
 }
 
-const PLAN: lanes::Plan = lanes::Plan {
+const PLAN: lanes::CellPlan = lanes::CellPlan {
     cycles: 20,
     recorded: 10,
     early: true,
@@ -74,7 +74,7 @@ const PLAN: lanes::Plan = lanes::Plan {
 #[test]
 fn a_map_ends_from_rest_and_carried() {
     for (from, at_once) in [(Direction::Rest, 2048), (Direction::Up, 32 * 200)] {
-        let request = map::Request {
+        let request = map::MapRequest {
             rig: wires(0.0),
             grid: Grid {
                 gaps_mm: spread(0.0, 2.0, 100),
@@ -116,12 +116,12 @@ fn a_sweep_ends_in_every_direction() {
 
 #[test]
 fn basins_end_on_the_grid_and_among_the_random_starts() {
-    let query = Query {
+    let query = BasinsRequest {
         cycles: 20,
         recorded: 10,
         samples: 1000,
         until: 40,
-        ..Query::usual(wires(2.0), 3.6, 80, 80)
+        ..BasinsRequest::usual(wires(2.0), 3.6, 80, 80)
     };
     ends_when_asked((query.runs(), 4096), |progress| {
         basins::explore(Engine::Event, &query, progress)
@@ -130,13 +130,13 @@ fn basins_end_on_the_grid_and_among_the_random_starts() {
 
 #[test]
 fn a_bifurcation_diagram_ends_before_its_changes_are_located() {
-    let request = bifurcation::Request {
+    let request = bifurcation::DiagramRequest {
         rig: wires(0.0),
         gaps_mm: vec![0.0],
         frequencies_hz: spread(2.0, 5.0, 400),
         directions: vec![Direction::Rest, Direction::Up],
         engine: Engine::Event,
-        plan: lanes::Plan { strobes: 8, ..PLAN },
+        plan: lanes::CellPlan { strobes: 8, ..PLAN },
         locate: true,
     };
     ends_when_asked((request.simulations(), 256), |progress| {

@@ -279,7 +279,7 @@ impl<R: Scalar> Reference<R> {
             let step = self.field().step(&self.point, length, self.units);
             self.steps += 1;
             if step.error > 1.0 {
-                self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
+                self.next_step = tableau::shorter(h, step.error);
                 continue;
             }
             if let Some(at) =
@@ -297,8 +297,7 @@ impl<R: Scalar> Reference<R> {
                 self.point.t = R::ZERO;
                 return period;
             }
-            let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
-            self.next_step = h * growth;
+            self.next_step = tableau::next(h, step.error);
         }
         // A motion that needs so many steps is none the model describes: say so by a state that is no
         // number, which every reader tests for.

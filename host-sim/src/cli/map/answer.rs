@@ -5,11 +5,11 @@ use serde::Serialize;
 use super::requests;
 use files::UserError;
 use numerics::map::measured::Hits;
-use numerics::map::{Agreement, Map, MapCell, Request, Similarity, Summary};
+use numerics::map::{Agreement, Map, MapCell, MapRequest, Similarity, Summary};
 
 /// Everything that was found.
 pub struct Answer<'a> {
-    pub requests: &'a [Request],
+    pub requests: &'a [MapRequest],
     pub maps: &'a [Map],
     pub summaries: Vec<Summary>,
     pub audit: Option<Agreement>,
@@ -78,7 +78,7 @@ impl Answer<'_> {
     }
 }
 
-fn map<'a>(request: &'a Request, map: &'a Map, summary: &'a Summary) -> MapJson<'a> {
+fn map<'a>(request: &'a MapRequest, map: &'a Map, summary: &'a Summary) -> MapJson<'a> {
     MapJson {
         name: requests::name(request),
         rig: &map.rig.name,

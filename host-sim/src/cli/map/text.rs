@@ -7,7 +7,7 @@ use shared::model::regime::Regime;
 use super::answer::Answer;
 use crate::words;
 use crate::words::map::percent;
-use numerics::map::{Map, Request, Summary};
+use numerics::map::{Map, MapRequest, Summary};
 use plot::chart::terminal_width;
 
 /// Regimes named one by one.
@@ -44,8 +44,8 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
     text
 }
 
-fn one(request: &Request, map: &Map, summary: &Summary) -> String {
-    let Request { plan, settle, .. } = request;
+fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
+    let MapRequest { plan, settle, .. } = request;
     let ends = |values: &[f64], unit: &str| match values {
         [first, .., last] => format!("{first:?} to {last:?} {unit}"),
         [one] => format!("{one:?} {unit}"),
