@@ -88,7 +88,7 @@ const MOST_SAMPLES: f64 = 5e6;
 /// does not reach the surface, first.
 ///
 /// # Errors
-/// A release that is not out of contact, or out of the rig's reach.
+/// If the release is not clear of the surface, or out of the rig's reach.
 pub fn impacts(
     params: &RigParams,
     rig: &Rig<f64>,
@@ -131,7 +131,7 @@ fn released<'a>(
 /// The record.
 ///
 /// # Errors
-/// A parameter that cannot be, or a hammer that never strikes.
+/// If a parameter is out of range, or the hammer never reaches the surface.
 pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
     let rig = Rig::<f64>::new(params)?;
     let courses = impacts(params, &rig, test.release_m, test.impacts)?;

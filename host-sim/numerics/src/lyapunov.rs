@@ -25,7 +25,7 @@ pub struct Span {
     pub periods: u32,
 }
 
-/// The standard error is told from the spread of this many equal stretches of the trajectory.
+/// The standard error is computed from the spread of this many equal stretches of the trajectory.
 pub const BLOCKS: u32 = 20;
 
 /// The two exponents of a trajectory.
@@ -35,7 +35,7 @@ pub struct Exponents {
     pub largest_per_s: f64,
     /// Its standard error, 1/s, from the means of [`BLOCKS`] stretches.
     pub standard_error_per_s: f64,
-    /// The other one, 1/s. None where it is lost in rounding beside the largest, as in a long stay on the surface.
+    /// The other one, 1/s. None where it is lost in rounding beside the largest, as in a sustained contact.
     pub other_per_s: Option<f64>,
     /// Largest exponent in nats per drive period.
     pub largest_per_period: f64,
@@ -97,8 +97,8 @@ impl Carrier for SmoothedReference<Dual<2>> {
 /// at drive phase 0).
 ///
 /// # Errors
-/// A parameter, frequency or plan that cannot be; a hammer that leaves what the model describes; a motion that
-/// forgets its past within one drive period more thoroughly than a number can say, as when the hammer stays pressed on.
+/// If a parameter, the frequency or the number of periods is out of range, if the hammer leaves what the model
+/// describes, or if the derivative of a drive period underflows, as in sustained contact over whole periods.
 pub fn exponents(
     params: &RigParams,
     frequency_hz: f64,
@@ -196,9 +196,9 @@ fn triangle([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<([Option<f64>; 2], [f64; 
     let size = first.hypot(b.hypot(d));
     // The smaller direction is kept alive whatever it is, or it could never grow again.
     let held = second.max(ROUNDING * size);
-    let told = (second > ROUNDING * size).then(|| second.ln());
+    let other = (second > ROUNDING * size).then(|| second.ln());
     let back = [1.0 / first, -across / (first * held), 1.0 / held];
-    Some(([Some(first.ln()), told], back))
+    Some(([Some(first.ln()), other], back))
 }
 
 /// Means and standard error of what was booked per period.

@@ -1,4 +1,4 @@
-//! Telling attractors apart: by regime, and two of the same p/n by where their section lies.
+//! Attractors are distinguished by regime, and two of the same p/n by where their section lies.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -9,11 +9,11 @@ use shared::model::regime::Regime;
 use super::start::Fate;
 
 /// Two orbits of the same p/n are one attractor when a chain of orbits leads from one to the other whose sections' middles
-/// lie no farther apart than about this, in A0 and A0 Ω. A run that is told periodic may still be some
+/// lie no farther apart than about this, in A0 and A0 Ω. A run that counts as periodic may still be some
 /// [`shared::model::regime::SECTION_TOLERANCE`] per cycle away from where it is going, so this is much wider.
 const NEAR: f64 = 0.05;
 
-/// Motions that count as the same where nothing else tells them apart.
+/// The kind of motion of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// No contact.
@@ -103,7 +103,7 @@ pub struct Attractor {
 /// The attractors that `fates` end in, largest first, and which one each ends in.
 ///
 /// All motions without contact are one attractor: without damping they go on as they began. All motions that do not
-/// repeat are one, too: after a few hundred cycles nothing tells two of them apart.
+/// repeat are one, too: after a few hundred cycles nothing distinguishes two of them.
 pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
     let mut by_kind: Vec<(Kind, Vec<usize>)> = Vec::new();
     for (i, fate) in fates.iter().enumerate() {

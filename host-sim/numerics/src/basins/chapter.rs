@@ -57,7 +57,7 @@ impl Point {
     /// The question the figure answers, on a grid of `columns` by `rows`.
     ///
     /// # Errors
-    /// The preset is not there, which no point's is.
+    /// If there is no such preset, which no point of [`POINTS`] names.
     pub fn query(&self, columns: usize, rows: usize) -> Result<BasinsRequest, Error> {
         let params = preset(self.rig).ok_or_else(|| Error::Preset(self.rig.to_owned()))?;
         let mut rig = NamedRig {

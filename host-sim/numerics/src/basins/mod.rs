@@ -78,7 +78,7 @@ impl BasinsRequest {
     /// Refuses what cannot be asked, before anything runs.
     ///
     /// # Errors
-    /// One line that says what is wrong.
+    /// If the window, the number of cells, the phase or the cycles are out of range.
     pub fn check(&self) -> Result<(), Error> {
         let [x, v] = [self.window.displacement_m, self.window.velocity_m_per_s];
         for (side, [from, to]) in [(Side::Displacement, x), (Side::Velocity, v)] {
@@ -150,7 +150,8 @@ pub struct Basins {
 /// Finds the basins.
 ///
 /// # Errors
-/// A window, count, parameter, frequency or phase that cannot be; a start out of reach.
+/// As [`BasinsRequest::check`]; also if a parameter or the frequency is out of range, if a start is out of the rig's
+/// reach, or if the work is interrupted.
 pub fn explore(
     engine: Engine,
     query: &BasinsRequest,

@@ -1,4 +1,4 @@
-//! Where hammers start, and what becomes of each.
+//! Where hammers start, and what each ends in.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -91,7 +91,7 @@ pub struct Drive {
     pub phase: f64,
 }
 
-/// What became of one start.
+/// What one start ended in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fate {
     /// Displacement (m) and velocity (m/s) at the start.
@@ -147,11 +147,11 @@ impl Fate {
     }
 }
 
-/// Lets hammers go at `starts` (m and m/s, relative to the cart) and tells what becomes of each, in order.
+/// What hammers released at `starts` (m and m/s, relative to the cart) end in, in order.
 ///
 /// # Errors
-/// A start out of the rig's reach or deep inside the surface; parameters, frequency or phase that cannot be; a
-/// hammer that leaves what the model describes.
+/// If a start is out of the rig's reach or deep inside the surface, if a parameter, the frequency or the phase is out
+/// of range, or if the hammer leaves what the model describes, or if the work is interrupted.
 pub fn fates(
     engine: Engine,
     drive: &Drive,

@@ -32,7 +32,7 @@ pub struct Summary {
     pub recorded: u32,
     /// Share of the grid that has a contact in the recorded cycles.
     pub impact_share: f64,
-    /// The mesh's error of it; none for a grid too small to tell.
+    /// The mesh's error of it; `None` if the grid is too small.
     pub impact_share_mesh_error: Option<f64>,
     /// The same of the random starts, with its 95 % interval; none without.
     pub impact_share_random: Option<Share>,

@@ -63,7 +63,7 @@ pub struct Point {
 /// What one frequency of a diagram showed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// Regime and force, as `sweep` tells them.
+    /// Regime and force, as in a [`mod@crate::sweep`].
     pub row: Row,
     /// Points of the section, oldest first: as many as the motion has periods; if it does not repeat, all recorded.
     pub points: Vec<Point>,
@@ -137,7 +137,8 @@ struct Chain {
 /// frequency, each from where it was.
 ///
 /// # Errors
-/// A parameter or frequency that cannot be; a hammer that leaves what the model describes.
+/// If a parameter or a frequency is out of range, or if the hammer leaves what the model describes, or if the work is
+/// interrupted.
 pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
     let mut chains = Vec::new();
     for gap_mm in &request.gaps_mm {

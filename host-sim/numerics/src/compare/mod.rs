@@ -171,7 +171,8 @@ pub struct Comparison {
 /// Lays `signal` over a simulation.
 ///
 /// # Errors
-/// A drive that cannot be found or cannot be, a rig that cannot be, a record too short for one drive period.
+/// If the drive frequency is not found or out of range, if a parameter is out of range, or if the record is shorter
+/// than one drive period.
 pub fn compare(signal: &Signal, question: &ComparisonRequest) -> Result<Comparison, Error> {
     let (candidates, from) = align::drive(signal, question)?;
     let mut best: Option<(f64, Simulated, f64)> = None;

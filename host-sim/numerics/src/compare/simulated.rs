@@ -52,7 +52,7 @@ impl Simulated {
     /// The hammer of `question` driven at `frequency_hz` from its start, settled.
     ///
     /// # Errors
-    /// A rig or frequency that cannot be.
+    /// If a parameter or the frequency is out of range.
     pub fn new(question: &ComparisonRequest, frequency_hz: f64) -> Result<Self, Error> {
         let plan = Plan {
             // The last periods are sampled; there must be enough of them.

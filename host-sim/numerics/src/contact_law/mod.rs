@@ -85,7 +85,7 @@ pub struct Row {
 /// One law at each of `speeds` (m/s, positive).
 ///
 /// # Errors
-/// A parameter out of range, or a speed at which the contact does not end.
+/// If a parameter is out of range, or a contact does not end.
 pub fn rows(name: &str, law: Law<f64>, mass_kg: f64, speeds: &[f64]) -> Result<Vec<Row>, Error> {
     let params = free_mass(mass_kg, law);
     let rig = Rig::<f64>::new(&params)?;

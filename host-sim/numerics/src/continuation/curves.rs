@@ -23,7 +23,7 @@ pub struct Line {
 const NEAR: f64 = 0.35;
 
 /// The lines of special points of the 1/1 at `gaps_m` (rising), between two ratios Ω/ω. At each gap, simulations at
-/// `starts` frequencies look for 1/1.
+/// `starts` frequencies search for 1/1.
 ///
 /// # Errors
 /// As [`diagram`].

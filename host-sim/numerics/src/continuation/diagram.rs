@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan};
 use crate::progress::{Progress, check, step};
 
-/// What is looked for.
+/// What is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitsRequest {
     /// What is varied.
@@ -23,12 +23,12 @@ pub struct OrbitsRequest {
     pub periods: u8,
     /// Orbits of up to so many contacts.
     pub impacts: u16,
-    /// Values of the parameter at which simulations look for orbits.
+    /// Values of the parameter at which simulations search for orbits.
     pub starts: usize,
 }
 
 impl OrbitsRequest {
-    /// Simulations that look for orbits: the steps of progress that [`diagram`] reports.
+    /// Simulations that search for orbits: the steps of progress that [`diagram`] reports.
     pub fn simulations(&self) -> u64 {
         (STARTS * self.starts) as u64
     }
@@ -140,7 +140,7 @@ impl Curve {
 pub struct Diagram {
     /// The rig; along [`Along::Gap`] its gap is not used.
     pub params: RigParams,
-    /// What was looked for.
+    /// What was searched for.
     pub request: OrbitsRequest,
     /// The curves.
     pub curves: Vec<Curve>,
@@ -157,7 +157,7 @@ const SETTLE: CellPlan = CellPlan {
 /// Finds and follows the curves.
 ///
 /// # Errors
-/// A parameter that cannot be, or a simulation that leaves what the model describes.
+/// If a parameter is out of range, if a simulation leaves what the model describes, or if the work is interrupted.
 pub fn diagram(
     params: &RigParams,
     request: &OrbitsRequest,

@@ -265,14 +265,14 @@ fn branch_row(curve: &Curve, name: Name, names: &[Name], diagram: &Diagram) -> B
 
 /// The curve cut where stability changes, which is at special points: neighbours share the orbit at the cut.
 pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], bool)> {
-    // A special orbit lies on the border; the other end of the piece tells.
+    // A special orbit lies between stable and unstable ones; the other end of the piece decides.
     let of = |pair: &[Node]| {
-        let tells = if pair[0].special.is_some() {
+        let deciding = if pair[0].special.is_some() {
             &pair[1]
         } else {
             &pair[0]
         };
-        tells.orbit.is_stable()
+        deciding.orbit.is_stable()
     };
     let mut found = Vec::new();
     let mut from = 0;

@@ -1,4 +1,4 @@
-//! How like the measured impacts the model's are.
+//! How similar the model's impacts are to the measured ones.
 //!
 //! Impacts are compared one by one, the n-th with the n-th, each shifted in time to where it fits best: the flight
 //! in between is not what is sought, and the surface's flexibility makes it differ (section 3.3.2).

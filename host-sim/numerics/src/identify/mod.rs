@@ -12,7 +12,6 @@ mod search;
 mod unknowns;
 mod warnings;
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::contact::Law;
 use shared::model::params::RigParams;
@@ -23,7 +22,6 @@ use crate::signal::Signal;
 pub use contacts::{Impact, Measured};
 pub use likeness::{Aligned, Likeness};
 pub use profile::{Estimate, Profile};
-use search::nelder_mead;
 pub use unknowns::Unknowns;
 pub use warnings::Warning;
 
@@ -167,7 +165,7 @@ pub struct Fit {
 /// The parameters of `family` that make `params`' hammer strike as `measured`.
 ///
 /// # Errors
-/// A rig or release that cannot be, or a record the hammer of this rig cannot have made.
+/// If a parameter or the release is out of range, or if the hammer released there has no contact.
 pub fn fit(
     measured: &Measured,
     params: &RigParams,
@@ -181,29 +179,12 @@ pub fn fit(
         Some((law, release_m)) => likeness.cost(law, release_m),
         None => unknowns.beyond(x),
     };
-    let starts = unknowns.starts();
-    let first: Vec<_> = starts
-        .par_iter()
-        .map(|x| nelder_mead(&cost, x, unknowns.steps(), 1e-3, 80))
-        .collect();
-    let mut simulations: u64 = first.iter().map(|f| f.evaluations).sum();
-    let by_cost = |a: &&search::Found, b: &&search::Found| a.cost.total_cmp(&b.cost);
-    let best = first.iter().min_by(by_cost).cloned();
-    let mut best = best.ok_or(Error::Record {
+    let searched = search::from_all(&cost, &unknowns.starts(), unknowns.steps());
+    let searched = searched.ok_or(Error::Record {
         record: measured.name.clone(),
         what: RecordError::NothingToSearch,
     })?;
-    // A simplex that has collapsed is opened again, smaller.
-    for share in [0.3, 0.05] {
-        let steps: Vec<f64> = unknowns.steps().iter().map(|s| s * share).collect();
-        let again = nelder_mead(&cost, &best.x, &steps, 1e-9, 200);
-        simulations += again.evaluations;
-        if again.cost < best.cost {
-            best = again;
-        }
-    }
-    let near = 1e-2 * best.cost.abs() + 0.1;
-    let starts_agreeing = first.iter().filter(|f| f.cost < best.cost + near).count();
+    let mut best = searched.best;
     let degrees = likeness.data().saturating_sub(best.x.len());
     let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.aligned(law, m));
     let noise_n = at(&best.x).map_or(f64::NAN, |seen| likeness.deviation_n(&seen));
@@ -214,7 +195,6 @@ pub fn fit(
         measured.noise_n > 0.0,
     );
     let (profiles, sought) = profile::all(&cost, &unknowns, &mut best, &noise);
-    simulations += sought;
     let (law, release_m) = unknowns.read(&best.x).ok_or(Error::SearchLeftRange)?;
     let seen = likeness.aligned(law, release_m);
     let parameters: Vec<_> = profiles.iter().map(|p| p.estimate.clone()).collect();
@@ -227,9 +207,9 @@ pub fn fit(
         parameters,
         degrees_of_freedom: degrees,
         widened: noise.widened,
-        starts: starts.len(),
-        starts_agreeing,
-        simulations,
+        starts: searched.starts,
+        starts_agreeing: searched.agreeing,
+        simulations: searched.evaluations + sought,
         impacts: impact_rows(measured, &seen),
         warnings: Vec::new(),
         found: law,
@@ -267,7 +247,7 @@ fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
 /// The impacts of a record.
 ///
 /// # Errors
-/// No force in it, or no impact.
+/// If the record has no force, or no impact stands out in it.
 pub fn measure(signal: &Signal, settings: &Settings) -> Result<Measured, Error> {
     contacts::measure(signal, settings.impacts)
 }

@@ -1,3 +1,5 @@
+use rayon::prelude::*;
+
 use super::*;
 use crate::drop_test::{DropTest, record};
 use shared::model::params::{LAWS, WIRES};
@@ -145,7 +147,7 @@ fn one_peak_does_not_fix_two_parameters_and_an_unknown_release_leaves_peaks_unde
     let unbounded = |w: &Warning| matches!(w, Warning::Unbounded { .. });
     assert!(warns(&found, unbounded), "{:?}", found.warnings);
     // On wires at gap 0 the hammer is back after half a swing however far out it was let go: peaks alone cannot
-    // tell a longer fall from a stiffer contact, the force's shape can.
+    // distinguish a longer fall from a stiffer contact, the shape of the force can.
     let unknown = Settings {
         seek_release: true,
         ..SETTINGS

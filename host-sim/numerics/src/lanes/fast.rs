@@ -34,7 +34,8 @@ impl std::ops::AddAssign for Report {
 /// Runs cells in this thread's lanes, and by the reference where these cannot.
 ///
 /// # Errors
-/// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
+/// If a cell has a parameter, frequency or start out of range, or its hammer leaves what the model describes: the
+/// first such cell.
 pub fn run_with(
     options: Options,
     cells: &[Cell],

@@ -27,12 +27,13 @@ const CHUNK: usize = 2048;
 /// Runs every cell, on every thread there is.
 ///
 /// # Errors
-/// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
+/// If a cell has a parameter, frequency or start out of range, or its hammer leaves what the model describes: the
+/// first such cell.
 pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
     run_reported(cells, plan).map(|(outcomes, _)| outcomes)
 }
 
-/// Runs every cell, on every thread there is, and tells what became of them.
+/// Runs every cell, on every thread there is, and reports how many were run by what.
 ///
 /// # Errors
 /// As [`run`].

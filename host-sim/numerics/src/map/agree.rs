@@ -71,7 +71,7 @@ pub fn same_label(a: Regime, b: Regime) -> bool {
 /// Runs `count` cells of `map`, drawn with `seed`, again by the reference, all their cycles, and compares.
 ///
 /// # Errors
-/// A map whose state was carried (its cells do not stand alone); a cell that cannot be run.
+/// If the map was made with the state carried, so that its cells depend on each other, or if the work is interrupted.
 pub fn audit(
     request: &MapRequest,
     map: &Map,

@@ -12,7 +12,7 @@ use crate::sweep::Direction;
 /// Runs the cells of tile `index`, in their order.
 ///
 /// # Errors
-/// A cell that cannot be run.
+/// If a cell cannot be run.
 pub(super) fn tile(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
     match request.from {
         Direction::Rest => from_rest(request, index),
@@ -23,7 +23,7 @@ pub(super) fn tile(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, E
 /// The cell at `index` of the grid, started from rest.
 ///
 /// # Errors
-/// A gap the rig cannot have.
+/// If the rig cannot have this gap.
 pub(super) fn cell_from_rest(request: &MapRequest, index: usize) -> Result<Cell, Error> {
     let (gap_mm, frequency_hz) = request.grid.at(index);
     let params = request.params_at(gap_mm);

@@ -66,7 +66,7 @@ pub struct MapCell {
     pub force_n: f64,
     /// Cycle after which the section had converged; none: it had not.
     pub settled_after: Option<u32>,
-    /// Longest section period looked for.
+    /// Longest section period searched for.
     pub searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
     pub uncertain: bool,
@@ -147,7 +147,7 @@ impl Map {
     }
 }
 
-/// One cell, as told to programs. Units are in the names.
+/// One cell as a row of a table. Units are in the names.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CellRow {
     /// Clearance at rest, mm.
@@ -171,7 +171,7 @@ pub struct CellRow {
     pub settled: bool,
     /// After how many cycles.
     pub settling_cycles: Option<u32>,
-    /// Longest section period looked for.
+    /// Longest section period searched for.
     pub largest_period_searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
     pub uncertain: bool,

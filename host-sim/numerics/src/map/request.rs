@@ -95,7 +95,7 @@ impl MapRequest {
     /// Refuses what cannot be run, before any work.
     ///
     /// # Errors
-    /// One line: no cells or too many, a frequency that is not run, cycles that leave nothing to record.
+    /// If there are no cells or too many, if a frequency is out of range, or if no cycle would be recorded.
     pub fn check(&self) -> Result<(), Error> {
         let cells = self.grid.len();
         if cells == 0 || cells > MOST_CELLS {
@@ -128,7 +128,7 @@ impl MapRequest {
     /// Refuses tiles that are not there.
     ///
     /// # Errors
-    /// One line that says which there are.
+    /// If the range ends beyond the last tile.
     pub fn check_tiles(&self, range: &Range<usize>) -> Result<(), Error> {
         let count = self.tiles();
         if range.end <= count {

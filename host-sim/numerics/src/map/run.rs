@@ -32,7 +32,7 @@ pub trait Tiles: Sync {
 /// The same map comes out whatever was there before, and for any number of threads.
 ///
 /// # Errors
-/// A request that cannot be run; a disk that refuses.
+/// If the request cannot be run ([`MapRequest::check`]), if the tiles cannot be kept, or if the work is interrupted.
 pub fn run(
     request: &MapRequest,
     store: Option<&dyn Tiles>,
@@ -46,7 +46,7 @@ pub fn run(
 /// Computes the tiles of `range` that `store` lacks, and keeps them there: a share of a map.
 ///
 /// # Errors
-/// As [`run`]; also a range beyond the last tile.
+/// As [`run`]; also if the range ends beyond the last tile.
 pub fn run_tiles(
     request: &MapRequest,
     range: Range<usize>,
@@ -61,7 +61,7 @@ pub fn run_tiles(
 /// Puts the tiles in `store` together and computes nothing.
 ///
 /// # Errors
-/// One line that names the tiles that are missing or damaged.
+/// If tiles are missing or damaged: their numbers.
 pub fn merge(request: &MapRequest, store: &dyn Tiles) -> Result<Map, Error> {
     request.check()?;
     let read = |index: usize| store.read(index, request.tile(index).len());

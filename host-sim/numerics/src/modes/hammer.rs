@@ -95,8 +95,8 @@ impl Hammer {
         self.strongest.take()
     }
 
-    /// Goes on to the next drive phase 0 and tells what happened on the way. A motion that cannot be followed ends in a
-    /// state that is not a number.
+    /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
+    /// becomes NaN.
     pub fn run_period(&mut self, watch: &mut impl Watch) -> Period<f64> {
         let mut left = MAX_STEPS_PER_PERIOD;
         loop {
@@ -168,7 +168,7 @@ impl Hammer {
         ended
     }
 
-    /// Stays in contact up to the release or drive phase 0.
+    /// Runs in contact to the release or drive phase 0.
     fn press(&mut self, watch: &mut impl Watch, left: &mut usize) -> Ended {
         loop {
             *left = left.saturating_sub(1);

@@ -1,4 +1,4 @@
-//! What a run shows: regime, force, displacement, and where the energy is.
+//! What a run shows: regime, force, displacement, and the energy in each mode.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -39,7 +39,7 @@ impl ModesRequest<'_> {
     /// Every frequency with every number of modes, from rest: a row each, by frequency, then by number of modes.
     ///
     /// # Errors
-    /// What [`ModalRig::new`] refuses, and a motion that cannot be followed.
+    /// As [`ModalRig::new`] and [`observe`]; also if the work is interrupted.
     pub fn run(&self, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
         let rigs = self
             .counts
@@ -85,7 +85,7 @@ pub struct ModalObservation {
 /// Runs `rig` from rest at `frequency_hz`.
 ///
 /// # Errors
-/// A frequency that is none; a motion that cannot be followed.
+/// If the frequency is not a positive number, or the motion cannot be followed.
 pub fn observe(
     rig: ModalRig,
     frequency_hz: f64,
@@ -195,7 +195,7 @@ impl Watch for Sampler {
     }
 }
 
-/// One run, as told to people and programs. Units are in the names.
+/// One run as a row of a table. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the rig.

@@ -107,7 +107,7 @@ impl Field<'_> {
     /// known to (at first none), then all at what it found, and takes in whoever breaks the limit there.
     ///
     /// # Errors
-    /// One line: nothing is within the limits.
+    /// If no orbit is within the limits, if a member has no stable 1/1 at one, or if the work is interrupted.
     pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, Error> {
         let mut strong: Vec<Member> = Vec::new();
         loop {

@@ -85,12 +85,13 @@ pub fn gap_steps(gaps: usize, uncertainty: Option<Uncertainty>, starts: u32) -> 
     gaps as u64 * (steps(uncertainty) + u64::from(starts))
 }
 
-/// Picks at every one of `gaps_mm`, and tells which gap to run at.
+/// Picks at every one of `gaps_mm`, and advises the gap to run at.
 ///
 /// The starts are drawn from the basins' usual window, at drive phase 0, with `seed`; they run for 300 drive cycles.
 ///
 /// # Errors
-/// A gap the rig cannot have; starts that cannot be run. A gap without a pick is a row that says why.
+/// If the rig cannot have a gap, if a start cannot be run, or if the work is interrupted. A gap without an operating
+/// point is no error: its entry has the reason.
 pub fn advise(
     rig: &NamedRig,
     gaps_mm: &[f64],
@@ -158,7 +159,7 @@ fn gap_pick(
     })
 }
 
-/// What becomes of hammers let go all over the usual window.
+/// What random starts in the usual window end in.
 fn fates(
     rig: &NamedRig,
     frequency_hz: f64,

@@ -46,7 +46,7 @@ pub fn stable_interval(
     limits_hz: (f64, f64),
 ) -> Option<(f64, f64)> {
     let rig = member.apply(nominal, 1.0);
-    // The orbit scales with the natural frequency; look there first, then where the nominal one is.
+    // The orbit scales with the natural frequency; try there first, then where the nominal one is.
     let scaled = start_hz * member.natural_frequency_factor();
     let seed = [scaled, start_hz, 0.9 * start_hz, 1.1 * start_hz]
         .into_iter()

@@ -116,89 +116,127 @@ pub fn against(
         },
     );
     let (exact, again, smoothed) = (exact?, again?, smoothed?);
-    let cloud = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-        points
-            .iter()
-            .map(|p| (p.0 / units.0, p.1 / units.1))
-            .collect()
-    };
-    let reference = cloud(&points_of(&exact));
-    let distance = |points: &[(f64, f64)]| apart(&reference, &cloud(points));
-    let plan = lyapunov::Span {
-        transient: request.transient,
-        periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
-    };
-    let exponents = lyapunov::exponents(&request.params, request.frequency_hz, [q, v], plan).ok();
-    let switch = |model, portrait: &Portrait, exponents: Option<Exponents>| {
+    check(progress)?;
+    let compared = Compared::new(&request, [q, v], units, &exact);
+    let exponents =
+        lyapunov::exponents(&request.params, request.frequency_hz, [q, v], compared.span);
+    let summary = compared.switch("switch", &exact, exponents.ok());
+    let again = compared.switch("switch, another start", &again, None);
+    let smoothed = smoothed.into_par_iter().map(|ran| {
+        check(progress)?;
+        Ok(compared.smoothed(ran))
+    });
+    Ok(Against {
+        smoothed: smoothed.collect::<Result<_, Error>>()?,
+        summary,
+        again,
+        exact,
+    })
+}
+
+/// What sections are compared with, and how.
+struct Compared<'a> {
+    request: &'a SectionRequest,
+    /// Coordinate and rate at the start.
+    start: [f64; 2],
+    /// A0 in mm, and A0 Ω in m/s.
+    units: (f64, f64),
+    /// The switch's section in these units.
+    reference: Vec<(f64, f64)>,
+    /// What exponents are computed over.
+    span: lyapunov::Span,
+}
+
+impl<'a> Compared<'a> {
+    fn new(
+        request: &'a SectionRequest,
+        start: [f64; 2],
+        units: (f64, f64),
+        exact: &Portrait,
+    ) -> Self {
+        Self {
+            request,
+            start,
+            units,
+            reference: cloud(&points_of(exact), units),
+            span: lyapunov::Span {
+                transient: request.transient,
+                periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
+            },
+        }
+    }
+
+    fn distance(&self, points: &[(f64, f64)]) -> Apart {
+        apart(&self.reference, &cloud(points, self.units))
+    }
+
+    /// The figures of a section by the switch.
+    fn switch(
+        &self,
+        model: &'static str,
+        portrait: &Portrait,
+        exponents: Option<Exponents>,
+    ) -> SectionSummary {
         let steps = Steps {
             section_periods: portrait.regime.periods(),
             per_period: portrait.steps_per_period,
         };
-        summary(
-            model,
-            None,
-            steps,
-            distance(&points_of(portrait)),
-            exponents,
-            request.frequency_hz,
-        )
-    };
-    let smoothed = smoothed.into_par_iter().map(|(epsilon, points, steps)| {
+        let apart = self.distance(&points_of(portrait));
+        self.summary(model, None, steps, apart, exponents)
+    }
+
+    /// The figures of a section by the smoothing method.
+    fn smoothed(&self, (epsilon, points, steps): Ran) -> Smoothing {
         let exponents = lyapunov::of_smoothed(
-            &request.params,
-            request.frequency_hz,
+            &self.request.params,
+            self.request.frequency_hz,
             epsilon.0,
-            [q, v],
-            plan,
+            self.start,
+            self.span,
         );
-        let hz = request.frequency_hz;
-        let summary = summary(
-            "smoothed",
-            Some(epsilon),
-            steps,
-            distance(&points),
-            exponents.ok(),
-            hz,
-        );
+        let apart = self.distance(&points);
         Smoothing {
             epsilon_m: epsilon.0,
+            summary: self.summary("smoothed", Some(epsilon), steps, apart, exponents.ok()),
             points,
-            summary,
         }
-    });
-    Ok(Against {
-        summary: switch("switch", &exact, exponents),
-        again: switch("switch, another start", &again, None),
-        smoothed: smoothed.collect(),
-        exact,
-    })
+    }
+
+    fn summary(
+        &self,
+        model: &'static str,
+        epsilon: Option<(f64, f64)>,
+        steps: Steps,
+        apart: Apart,
+        exponents: Option<Exponents>,
+    ) -> SectionSummary {
+        let hz = self.request.frequency_hz;
+        SectionSummary {
+            model,
+            epsilon_m: epsilon.map(|e| e.0),
+            epsilon_n: epsilon.map(|e| e.1),
+            section_periods: steps.section_periods,
+            steps_per_period: steps.per_period,
+            carried: apart.carried,
+            boxes_not_shared: apart.boxes_not_shared,
+            variation: apart.variation,
+            largest_exponent_per_period: exponents.map(|e| e.largest_per_period),
+            exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / hz),
+        }
+    }
+}
+
+/// Points over `units`.
+fn cloud(points: &[(f64, f64)], units: (f64, f64)) -> Vec<(f64, f64)> {
+    points
+        .iter()
+        .map(|p| (p.0 / units.0, p.1 / units.1))
+        .collect()
 }
 
 struct Steps {
     section_periods: Option<u8>,
     per_period: f64,
-}
-
-fn summary(
-    model: &'static str,
-    epsilon: Option<(f64, f64)>,
-    steps: Steps,
-    apart: Apart,
-    exponents: Option<Exponents>,
-    frequency_hz: f64,
-) -> SectionSummary {
-    SectionSummary {
-        model,
-        epsilon_m: epsilon.map(|e| e.0),
-        epsilon_n: epsilon.map(|e| e.1),
-        section_periods: steps.section_periods,
-        steps_per_period: steps.per_period,
-        carried: apart.carried,
-        boxes_not_shared: apart.boxes_not_shared,
-        variation: apart.variation,
-        largest_exponent_per_period: exponents.map(|e| e.largest_per_period),
-        exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / frequency_hz),
-    }
 }
 
 /// Displacement (mm) and velocity (m/s) of a portrait's first section.

@@ -97,7 +97,8 @@ impl Observer for Strober<'_> {
 /// Runs the trajectory and takes its sections.
 ///
 /// # Errors
-/// A parameter, frequency, start or phase that cannot be; a hammer that leaves what the model describes.
+/// If a parameter, the frequency, the start or a phase is out of range, or if the hammer leaves what the model
+/// describes, or if the work is interrupted.
 pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Portrait, Error> {
     let SectionRequest {
         params,

@@ -33,8 +33,8 @@ impl<R: Scalar> SmoothedReference<R> {
     /// fades in over `epsilon_m` of penetration and out over the force the law gives at that penetration.
     ///
     /// # Errors
-    /// A parameter out of range; a width that is not positive; a law that remembers its approach speed, which needs
-    /// an onset.
+    /// If a parameter is out of range, if the width is not positive, or if the law depends on the approach speed at
+    /// the onset.
     pub fn new(
         params: &RigParams,
         frequency_hz: f64,
@@ -71,7 +71,7 @@ impl<R: Scalar> SmoothedReference<R> {
         })
     }
 
-    /// Goes on to the next drive phase 0. A motion that cannot be followed ends in a state that is not a number.
+    /// Runs to the next drive phase 0. A motion that cannot be followed ends in a state that is not a number.
     pub fn run_period(&mut self) {
         let amplitude = self.rig.amplitude().to_f64();
         for _ in 0..MAX_STEPS_PER_PERIOD {
