@@ -57,7 +57,7 @@ impl Grid {
     }
 }
 
-/// What one cell showed.
+/// The part of a cell's [`Outcome`] that a map keeps: it has the same size for every cell, and no strobes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapCell {
     /// z = p/n over the recorded cycles.

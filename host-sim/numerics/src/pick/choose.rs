@@ -200,3 +200,6 @@ impl Field<'_> {
         uses
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -276,4 +276,35 @@ mod tests {
         let bad = advise(&rig, &[70.0], None, Limits::default(), (1, 1), &());
         assert!(matches!(bad, Err(Error::Parameter(_))), "{bad:?}");
     }
+
+    #[test]
+    fn of_equal_basins_the_wider_band_is_advised_and_of_equal_bands_the_first_gap() {
+        let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
+        let mut wide = made_up(1.0, 10.0, false, 5);
+        if let Ok(pick) = &mut wide.pick {
+            pick.safe_band_hz = [9.4, 10.5];
+        }
+        let narrow = |gap_mm: f64| made_up(gap_mm, 10.0, false, 5);
+        assert_eq!(at(&[narrow(0.0), wide.clone()]), Some(1.0));
+        assert_eq!(at(&[wide.clone(), narrow(0.0)]), Some(1.0));
+        assert_eq!(at(&[narrow(3.0), narrow(2.0)]), Some(3.0));
+        // A larger basin comes before a wider band.
+        assert_eq!(at(&[wide, made_up(2.0, 10.0, false, 6)]), Some(2.0));
+    }
+
+    #[test]
+    fn four_fifths_of_the_largest_force_are_enough_and_weak_gaps_do_not_make_jumps_matter() {
+        let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
+        let strong = made_up(0.0, 10.0, false, 1);
+        assert_eq!(
+            at(&[strong.clone(), made_up(1.0, 8.0, false, 9)]),
+            Some(1.0)
+        );
+        assert_eq!(at(&[strong, made_up(1.0, 7.99, false, 9)]), Some(0.0));
+        // The only gap without jumps is too weak: the others are judged by their basins.
+        let weak = made_up(0.0, 5.0, false, 9);
+        let jumping = [made_up(1.0, 10.0, true, 2), made_up(2.0, 10.0, true, 3)];
+        let [a, b] = jumping;
+        assert_eq!(at(&[weak, a, b]), Some(2.0));
+    }
 }
