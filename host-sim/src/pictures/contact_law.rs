@@ -4,7 +4,7 @@ use shared::model::contact::Law;
 use shared::model::rig::Rig;
 
 use files::UserError;
-use numerics::contact_law::{Row, course, free_mass, motion, unclamped};
+use numerics::contact_law::{Row, free_mass, motion, one_contact, unclamped};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Instants drawn per contact.
@@ -17,7 +17,7 @@ pub type Drawn = (String, Law<f64>, f64);
 ///
 /// # Errors
 /// A parameter out of range, or a contact that does not end.
-pub fn courses(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
+pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
     let mut plane = Panel::new(
         Axis::new("indentation, µm"),
         Axis::new("rate of indentation, m/s"),
