@@ -3,13 +3,13 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use numerics::engine::{Engine, Setting};
-use numerics::lanes::{Cell, How, Instructions, Plan, Precision, run_one, run_with};
+use numerics::lanes::{Cell, CellPlan, Instructions, Options, Precision, run_one, run_with};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
-const PLAN: Plan = Plan {
+const PLAN: CellPlan = CellPlan {
     early: false,
-    ..Plan::CHAPTER
+    ..CellPlan::CHAPTER
 };
 
 /// Every `stride`-th of the map's 357 × 588 cells.
@@ -49,14 +49,14 @@ fn main() {
 )]
 fn lanes(bencher: Bencher, (precision, instructions): (Precision, Instructions)) {
     let cells = cells(83);
-    let how = How {
+    let options = Options {
         precision,
         instructions,
     };
     let cycles = cells.len() * PLAN.cycles as usize;
     bencher
         .counter(ItemsCount::new(cycles))
-        .bench_local(|| run_with(how, &cells, &PLAN).unwrap());
+        .bench_local(|| run_with(options, &cells, &PLAN).unwrap());
 }
 
 fn one_by_one(bencher: Bencher, engine: Engine) {

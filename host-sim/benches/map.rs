@@ -9,9 +9,9 @@ use divan::{Bencher, black_box};
 use files::table::{to_csv, to_parquet};
 use host_sim::progress::Progress;
 use numerics::NamedRig;
-use numerics::lanes::Plan;
+use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Grid, Request, Runner, run};
+use numerics::map::{Grid, MapRequest, Runner, run};
 use numerics::sweep::Direction;
 use shared::model::params::WIRES;
 
@@ -20,9 +20,9 @@ fn main() {
 }
 
 /// Every `thin`-th gap and frequency of the chapter's map.
-fn request(thin: usize, plan: Plan) -> Request {
+fn request(thin: usize, plan: CellPlan) -> MapRequest {
     let every = |all: Vec<f64>| all.into_iter().step_by(thin).collect();
-    Request {
+    MapRequest {
         rig: NamedRig {
             name: "wires".into(),
             params: WIRES,
@@ -38,7 +38,7 @@ fn request(thin: usize, plan: Plan) -> Request {
     }
 }
 
-fn timed(bencher: Bencher, request: &Request, threads: usize, items: usize) {
+fn timed(bencher: Bencher, request: &MapRequest, threads: usize, items: usize) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().expect("threads");
     let quiet = Progress::new("", 1, true);
@@ -50,21 +50,21 @@ fn timed(bencher: Bencher, request: &Request, threads: usize, items: usize) {
 /// Items are cells.
 #[divan::bench(args = [16, 12, 8, 6, 4], sample_count = 3, sample_size = 1)]
 fn cells_thinned_by(bencher: Bencher, thin: usize) {
-    let request = request(thin, Plan::CHAPTER);
+    let request = request(thin, CellPlan::CHAPTER);
     timed(bencher, &request, 1, request.grid.len());
 }
 
 /// Items are cells.
 #[divan::bench(args = [1, 2], sample_count = 3, sample_size = 1)]
 fn threads(bencher: Bencher, threads: usize) {
-    let request = request(6, Plan::CHAPTER);
+    let request = request(6, CellPlan::CHAPTER);
     timed(bencher, &request, threads, request.grid.len());
 }
 
 /// Items are cells times cycles; no cell stops early.
 #[divan::bench(args = [75, 150, 300, 600], sample_count = 3, sample_size = 1)]
 fn cycles(bencher: Bencher, cycles: u32) {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles,
         recorded: 50,
         early: false,
@@ -79,10 +79,10 @@ fn cycles(bencher: Bencher, cycles: u32) {
 fn tables(bencher: Bencher, format: &str) {
     let request = request(
         4,
-        Plan {
+        CellPlan {
             cycles: 20,
             recorded: 10,
-            ..Plan::CHAPTER
+            ..CellPlan::CHAPTER
         },
     );
     let map = run(&request, None, &Progress::new("", 1, true)).expect("the chapter's map");

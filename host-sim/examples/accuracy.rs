@@ -179,9 +179,9 @@ fn survey_section() -> Result<String, UserError> {
         let (mut plain, mut edge) = (Vec::new(), Vec::new());
         for c in all {
             let off = c.error() > survey::REQUIREMENT || c.seen.regime != c.truth.regime;
-            let look = if off { Some(Edge::look(&c)?) } else { None };
-            match look {
-                Some(look) if look.decides() => edge.push((c, look)),
+            let nudged = if off { Some(Edge::of(&c)?) } else { None };
+            match nudged {
+                Some(nudged) if nudged.decides() => edge.push((c, nudged)),
                 _ => plain.push(c),
             }
         }
@@ -198,8 +198,8 @@ fn survey_section() -> Result<String, UserError> {
             spread.above,
             same.count(),
         );
-        for (c, look) in edge {
-            apart.push_str(&edge_text(tick_us, &c, &look));
+        for (c, nudged) in edge {
+            apart.push_str(&edge_text(tick_us, &c, &nudged));
         }
     }
     if !apart.is_empty() {
@@ -214,17 +214,17 @@ fn survey_section() -> Result<String, UserError> {
     Ok(text)
 }
 
-fn edge_text(tick_us: f64, c: &Compared, look: &Edge) -> String {
+fn edge_text(tick_us: f64, c: &Compared, edge: &Edge) -> String {
     let say = |o: &numerics::accuracy::Outcome| format!("{}, {:.2} N", o.regime, o.force_n);
-    let strayed: Vec<_> = look.strayed().map(say).collect();
+    let strayed: Vec<_> = edge.strayed().map(say).collect();
     format!(
         "| {tick_us} µs | {} | {:.4} | {:.4} | {} | {} of {}: {} | {} |\n",
         c.point.rig_name(),
         c.point.gap_mm,
         c.point.ratio,
-        say(&look.rest),
+        say(&edge.rest),
         strayed.len(),
-        look.nudged.len(),
+        edge.nudged.len(),
         strayed.join("; "),
         say(&c.seen),
     )

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use numerics::engine::Engine;
-use numerics::lanes::{Cell, How, Outcome, Plan, Precision, by_engine, run_with};
+use numerics::lanes::{Cell, CellPlan, Options, Outcome, Precision, by_engine, run_with};
 use rand::{Rng, SeedableRng};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::regime::Regime;
@@ -21,9 +21,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             cell(f64::from(gap) * 1e-5, 1.41 + 0.01 * f64::from(step))
         })
         .collect::<Result<_, _>>()?;
-    let full = Plan {
+    let full = CellPlan {
         early: false,
-        ..Plan::CHAPTER
+        ..CellPlan::CHAPTER
     };
     let began = Instant::now();
     let reference = by_engine(Engine::Event, &cells, &full)?;
@@ -33,16 +33,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     for precision in [Precision::Double, Precision::Single] {
         for early in [false, true] {
-            let plan = Plan {
+            let plan = CellPlan {
                 early,
-                ..Plan::CHAPTER
+                ..CellPlan::CHAPTER
             };
-            let how = How {
+            let options = Options {
                 precision,
-                ..How::default()
+                ..Options::default()
             };
             let began = Instant::now();
-            let (ours, report) = run_with(how, &cells, &plan)?;
+            let (ours, report) = run_with(options, &cells, &plan)?;
             let seconds = began.elapsed().as_secs_f64();
             let rate = report.work.cycles as f64 / seconds * 1e-6;
             println!("\n{precision:?}, early {early}: {seconds:.3} s, {rate:.2} million cycles/s");

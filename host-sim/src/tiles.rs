@@ -5,19 +5,22 @@
 //! then a CRC-32 over all before it. A file is written under another name and renamed. It is not forced to the
 //! disk's surface: one that a power failure leaves damaged is found by its CRC and computed again.
 
+use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crc::{CRC_32_ISO_HDLC, Crc};
+use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
 
 use files::UserError;
 use numerics::Error;
 use numerics::error::MapError;
-use numerics::map::{MapCell, Request, Tiles};
+use numerics::map::{KERNEL_FINGERPRINT, MapCell, MapRequest, Tiles};
 
 const MAGIC: &[u8; 8] = b"HSTILE01";
 const REQUEST: &str = "request.txt";
+/// Name of the line with the fingerprint of the sources.
+const KERNEL: &str = "kernel";
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// A folder of tiles that belong to one request.
@@ -40,8 +43,8 @@ impl Store {
     ///
     /// # Errors
     /// One line when the folder cannot be used, or holds the tiles of another request: which part differs.
-    pub fn open(dir: &Path, request: &Request) -> Result<Self, UserError> {
-        let lines = request.lines();
+    pub fn open(dir: &Path, request: &MapRequest) -> Result<Self, UserError> {
+        let lines = lines(request);
         let path = dir.join(REQUEST);
         match fs::read_to_string(&path) {
             Ok(there) if there != lines => return Err(another(dir, &there, &lines)),
@@ -56,7 +59,7 @@ impl Store {
         }
         Ok(Self {
             dir: dir.to_owned(),
-            fingerprint: request.fingerprint(),
+            fingerprint: Crc::<u64>::new(&CRC_64_XZ).checksum(lines.as_bytes()),
             lines,
         })
     }
@@ -132,6 +135,25 @@ fn is_tile(name: &str) -> bool {
     name.starts_with("tile-") && name.ends_with(".bin")
 }
 
+/// The request as text, a line for each part of it, and first the sources that compute the cells. Numbers are exact.
+fn lines(request: &MapRequest) -> String {
+    let mut text = format!("{KERNEL} {KERNEL_FINGERPRINT}\n");
+    let parts: [(&str, &dyn std::fmt::Debug); 8] = [
+        ("rig", &request.params_at(0.0)),
+        ("gaps_mm", &request.grid.gaps_mm),
+        ("frequencies_hz", &request.grid.frequencies_hz),
+        ("engine", &request.runner),
+        ("cycles", &(request.plan.cycles, request.plan.recorded)),
+        ("settle", &request.settle),
+        ("from", &request.from),
+        ("tile_cells", &request.tile_cells()),
+    ];
+    for (name, value) in parts {
+        let _ = writeln!(text, "{name} {value:?}");
+    }
+    text
+}
+
 /// The tiles belong to another request: says which part of it differs.
 fn another(dir: &Path, there: &str, ours: &str) -> UserError {
     let whole = there.ends_with('\n') && there.lines().count() == ours.lines().count();
@@ -143,6 +165,12 @@ fn another(dir: &Path, there: &str, ours: &str) -> UserError {
             dir.join(REQUEST).display()
         ));
     };
+    if name(a) == KERNEL {
+        return UserError::new(format!(
+            "{} holds an unfinished map begun by another version of this program, whose cells may differ; finish it with that version, remove the folder, or choose another --out",
+            dir.display()
+        ));
+    }
     let what = if a.len() + b.len() < 120 {
         let value = |line: &str| line[name(line).len()..].trim().to_owned();
         format!("{} {} where this one has {}", name(a), value(a), value(b))
@@ -153,4 +181,46 @@ fn another(dir: &Path, there: &str, ours: &str) -> UserError {
         "{} holds an unfinished map with {what}; finish that one, remove the folder, or choose another --out",
         dir.display()
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use numerics::NamedRig;
+    use numerics::lanes::CellPlan;
+    use numerics::map::{Grid, Runner};
+    use numerics::sweep::Direction;
+    use shared::model::params::WIRES;
+
+    #[test]
+    fn tiles_of_another_version_are_refused_in_one_clear_line() {
+        let request = MapRequest {
+            rig: NamedRig {
+                name: "wires".into(),
+                params: WIRES,
+            },
+            grid: Grid {
+                gaps_mm: vec![0.0, 1.0],
+                frequencies_hz: vec![3.0, 4.0],
+            },
+            runner: Runner::Lanes,
+            plan: CellPlan::CHAPTER,
+            settle: None,
+            from: Direction::Rest,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path();
+        Store::open(dir, &request).unwrap().begin().unwrap();
+        Store::open(dir, &request).unwrap();
+        let ours = fs::read_to_string(dir.join(REQUEST)).unwrap();
+        assert!(ours.starts_with(&format!("{KERNEL} {KERNEL_FINGERPRINT}\n")));
+        let other = ours.replace(KERNEL_FINGERPRINT, "0123456789abcdef");
+        fs::write(dir.join(REQUEST), other).unwrap();
+        let refused = Store::open(dir, &request).unwrap_err().to_string();
+        assert!(
+            refused.contains("another version of this program"),
+            "{refused}"
+        );
+        assert_eq!(refused.lines().count(), 1);
+    }
 }

@@ -28,7 +28,7 @@ fn meets_the_requirement(compared: &[Compared]) {
         if c.error() <= REQUIREMENT && c.seen.regime == c.truth.regime {
             continue;
         }
-        let on_edge = Edge::look(c).unwrap().decides();
+        let on_edge = Edge::of(c).unwrap().decides();
         assert!(
             on_edge,
             "{:?}: {} {} N, must be {} {} N",

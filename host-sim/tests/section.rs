@@ -3,10 +3,10 @@
 use host_sim::progress::Progress;
 use numerics::NamedRig;
 use numerics::bifurcation::measured::Measured;
-use numerics::bifurcation::{Diagram, Kind, Request, diagrams, rows};
+use numerics::bifurcation::{Diagram, DiagramRequest, Kind, diagrams, rows};
 use numerics::branch::{Branch, End};
 use numerics::engine::{Engine, Start};
-use numerics::lanes::Plan;
+use numerics::lanes::CellPlan;
 use numerics::orbit::shoot;
 use numerics::poincare::{self, against, portrait};
 use numerics::reference::Reference;
@@ -18,9 +18,9 @@ fn quiet() -> Progress {
     Progress::new("", 1, true)
 }
 
-fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> Request {
+fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> DiagramRequest {
     let natural = WIRES.natural_frequency_hz();
-    Request {
+    DiagramRequest {
         rig: NamedRig {
             name: "wires".into(),
             params: WIRES,
@@ -29,7 +29,7 @@ fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> 
         frequencies_hz: spread(ratios.0 * natural, ratios.1 * natural, ratios.2),
         directions: directions.to_vec(),
         engine: Engine::Event,
-        plan: Plan {
+        plan: CellPlan {
             cycles: 200,
             recorded: 40,
             early: true,
@@ -39,7 +39,7 @@ fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> 
     }
 }
 
-fn one(request: &Request) -> Diagram {
+fn one(request: &DiagramRequest) -> Diagram {
     diagrams(request, &quiet()).unwrap().remove(0)
 }
 
@@ -131,12 +131,12 @@ fn points_measured_from_the_diagram_lie_on_it() {
     assert!((off.displacement_distance(&diagram).rms - 0.1).abs() < 1e-9);
 }
 
-fn chaos(points: u32) -> poincare::Request {
+fn chaos(points: u32) -> poincare::SectionRequest {
     let params = RigParams {
         gap_m: 1e-3,
         ..WIRES
     };
-    poincare::Request {
+    poincare::SectionRequest {
         params,
         frequency_hz: 2.7 * params.natural_frequency_hz(),
         start: Start::Rest,
@@ -178,10 +178,10 @@ fn a_point_at_any_phase_leads_to_the_next_at_phase_0() {
 #[test]
 fn smoothing_changes_the_section_and_costs_more_steps() {
     let found = against::against(&chaos(400), &[1e-6, 1e-7], &quiet()).unwrap();
-    let [wide, narrow] = [&found.smoothed[0].told, &found.smoothed[1].told];
+    let [wide, narrow] = [&found.smoothed[0].summary, &found.smoothed[1].summary];
     assert_eq!(wide.section_periods, Some(1));
     assert_eq!(
-        (narrow.section_periods, found.told.section_periods),
+        (narrow.section_periods, found.summary.section_periods),
         (None, None)
     );
     assert!(
@@ -195,7 +195,7 @@ fn smoothing_changes_the_section_and_costs_more_steps() {
     assert!(found.again.carried < 0.1, "{:?}", found.again);
     for smoothed in [wide, narrow] {
         assert!(
-            smoothed.steps_per_period > 2.0 * found.told.steps_per_period,
+            smoothed.steps_per_period > 2.0 * found.summary.steps_per_period,
             "{smoothed:?}"
         );
     }

@@ -1,4 +1,4 @@
-//! By which instructions and in which precision: one kernel each.
+//! One kernel for each instruction set and precision, chosen when it runs.
 
 use pulp::{Simd, WithSimd};
 
@@ -6,9 +6,9 @@ use super::constants::{Constants, Kind};
 use super::flight::Margins;
 use super::number::{Double, Pair, Single};
 use super::pool::{Job, Tuning, Work, run};
-use super::{Cell, Outcome, Plan};
+use super::{Cell, CellPlan, Outcome};
 
-/// What the lanes compute in.
+/// The floating-point format of the lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// f32: faster by half, but sections converge only to its grain, so that cells stop later.
@@ -18,7 +18,7 @@ pub enum Precision {
     Double,
 }
 
-/// By which instructions.
+/// The instruction set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instructions {
     /// The widest this machine has.
@@ -32,15 +32,15 @@ pub enum Instructions {
 
 /// How the lanes run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct How {
-    /// What in.
+pub struct Options {
+    /// The floating-point format.
     pub precision: Precision,
-    /// By which instructions: changes nothing but the time taken.
+    /// The instruction set: it changes the time taken and nothing else.
     pub instructions: Instructions,
 }
 
-/// How near the surface a top may be, in cart amplitudes, and neither touch nor miss it for sure: about what the steps
-/// below lead astray in a drive cycle (1e-5 in f64, 5e-5 in f32; more where the hammer swings wider than 0.15 rad).
+/// A motion whose top is nearer to the surface than this, in cart amplitudes, may or may not touch it: about the error of
+/// the steps below over a drive cycle (1e-5 in f64, 5e-5 in f32; more if the hammer swings wider than 0.15 rad).
 const GRAZING: f64 = 2e-5;
 
 impl Precision {
@@ -60,7 +60,7 @@ impl Precision {
     }
 }
 
-/// How cells with an uncertain event are run again, in f64.
+/// The tuning with which cells with an uncertain event are run again, in f64.
 const FINE: Tuning = Tuning {
     step: 0.8,
     margins: Margins {
@@ -73,7 +73,7 @@ const FINE: Tuning = Tuning {
 /// What the lanes made of cells.
 #[derive(Clone, Debug, Default)]
 pub struct Tried {
-    /// An outcome per cell; none where the reference must run it.
+    /// An outcome per cell; `None` if the reference must run it.
     pub outcomes: Vec<Option<Outcome>>,
     /// Cells the lanes can run.
     pub fit: Vec<bool>,
@@ -84,7 +84,7 @@ pub struct Tried {
 }
 
 /// Runs cells in this thread's lanes; those in which an event was uncertain a second time, in f64 with half the step.
-pub fn try_run(how: How, cells: &[Cell], plan: &Plan) -> Tried {
+pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
     let mut tried = Tried {
         outcomes: vec![None; cells.len()],
         fit: vec![false; cells.len()],
@@ -107,13 +107,13 @@ pub fn try_run(how: How, cells: &[Cell], plan: &Plan) -> Tried {
             continue;
         }
         let op = Run {
-            precision: how.precision,
-            tuning: how.precision.tuning(),
+            precision: options.precision,
+            tuning: options.precision.tuning(),
             beams: kind == Kind::Beams,
             jobs: &jobs,
             plan,
         };
-        let (mut done, work) = dispatch(how.instructions, op);
+        let (mut done, work) = dispatch(options.instructions, op);
         tried.work += work;
         let lost: Vec<_> = (0..done.len()).filter(|i| done[*i].is_none()).collect();
         tried.again += lost.len() as u64;
@@ -125,7 +125,7 @@ pub fn try_run(how: How, cells: &[Cell], plan: &Plan) -> Tried {
                 jobs: &jobs,
                 ..op
             };
-            let (better, work) = dispatch(how.instructions, finer);
+            let (better, work) = dispatch(options.instructions, finer);
             tried.work += work;
             for (i, outcome) in lost.into_iter().zip(better) {
                 done[i] = outcome;
@@ -144,7 +144,7 @@ struct Run<'a> {
     tuning: Tuning,
     beams: bool,
     jobs: &'a [Job],
-    plan: &'a Plan,
+    plan: &'a CellPlan,
 }
 
 impl WithSimd for Run<'_> {

@@ -9,7 +9,7 @@ pub const ORDER: usize = 12;
 /// Coefficients of x over the fraction s of the step.
 pub type Path<W> = [Num<W>; ORDER + 1];
 
-/// Points per step at which x is looked at, evenly spaced.
+/// Evenly spaced points per step at which x is computed.
 pub const SAMPLES: usize = 6;
 
 /// Most iterations of Newton's method for one event; a lane that has not come to rest by then is uncertain.
@@ -173,7 +173,7 @@ pub struct Met<W: Width> {
     pub uncertain: Mask<W>,
 }
 
-/// How sharply events are told.
+/// Event tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
     /// A top this close to the surface, in cart amplitudes, may or may not have touched it.
@@ -423,8 +423,8 @@ fn root<W: Width>(
     }
 }
 
-/// [`root`] where its guess is not good: from the chord, by Newton's method kept within the interval. Lanes in which it
-/// does not come to rest are told.
+/// [`root`] where its guess is not good: from the chord, by Newton's method kept within the interval. Also returns
+/// the lanes in which it does not converge.
 #[inline(always)]
 fn bracketed<W: Width>(
     path: &Path<W>,

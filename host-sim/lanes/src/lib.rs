@@ -1,9 +1,17 @@
-//! Cells of a map, side by side in the lanes of vector registers, without units and without threads.
+//! Cells of a map, side by side in the lanes of vector registers, in dimensionless form and in one thread.
 //!
-//! Flight by Taylor steps (`flight`), contact in closed form (`touch`, and `stay` where that does not fit), both
-//! switches located on the step's own polynomial; `pool` is the loop, `reduce` the end of a cell. What a lane cannot
-//! run (`constants`) or finds uncertain comes back without an outcome: `host_sim::lanes` gives it to the reference.
-//! It is a crate of its own since its kernels, one per instruction set and precision, take long to compile.
+//! | module | does |
+//! |---|---|
+//! | `flight` | flight by Taylor steps, the onset located on the step's own polynomial |
+//! | `touch` | contact in closed form, in all lanes at once |
+//! | `sustained` | contacts that `touch` cannot represent, one at a time |
+//! | `pool` | the loop over the lanes |
+//! | `reduce` | what a cell showed, from its strobes |
+//! | `constants` | a cell in dimensionless form, if the lanes can run it |
+//!
+//! A cell that the lanes cannot run, or in which an event is uncertain, comes back without an outcome; the package
+//! `numerics` gives it to the reference. This is a package of its own since its kernels, one per instruction set and
+//! precision, take long to compile.
 
 mod constants;
 mod dispatch;
@@ -13,13 +21,13 @@ mod pool;
 mod reduce;
 mod rows;
 mod series;
-mod stay;
+mod sustained;
 mod touch;
 
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-pub use dispatch::{How, Instructions, Precision, Tried, try_run};
+pub use dispatch::{Instructions, Options, Precision, Tried, try_run};
 pub use pool::Work;
 pub use reduce::SETTLED_WITHIN;
 
@@ -39,10 +47,10 @@ pub struct Cell {
 
 /// How long to run, and what to keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct CellPlan {
     /// Drive cycles at most.
     pub cycles: u32,
-    /// How many of the last are recorded: regime and force are told from them.
+    /// How many of the last are recorded: regime and force are those of the recorded cycles.
     pub recorded: u32,
     /// Whether a cell may stop before `cycles` once its section has converged.
     pub early: bool,
@@ -50,7 +58,7 @@ pub struct Plan {
     pub strobes: u32,
 }
 
-impl Plan {
+impl CellPlan {
     /// The chapter's: 300 cycles, the last 100 recorded.
     pub const CHAPTER: Self = Self {
         cycles: 300,
@@ -80,13 +88,13 @@ pub struct Outcome {
     pub regime: Regime,
     /// Largest contact force in the recorded cycles, N.
     pub force_n: f64,
-    /// Cycle after which the section had converged on the orbit it keeps to; none: it had not.
+    /// Cycle after which the section had converged; `None` if it had not.
     pub settled_after: Option<u32>,
     /// Cycles run.
     pub cycles: u32,
-    /// Longest section period looked for.
+    /// Longest section period searched for.
     pub searched: u8,
-    /// Cycle in which the hammer last touched the surface, counted from 1; none: never.
+    /// Cycle in which the hammer last touched the surface, counted from 1; `None` if it never did.
     pub last_contact: Option<u32>,
     /// Whether an event of the fast engine was uncertain, so that the cell was run again by the reference.
     pub uncertain: bool,

@@ -1,5 +1,5 @@
-//! The lanes at work: every iteration moves each lane by one step of flight and, where that met the surface, through the
-//! contact; a lane whose cell is done takes the next one.
+//! The loop: every iteration moves each lane by one step of flight and, if it met the surface, through the contact. A
+//! lane whose cell is done takes the next one.
 
 use std::f64::consts::TAU;
 use std::mem;
@@ -10,9 +10,9 @@ use super::number::{Element, MAX_LANES, Mask, Num, Row, Width};
 use super::reduce::{Record, converged, outcome};
 use super::rows::Rows;
 use super::series::horner;
-use super::stay::{Event, Side, Stay};
+use super::sustained::{Event, Side, Sustained};
 use super::touch::{Anchor, Surface, contact};
-use super::{Cell, Outcome, Plan};
+use super::{Cell, CellPlan, Outcome};
 
 /// A cell ready for a lane.
 #[derive(Clone, Copy, Debug)]
@@ -39,18 +39,18 @@ impl Job {
     }
 }
 
-/// How finely the lanes step and how sharply they tell.
+/// Step size and event tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
     /// Step of flight, in radians of the faster of drive and hammer.
     pub step: f64,
-    /// How sharply events are told.
+    /// Event tolerances.
     pub margins: Margins,
     /// Distance between strobes that rounding and truncation alone make.
     pub grain: f64,
 }
 
-/// What the lanes were busy with.
+/// Work counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Iterations of all lanes together.
@@ -63,8 +63,8 @@ pub struct Work {
     pub contact_rounds: u64,
     /// Contacts done in the lanes.
     pub contacts: u64,
-    /// Stays done one at a time.
-    pub stays: u64,
+    /// Sustained contacts, or parts of them up to a section, computed one at a time.
+    pub sustained: u64,
     /// Drive cycles.
     pub cycles: u64,
 }
@@ -76,7 +76,7 @@ impl std::ops::AddAssign for Work {
         self.room += other.room;
         self.contact_rounds += other.contact_rounds;
         self.contacts += other.contacts;
-        self.stays += other.stays;
+        self.sustained += other.sustained;
         self.cycles += other.cycles;
     }
 }
@@ -85,8 +85,8 @@ impl std::ops::AddAssign for Work {
 #[derive(Default)]
 struct Lane {
     job: Option<usize>,
-    /// In the surface; its row then rests.
-    stay: Option<Stay>,
+    /// The sustained contact it is in, if any; its row then stands still.
+    sustained: Option<Sustained>,
     /// In contact at the last section.
     carried: bool,
     chatter: bool,
@@ -110,13 +110,13 @@ struct Pool<'a, W: Width> {
     w: W,
     jobs: &'a [Job],
     next: usize,
-    plan: &'a Plan,
+    plan: &'a CellPlan,
     tuning: Tuning,
     rows: Box<Rows<W::E>>,
     lanes: Vec<Lane>,
     out: Vec<Option<Outcome>>,
-    /// Lanes in a stay, by bit.
-    staying: u32,
+    /// Lanes in a sustained contact, by bit.
+    in_sustained: u32,
     /// Lanes whose cell is done, by bit.
     finished: u32,
     busy: usize,
@@ -129,7 +129,7 @@ pub fn run<W: Width>(
     w: W,
     beams: bool,
     jobs: &[Job],
-    plan: &Plan,
+    plan: &CellPlan,
     tuning: Tuning,
 ) -> (Vec<Option<Outcome>>, Work) {
     let mut pool = Pool {
@@ -141,7 +141,7 @@ pub fn run<W: Width>(
         rows: Box::default(),
         lanes: (0..W::LANES).map(|_| Lane::default()).collect(),
         out: jobs.iter().map(|_| None).collect(),
-        staying: 0,
+        in_sustained: 0,
         finished: 0,
         busy: W::LANES,
         work: Work::default(),
@@ -209,8 +209,8 @@ impl<W: Width> Pool<'_, W> {
                 self.give_up(lane);
             }
         }
-        for lane in each(self.staying & !self.finished) {
-            self.stay(lane);
+        for lane in each(self.in_sustained & !self.finished) {
+            self.run_sustained(lane);
         }
         for lane in each(mem::take(&mut self.finished)) {
             self.refill(lane);
@@ -260,7 +260,7 @@ impl<W: Width> Pool<'_, W> {
         }
     }
 
-    /// Lanes that met the surface: through the contact. Tells where that was uncertain.
+    /// Takes lanes that met the surface through the contact. Returns those in which it was uncertain.
     #[inline(always)]
     fn touch(&mut self, hit: Mask<W>) -> Mask<W> {
         self.work.contact_rounds += 1;
@@ -313,13 +313,13 @@ impl<W: Width> Pool<'_, W> {
         hit & left.grazing
     }
 
-    /// A lane leaves its row for a stay in the surface, beginning with an onset.
+    /// A lane leaves its row for a sustained contact, which begins with an onset.
     fn enter(&mut self, lane: usize) {
         let rows = &mut *self.rows;
         let recent = rows.recent.each_ref().map(|row| row[lane].to_f64());
         let tau = rows.tau[lane].to_f64();
-        self.staying |= 1 << lane;
-        self.lanes[lane].stay = Some(Stay {
+        self.in_sustained |= 1 << lane;
+        self.lanes[lane].sustained = Some(Sustained {
             x: 0.0,
             v: rows.v[lane].to_f64(),
             tau,
@@ -332,49 +332,49 @@ impl<W: Width> Pool<'_, W> {
         rows.stand(lane);
     }
 
-    /// Runs a lane's stay to the section, or out and back into its row.
+    /// Runs a lane's sustained contact to the section, or until the hammer is out and the lane returns to its row.
     #[inline(never)]
-    fn stay(&mut self, lane: usize) {
-        self.work.stays += 1;
+    fn run_sustained(&mut self, lane: usize) {
+        self.work.sustained += 1;
         let held = &mut self.lanes[lane];
-        let (Some(mut stay), Some(job)) = (held.stay.take(), held.job) else {
+        let (Some(mut contact), Some(job)) = (held.sustained.take(), held.job) else {
             return;
         };
         let constants = &self.jobs[job].constants;
-        match stay.run(constants) {
+        match contact.run(constants) {
             Event::Lost => self.give_up(lane),
             Event::Section => {
                 let record = Record {
-                    x: stay.x,
-                    v: stay.v,
-                    force: stay.peak as f32,
-                    onsets: u16::try_from(stay.onsets).unwrap_or(u16::MAX),
+                    x: contact.x,
+                    v: contact.v,
+                    force: contact.peak as f32,
+                    onsets: u16::try_from(contact.onsets).unwrap_or(u16::MAX),
                     touched: true,
-                    chatter: stay.chatter,
+                    chatter: contact.chatter,
                 };
-                held.carried = stay.side == Side::Contact;
-                stay.tau = 0.0;
-                stay.peak = 0.0;
-                stay.onsets = 0;
-                stay.chatter = false;
-                stay.recent = stay.recent.map(|t| t - TAU);
-                held.stay = Some(stay);
+                held.carried = contact.side == Side::Contact;
+                contact.tau = 0.0;
+                contact.peak = 0.0;
+                contact.onsets = 0;
+                contact.chatter = false;
+                contact.recent = contact.recent.map(|t| t - TAU);
+                held.sustained = Some(contact);
                 self.record(lane, record);
             }
             Event::Out => {
-                self.staying &= !(1 << lane);
-                held.chatter = stay.chatter;
+                self.in_sustained &= !(1 << lane);
+                held.chatter = contact.chatter;
                 let step = self.tuning.step / constants.fastest;
                 let rows = &mut *self.rows;
                 let e = W::E::from_f64;
                 rows.x[lane] = e(0.0);
-                rows.v[lane] = e(stay.v);
-                rows.tau[lane] = e(stay.tau);
+                rows.v[lane] = e(contact.v);
+                rows.tau[lane] = e(contact.tau);
                 rows.step[lane] = e(step);
                 rows.per_step[lane] = e(1.0 / step);
-                rows.peak[lane] = e(stay.peak);
-                rows.onsets[lane] = e(f64::from(stay.onsets));
-                for (row, t) in rows.recent.iter_mut().zip(stay.recent) {
+                rows.peak[lane] = e(contact.peak);
+                rows.onsets[lane] = e(f64::from(contact.onsets));
+                for (row, t) in rows.recent.iter_mut().zip(contact.recent) {
                     row[lane] = e(t);
                 }
             }
@@ -427,8 +427,8 @@ impl<W: Width> Pool<'_, W> {
     fn refill(&mut self, lane: usize) {
         let rows = &mut *self.rows;
         let held = &mut self.lanes[lane];
-        self.staying &= !(1 << lane);
-        held.stay = None;
+        self.in_sustained &= !(1 << lane);
+        held.sustained = None;
         held.chatter = false;
         held.carried = false;
         held.records.clear();

@@ -3,7 +3,7 @@
 use shared::model::regime::{MAX_PERIODS, Regime, SECTION_TOLERANCE};
 
 use super::constants::Constants;
-use super::{Outcome, Plan, Strobe};
+use super::{CellPlan, Outcome, Strobe};
 
 /// A strobe, and what happened in the drive period that ended with it; without units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Record {
     pub onsets: u16,
     /// Whether the surface was touched.
     pub touched: bool,
-    /// Whether a chatter ended in a long stay.
+    /// Whether chatter ended in a sustained contact.
     pub chatter: bool,
 }
 
@@ -79,7 +79,12 @@ pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
 }
 
 /// What the records of a cell say. The first record is the section at the start.
-pub fn outcome(c: &Constants, records: &[Record], plan: &Plan, settled: Option<usize>) -> Outcome {
+pub fn outcome(
+    c: &Constants,
+    records: &[Record],
+    plan: &CellPlan,
+    settled: Option<usize>,
+) -> Outcome {
     let cycles = records.len() - 1;
     let recorded = settled.unwrap_or(plan.recorded as usize).min(cycles);
     let window = &records[cycles - recorded..];

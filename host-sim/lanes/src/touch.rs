@@ -3,8 +3,8 @@
 //!
 //! In contact the motion is linear (to 1e-5 of the penetration): a damped oscillation plus the motion that drive and
 //! support force. The oscillation is expanded about the phases at which a contact without outer force peaks and
-//! releases, so that only short polynomials are left. What does not fit (long stays, contacts over the section, hops
-//! that come back before they have left) is told and done by [`super::stay`].
+//! releases, so that only short polynomials are left. What these cannot represent (sustained contacts, contacts during
+//! which the section comes, hops that end before the hammer has left) is reported, and computed by [`super::sustained`].
 
 use super::number::{Mask, Num, Width};
 use super::series::{horner, polynomial, sin_cos};
@@ -68,7 +68,7 @@ pub struct Anchor<W: Width> {
 /// What a contact did.
 #[derive(Clone, Copy)]
 pub struct Left<W: Width> {
-    /// Whether all of this holds.
+    /// Whether the other fields are valid.
     pub good: Mask<W>,
     /// Drive phase when x = 0 is passed outbound.
     pub tau: Num<W>,
@@ -76,7 +76,7 @@ pub struct Left<W: Width> {
     pub v: Num<W>,
     /// Largest force.
     pub force: Num<W>,
-    /// Whether the meeting was so shallow that it may not have been one.
+    /// Whether the contact was so shallow that there may have been none.
     pub grazing: Mask<W>,
 }
 
@@ -108,8 +108,8 @@ impl<W: Width> Transient<W> {
     }
 }
 
-/// Runs a contact that begins at drive phase `tau` (0 to 2π) with rate `v` > 0. A meeting less than `grazing` deep is told
-/// as such.
+/// Runs a contact that begins at drive phase `tau` (0 to 2π) with rate `v` > 0. A contact less deep than
+/// `grazing` is reported as such.
 #[inline(always)]
 pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -> Left<W> {
     let one = v.of(1.0);

@@ -40,7 +40,7 @@ pub struct Branch {
     pub high: Edge,
 }
 
-/// Ends are told this far inside the branch, as a share of the natural frequency: there the orbit is still what the
+/// Ends are reported this far inside the branch, as a share of the natural frequency: there the orbit is still what the
 /// branch is of.
 const EDGE_TOLERANCE: f64 = 1e-7;
 
@@ -133,7 +133,7 @@ fn march_to(
     (orbits, Edge { frequency_hz, end })
 }
 
-/// Ratios to the natural frequency at which a stable 1/1 is looked for.
+/// Ratios to the natural frequency at which a stable 1/1 is searched for.
 const SEEDS: [f64; 10] = [1.5, 2.0, 1.3, 1.8, 2.3, 1.1, 2.7, 1.0, 0.9, 3.2];
 /// How long a seed may take to settle, drive periods.
 const SETTLE: Plan = Plan {

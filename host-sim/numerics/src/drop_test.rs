@@ -8,7 +8,7 @@ use serde::Serialize;
 use shared::model::params::RigParams;
 use shared::model::rig::{Mode, Rig};
 
-use crate::contact_law::undriven::{Blow, Piece, Undriven};
+use crate::contact_law::undriven::{Course, Piece, Undriven};
 use crate::error::{DropTestError, Error};
 use crate::noise::Noise;
 
@@ -88,16 +88,16 @@ const MOST_SAMPLES: f64 = 5e6;
 /// does not reach the surface, first.
 ///
 /// # Errors
-/// A release that is not out of contact, or out of the rig's reach.
+/// If the release is not clear of the surface, or out of the rig's reach.
 pub fn impacts(
     params: &RigParams,
     rig: &Rig<f64>,
     release_m: f64,
     count: usize,
-) -> Result<Vec<Blow>, Error> {
+) -> Result<Vec<Course>, Error> {
     let mut hammer = released(params, rig, release_m)?;
     Ok((0..count)
-        .map_while(|_| hammer.next_blow(PATIENCE_S))
+        .map_while(|_| hammer.next_contact(PATIENCE_S))
         .collect())
 }
 
@@ -131,11 +131,11 @@ fn released<'a>(
 /// The record.
 ///
 /// # Errors
-/// A parameter that cannot be, or a hammer that never strikes.
+/// If a parameter is out of range, or the hammer never reaches the surface.
 pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
     let rig = Rig::<f64>::new(params)?;
-    let blows = impacts(params, &rig, test.release_m, test.impacts)?;
-    let Some(last) = blows.last() else {
+    let courses = impacts(params, &rig, test.release_m, test.impacts)?;
+    let Some(last) = courses.last() else {
         return Err(DropTestError::NoContact.into());
     };
     let until = last.contact.onset_s + last.contact.duration_s + AFTER_S;
@@ -159,7 +159,7 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
         let force = pieces[at].force(&rig, time_s);
         let kinematics = rig.kinematics(q, v);
         let acceleration = rig.acceleration(&kinematics, v, 0.0, force);
-        let disturbed = force + ringing(test, &blows, time_s) + test.noise_n * noise.sample();
+        let disturbed = force + ringing(test, &courses, time_s) + test.noise_n * noise.sample();
         Row {
             time_s,
             force_n: quantised(test, disturbed),
@@ -191,20 +191,20 @@ fn pieces(
 }
 
 /// The surface's ringing: after each impact's largest force it swings about zero, falling first.
-fn ringing(test: &DropTest, blows: &[Blow], time_s: f64) -> f64 {
+fn ringing(test: &DropTest, courses: &[Course], time_s: f64) -> f64 {
     if test.ringing_share == 0.0 {
         return 0.0;
     }
-    let one = |blow: &Blow| {
-        let since = time_s - blow.contact.peak_at_s;
+    let one = |course: &Course| {
+        let since = time_s - course.contact.peak_at_s;
         // After forty time constants 4e-18 is left.
         if !(0.0..=40.0 * test.ringing_decay_s).contains(&since) {
             return 0.0;
         }
-        let size = test.ringing_share * blow.contact.peak_force_n;
+        let size = test.ringing_share * course.contact.peak_force_n;
         -size * (-since / test.ringing_decay_s).exp() * (TAU * test.ringing_hz * since).sin()
     };
-    blows.iter().map(one).sum()
+    courses.iter().map(one).sum()
 }
 
 /// To the nearest code, and the range's ends where it is beyond.
@@ -222,19 +222,19 @@ mod tests {
     use super::*;
     use shared::model::params::{BEAM_170, WIRES};
 
-    /// On wires at gap 0 the hammer is back after a quarter and then every half swing, and each blow takes the
+    /// On wires at gap 0 the hammer is back after a quarter and then every half swing, and each contact takes the
     /// closed form's share of its speed.
     #[test]
     fn impacts_come_every_half_swing_and_fall_by_the_restitution() {
         let rig = Rig::new(&WIRES).unwrap();
-        let blows = impacts(&WIRES, &rig, -3e-3, 4).unwrap();
+        let courses = impacts(&WIRES, &rig, -3e-3, 4).unwrap();
         let half_swing = std::f64::consts::PI * (0.075_f64 / 9.81).sqrt();
         // In a swing of 3 mm on 75 mm the period is (1 + θ²/16) times that of a small one: 1.0001.
-        assert!((blows[0].contact.onset_s / (0.5 * half_swing) - 1.0).abs() < 1.2e-4);
+        assert!((courses[0].contact.onset_s / (0.5 * half_swing) - 1.0).abs() < 1.2e-4);
         let speed = 3e-3 * (9.81_f64 / 0.075).sqrt();
-        let first = blows[0].contact.approach_speed_m_per_s;
+        let first = courses[0].contact.approach_speed_m_per_s;
         assert!((first / speed - 1.0).abs() < 1e-3, "{first} {speed}");
-        for pair in blows.windows(2) {
+        for pair in courses.windows(2) {
             let ratio = pair[1].contact.peak_force_n / pair[0].contact.peak_force_n;
             // The restoring force in contact is 1e-5 of the surface's.
             assert!((ratio - 0.316902).abs() < 2e-4, "{ratio}");
@@ -252,9 +252,9 @@ mod tests {
         };
         let rows = record(&BEAM_170, &test).unwrap();
         let rig = Rig::new(&BEAM_170).unwrap();
-        let blows = impacts(&BEAM_170, &rig, -3e-3, 2).unwrap();
+        let courses = impacts(&BEAM_170, &rig, -3e-3, 2).unwrap();
         let sum: f64 = rows.iter().map(|r| r.force_n).sum::<f64>() / 200e3;
-        let impulse: f64 = blows.iter().map(|b| b.contact.impulse_n_s).sum();
+        let impulse: f64 = courses.iter().map(|b| b.contact.impulse_n_s).sum();
         // A sum over samples misplaces an onset's jump by half a sample: 0.2 % of a contact.
         assert!((sum / impulse - 1.0).abs() < 4e-3, "{sum} {impulse}");
         assert_eq!(rows[0].displacement_mm, -3.0);

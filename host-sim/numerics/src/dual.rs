@@ -1,5 +1,9 @@
 //! Dual numbers: a value and its exact derivatives, so that the one source of the model also yields its
 //! linearisation.
+//!
+//! The microcontroller has a type of its own, [`shared::model::tangent::Tangent`]: two derivatives in `f32`. It divides by
+//! multiplying with the reciprocal, since a division takes as long as a dozen multiplications there, and takes powers from
+//! `libm`. One type for both would change the last bits of one of them, or slow the microcontroller down.
 
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};

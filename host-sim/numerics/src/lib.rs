@@ -26,6 +26,8 @@ pub mod drop_test;
 pub mod dual;
 pub mod engine;
 pub mod error;
+#[cfg(test)]
+mod fingerprint;
 pub mod golden;
 pub mod identify;
 pub mod lanes;

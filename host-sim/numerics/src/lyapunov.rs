@@ -18,14 +18,14 @@ use crate::reference::smoothed::SmoothedReference;
 
 /// How long to follow a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct Span {
     /// Drive periods before the first that counts; the directions turn with the flow meanwhile.
     pub transient: u32,
     /// Drive periods that count, at least [`BLOCKS`].
     pub periods: u32,
 }
 
-/// The standard error is told from the spread of this many equal stretches of the trajectory.
+/// The standard error is computed from the spread of this many equal stretches of the trajectory.
 pub const BLOCKS: u32 = 20;
 
 /// The two exponents of a trajectory.
@@ -35,7 +35,7 @@ pub struct Exponents {
     pub largest_per_s: f64,
     /// Its standard error, 1/s, from the means of [`BLOCKS`] stretches.
     pub standard_error_per_s: f64,
-    /// The other one, 1/s. None where it is lost in rounding beside the largest, as in a long stay on the surface.
+    /// The other one, 1/s. None where it is lost in rounding beside the largest, as in a sustained contact.
     pub other_per_s: Option<f64>,
     /// Largest exponent in nats per drive period.
     pub largest_per_period: f64,
@@ -97,13 +97,13 @@ impl Carrier for SmoothedReference<Dual<2>> {
 /// at drive phase 0).
 ///
 /// # Errors
-/// A parameter, frequency or plan that cannot be; a hammer that leaves what the model describes; a motion that
-/// forgets its past within one drive period more thoroughly than a number can say, as when the hammer stays pressed on.
+/// If a parameter, the frequency or the number of periods is out of range, if the hammer leaves what the model
+/// describes, or if the derivative of a drive period underflows, as in sustained contact over whole periods.
 pub fn exponents(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
-    plan: Plan,
+    plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let (q, v) = seeds(section);
@@ -120,7 +120,7 @@ pub fn of_smoothed(
     frequency_hz: f64,
     epsilon_m: f64,
     section: [f64; 2],
-    plan: Plan,
+    plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
     let carrier = SmoothedReference::new(params, frequency_hz, epsilon_m, seeds(section))?;
@@ -141,7 +141,7 @@ fn grow(
     mut carrier: impl Carrier,
     units: [f64; 2],
     frequency_hz: f64,
-    plan: Plan,
+    plan: Span,
 ) -> Result<Exponents, Error> {
     if plan.periods < BLOCKS {
         return Err(Error::LyapunovPeriods {
@@ -196,9 +196,9 @@ fn triangle([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<([Option<f64>; 2], [f64; 
     let size = first.hypot(b.hypot(d));
     // The smaller direction is kept alive whatever it is, or it could never grow again.
     let held = second.max(ROUNDING * size);
-    let told = (second > ROUNDING * size).then(|| second.ln());
+    let other = (second > ROUNDING * size).then(|| second.ln());
     let back = [1.0 / first, -across / (first * held), 1.0 / held];
-    Some(([Some(first.ln()), told], back))
+    Some(([Some(first.ln()), other], back))
 }
 
 /// Means and standard error of what was booked per period.

@@ -31,7 +31,7 @@ impl Signal {
     /// What was recorded from `from_s` to `to_s`.
     ///
     /// # Errors
-    /// Fewer than 16 samples are left.
+    /// If fewer than 16 samples are left.
     pub fn between(&self, from_s: f64, to_s: f64) -> Result<Self, Error> {
         let first = self.time_s.partition_point(|t| *t < from_s);
         let end = self.time_s.partition_point(|t| *t <= to_s).max(first);

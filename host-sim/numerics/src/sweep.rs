@@ -23,7 +23,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// As the command line calls it.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rest => "rest",
@@ -37,7 +37,8 @@ impl Direction {
 /// Runs carried over start from rest at the first frequency visited.
 ///
 /// # Errors
-/// A parameter or frequency that cannot be.
+/// If a parameter or frequency is out of range, or if the hammer leaves what the model describes, or if the work is
+/// interrupted.
 pub fn sweep(
     rig: &NamedRig,
     engine: Engine,
@@ -87,7 +88,7 @@ fn run_one(
 
 /// The frequencies (Hz, rising) at which the up and the down sweep differ by more than `share` of force:
 /// two attractors over one frequency, between which the hammer jumps. Frequencies at which neither repeats
-/// are passed over: the largest force of an aperiodic run depends on how long one looks.
+/// are passed over: the largest force of an aperiodic run depends on how long the run is.
 pub fn jumps(up: &[Row], down: &[Row], weight_n: f64, share: f64) -> Vec<f64> {
     let differs = |(a, b): (&Row, &Row)| {
         // Against at least the hammer's weight: two nearly silent runs are alike.
@@ -165,7 +166,8 @@ impl Measured {
 /// One run by the reference: for a single figure beside a curve.
 ///
 /// # Errors
-/// A parameter or frequency that cannot be.
+/// If a parameter or frequency is out of range, or if the hammer leaves what the model describes, or if the work is
+/// interrupted.
 pub fn single(
     params: &RigParams,
     frequency_hz: f64,

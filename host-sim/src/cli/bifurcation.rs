@@ -13,8 +13,8 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use numerics::bifurcation::measured::{Distance, Measured};
-use numerics::bifurcation::{Change, Diagram, Request, Twofold, changes, diagrams, rows};
-use numerics::lanes::Plan;
+use numerics::bifurcation::{Change, Diagram, DiagramRequest, Twofold, changes, diagrams, rows};
+use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
 use numerics::row::regime_as_text;
 use numerics::sweep::Direction;
@@ -135,7 +135,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     emit(common.format, &answer, &points, || text(&answer, &diagrams))
 }
 
-fn request(args: &Args) -> Result<Request, UserError> {
+fn request(args: &Args) -> Result<DiagramRequest, UserError> {
     let common = &args.common;
     let rig = files::rigfile::load(&common.rig, &common.set)?;
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
@@ -151,7 +151,7 @@ fn request(args: &Args) -> Result<Request, UserError> {
         .unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
-    Ok(Request {
+    Ok(DiagramRequest {
         gaps_mm,
         frequencies_hz,
         directions: match args.direction {
@@ -161,7 +161,7 @@ fn request(args: &Args) -> Result<Request, UserError> {
             Which::All => vec![Direction::Rest, Direction::Up, Direction::Down],
         },
         engine: common.engine()?,
-        plan: Plan {
+        plan: CellPlan {
             cycles: args.cycles,
             recorded: args.recorded,
             early: true,
@@ -172,7 +172,7 @@ fn request(args: &Args) -> Result<Request, UserError> {
     })
 }
 
-fn answer(request: &Request, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
+fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
     let told = |d: &Diagram| Told {
         gap_mm: d.gap_mm,
         direction: d.direction.name(),

@@ -8,8 +8,9 @@ use super::drive::At;
 use super::emit::{emit, tables};
 use crate::pictures;
 use crate::pictures::drawn;
+use crate::words::compare::Worded;
 use files::UserError;
-use numerics::compare::{Comparison, Errors, Frame, Question, compare};
+use numerics::compare::{Comparison, ComparisonRequest, Errors, Frame, compare};
 use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -52,7 +53,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let common = &args.common;
     common.check_out()?;
     let rig = common.rig()?;
-    let question = Question {
+    let question = ComparisonRequest {
         params: rig.params,
         engine: common.engine()?,
         frequency_hz: args.drive.hz(rig.params.natural_frequency_hz()),
@@ -71,6 +72,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         args.to.unwrap_or(f64::INFINITY),
     )?;
     let comparison = compare(&signal, &question)?;
+    let answer = Worded::from(&comparison.errors);
     if let Some(dir) = &common.out {
         let title = format!(
             "{} against {}, gap {:?} mm",
@@ -80,27 +82,26 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         );
         let figure = pictures::compare::figure(title, &comparison, args.frame);
         let mut contents = drawn("compare", &figure)?;
-        contents.extend(tables(
-            "compare",
-            common.format,
-            &comparison.errors,
-            &comparison.rows,
-        )?);
+        contents.extend(tables("compare", common.format, &answer, &comparison.rows)?);
         common.write(dir, &contents)?;
     }
-    emit(common.format, &comparison.errors, &comparison.rows, || {
-        text(&signal, &rig.name, &comparison)
+    emit(common.format, &answer, &comparison.rows, || {
+        text(&signal, &rig.name, &comparison, &answer.notes)
     })
 }
 
-fn text(signal: &Signal, rig: &str, comparison: &Comparison) -> String {
+fn text(signal: &Signal, rig: &str, comparison: &Comparison, notes: &[String]) -> String {
     let e = &comparison.errors;
     let mut text = format!(
         "{} against {rig}: drive {:.4} Hz ({}), {:.4} times the natural frequency; simulation: regime {}\n\n",
-        signal.name, e.frequency_hz, e.frequency_from, e.frequency_ratio, e.regime
+        signal.name,
+        e.frequency_hz,
+        e.frequency_from.name(),
+        e.frequency_ratio,
+        e.regime
     );
     text += &table(e);
-    for note in &e.notes {
+    for note in notes {
         text += &format!("  note: {note}\n");
     }
     let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);

@@ -10,6 +10,7 @@ use super::emit::{emit, tables};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
+use crate::words::identify::Worded;
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
@@ -69,14 +70,14 @@ struct Answer<'a> {
     noise_n: f64,
     offset_n: f64,
     ring: Option<Ring>,
-    fits: &'a [Fit],
+    fits: Vec<Worded<'a>>,
 }
 
 /// A line of the table.
 #[derive(Serialize)]
 struct Row {
-    law: &'static str,
-    misfit: &'static str,
+    law: Family,
+    misfit: Misfit,
     parameter: &'static str,
     value: f64,
     low_95: Option<f64>,
@@ -128,7 +129,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         noise_n: measured.noise_n,
         offset_n: measured.offset_n,
         ring,
-        fits: &fits,
+        fits: fits.iter().map(Worded::from).collect(),
     };
     let rows = rows(&fits);
     if let Some(dir) = &common.out {
@@ -144,7 +145,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 /// The fit whose shape is closest to the record's.
 fn best(fits: &[Fit]) -> Option<&Fit> {
-    let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force.name());
+    let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
     let least = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     least.or(fits.first())
 }
@@ -218,8 +219,8 @@ fn text(answer: &Answer) -> String {
         answer.gap_mm,
         answer.release_mm
     );
-    for fit in answer.fits {
-        text += &format!("\n{}, by {}\n", fit.law, fit.misfit);
+    for Worded { fit, warnings } in &answer.fits {
+        text += &format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
         for p in &fit.parameters {
             let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
             text += &format!(
@@ -252,7 +253,7 @@ fn text(answer: &Answer) -> String {
                 }
             );
         }
-        for warning in &fit.warnings {
+        for warning in warnings {
             text += &format!("  warning: {warning}\n");
         }
     }
@@ -266,7 +267,7 @@ fn text(answer: &Answer) -> String {
         ),
         None => "\nNo ringing is seen after release.\n".to_owned(),
     };
-    if let Some(fit) = answer.fits.first() {
+    if let Some(Worded { fit, .. }) = answer.fits.first() {
         let seen = fit
             .impacts
             .iter()
@@ -300,8 +301,8 @@ fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings
         });
         format!(
             "{}, by {}: {}",
-            fit.law,
-            fit.misfit,
+            fit.law.name(),
+            fit.misfit.name(),
             each.collect::<Vec<_>>().join(", ")
         )
     });

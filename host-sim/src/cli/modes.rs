@@ -9,7 +9,7 @@ use super::emit::{emit, tables};
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
-use numerics::modes::{Beam, BendingMode, ModalRig, Plan, Row, Tip};
+use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, Row, Tip};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -97,7 +97,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .iter()
         .map(Told::from)
         .collect();
-    let plan = Plan {
+    let plan = ModesRequest {
         rig: &rig,
         beam,
         counts: &args.modes,

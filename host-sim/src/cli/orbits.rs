@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use files::UserError;
 use numerics::NamedRig;
 use numerics::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
-use numerics::continuation::{Along, End, Request, Special, curves, diagram};
+use numerics::continuation::{Along, End, OrbitsRequest, Special, curves, diagram};
 use numerics::engine::Engine;
 use plot::chart::Chart;
 
@@ -124,7 +124,7 @@ fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
     emit(common.format, &rows, &rows, || curves_text(&rows))
 }
 
-fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
+fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
     let natural_hz = rig.params.natural_frequency_hz();
     let (along, limits) = match args.along {
         Axis::Frequency => {
@@ -168,7 +168,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
             (Along::Gap(hz), (from / unit, to / unit))
         }
     };
-    Ok(Request {
+    Ok(OrbitsRequest {
         along,
         limits,
         periods: args.periods,
@@ -301,11 +301,10 @@ fn end_words(end: End) -> &'static str {
 }
 
 fn special_line(point: &SpecialRow) -> String {
-    let kind = Special::ALL.into_iter().find(|k| k.name() == point.special);
     format!(
         "{:<8} {:<25} {:>10.6} {:>9.6} {:>9.4} {:>9.3} {:>12.4}\n",
         point.branch,
-        kind.map_or(point.special, Special::label),
+        point.special.label(),
         point.frequency_hz,
         point.frequency_ratio,
         point.gap_mm,
@@ -339,7 +338,7 @@ fn curves_text(rows: &[SpecialRow]) -> String {
     }
     let mut chart = Chart::new("gap, mm", "drive frequency, Hz");
     for kind in Special::ALL {
-        let points = rows.iter().filter(|r| r.special == kind.name());
+        let points = rows.iter().filter(|r| r.special == kind);
         let points: Vec<_> = points.map(|r| (r.gap_mm, r.frequency_hz)).collect();
         if !points.is_empty() {
             chart = chart.points(kind.label(), points);

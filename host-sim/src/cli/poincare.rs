@@ -12,8 +12,8 @@ use files::UserError;
 use numerics::NamedRig;
 use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
-use numerics::poincare::against::{self, Against, Told};
-use numerics::poincare::{Portrait, Request, SectionPoint, portrait};
+use numerics::poincare::against::{self, Against, SectionSummary};
+use numerics::poincare::{Portrait, SectionPoint, SectionRequest, portrait};
 use plot::chart::Chart;
 
 /// What the section is held against.
@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
 }
 
-fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
+fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
     const MOST: u32 = 10_000_000;
@@ -127,7 +127,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
             "--against compares sections at drive phase 0; leave --phase out",
         ));
     }
-    Ok(Request {
+    Ok(SectionRequest {
         params: rig.params,
         frequency_hz,
         start: args.initial,
@@ -137,7 +137,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
     })
 }
 
-fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), UserError> {
+fn run_section(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<(), UserError> {
     let common = &args.common;
     let progress = Progress::new("drive periods", u64::from(request.points), common.quiet);
     let (portrait, exponents) = rayon::join(
@@ -156,12 +156,12 @@ fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), Use
     emit(common.format, &answer, &rows, || text(&answer, &portrait))
 }
 
-fn exponents(request: &Request) -> Result<Exponents, UserError> {
+fn exponents(request: &SectionRequest) -> Result<Exponents, UserError> {
     let rig = shared::model::rig::Rig::<f64>::new(&request.params)?;
     let section = request
         .start
         .section(&rig, std::f64::consts::TAU * request.frequency_hz)?;
-    let plan = lyapunov::Plan {
+    let plan = lyapunov::Span {
         transient: request.transient,
         periods: request.points,
     };
@@ -175,7 +175,7 @@ fn exponents(request: &Request) -> Result<Exponents, UserError> {
 
 fn answer(
     rig: &NamedRig,
-    request: &Request,
+    request: &SectionRequest,
     portrait: &Portrait,
     exponents: Option<Exponents>,
 ) -> Answer {
@@ -197,7 +197,7 @@ fn answer(
     }
 }
 
-fn heading(rig: &NamedRig, request: &Request) -> String {
+fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
     format!(
         "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n",
         rig.name,
@@ -240,7 +240,7 @@ fn text(answer: &Answer, portrait: &Portrait) -> String {
     text
 }
 
-fn run_against(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), UserError> {
+fn run_against(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<(), UserError> {
     let common = &args.common;
     let widths = match args.epsilon_m.as_slice() {
         [] => &against::WIDTHS_M[..],
@@ -262,7 +262,7 @@ fn run_against(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), Use
     })
 }
 
-fn against_text(found: &Against, rows: &[Told]) -> String {
+fn against_text(found: &Against, rows: &[SectionSummary]) -> String {
     let mut text = format!(
         "  the switch: regime {} over {} points\n\n  model                  width, m  repeats  steps/period  away, A0  boxes not shared  exponent/period\n",
         found.exact.regime,

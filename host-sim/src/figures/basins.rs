@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use numerics::basins::chapter::{POINTS, Point};
-use numerics::basins::{Basins, Query, Summary, cells, explore};
+use numerics::basins::{Basins, BasinsRequest, Summary, cells, explore};
 use numerics::engine::Engine;
 
 /// A part per figure: its two points share nothing with the others'.
@@ -47,10 +47,10 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     Ok(all)
 }
 
-fn query(point: &Point, effort: Effort) -> Result<Query, UserError> {
+fn query(point: &Point, effort: Effort) -> Result<BasinsRequest, UserError> {
     match effort {
         Effort::Full => Ok(point.query(500, 500)?),
-        Effort::Coarse => Ok(Query {
+        Effort::Coarse => Ok(BasinsRequest {
             cycles: 120,
             recorded: 40,
             samples: 20,

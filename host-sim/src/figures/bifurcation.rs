@@ -8,9 +8,9 @@ use crate::pictures::bifurcation::{Abscissa, Look, Quantity, figure, panel};
 use crate::progress::Progress;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::bifurcation::{Diagram, Request, changes, diagrams, rows};
+use numerics::bifurcation::{Diagram, DiagramRequest, changes, diagrams, rows};
 use numerics::engine::Engine;
-use numerics::lanes::Plan;
+use numerics::lanes::CellPlan;
 use numerics::lyapunov;
 use numerics::row::kind;
 use numerics::sweep::{Direction, spread};
@@ -23,13 +23,13 @@ fn range(params: &RigParams, count: usize) -> Vec<f64> {
     spread(1.41 / 1.82 * natural, 7.28 / 1.82 * natural, count)
 }
 
-fn plan(effort: Effort) -> Plan {
+fn plan(effort: Effort) -> CellPlan {
     match effort {
-        Effort::Full => Plan {
+        Effort::Full => CellPlan {
             strobes: 100,
-            ..Plan::CHAPTER
+            ..CellPlan::CHAPTER
         },
-        Effort::Coarse => Plan {
+        Effort::Coarse => CellPlan {
             cycles: 100,
             recorded: 40,
             early: true,
@@ -46,7 +46,7 @@ fn compute(
     directions: &[Direction],
     progress: &Progress,
 ) -> Result<Vec<Diagram>, UserError> {
-    let request = Request {
+    let request = DiagramRequest {
         rig: rig.clone(),
         gaps_mm: gaps_mm.to_vec(),
         frequencies_hz,
@@ -256,7 +256,7 @@ fn most_chaotic(
         return Ok(None);
     };
     let station = &longest[longest.len() / 2];
-    let plan = lyapunov::Plan {
+    let plan = lyapunov::Span {
         transient: 100,
         periods: if effort == Effort::Full { 2000 } else { 60 },
     };

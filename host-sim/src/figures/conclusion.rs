@@ -10,7 +10,7 @@ use crate::words::pick::{jumping_at, why};
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
-use numerics::basins::{Query, explore};
+use numerics::basins::{BasinsRequest, explore};
 use numerics::branch::End;
 use numerics::engine::Engine;
 use numerics::pick::uncertainty::Uncertainty;
@@ -116,10 +116,10 @@ fn at(
     });
     let found = pick(&rig, uncertainty, Limits::default(), progress)?;
     let answer = &found.answer;
-    let query = Query {
+    let query = BasinsRequest {
         samples: 0,
         until: 300,
-        ..Query::usual(rig, answer.operating_frequency_hz, side, side)
+        ..BasinsRequest::usual(rig, answer.operating_frequency_hz, side, side)
     };
     let basins = explore(Engine::Event, &query, progress)?;
     let (share, _) = basins.grid_share(|fate, _| fate.regime.is(1, 1));

@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use numerics::engine::Start;
-use numerics::lanes::{self, Cell, Outcome, Plan};
+use numerics::lanes::{self, Cell, CellPlan, Outcome};
 use numerics::row::regime_as_text;
 use numerics::row::{Row, tidy};
 use numerics::sweep::{jumps, spread};
@@ -95,13 +95,13 @@ fn curves(
     progress: &Progress,
 ) -> Result<Vec<Curve>, UserError> {
     let (count, plan) = match effort {
-        Effort::Full => (441, Plan::CHAPTER),
+        Effort::Full => (441, CellPlan::CHAPTER),
         Effort::Coarse => (
             12,
-            Plan {
+            CellPlan {
                 cycles: 60,
                 recorded: 20,
-                ..Plan::CHAPTER
+                ..CellPlan::CHAPTER
             },
         ),
     };
@@ -166,7 +166,7 @@ type Chain = (&'static str, RigParams);
 fn from_rest(
     chains: &[Chain],
     ratios: &[f64],
-    plan: &Plan,
+    plan: &CellPlan,
     progress: &Progress,
 ) -> Result<Vec<Vec<Row>>, UserError> {
     let mut curves = Vec::new();
@@ -188,7 +188,7 @@ type UpAndDown = (Vec<Row>, Vec<Row>);
 fn carried(
     chains: &[Chain],
     ratios: &[f64],
-    plan: &Plan,
+    plan: &CellPlan,
     progress: &Progress,
 ) -> Result<Vec<UpAndDown>, UserError> {
     let mut found: Vec<UpAndDown> = vec![(Vec::new(), Vec::new()); chains.len()];

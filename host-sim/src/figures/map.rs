@@ -9,15 +9,16 @@ use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
+use crate::words;
+use crate::words::map::percent;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
 use numerics::engine::Setting;
-use numerics::lanes::Plan;
-use numerics::map::agree::percent;
+use numerics::lanes::CellPlan;
 use numerics::map::measured::{Measured, hits};
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Agreement, Grid, Map, Request, Runner, alikeness, run};
+use numerics::map::{Agreement, Grid, Map, MapRequest, Runner, run, similarity};
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
@@ -102,7 +103,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         Effort::Full => (24, 40, 150),
         Effort::Coarse => (3, 4, 30),
     };
-    let plan = Plan {
+    let plan = CellPlan {
         cycles,
         recorded: cycles / 3,
         early: false,
@@ -136,7 +137,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         figure: "switch-map",
         title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
         chapter: "Beyond the chapter, which has one engine.",
-        found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), agreement.line()),
+        found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), words::map::agreement(&agreement)),
         command: "host-sim map --rig wires --against switch --out out".to_owned(),
         files,
     }])
@@ -150,8 +151,8 @@ fn rig(name: &str) -> Result<NamedRig, UserError> {
     })
 }
 
-fn request(rig: NamedRig, grid: Grid, plan: Plan, runner: Runner) -> Request {
-    Request {
+fn request(rig: NamedRig, grid: Grid, plan: CellPlan, runner: Runner) -> MapRequest {
+    MapRequest {
         rig,
         grid,
         runner,
@@ -161,10 +162,10 @@ fn request(rig: NamedRig, grid: Grid, plan: Plan, runner: Runner) -> Request {
     }
 }
 
-const COARSE: Plan = Plan {
+const COARSE: CellPlan = CellPlan {
     cycles: 60,
     recorded: 30,
-    ..Plan::CHAPTER
+    ..CellPlan::CHAPTER
 };
 
 fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
@@ -174,7 +175,7 @@ fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, U
         chapter_frequencies_hz(&rig.params),
     );
     let (step, plan) = match effort {
-        Effort::Full => (1, Plan::CHAPTER),
+        Effort::Full => (1, CellPlan::CHAPTER),
         Effort::Coarse => (24, COARSE),
     };
     let grid = Grid {
@@ -192,7 +193,7 @@ fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, Us
     let rig = rig(name)?;
     let ((from, to), (low, high)) = DETAIL;
     let (columns, rows, plan) = match effort {
-        Effort::Full => (441, 281, Plan::CHAPTER),
+        Effort::Full => (441, 281, CellPlan::CHAPTER),
         Effort::Coarse => (12, 8, COARSE),
     };
     let natural_hz = rig.params.natural_frequency_hz();
@@ -436,9 +437,9 @@ fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, User
 fn alike(maps: &[Map]) -> Result<Page, UserError> {
     let mut found = Vec::new();
     for (i, a) in maps.iter().enumerate() {
-        found.extend(maps[i + 1..].iter().map(|b| alikeness(a, b)));
+        found.extend(maps[i + 1..].iter().map(|b| similarity(a, b)));
     }
-    let lines: Vec<String> = found.iter().map(|a| a.line()).collect();
+    let lines: Vec<String> = found.iter().map(words::map::similarity).collect();
     let told = format!("{}.", lines.join("; "));
     let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();

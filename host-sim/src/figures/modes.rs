@@ -8,7 +8,7 @@ use files::rigfile;
 use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Plan as Cycles;
-use numerics::modes::{Beam, Plan, Row, Tip};
+use numerics::modes::{Beam, ModesRequest, Row, Tip};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Numbers of modes compared.
@@ -76,7 +76,7 @@ fn rows(
 ) -> Result<Vec<Row>, UserError> {
     let natural = rig.params.natural_frequency_hz();
     let frequencies_hz: Vec<_> = ratios.map(|ratio| ratio * natural).collect();
-    let plan = Plan {
+    let plan = ModesRequest {
         rig,
         beam,
         counts: &COUNTS,

@@ -11,9 +11,9 @@ use crate::pictures::regimes::regime_raster;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
-use numerics::continuation::table::{Answer, line_rows};
-use numerics::continuation::{Along, Request, Special, curves, diagram};
-use numerics::lanes::{self, Cell, Plan};
+use numerics::continuation::table::{Answer, BranchRow, Name, line_rows};
+use numerics::continuation::{Along, OrbitsRequest, curves, diagram};
+use numerics::lanes::{self, Cell, CellPlan};
 use numerics::row::tidy;
 use plot::{Axis, Figure, Item, Panel, edges};
 
@@ -70,7 +70,7 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
         Effort::Full => (40, 800),
         Effort::Coarse => (8, 20),
     };
-    let request = Request {
+    let request = OrbitsRequest {
         along: Along::Frequency,
         limits: (0.8, 4.0),
         periods: 2,
@@ -108,8 +108,8 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
 
 /// Whether there is a stable orbit of `regime` at the ratio `at`, and from where to where.
 fn claim(answer: &Answer, regime: &str, at: f64) -> String {
-    let of = |name: &str| name == regime || name.starts_with(&format!("{regime} "));
-    let branches = answer.branches.iter().filter(|b| of(&b.branch));
+    let of = |b: &&BranchRow| format!("{}/{}", b.impacts, b.periods) == regime;
+    let branches = answer.branches.iter().filter(of);
     let stretches: Vec<[f64; 2]> = branches.flat_map(|b| b.stable.clone()).collect();
     let here = stretches.iter().find(|s| (s[0]..=s[1]).contains(&at));
     if let Some([from, to]) = here {
@@ -129,9 +129,12 @@ fn specials(answer: &Answer) -> String {
     let told: Vec<String> = answer
         .special_points
         .iter()
-        .filter(|p| p.branch == "1/1" || p.branch == "1/2")
+        .filter(|p| {
+            let first = |name| matches!(name, Name::Branch { number: 1, .. });
+            first(p.branch) && p.impacts == 1 && p.periods <= 2
+        })
         .map(|p| {
-            let kind = in_words(p.special);
+            let kind = p.special.label();
             format!("{} {kind} at {:.4}", p.branch, p.frequency_ratio)
         })
         .collect();
@@ -139,12 +142,6 @@ fn specials(answer: &Answer) -> String {
         return "No special point was found on the 1/1 and the 1/2.".to_owned();
     }
     format!("Located: {}.", told.join("; "))
-}
-
-/// A special point of this name, in words.
-fn in_words(name: &'static str) -> &'static str {
-    let kind = Special::ALL.into_iter().find(|k| k.name() == name);
-    kind.map_or(name, Special::label)
 }
 
 /// Lines of special points of the 1/1 over the regimes of the Peterka map, wires.
@@ -189,7 +186,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     files.push((format!("{name}.csv"), to_csv(&told)));
     let zero = told.iter().filter(|r| r.gap_mm == 0.0);
     let zero: Vec<String> = zero
-        .map(|r| format!("{} at {:.3} Hz", in_words(r.special), r.frequency_hz))
+        .map(|r| format!("{} at {:.3} Hz", r.special.label(), r.frequency_hz))
         .collect();
     let reach: Vec<String> = lines
         .iter()
@@ -246,6 +243,6 @@ fn regimes(gaps_mm: &[f64], frequencies_hz: &[f64]) -> Result<Vec<String>, UserE
             });
         }
     }
-    let outcomes = lanes::run(&cells, &Plan::CHAPTER)?;
+    let outcomes = lanes::run(&cells, &CellPlan::CHAPTER)?;
     Ok(outcomes.iter().map(|o| o.regime.to_string()).collect())
 }

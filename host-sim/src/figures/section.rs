@@ -46,7 +46,7 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
         Effort::Full => (10_000, 500),
         Effort::Coarse => (200, 100),
     };
-    let request = poincare::Request {
+    let request = poincare::SectionRequest {
         params: rig.params,
         frequency_hz: RATIO * rig.params.natural_frequency_hz(),
         start: Start::Rest,
@@ -59,20 +59,20 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
         format!(
             "{:?} µm: {}, {:.3} A0 away, {:.0} % of the boxes not shared, {:.0} steps per drive period",
             numerics::row::tidy(s.epsilon_m * 1e6),
-            match s.told.section_periods {
+            match s.summary.section_periods {
                 Some(n) => format!("repeats after {n}"),
                 None => "does not repeat".to_owned(),
             },
-            s.told.carried,
-            100.0 * s.told.boxes_not_shared,
-            s.told.steps_per_period
+            s.summary.carried,
+            100.0 * s.summary.boxes_not_shared,
+            s.summary.steps_per_period
         )
     });
     let words = words.collect::<Vec<_>>().join("; ");
     let changed = found
         .smoothed
         .iter()
-        .any(|s| s.told.carried > 10.0 * found.again.carried);
+        .any(|s| s.summary.carried > 10.0 * found.again.carried);
     Ok(vec![Page {
         figure: "3.4",
         title: "The smoothing method against the switch on one chaotic Poincaré section".to_owned(),
@@ -80,7 +80,7 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
         found: format!(
             "{}: wires, 1.0 mm, Ω/ω = {RATIO}. By width of the smoothing: {words}. The switch needs {:.0} steps per drive period; two of its own runs are {:.4} A0 and {:.1} % of the boxes apart.",
             if changed { "Agrees" } else { "Differs" },
-            found.told.steps_per_period,
+            found.summary.steps_per_period,
             found.again.carried,
             100.0 * found.again.boxes_not_shared
         ),
@@ -163,7 +163,7 @@ pub fn portraits(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
     };
     let page = |(number, gap, ratio, chapter, expected): (_, f64, f64, _, Option<Z>)| {
         let rig = rig("wires", gap)?;
-        let request = poincare::Request {
+        let request = poincare::SectionRequest {
             params: rig.params,
             frequency_hz: ratio * rig.params.natural_frequency_hz(),
             start: Start::Rest,

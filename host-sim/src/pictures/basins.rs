@@ -1,7 +1,7 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
 use crate::pictures::regimes::regime_color;
-use numerics::basins::{Basins, Look};
+use numerics::basins::{Basins, ImpactAfter, Kind};
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
 /// The chapter's colours.
@@ -37,11 +37,14 @@ fn styles(basins: &Basins) -> Vec<(String, Color)> {
             return ("other".to_owned(), Color::INK);
         }
         named += 1;
-        let base = attractor.name.split(' ').next().unwrap_or_default();
-        let own = match base {
-            "no" => Some(STILL),
-            "1/1" | "1/2" | "2/2" | "aperiodic" | "chatter" => Some(regime_color(base)),
-            _ => None,
+        let own = match attractor.name.kind {
+            Kind::NoImpact => Some(STILL),
+            Kind::Aperiodic => Some(regime_color("aperiodic")),
+            Kind::Chatter { .. } => Some(regime_color("chatter")),
+            Kind::Periodic { impacts, periods } => {
+                let styled = matches!((impacts, periods), (1, 1) | (1, 2) | (2, 2));
+                styled.then(|| regime_color(&format!("{impacts}/{periods}")))
+            }
         };
         let free = own.filter(|color| !taken.contains(color));
         let color = free.or_else(|| more.next()).unwrap_or(Color::INK);
@@ -143,14 +146,14 @@ pub fn last_contact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
 
 /// Share of impact over the number of cycles one waits, of the random starts.
 fn looks_panel(basins: &Basins) -> Panel {
-    let looks = &basins.looks;
-    let line = |value: fn(&Look) -> f64| {
-        let points = looks.iter();
+    let over_cycles = &basins.over_cycles;
+    let line = |value: fn(&ImpactAfter) -> f64| {
+        let points = over_cycles.iter();
         points
             .map(|l| (f64::from(l.cycles), 100.0 * value(l)))
             .collect::<Vec<_>>()
     };
-    let of = looks.first().map_or(0, |l| l.impact.of);
+    let of = over_cycles.first().map_or(0, |l| l.impact.of);
     Panel::new(
         Axis::new("drive cycles run when one looks").with_zero(),
         Axis::new("impact, % of the random starts").fixed(0.0, 105.0),
@@ -179,7 +182,7 @@ pub fn figure(basins: &Basins) -> Figure {
         .panel(impact_panel(basins, "impact / no impact"))
         .panel(attractor_panel(basins, "by attractor"))
         .panel(last_contact_panel(basins, "how long it strikes"));
-    if basins.looks.is_empty() {
+    if basins.over_cycles.is_empty() {
         figure
     } else {
         figure.panel(looks_panel(basins))

@@ -77,7 +77,10 @@ fn subtitle(comparison: &Comparison) -> String {
     let errors = &comparison.errors;
     let mut text = format!(
         "Drive {:.4} Hz ({}), {:.3} times the natural frequency; simulation: regime {}.",
-        errors.frequency_hz, errors.frequency_from, errors.frequency_ratio, errors.regime
+        errors.frequency_hz,
+        errors.frequency_from.name(),
+        errors.frequency_ratio,
+        errors.regime
     );
     if let (Some(rms), Some(percent)) =
         (errors.displacement_rms_mm, errors.displacement_rms_percent)

@@ -1,19 +1,19 @@
-//! Figure 3.3 and its like: phase plane and force of single blows, restitution over speed.
+//! Figure 3.3 and its like: phase plane and force of single contacts, restitution over speed.
 
 use shared::model::contact::Law;
 use shared::model::rig::Rig;
 
 use files::UserError;
-use numerics::contact_law::{Row, blow, free_mass, motion, unclamped};
+use numerics::contact_law::{Row, free_mass, motion, one_contact, unclamped};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Instants drawn per contact.
 const POINTS: usize = 300;
 
-/// A blow to draw: name, law, approach speed in m/s.
+/// A contact to draw: name, law, approach speed in m/s.
 pub type Drawn = (String, Law<f64>, f64);
 
-/// Phase plane (indentation and its rate) and force over time of several blows of a mass.
+/// Phase plane (indentation and its rate) and force over time of several contacts of a mass.
 ///
 /// # Errors
 /// A parameter out of range, or a contact that does not end.
@@ -30,12 +30,12 @@ pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
     .titled("Contact force");
     for (i, (name, law, speed)) in drawn.iter().enumerate() {
         let rig = Rig::new(&free_mass(mass_kg, *law))?;
-        let done = blow(&rig, *speed).and_then(|b| unclamped(&rig, &b).map(|p| (b, p)));
-        let (blow, pull) = done.ok_or_else(|| {
+        let done = one_contact(&rig, *speed).and_then(|b| unclamped(&rig, &b).map(|p| (b, p)));
+        let (course, pull) = done.ok_or_else(|| {
             UserError::new(format!("{name}: the contact does not end at {speed} m/s"))
         })?;
         let color = Color::series(i);
-        let seen = motion(&rig, &blow, POINTS);
+        let seen = motion(&rig, &course, POINTS);
         let by = |f: fn(&numerics::contact_law::Instant) -> (f64, f64)| {
             seen.iter().map(f).collect::<Vec<_>>()
         };

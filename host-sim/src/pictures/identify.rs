@@ -49,7 +49,7 @@ pub fn forces(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Panel> 
         .titled(format!("Impact {}", i + 1))
         .item(Item::points("measured", Color::RED, column(1)))
         .item(Item::line(
-            format!("model: {}, by {}", fit.law, fit.misfit),
+            format!("model: {}, by {}", fit.law.name(), fit.misfit.name()),
             Color::BLUE,
             column(2),
         ))
@@ -66,7 +66,7 @@ pub fn peaks(fits: &[Fit]) -> Panel {
             .impacts
             .iter()
             .map(|r| (r.impact as f64, r.model_peak_n));
-        let label = format!("{}, by {}", fit.law, fit.misfit);
+        let label = format!("{}, by {}", fit.law.name(), fit.misfit.name());
         panel = panel.item(Item::line(label, Color::series(2 * i), model.collect()));
     }
     if let Some(fit) = fits.first() {

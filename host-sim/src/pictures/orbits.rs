@@ -10,10 +10,10 @@ use crate::pictures::regimes::regime_color;
 use files::UserError;
 use numerics::continuation::curves::Line;
 use numerics::continuation::family::Node;
-use numerics::continuation::table::{seen, stretches};
+use numerics::continuation::table::{motion_at, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
-use numerics::lanes::{self, Cell, Plan};
+use numerics::lanes::{self, Cell, CellPlan};
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// What simulations show at their strobes: (parameter, value).
@@ -26,7 +26,7 @@ pub struct Simulated {
 }
 
 /// Strobes drawn of each simulation: the last of all cycles, so that no transient is among them.
-const PLAN: Plan = Plan {
+const PLAN: CellPlan = CellPlan {
     cycles: 400,
     recorded: 60,
     early: false,
@@ -106,7 +106,8 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));
     let params = &diagram.params;
     let weight = params.weight_n();
-    let displacement = |node: &Node, k: usize| Some(seen(params, node, node.orbit.strobes[k]).0);
+    let displacement =
+        |node: &Node, k: usize| Some(motion_at(params, node, node.orbit.strobes[k]).0);
     let force = |node: &Node, k: usize| {
         let force = node.orbit.period_forces_n[k];
         (force > 0.0).then(|| force / weight)
@@ -148,7 +149,7 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
         }
     };
     for curve in &diagram.curves {
-        let regime = curve.regime();
+        let regime = curve.regime().to_string();
         let color = regime_color(&regime);
         for (nodes, stable) in stretches(&curve.nodes) {
             for k in 0..usize::from(curve.periods()) {

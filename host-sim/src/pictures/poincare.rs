@@ -4,7 +4,7 @@ use crate::pictures::regimes::regime_color;
 use numerics::NamedRig;
 use numerics::engine::Sample;
 use numerics::poincare::against::Against;
-use numerics::poincare::{Portrait, Request, SectionPoint, TRAJECTORY_PERIODS};
+use numerics::poincare::{Portrait, SectionPoint, SectionRequest, TRAJECTORY_PERIODS};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
@@ -57,7 +57,7 @@ fn line(trajectory: &[Sample]) -> Vec<(f64, f64)> {
 }
 
 /// The title and what all panels share.
-fn headed(rig: &NamedRig, request: &Request, portrait: &Portrait) -> Figure {
+fn headed(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let ratio = request.frequency_hz / request.params.natural_frequency_hz();
     Figure::new(format!(
         "{}, gap {:?} mm, {:.4} Hz: Poincaré section",
@@ -72,7 +72,7 @@ fn headed(rig: &NamedRig, request: &Request, portrait: &Portrait) -> Figure {
 }
 
 /// The phase plane and every section.
-pub fn figure(rig: &NamedRig, request: &Request, portrait: &Portrait) -> Figure {
+pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let gap = request.params.gap_m * 1e3;
     let regime = portrait.regime.to_string();
     let mut figure = headed(rig, request, portrait).columns(2).panel(
@@ -98,7 +98,7 @@ pub fn figure(rig: &NamedRig, request: &Request, portrait: &Portrait) -> Figure 
 }
 
 /// As the chapter's figures 3.16–3.23: a) displacement over time, b) phase plane with the section's points.
-pub fn chapter(rig: &NamedRig, request: &Request, portrait: &Portrait) -> Figure {
+pub fn chapter(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let shown = &portrait.trajectory;
     let from = shown.first().map_or(0.0, |s| s.time_s);
     let history = |f: fn(&Sample) -> f64| shown.iter().map(|s| (s.time_s - from, f(s))).collect();
@@ -136,7 +136,7 @@ pub fn chapter(rig: &NamedRig, request: &Request, portrait: &Portrait) -> Figure
 }
 
 /// Figure 3.4: the smoothed sections by falling width, and the switch's last, on the same axes.
-pub fn against_figure(rig: &NamedRig, request: &Request, found: &Against) -> Figure {
+pub fn against_figure(rig: &NamedRig, request: &SectionRequest, found: &Against) -> Figure {
     let exact: Vec<_> = found.exact.sections[0].iter().map(at).collect();
     let all = || found.smoothed.iter().flat_map(|s| &s.points).chain(&exact);
     let span = |value: fn(&(f64, f64)) -> f64| {
@@ -182,21 +182,21 @@ pub fn against_figure(rig: &NamedRig, request: &Request, found: &Against) -> Fig
             format!(
                 "smoothed over {:?} µm: {:.3} A0 away, {:.0} steps per period",
                 numerics::row::tidy(s.epsilon_m * 1e6),
-                s.told.carried,
-                s.told.steps_per_period
+                s.summary.carried,
+                s.summary.steps_per_period
             ),
             &s.points,
-            s.told.section_periods,
+            s.summary.section_periods,
             Color::RED,
         ));
     }
     figure.panel(panel(
         format!(
             "switch, located: {:.0} steps per period",
-            found.told.steps_per_period
+            found.summary.steps_per_period
         ),
         &exact,
-        found.told.section_periods,
+        found.summary.section_periods,
         Color::BLUE,
     ))
 }

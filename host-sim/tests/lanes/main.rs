@@ -2,8 +2,8 @@
 
 use numerics::engine::Engine;
 use numerics::lanes::{
-    Cell, How, Instructions, Outcome, Plan, Precision, Report, by_engine, run, run_reported,
-    run_serial, run_with,
+    Cell, CellPlan, Instructions, Options, Outcome, Precision, Report, by_engine, run,
+    run_reported, run_serial, run_with,
 };
 use rand::{Rng, SeedableRng};
 use shared::model::params::{BEAM_150, RigParams, WIRES};
@@ -37,13 +37,13 @@ fn sample(count: usize, seed: u64) -> Vec<Cell> {
         .collect()
 }
 
-const FULL: Plan = Plan {
+const FULL: CellPlan = CellPlan {
     early: false,
-    ..Plan::CHAPTER
+    ..CellPlan::CHAPTER
 };
 
-fn how(precision: Precision, instructions: Instructions) -> How {
-    How {
+fn options(precision: Precision, instructions: Instructions) -> Options {
+    Options {
         precision,
         instructions,
     }
@@ -70,7 +70,8 @@ fn a_random_sample_of_the_map_agrees_with_the_reference() {
     let cells = sample(140, 1);
     let reference = by_engine(Engine::Event, &cells, &FULL).unwrap();
     for precision in [Precision::Single, Precision::Double] {
-        let (ours, report) = run_with(how(precision, Instructions::Widest), &cells, &FULL).unwrap();
+        let (ours, report) =
+            run_with(options(precision, Instructions::Widest), &cells, &FULL).unwrap();
         let (both, same, force) = agreement(&ours, &reference);
         assert!(both > 80, "{both}");
         // 99 % and 99.5 % over the map; one cell on an edge is 1 % here.
@@ -88,16 +89,17 @@ fn a_random_sample_of_the_map_agrees_with_the_reference() {
 #[test]
 fn every_instruction_set_gives_the_same_bytes() {
     let cells = sample(150, 2);
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: 60,
         recorded: 40,
         early: true,
         strobes: 3,
     };
     for precision in [Precision::Single, Precision::Double] {
-        let (widest, _) = run_with(how(precision, Instructions::Widest), &cells, &plan).unwrap();
+        let (widest, _) =
+            run_with(options(precision, Instructions::Widest), &cells, &plan).unwrap();
         for instructions in [Instructions::Avx2, Instructions::Scalar] {
-            let (other, _) = run_with(how(precision, instructions), &cells, &plan).unwrap();
+            let (other, _) = run_with(options(precision, instructions), &cells, &plan).unwrap();
             assert_eq!(widest, other, "{precision:?} {instructions:?}");
         }
     }
@@ -106,11 +108,11 @@ fn every_instruction_set_gives_the_same_bytes() {
 #[test]
 fn chunks_and_threads_change_nothing() {
     let cells = sample(300, 3);
-    let whole = run(&cells, &Plan::CHAPTER).unwrap();
-    assert_eq!(whole, run_serial(&cells, &Plan::CHAPTER).unwrap());
+    let whole = run(&cells, &CellPlan::CHAPTER).unwrap();
+    assert_eq!(whole, run_serial(&cells, &CellPlan::CHAPTER).unwrap());
     let mut pieces = Vec::new();
     for piece in cells.chunks(37) {
-        pieces.extend(run_serial(piece, &Plan::CHAPTER).unwrap());
+        pieces.extend(run_serial(piece, &CellPlan::CHAPTER).unwrap());
     }
     assert_eq!(whole, pieces);
     let three = rayon::ThreadPoolBuilder::new()
@@ -119,7 +121,7 @@ fn chunks_and_threads_change_nothing() {
         .unwrap();
     assert_eq!(
         whole,
-        three.install(|| run(&cells, &Plan::CHAPTER)).unwrap()
+        three.install(|| run(&cells, &CellPlan::CHAPTER)).unwrap()
     );
 }
 
@@ -128,8 +130,8 @@ fn chunks_and_threads_change_nothing() {
 #[test]
 fn stopping_early_changes_neither_regime_nor_force() {
     let cells = sample(1500, 4);
-    let (early, report) = run_reported(&cells, &Plan::CHAPTER).unwrap();
-    let long = Plan {
+    let (early, report) = run_reported(&cells, &CellPlan::CHAPTER).unwrap();
+    let long = CellPlan {
         cycles: 700,
         ..FULL
     };
@@ -158,7 +160,7 @@ fn stopping_early_changes_neither_regime_nor_force() {
 
 #[test]
 fn a_start_at_another_phase_follows_the_reference() {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: 6,
         recorded: 6,
         early: false,
@@ -170,7 +172,7 @@ fn a_start_at_another_phase_follows_the_reference() {
             one.phase = phase;
             let scale = Rig::<f64>::new(&one.params).unwrap().coordinate_scale();
             one.start[1] = 1.5 * scale * std::f64::consts::TAU * hz;
-            let best = how(Precision::Double, Instructions::Widest);
+            let best = options(Precision::Double, Instructions::Widest);
             let (ours, _) = run_with(best, &[one], &plan).unwrap();
             let theirs = by_engine(Engine::Event, &[one], &plan).unwrap();
             assert_eq!(ours[0].strobes.len(), 6);
@@ -186,7 +188,7 @@ fn a_start_at_another_phase_follows_the_reference() {
 
 #[test]
 fn chatter_ends_as_the_reference_has_it() {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: 40,
         recorded: 20,
         early: false,
@@ -195,7 +197,7 @@ fn chatter_ends_as_the_reference_has_it() {
     let cells: Vec<_> = (0..12)
         .map(|i| cell(WIRES, 0.0, 1.41 + 0.05 * f64::from(i)))
         .collect();
-    let best = how(Precision::Double, Instructions::Widest);
+    let best = options(Precision::Double, Instructions::Widest);
     let (ours, report) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     let mut chatters = 0;
@@ -211,7 +213,7 @@ fn chatter_ends_as_the_reference_has_it() {
 /// Slow arrivals pressed on by the drive: the hammer is let go, comes back before it is out, hops and stays.
 #[test]
 fn hops_that_come_back_before_they_are_out_are_counted() {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: 1,
         recorded: 1,
         early: false,
@@ -227,7 +229,7 @@ fn hops_that_come_back_before_they_are_out_are_counted() {
             Cell { ..one }
         })
         .collect();
-    let best = how(Precision::Double, Instructions::Widest);
+    let best = options(Precision::Double, Instructions::Widest);
     let (ours, _) = run_with(best, &cells, &plan).unwrap();
     let theirs = by_engine(Engine::Event, &cells, &plan).unwrap();
     for (i, (a, b)) in ours.iter().zip(&theirs).enumerate() {
@@ -240,7 +242,7 @@ fn hops_that_come_back_before_they_are_out_are_counted() {
 /// Starts between one that just touches and one that just does not: told rightly, or flagged.
 #[test]
 fn grazing_is_told_rightly_or_flagged() {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: 1,
         recorded: 1,
         early: false,
@@ -266,7 +268,7 @@ fn grazing_is_told_rightly_or_flagged() {
         }
     }
     for precision in [Precision::Single, Precision::Double] {
-        let best = how(precision, Instructions::Widest);
+        let best = options(precision, Instructions::Widest);
         let mut flagged = 0;
         for exponent in -11..-1 {
             for share in [low - 10_f64.powi(exponent), high + 10_f64.powi(exponent)] {
@@ -284,7 +286,7 @@ fn what_lanes_cannot_run_goes_to_the_reference_and_what_cannot_be_is_an_error() 
     let hertz = shared::model::params::LAWS[1].1;
     let mut one = cell(WIRES, 0.5e-3, 3.0);
     one.params.contact = hertz;
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: 5,
         recorded: 5,
         early: true,

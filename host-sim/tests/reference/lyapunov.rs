@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use numerics::lyapunov::{BLOCKS, Exponents, Plan, exponents, of_smoothed};
+use numerics::lyapunov::{BLOCKS, Exponents, Span, exponents, of_smoothed};
 use numerics::orbit::{Multipliers, shoot};
 use numerics::reference::{Contact, Reference};
 use shared::model::contact::Law;
@@ -29,7 +29,7 @@ fn at(
     periods: u32,
 ) -> Exponents {
     let hz = ratio * params.natural_frequency_hz();
-    let plan = Plan { transient, periods };
+    let plan = Span { transient, periods };
     exponents(params, hz, section, plan).unwrap()
 }
 
@@ -324,7 +324,7 @@ fn the_smoothed_contact_comes_to_the_same_exponent() {
     let (params, rest) = with_gap(WIRES, 1.0);
     let hz = 1.8 * params.natural_frequency_hz();
     let exact = at(&params, 1.8, rest, 300, 40).largest_per_s;
-    let plan = Plan {
+    let plan = Span {
         transient: 300,
         periods: 2 * BLOCKS,
     };

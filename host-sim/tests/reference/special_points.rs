@@ -3,7 +3,7 @@
 
 use host_sim::progress::Progress;
 use numerics::continuation::{
-    Along, Curve, End, Family, Node, Origin, Request, Special, Until, diagram, march,
+    Along, Curve, End, Family, Node, OrbitsRequest, Origin, Special, Until, diagram, march,
 };
 use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use numerics::orbit::{shoot, shoot_periods};
@@ -170,7 +170,7 @@ fn regime(params: &RigParams, frequency_hz: f64, section: [f64; 2], cycles: u32)
 
 fn curves(gap_m: f64, limits: (f64, f64), periods: u8, starts: usize) -> (RigParams, Vec<Curve>) {
     let params = RigParams { gap_m, ..WIRES };
-    let request = Request {
+    let request = OrbitsRequest {
         along: Along::Frequency,
         limits,
         periods,
@@ -206,7 +206,10 @@ fn beyond_each_doubling_simulation_doubles_and_before_it_does_not() {
 #[test]
 fn a_doubled_orbit_that_soon_grazes_is_found_between_its_two_ends() {
     let (params, curves) = curves(0.0, (3.3, 3.6), 4, 2);
-    let find = |regime: &str| curves.iter().find(|c| c.regime() == regime).unwrap();
+    let find = |regime: &str| {
+        let same = |c: &&Curve| c.regime().to_string() == regime;
+        curves.iter().find(same).unwrap()
+    };
     let mut specials = find("1/2").specials();
     let (doubling, _) = specials
         .find(|(_, k)| *k == Special::PeriodDoubling)
@@ -234,7 +237,7 @@ fn a_doubled_orbit_that_soon_grazes_is_found_between_its_two_ends() {
 #[test]
 fn past_a_fold_the_simulation_jumps_and_before_it_it_stays() {
     let (params, curves) = curves(2.4e-3, (1.0, 1.9), 1, 6);
-    let one_one = curves.iter().find(|c| c.regime() == "1/1").unwrap();
+    let one_one = curves.iter().find(|c| c.regime().is(1, 1)).unwrap();
     let mut folds = one_one.specials().filter(|(_, k)| *k == Special::Fold);
     let (fold, _) = folds.next().expect("a fold");
     let hz = fold.orbit.frequency_hz;

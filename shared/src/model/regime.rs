@@ -234,7 +234,10 @@ mod tests {
             impacts: 1,
             periods: 1,
         };
-        assert_eq!(std::format!("{one:<5}|{:>5}|", Regime::None), "1/1  | none|");
+        assert_eq!(
+            std::format!("{one:<5}|{:>5}|", Regime::None),
+            "1/1  | none|"
+        );
     }
 
     #[test]

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 use numerics::engine::Engine;
-use numerics::lanes::{self, Cell, Outcome, Plan, Strobe};
+use numerics::lanes::{self, Cell, Outcome, CellPlan, Strobe};
 use serde::{Deserialize, Serialize};
 use shared::model::params::{RigParams, WIRES};
 
@@ -83,7 +83,7 @@ fn timed<T>(mut work: impl FnMut() -> T) -> (T, f64) {
 }
 
 fn ours(out: &Path) -> Result<(), Box<dyn Error>> {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: CYCLES,
         recorded: RECORDED,
         early: false,

@@ -138,7 +138,7 @@ fn single<R: Real, S: Stepper<R>>(
 /// the tick, in f32. The law is linear, so they hold for every approach speed.
 ///
 /// # Errors
-/// None for ticks that resolve the drive.
+/// If a simulation fails, which none does at a tick that resolves the drive.
 pub fn worst_single<S: Stepper<f32> + Copy>(stepper: S, tick_s: f64) -> Result<(f64, f64), Error> {
     const ONSETS: u32 = 100;
     let mass_kg = free_mass().mass_kg;
@@ -167,7 +167,7 @@ fn peak_force(mass_kg: f64) -> f64 {
 /// What the band takes from one contact at 0.08 m/s, at a tick of 2 ns.
 ///
 /// # Errors
-/// None for positive widths.
+/// If the width is not positive.
 pub fn loss(eta_alpha_m: f64) -> Result<Loss, Error> {
     let mass_kg = free_mass().mass_kg;
     let band = Band::new(eta_alpha_m, 0.0);

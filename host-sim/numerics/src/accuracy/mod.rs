@@ -47,7 +47,7 @@ impl Outcome {
 /// Runs the switch model as `setting` says.
 ///
 /// # Errors
-/// A parameter, frequency or start that cannot be.
+/// If a parameter, the frequency or the start is out of range.
 pub fn settle(
     setting: Setting,
     params: &RigParams,
@@ -98,7 +98,7 @@ pub fn from_settled(
 /// The frequency a `setting` really runs at when asked for `frequency_hz`.
 ///
 /// # Errors
-/// A frequency or tick the drive refuses.
+/// If the drive cannot have this frequency and tick.
 pub fn real_frequency(setting: Setting, frequency_hz: f64) -> Result<f64, Error> {
     Ok(match setting.precision {
         Precision::F32 => Drive::<f32>::new(frequency_hz, setting.tick_s)?.frequency_hz(),

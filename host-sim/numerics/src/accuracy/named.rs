@@ -121,7 +121,7 @@ impl Named {
 /// Every stepper at every tick at one point.
 ///
 /// # Errors
-/// None for the presets.
+/// If a simulation fails, which none of the presets does.
 pub fn table(point: Named) -> Result<Table, Error> {
     let settled = super::settle_reference(
         &point.params(),

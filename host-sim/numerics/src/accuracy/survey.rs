@@ -68,7 +68,7 @@ impl Point {
 /// The first `count` points of the seeded sequence at which the reference finds z = p/n from rest.
 ///
 /// # Errors
-/// None for the presets.
+/// If a simulation fails, which none of the presets does.
 pub fn points(seed: u64, count: usize) -> Result<Vec<Point>, Error> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut found = Vec::new();
@@ -117,7 +117,7 @@ impl Compared {
 /// Runs both engines from rest at every point.
 ///
 /// # Errors
-/// None for the presets at ticks that resolve the drive.
+/// If a simulation fails, which none of the presets does at a tick that resolves the drive.
 pub fn compare(points: &[Point], setting: Setting) -> Result<Vec<Compared>, Error> {
     let one = |point: &Point| {
         let params = point.params();
@@ -167,8 +167,8 @@ impl Edge {
     /// Nudges the reference's start at a compared point.
     ///
     /// # Errors
-    /// None for the presets.
-    pub fn look(compared: &Compared) -> Result<Self, Error> {
+    /// If a simulation fails, which none of the presets does.
+    pub fn of(compared: &Compared) -> Result<Self, Error> {
         let params = compared.point.params();
         let frequency_hz = compared.truth.frequency_hz;
         let nudge = |k: usize| {

@@ -1,21 +1,95 @@
-//! Telling attractors apart: by regime, and two of the same p/n by where their section lies.
+//! Attractors are distinguished by regime, and two of the same p/n by where their section lies.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
+use std::fmt;
 
+use serde::{Serialize, Serializer};
 use shared::model::regime::Regime;
 
 use super::start::Fate;
 
 /// Two orbits of the same p/n are one attractor when a chain of orbits leads from one to the other whose sections' middles
-/// lie no farther apart than about this, in A0 and A0 Ω. A run that is told periodic may still be some
+/// lie no farther apart than about this, in A0 and A0 Ω. A run that counts as periodic may still be some
 /// [`shared::model::regime::SECTION_TOLERANCE`] per cycle away from where it is going, so this is much wider.
 const NEAR: f64 = 0.05;
+
+/// The kind of motion of an attractor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// No contact.
+    NoImpact,
+    /// Nothing repeats, whatever the number of contacts and whether or not there was chatter.
+    Aperiodic,
+    /// z = p/n with chatter.
+    Chatter {
+        /// p.
+        impacts: u16,
+        /// n.
+        periods: u8,
+    },
+    /// z = p/n.
+    Periodic {
+        /// p.
+        impacts: u16,
+        /// n.
+        periods: u8,
+    },
+}
+
+impl From<Regime> for Kind {
+    fn from(regime: Regime) -> Self {
+        match regime {
+            Regime::None => Self::NoImpact,
+            Regime::Aperiodic { .. } | Regime::Chatter { periods: None, .. } => Self::Aperiodic,
+            Regime::Chatter {
+                impacts,
+                periods: Some(periods),
+            } => Self::Chatter { impacts, periods },
+            Regime::Periodic { impacts, periods } => Self::Periodic { impacts, periods },
+        }
+    }
+}
+
+/// What an attractor is called: "p/n", "chatter p/n", "no impact" or "aperiodic", with a letter if several are of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// The kind of motion.
+    pub kind: Kind,
+    /// Which of its kind, from 0, the one with the most starts first; `None` if there is no other.
+    pub number: Option<usize>,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoImpact => f.write_str("no impact"),
+            Self::Aperiodic => f.write_str("aperiodic"),
+            Self::Chatter { impacts, periods } => write!(f, "chatter {impacts}/{periods}"),
+            Self::Periodic { impacts, periods } => write!(f, "{impacts}/{periods}"),
+        }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.number {
+            Some(number) => f.pad(&format!("{} {}", self.kind, letters(number))),
+            None => f.pad(&self.kind.to_string()),
+        }
+    }
+}
+
+impl Serialize for Name {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
 
 /// One way in which hammers end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attractor {
-    /// "p/n" or "chatter p/n", with a letter when several share it; "no impact"; "aperiodic".
-    pub name: String,
+    /// Its name.
+    pub name: Name,
     /// The regime of the first start that ends here.
     pub regime: Regime,
     /// Middle of its section, in A0 and A0 Ω of the rig's coordinate, if it repeats: of the start that settled first.
@@ -26,40 +100,27 @@ pub struct Attractor {
     pub count: usize,
 }
 
-/// What a regime is called, whatever its number of contacts where nothing repeats.
-fn label(regime: Regime) -> String {
-    match regime {
-        Regime::None => "no impact".to_owned(),
-        Regime::Aperiodic { .. } | Regime::Chatter { periods: None, .. } => "aperiodic".to_owned(),
-        Regime::Chatter {
-            impacts,
-            periods: Some(periods),
-        } => format!("chatter {impacts}/{periods}"),
-        other => other.to_string(),
-    }
-}
-
 /// The attractors that `fates` end in, largest first, and which one each ends in.
 ///
-/// "No impact" and "aperiodic" are one each, and what does not repeat is aperiodic whether or not it chattered lately: without damping a motion that does not touch goes on as it began, and nothing
-/// tells two aperiodic ones apart after a few hundred cycles.
+/// All motions without contact are one attractor: without damping they go on as they began. All motions that do not
+/// repeat are one, too: after a few hundred cycles nothing distinguishes two of them.
 pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
-    let mut by_label: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    let mut by_kind: Vec<(Kind, Vec<usize>)> = Vec::new();
     for (i, fate) in fates.iter().enumerate() {
-        by_label.entry(label(fate.regime)).or_default().push(i);
+        let kind = Kind::from(fate.regime);
+        match by_kind.iter_mut().find(|(other, _)| *other == kind) {
+            Some((_, members)) => members.push(i),
+            None => by_kind.push((kind, vec![i])),
+        }
     }
-    let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
-    for (label, members) in by_label {
+    let mut groups: Vec<(Name, Vec<usize>)> = Vec::new();
+    for (kind, members) in by_kind {
         let mut clusters = near_together(fates, members);
         clusters.sort_by_key(|members| (std::cmp::Reverse(members.len()), members[0]));
         let several = clusters.len() > 1;
         groups.extend(clusters.into_iter().enumerate().map(|(k, members)| {
-            let name = if several {
-                format!("{label} {}", letters(k))
-            } else {
-                label.clone()
-            };
-            (name, members)
+            let number = several.then_some(k);
+            (Name { kind, number }, members)
         }));
     }
     groups.sort_by_key(|(_, members)| (std::cmp::Reverse(members.len()), members[0]));
@@ -162,11 +223,11 @@ mod tests {
         let (attractors, which) = tell_apart(&fates);
         let names: Vec<_> = attractors
             .iter()
-            .map(|a| (a.name.as_str(), a.count))
+            .map(|a| (a.name.to_string(), a.count))
             .collect();
-        assert_eq!(names, [("1/1 a", 3), ("1/1 b", 1)]);
+        assert_eq!(names, [("1/1 a".into(), 3), ("1/1 b".into(), 1)]);
         assert_eq!(which, [0, 1, 0, 0]);
-        assert_eq!(tell_apart(&fates[2..]).0[0].name, "1/1");
+        assert_eq!(tell_apart(&fates[2..]).0[0].name.to_string(), "1/1");
     }
 
     #[test]
@@ -190,7 +251,7 @@ mod tests {
             ),
         ];
         let (attractors, which) = tell_apart(&fates);
-        let names: Vec<_> = attractors.iter().map(|a| a.name.as_str()).collect();
+        let names: Vec<_> = attractors.iter().map(|a| a.name.to_string()).collect();
         assert_eq!(names, ["aperiodic", "no impact", "1/2"]);
         assert_eq!(which, [0, 1, 0, 2]);
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use shared::model::regime::Regime;
 
-use super::Basins;
+use super::{Basins, Name};
 use crate::row::regime_as_text;
 
 /// One start of the grid and what became of it.
@@ -25,7 +25,7 @@ pub struct CellRow {
     /// n, if the section repeats.
     pub periods: Option<u8>,
     /// Which of the attractors, by name.
-    pub attractor: String,
+    pub attractor: Name,
     /// Largest contact force of the recorded cycles over m g.
     pub force_ratio: f64,
     /// Cycle after which the section had settled.
@@ -49,7 +49,7 @@ pub fn rows(basins: &Basins) -> Vec<CellRow> {
             regime: fate.regime,
             impacts: fate.regime.impacts(),
             periods: fate.regime.periods(),
-            attractor: basins.attractors[usize::from(*which)].name.clone(),
+            attractor: basins.attractors[usize::from(*which)].name,
             force_ratio: fate.force_n / weight,
             settled_after_cycles: fate.settled_after,
             last_contact_cycle: fate.last_contact,

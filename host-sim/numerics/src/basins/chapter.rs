@@ -2,7 +2,7 @@
 
 use shared::model::params::preset;
 
-use super::Query;
+use super::BasinsRequest;
 use crate::error::Error;
 use crate::row::NamedRig;
 
@@ -57,8 +57,8 @@ impl Point {
     /// The question the figure answers, on a grid of `columns` by `rows`.
     ///
     /// # Errors
-    /// The preset is not there, which no point's is.
-    pub fn query(&self, columns: usize, rows: usize) -> Result<Query, Error> {
+    /// If there is no such preset, which no point of [`POINTS`] names.
+    pub fn query(&self, columns: usize, rows: usize) -> Result<BasinsRequest, Error> {
         let params = preset(self.rig).ok_or_else(|| Error::Preset(self.rig.to_owned()))?;
         let mut rig = NamedRig {
             name: self.rig.to_owned(),
@@ -66,6 +66,6 @@ impl Point {
         };
         rig.params.gap_m = self.gap_over_amplitude * params.amplitude_m;
         let frequency_hz = self.ratio * params.natural_frequency_hz();
-        Ok(Query::usual(rig, frequency_hz, columns, rows))
+        Ok(BasinsRequest::usual(rig, frequency_hz, columns, rows))
     }
 }

@@ -8,7 +8,6 @@ pub mod attractors;
 pub mod cells;
 pub mod chapter;
 pub mod entropy;
-
 pub mod share;
 pub mod start;
 mod summary;
@@ -21,7 +20,7 @@ use crate::engine::Engine;
 use crate::error::{BasinsError, Error, Side};
 use crate::progress::Progress;
 use crate::row::NamedRig;
-pub use attractors::Attractor;
+pub use attractors::{Attractor, Kind, Name};
 pub use entropy::{Entropy, Uncertainty};
 pub use share::Share;
 pub use start::{Drive, Fate, Window};
@@ -29,7 +28,7 @@ pub use summary::{AttractorShare, Summary};
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Query {
+pub struct BasinsRequest {
     /// The rig, with its gap.
     pub rig: NamedRig,
     /// Drive frequency, Hz.
@@ -51,9 +50,9 @@ pub struct Query {
 }
 
 /// Cycles between the rows of the table over cycles.
-const LOOK_EVERY: u32 = 50;
+const COMPARED_EVERY: u32 = 50;
 
-impl Query {
+impl BasinsRequest {
     /// The chapter's: the usual window at phase 0, 300 cycles with 100 recorded; 2000 random starts, run on to 1000.
     pub fn usual(rig: NamedRig, frequency_hz: f64, columns: usize, rows: usize) -> Self {
         let window = Window::usual(&rig.params, columns, rows);
@@ -79,7 +78,7 @@ impl Query {
     /// Refuses what cannot be asked, before anything runs.
     ///
     /// # Errors
-    /// One line that says what is wrong.
+    /// If the window, the number of cells, the phase or the cycles are out of range.
     pub fn check(&self) -> Result<(), Error> {
         let [x, v] = [self.window.displacement_m, self.window.velocity_m_per_s];
         for (side, [from, to]) in [(Side::Displacement, x), (Side::Velocity, v)] {
@@ -120,10 +119,10 @@ impl Query {
 /// Cells of a grid at most: what is kept of each is held in memory.
 const MOST_CELLS: usize = 4_000_000;
 
-/// How many of the random starts still touch when one looks at a later or an earlier cycle.
+/// Share of the random starts that still touch after some number of cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Look {
-    /// Cycles run when one looks.
+pub struct ImpactAfter {
+    /// The number of cycles.
     pub cycles: u32,
     /// Starts with a contact in the recorded cycles before.
     pub impact: Share,
@@ -133,7 +132,7 @@ pub struct Look {
 #[derive(Clone, Debug)]
 pub struct Basins {
     /// What was asked.
-    pub query: Query,
+    pub query: BasinsRequest,
     /// What became of the grid's starts, in the order of [`Window::starts`].
     pub grid: Vec<Fate>,
     /// Which attractor each ends in, an index of `attractors`.
@@ -145,14 +144,19 @@ pub struct Basins {
     /// The attractors, those with most starts of both kinds first.
     pub attractors: Vec<Attractor>,
     /// Share of impact over the number of cycles; empty without random starts.
-    pub looks: Vec<Look>,
+    pub over_cycles: Vec<ImpactAfter>,
 }
 
 /// Finds the basins.
 ///
 /// # Errors
-/// A window, count, parameter, frequency or phase that cannot be; a start out of reach.
-pub fn explore(engine: Engine, query: &Query, progress: &dyn Progress) -> Result<Basins, Error> {
+/// As [`BasinsRequest::check`]; also if a parameter or the frequency is out of range, if a start is out of the rig's
+/// reach, or if the work is interrupted.
+pub fn explore(
+    engine: Engine,
+    query: &BasinsRequest,
+    progress: &dyn Progress,
+) -> Result<Basins, Error> {
     query.check()?;
     let drive = Drive {
         params: query.rig.params,
@@ -167,18 +171,16 @@ pub fn explore(engine: Engine, query: &Query, progress: &dyn Progress) -> Result
     let sample = query.window.sample(query.samples, query.seed);
     fates.extend(run(&sample, query.cycles)?);
     let (attractors, mut which) = attractors::tell_apart(&fates);
-    let looks = if sample.is_empty() {
+    let over_cycles = if sample.is_empty() {
         Vec::new()
     } else {
-        let (at, of) = (looked_at(query), sample.len() as u64);
+        let (at, of) = (cycles_compared(query), sample.len() as u64);
         let counts = start::touching(engine, &drive, &sample, &at, query.recorded, progress)?;
-        let looks = at.into_iter().zip(counts);
-        looks
-            .map(|(cycles, count)| Look {
-                cycles,
-                impact: Share::wilson(count, of),
-            })
-            .collect()
+        let share = |(cycles, count)| ImpactAfter {
+            cycles,
+            impact: Share::wilson(count, of),
+        };
+        at.into_iter().zip(counts).map(share).collect()
     };
     Ok(Basins {
         query: query.clone(),
@@ -187,14 +189,16 @@ pub fn explore(engine: Engine, query: &Query, progress: &dyn Progress) -> Result
         random_which: which.split_off(cells),
         which,
         attractors,
-        looks,
+        over_cycles,
     })
 }
 
-/// The cycles at which one looks.
-fn looked_at(query: &Query) -> Vec<u32> {
-    let from = query.recorded.max(LOOK_EVERY);
-    let mut at: Vec<u32> = (from..=query.until).step_by(LOOK_EVERY as usize).collect();
+/// The numbers of cycles that are compared.
+fn cycles_compared(query: &BasinsRequest) -> Vec<u32> {
+    let from = query.recorded.max(COMPARED_EVERY);
+    let mut at: Vec<u32> = (from..=query.until)
+        .step_by(COMPARED_EVERY as usize)
+        .collect();
     if at.last() != Some(&query.until) {
         at.push(query.until);
     }

@@ -1,4 +1,4 @@
-//! Where hammers start, and what becomes of each.
+//! Where hammers start, and what each ends in.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -8,15 +8,25 @@ use shared::model::rig::Rig;
 
 use crate::engine::{Engine, Start};
 use crate::error::Error;
-use crate::lanes::{self, Cell, Outcome, Plan};
+use crate::lanes::{self, Cell, CellPlan, Outcome};
 use crate::progress::{Progress, step};
 
 /// Displacement at which the usual window begins, m.
 const USUAL_LOW_M: f64 = -6e-3;
 /// Velocity to which the usual window reaches either way, m/s.
 const USUAL_SPEED_M_PER_S: f64 = 0.15;
-/// Cells run at a time: memory is bounded by this and by what is kept of each.
+/// Cells run at a time by the lanes: memory is bounded by this and by what is kept of each.
 const CHUNK: usize = 4096;
+/// The switch model is slower: so many fewer cells are run at a time, so that an interruption is soon seen.
+const SLOWER: usize = 16;
+
+/// Cells that `engine` runs at a time, if only their last cycles are kept.
+fn chunk(engine: Engine) -> usize {
+    match engine {
+        Engine::Event => CHUNK,
+        Engine::Switch(_) => CHUNK / SLOWER,
+    }
+}
 
 /// A rectangle of starts, cut into cells: a cell's start is its middle. Displacement and velocity are relative to the
 /// cart (l sin θ or Δ, and its rate).
@@ -81,7 +91,7 @@ pub struct Drive {
     pub phase: f64,
 }
 
-/// What became of one start.
+/// What one start ended in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fate {
     /// Displacement (m) and velocity (m/s) at the start.
@@ -137,11 +147,11 @@ impl Fate {
     }
 }
 
-/// Lets hammers go at `starts` (m and m/s, relative to the cart) and tells what becomes of each, in order.
+/// What hammers released at `starts` (m and m/s, relative to the cart) end in, in order.
 ///
 /// # Errors
-/// A start out of the rig's reach or deep inside the surface; parameters, frequency or phase that cannot be; a
-/// hammer that leaves what the model describes.
+/// If a start is out of the rig's reach or deep inside the surface, if a parameter, the frequency or the phase is out
+/// of range, or if the hammer leaves what the model describes, or if the work is interrupted.
 pub fn fates(
     engine: Engine,
     drive: &Drive,
@@ -150,7 +160,7 @@ pub fn fates(
     recorded: u32,
     progress: &dyn Progress,
 ) -> Result<Vec<Fate>, Error> {
-    let plan = Plan {
+    let plan = CellPlan {
         cycles,
         recorded,
         early: true,
@@ -159,7 +169,7 @@ pub fn fates(
     let scale = Rig::<f64>::new(&drive.params)?.coordinate_scale();
     let units = [scale, scale * std::f64::consts::TAU * drive.frequency_hz];
     let mut fates = Vec::with_capacity(starts.len());
-    for chunk in starts.chunks(CHUNK) {
+    for chunk in starts.chunks(chunk(engine)) {
         let outcomes = outcomes(engine, drive, chunk, &plan)?;
         let found = chunk.iter().zip(&outcomes);
         fates.extend(found.map(|(start, outcome)| Fate::new(*start, outcome, units)));
@@ -182,7 +192,7 @@ pub fn touching(
     progress: &dyn Progress,
 ) -> Result<Vec<u64>, Error> {
     let until = cycles.last().copied().unwrap_or(0);
-    let plan = Plan {
+    let plan = CellPlan {
         cycles: until,
         recorded,
         early: true,
@@ -190,7 +200,7 @@ pub fn touching(
     };
     let mut counts = vec![0; cycles.len()];
     // Every cycle of every start is kept: few starts at a time.
-    for chunk in starts.chunks(CHUNK / 8) {
+    for chunk in starts.chunks(chunk(engine) / 8) {
         for outcome in outcomes(engine, drive, chunk, &plan)? {
             for (count, cycle) in counts.iter_mut().zip(cycles) {
                 *count += u64::from(touched(&outcome, *cycle, recorded));
@@ -217,7 +227,7 @@ fn outcomes(
     engine: Engine,
     drive: &Drive,
     starts: &[[f64; 2]],
-    plan: &Plan,
+    plan: &CellPlan,
 ) -> Result<Vec<Outcome>, Error> {
     let rig = Rig::<f64>::new(&drive.params)?;
     let omega = std::f64::consts::TAU * drive.frequency_hz;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::entropy::{self, Entropy, Uncertainty};
-use super::{Basins, Look, Share};
+use super::{Basins, ImpactAfter, Name, Share};
 
 /// What the basins come to, with units in the names. Shares are from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ pub struct Summary {
     pub recorded: u32,
     /// Share of the grid that has a contact in the recorded cycles.
     pub impact_share: f64,
-    /// The mesh's error of it; none for a grid too small to tell.
+    /// The mesh's error of it; `None` if the grid is too small.
     pub impact_share_mesh_error: Option<f64>,
     /// The same of the random starts, with its 95 % interval; none without.
     pub impact_share_random: Option<Share>,
@@ -47,7 +47,7 @@ pub struct Summary {
     /// The attractors.
     pub attractors: Vec<AttractorShare>,
     /// Share of impact over the number of cycles.
-    pub over_cycles: Vec<Look>,
+    pub over_cycles: Vec<ImpactAfter>,
     /// Starts (of the grid) an engine was uncertain of.
     pub uncertain: usize,
 }
@@ -56,7 +56,7 @@ pub struct Summary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttractorShare {
     /// Its name.
-    pub name: String,
+    pub name: Name,
     /// p.
     pub impacts: u16,
     /// n, if it repeats.
@@ -87,7 +87,7 @@ impl Summary {
         let attractors = (0_u16..).zip(&basins.attractors).map(|(number, a)| {
             let (share, share_mesh_error) = basins.grid_share(|_, which| which == number);
             AttractorShare {
-                name: a.name.clone(),
+                name: a.name,
                 impacts: a.regime.impacts(),
                 periods: a.regime.periods(),
                 force_ratio: a.force_n / params.weight_n(),
@@ -117,7 +117,7 @@ impl Summary {
             impact_uncertainty: entropy::uncertainty(&picture, window.columns),
             fractal_by_entropy: boundary.is_some_and(|s| s > entropy::FRACTAL_ABOVE),
             attractors: attractors.collect(),
-            over_cycles: basins.looks.clone(),
+            over_cycles: basins.over_cycles.clone(),
             uncertain: basins.grid.iter().filter(|f| f.uncertain).count(),
         }
     }

@@ -78,7 +78,7 @@ fn the_starts_that_never_touch_are_those_of_the_closed_form() {
         let steady = Linear::new(natural_hz, damping, params.amplitude_m, hz, [0.0; 2]);
         let rate = steady.forced[0] * steady.omega;
         let speed = 1.2e-3 * TAU * natural_hz;
-        let query = Query {
+        let query = BasinsRequest {
             window: Window {
                 displacement_m: [-1.2e-3, 1.2e-3],
                 velocity_m_per_s: [rate - speed, rate + speed],
@@ -89,7 +89,7 @@ fn the_starts_that_never_touch_are_those_of_the_closed_form() {
             recorded: 1,
             samples: 0,
             until: CYCLES,
-            ..Query::usual(rig.clone(), hz, 1, 1)
+            ..BasinsRequest::usual(rig.clone(), hz, 1, 1)
         };
         let found = explore(Engine::Event, &query, &()).unwrap();
         let (mut free, mut near) = (0, 0);
@@ -211,12 +211,12 @@ fn a_start_and_where_it_is_later_share_their_fate() {
 #[test]
 fn shares_agree_between_grid_sample_and_looks() {
     let rig = rig("wires", WIRES, 2.0);
-    let query = Query {
+    let query = BasinsRequest {
         cycles: 60,
         recorded: 30,
         samples: 100,
         until: 130,
-        ..Query::usual(rig.clone(), 2.0 * rig.params.natural_frequency_hz(), 10, 10)
+        ..BasinsRequest::usual(rig.clone(), 2.0 * rig.params.natural_frequency_hz(), 10, 10)
     };
     let found = explore(Engine::Event, &query, &()).unwrap();
     assert_eq!((found.grid.len(), found.random.len()), (100, 100));
@@ -226,12 +226,12 @@ fn shares_agree_between_grid_sample_and_looks() {
     let (on_grid, mesh) = found.grid_share(|f, _| f.impacts());
     let slack = mesh.unwrap() + 0.05;
     assert!(on_grid > sampled.low - slack && on_grid < sampled.high + slack);
-    let at: Vec<u32> = found.looks.iter().map(|look| look.cycles).collect();
+    let at: Vec<u32> = found.over_cycles.iter().map(|after| after.cycles).collect();
     assert_eq!(at, [50, 100, 130]);
     // Looked at when the grid is, the long run says what the short one says.
-    let query = Query { until: 60, ..query };
+    let query = BasinsRequest { until: 60, ..query };
     let again = explore(Engine::Event, &query, &()).unwrap();
-    let last = again.looks.last().unwrap();
+    let last = again.over_cycles.last().unwrap();
     assert_eq!((last.cycles, last.impact), (60, sampled));
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(1)
@@ -243,30 +243,47 @@ fn shares_agree_between_grid_sample_and_looks() {
 
 #[test]
 fn what_cannot_be_is_refused_before_anything_runs() {
-    let usual = Query::usual(rig("wires", WIRES, 2.0), 3.6, 4, 4);
-    let says = |query: Query| explore(Engine::Event, &query, &()).unwrap_err().to_string();
+    let usual = BasinsRequest::usual(rig("wires", WIRES, 2.0), 3.6, 4, 4);
+    let refused = |query: BasinsRequest| match explore(Engine::Event, &query, &()) {
+        Err(Error::Basins(error)) => error,
+        other => panic!("{other:?}"),
+    };
     let mut turned = usual.clone();
     turned.window.displacement_m.reverse();
-    assert!(says(turned).contains("displacement goes from"));
+    let [to, from] = usual.window.displacement_m;
+    let side = Side::Displacement;
+    assert_eq!(refused(turned), BasinsError::Window { side, from, to });
     let mut empty = usual.clone();
     empty.window.rows = 0;
-    assert!(says(empty).contains("0 cells"));
+    let no_cells = |error| {
+        matches!(
+            error,
+            BasinsError::Cells {
+                columns: 4,
+                rows: 0,
+                ..
+            }
+        )
+    };
+    assert!(no_cells(refused(empty)));
     for (recorded, until) in [(0, 1000), (301, 1000)] {
-        let query = Query {
+        let query = BasinsRequest {
             recorded,
             until,
             ..usual.clone()
         };
-        assert!(says(query).contains(&format!("--recorded is {recorded}")));
+        let cycles = 300;
+        assert_eq!(refused(query), BasinsError::Recorded { recorded, cycles });
     }
-    let query = Query {
+    let query = BasinsRequest {
         until: 299,
         ..usual.clone()
     };
-    assert!(says(query).contains("at least the 300"));
-    let query = Query {
+    let (until, cycles) = (299, 300);
+    assert_eq!(refused(query), BasinsError::Until { until, cycles });
+    let query = BasinsRequest {
         phase: 1.0,
         ..usual
     };
-    assert!(says(query).contains("drive phase"));
+    assert_eq!(refused(query), BasinsError::Phase(1.0));
 }

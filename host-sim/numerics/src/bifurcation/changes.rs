@@ -98,7 +98,7 @@ const LASTING: usize = 3;
 /// A jump moves the points by more than this share of A0, and by [`LEAP`] times what their neighbours move.
 const JUMP_SHARE: f64 = 0.1;
 const LEAP: f64 = 6.0;
-/// Points of more periods than this are too many to tell which moved where.
+/// Motions of more periods than this have too many points to follow each of them.
 const MOST_FOLLOWED: u8 = 4;
 /// Times the interval with a change in it is halved.
 const HALVINGS: usize = 10;
@@ -236,7 +236,7 @@ pub fn locate(
 ) -> Result<(), Error> {
     let down = diagram.direction == crate::sweep::Direction::Down;
     let natural = diagram.params.natural_frequency_hz();
-    // Of each change: interval, the motion it is told from, and the state to begin from.
+    // Of each change: its interval, and the state to begin from.
     let mut open: Vec<(usize, f64, f64, [f64; 2])> = Vec::new();
     for (i, change) in diagram.changes.iter().enumerate() {
         if change.lasting && change.kind != Kind::Jump {

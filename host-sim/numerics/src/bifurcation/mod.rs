@@ -13,8 +13,8 @@ use shared::model::rig::Rig;
 
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::lanes::{self, Cell, Outcome, Plan, Strobe};
-use crate::progress::{Progress, step};
+use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
+use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, regime_as_text, tidy};
 use crate::sweep::Direction;
@@ -63,7 +63,7 @@ pub struct Point {
 /// What one frequency of a diagram showed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// Regime and force, as `sweep` tells them.
+    /// Regime and force, as in a [`mod@crate::sweep`].
     pub row: Row,
     /// Points of the section, oldest first: as many as the motion has periods; if it does not repeat, all recorded.
     pub points: Vec<Point>,
@@ -92,7 +92,7 @@ pub struct Diagram {
 
 /// What to compute.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub struct DiagramRequest {
     /// The rig; its own gap is not used.
     pub rig: NamedRig,
     /// Gaps, mm.
@@ -104,12 +104,12 @@ pub struct Request {
     /// What integrates: the event engine runs through [`lanes`].
     pub engine: Engine,
     /// Cycles of each simulation; its strobes are the points.
-    pub plan: Plan,
+    pub plan: CellPlan,
     /// Whether changes are located by bisection between two frequencies.
     pub locate: bool,
 }
 
-impl Request {
+impl DiagramRequest {
     /// Simulations in all, location apart.
     pub fn simulations(&self) -> u64 {
         (self.gaps_mm.len() * self.frequencies_hz.len() * self.directions.len()) as u64
@@ -137,8 +137,9 @@ struct Chain {
 /// frequency, each from where it was.
 ///
 /// # Errors
-/// A parameter or frequency that cannot be; a hammer that leaves what the model describes.
-pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
+/// If a parameter or a frequency is out of range, or if the hammer leaves what the model describes, or if the work is
+/// interrupted.
+pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
     let mut chains = Vec::new();
     for gap_mm in &request.gaps_mm {
         let params = request.rig.params.with_gap_mm(*gap_mm)?;
@@ -171,7 +172,10 @@ pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagra
         };
         diagram.changes = changes::find(&diagram);
         if request.locate {
-            changes::locate(&mut diagram, &|cells| request.run(cells))?;
+            changes::locate(&mut diagram, &|cells| {
+                check(progress)?;
+                request.run(cells)
+            })?;
         }
         diagrams.push(diagram);
     }
@@ -182,7 +186,7 @@ pub fn diagrams(request: &Request, progress: &dyn Progress) -> Result<Vec<Diagra
 const BATCH: usize = 256;
 
 fn from_rest(
-    request: &Request,
+    request: &DiagramRequest,
     chain: &Chain,
     progress: &dyn Progress,
 ) -> Result<Vec<Station>, Error> {
@@ -199,7 +203,7 @@ fn from_rest(
 }
 
 fn carry(
-    request: &Request,
+    request: &DiagramRequest,
     chains: &[Chain],
     direction: Direction,
     stations: &mut [Vec<Station>],

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::{Frame, Question, Simulated};
+use super::{ComparisonRequest, Frame, FrequencySource, Simulated};
 use crate::error::{Error, RecordError};
 use crate::golden::maximum;
-use crate::identify::{Settings, measure};
+use crate::identify::{EVERY_CONTACT, measure};
 use crate::signal::Signal;
 
 /// Samples that are compared when a shift or a pitch is tried, at most.
@@ -18,16 +18,19 @@ const SHIFTS: u32 = 160;
 const MULTIPLES: u32 = 4;
 
 /// Drive frequencies to try, Hz, and where they are from.
-pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, &'static str), Error> {
+pub fn drive(
+    signal: &Signal,
+    question: &ComparisonRequest,
+) -> Result<(Vec<f64>, FrequencySource), Error> {
     if let Some(frequency_hz) = question.frequency_hz {
-        return Ok((vec![frequency_hz], "given"));
+        return Ok((vec![frequency_hz], FrequencySource::Given));
     }
     let natural = question.params.natural_frequency_hz();
     let range = (0.3 * natural, 12.0 * natural);
     if let Some(cart) = &signal.cart_mm {
         let (hz, explained) = pitch(&signal.time_s, cart, range);
         if explained > 0.5 {
-            return Ok((vec![hz], "cart"));
+            return Ok((vec![hz], FrequencySource::Cart));
         }
         if moves(cart, question) {
             return Err(signal.lacks(RecordError::UnsteadyCart));
@@ -43,12 +46,12 @@ pub fn drive(signal: &Signal, question: &Question) -> Result<(Vec<f64>, &'static
     };
     Ok((
         (1..=MULTIPLES).map(|k| base * f64::from(k)).collect(),
-        "record",
+        FrequencySource::Record,
     ))
 }
 
 /// Whether the cart moves at all: a column that no sensor stands behind holds noise.
-fn moves(cart: &[f64], question: &Question) -> bool {
+fn moves(cart: &[f64], question: &ComparisonRequest) -> bool {
     let n = cart.len() as f64;
     let mean = cart.iter().sum::<f64>() / n;
     let rms = (cart.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt();
@@ -57,13 +60,7 @@ fn moves(cart: &[f64], question: &Question) -> bool {
 
 /// How often the force record is struck, Hz.
 fn blows_per_second(signal: &Signal) -> Result<f64, Error> {
-    let all = Settings {
-        release_m: 0.0,
-        seek_release: false,
-        seek_exponent: false,
-        impacts: usize::MAX,
-    };
-    let impacts = measure(signal, &all)?.impacts;
+    let impacts = measure(signal, &EVERY_CONTACT)?.impacts;
     let (Some(first), Some(last)) = (impacts.first(), impacts.last()) else {
         return Err(signal.lacks(RecordError::NoContacts));
     };

@@ -10,7 +10,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, RecordError};
-use crate::identify::{Settings, measure};
+use crate::identify::{EVERY_CONTACT, measure};
 use crate::signal::Signal;
 pub use align::pitch;
 pub use simulated::Simulated;
@@ -27,7 +27,7 @@ pub enum Frame {
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Question {
+pub struct ComparisonRequest {
     /// The rig, with its gap.
     pub params: RigParams,
     /// What simulates.
@@ -63,6 +63,49 @@ pub struct Row {
     pub simulated_force_n: f64,
 }
 
+/// Where the drive frequency of a comparison is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrequencySource {
+    /// The question gives it.
+    Given,
+    /// The motion of the cart.
+    Cart,
+    /// The displacement or the force of the record.
+    Record,
+}
+
+impl FrequencySource {
+    /// Its name, as it is serialised.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::Cart => "cart",
+            Self::Record => "record",
+        }
+    }
+}
+
+/// What to keep in mind about a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Note {
+    /// The simulation does not repeat, so the histories drift apart.
+    NotRepeating,
+    /// The cart moves by another amplitude than the simulation assumes.
+    CartAmplitude {
+        /// Measured, mm.
+        measured_mm: f64,
+        /// Assumed, mm.
+        assumed_mm: f64,
+    },
+    /// The cart was measured, but does not move at the drive frequency alone; its phase is not used.
+    CartUnused,
+    /// No contact stands out in the measured force.
+    NoContact,
+    /// The drive frequency was found from the displacement or the force.
+    FrequencyFound,
+}
+
 /// How far apart they are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
@@ -70,8 +113,8 @@ pub struct Errors {
     pub frequency_hz: f64,
     /// Ω/ω.
     pub frequency_ratio: f64,
-    /// Where it is from: "given", "cart" or "record".
-    pub frequency_from: &'static str,
+    /// Where it is from.
+    pub frequency_from: FrequencySource,
     /// What is added to the record's time to stand at the simulation's drive phase 0, s.
     pub shift_s: f64,
     /// The cart's measured amplitude, mm.
@@ -110,7 +153,8 @@ pub struct Errors {
     /// Contact time of the simulation's strongest contact, ms.
     pub simulated_contact_time_ms: Option<f64>,
     /// What to keep in mind.
-    pub notes: Vec<String>,
+    #[serde(skip)]
+    pub notes: Vec<Note>,
 }
 
 /// Both motions, and what is between them.
@@ -127,8 +171,9 @@ pub struct Comparison {
 /// Lays `signal` over a simulation.
 ///
 /// # Errors
-/// A drive that cannot be found or cannot be, a rig that cannot be, a record too short for one drive period.
-pub fn compare(signal: &Signal, question: &Question) -> Result<Comparison, Error> {
+/// If the drive frequency is not found or out of range, if a parameter is out of range, or if the record is shorter
+/// than one drive period.
+pub fn compare(signal: &Signal, question: &ComparisonRequest) -> Result<Comparison, Error> {
     let (candidates, from) = align::drive(signal, question)?;
     let mut best: Option<(f64, Simulated, f64)> = None;
     let mut refused = None;
@@ -156,7 +201,7 @@ pub fn compare(signal: &Signal, question: &Question) -> Result<Comparison, Error
         }));
     }
     let rows = rows(signal, &simulated, shift_s, question.frame);
-    let errors = errors(signal, question, &simulated, shift_s, from, &rows);
+    let errors = errors(signal, question, &simulated, (shift_s, from), &rows);
     Ok(Comparison {
         errors,
         rows,
@@ -185,110 +230,150 @@ fn rows(signal: &Signal, simulated: &Simulated, shift_s: f64, frame: Frame) -> V
     signal.time_s.iter().enumerate().map(row).collect()
 }
 
+/// The figures of a comparison.
 fn errors(
     signal: &Signal,
-    question: &Question,
+    question: &ComparisonRequest,
     simulated: &Simulated,
-    shift_s: f64,
-    from: &'static str,
+    (shift_s, frequency_from): (f64, FrequencySource),
     rows: &[Row],
 ) -> Errors {
-    let off = |measured: fn(&Row) -> Option<f64>, model: fn(&Row) -> f64| {
-        let each: Option<Vec<f64>> = rows.iter().map(|r| Some(model(r) - measured(r)?)).collect();
-        each.map(|all| {
-            let n = all.len() as f64;
-            let square = all.iter().map(|x| x * x).sum::<f64>() / n;
-            (square.sqrt(), all.iter().sum::<f64>() / n)
-        })
-    };
-    let displacement = off(
+    let displacement = Difference::of(
+        rows,
         |r| r.measured_displacement_mm,
         |r| r.simulated_displacement_mm,
     );
-    let force = off(|r| r.measured_force_n, |r| r.simulated_force_n);
-    let travel = signal.displacement_mm.as_ref().map(|d| {
-        let high = d.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
-        high - d.iter().fold(f64::INFINITY, |m, x| m.min(*x))
-    });
-    let everything = Settings {
-        release_m: 0.0,
-        seek_release: false,
-        seek_exponent: false,
-        impacts: usize::MAX,
-    };
-    let times = &signal.time_s;
-    let span = times[times.len() - 1] - times[0] + signal.sample_s();
-    let contacts = signal
-        .force_n
-        .as_ref()
-        .and_then(|_| measure(signal, &everything).ok());
-    let count = contacts.as_ref().map(|c| c.impacts.len() as f64);
-    let over = contacts.as_ref().map(|c| {
-        let long = |i: &crate::identify::Impact| {
-            let inside = i.window.clone().skip(1);
-            let over = inside.filter(|k| c.force_n[*k] > c.threshold_n);
-            over.map(|k| c.time_s[k] - c.time_s[k - 1]).sum::<f64>()
-        };
-        c.impacts.iter().map(long).sum::<f64>() / c.impacts.len() as f64
-    });
-    let largest = contacts
-        .as_ref()
-        .map(|c| c.impacts.iter().fold(0.0_f64, |m, i| m.max(i.peak_n)));
-    let mean = contacts
-        .as_ref()
-        .map(|c| c.impacts.iter().map(|i| i.peak_n).sum::<f64>() / c.impacts.len() as f64);
-    let mut notes = Vec::new();
-    if !simulated.repeats {
-        notes.push("the simulation does not repeat: histories drift apart, compare the phase plane and the forces".to_owned());
-    }
+    let force = Difference::of(rows, |r| r.measured_force_n, |r| r.simulated_force_n);
+    let travel = signal.displacement_mm.as_deref().map(peak_to_peak);
+    let contacts = Contacts::of(signal);
     let cart_amplitude_mm = signal
         .cart_mm
         .as_ref()
         .and_then(|cart| align::cart_swing(signal, cart, simulated.frequency_hz))
         .map(|(amplitude, _)| amplitude);
-    let assumed_mm = question.params.amplitude_m * 1e3;
-    if let Some(mm) = cart_amplitude_mm
-        && (mm / assumed_mm - 1.0).abs() > 0.01
-    {
-        notes.push(format!(
-            "the cart moves by {mm:.4} mm, the simulation's by {assumed_mm:.4} mm: --set amplitude_mm={mm:.4} compares like with like"
-        ));
-    }
-    if signal.cart_mm.is_some() && cart_amplitude_mm.is_none() {
-        notes.push(
-            "the cart does not move at this frequency alone: its phase is not used".to_owned(),
-        );
-    }
-    if signal.force_n.is_some() && contacts.is_none() {
-        notes.push("no contact stands out in the measured force".to_owned());
-    }
-    if from == "record" {
-        notes.push("the drive frequency is found from the record: the strongest pitch or a multiple of it, whichever the simulation is most like; give --frequency if it is known".to_owned());
-    }
-    Errors {
+    let mut errors = Errors {
         frequency_hz: simulated.frequency_hz,
         frequency_ratio: simulated.frequency_hz / question.params.natural_frequency_hz(),
-        frequency_from: from,
+        frequency_from,
         shift_s,
         cart_amplitude_mm,
-        regime: simulated.regime.clone(),
+        regime: simulated.regime,
         samples: rows.len(),
-        displacement_rms_mm: displacement.map(|d| d.0),
-        displacement_rms_percent: displacement.zip(travel).map(|(d, t)| 100.0 * d.0 / t),
-        displacement_mean_mm: displacement.map(|d| d.1),
+        displacement_rms_mm: displacement.map(|d| d.rms),
+        displacement_rms_percent: displacement.zip(travel).map(|(d, t)| 100.0 * d.rms / t),
+        displacement_mean_mm: displacement.map(|d| d.mean),
         measured_peak_to_peak_mm: travel,
         simulated_peak_to_peak_mm: simulated.peak_to_peak_mm(question.frame),
-        force_rms_n: force.map(|f| f.0),
-        measured_force_n: largest,
-        measured_peak_mean_n: mean,
+        force_rms_n: force.map(|f| f.rms),
+        measured_force_n: contacts.map(|c| c.largest_n),
+        measured_peak_mean_n: contacts.map(|c| c.mean_n),
         simulated_force_n: simulated.force_n,
-        force_peak_percent: largest.map(|f| 100.0 * (simulated.force_n / f - 1.0)),
-        measured_contacts_per_period: count.map(|n| n / (span * simulated.frequency_hz)),
+        force_peak_percent: contacts.map(|c| 100.0 * (simulated.force_n / c.largest_n - 1.0)),
+        measured_contacts_per_period: contacts
+            .map(|c| c.count / (c.span_s * simulated.frequency_hz)),
         simulated_contacts_per_period: simulated.contacts_per_period,
-        measured_contact_time_ms: over.map(|s| s * 1e3),
+        measured_contact_time_ms: contacts.map(|c| c.duration_s * 1e3),
         simulated_contact_time_ms: simulated.contact_time_s.map(|s| s * 1e3),
-        notes,
+        notes: Vec::new(),
+    };
+    errors.notes = notes(signal, question, simulated, &errors);
+    errors
+}
+
+/// Simulated − measured, over all samples.
+#[derive(Clone, Copy)]
+struct Difference {
+    rms: f64,
+    mean: f64,
+}
+
+impl Difference {
+    /// `None` if a sample was not measured.
+    fn of(rows: &[Row], measured: fn(&Row) -> Option<f64>, model: fn(&Row) -> f64) -> Option<Self> {
+        let each: Option<Vec<f64>> = rows.iter().map(|r| Some(model(r) - measured(r)?)).collect();
+        each.map(|all| {
+            let n = all.len() as f64;
+            let square = all.iter().map(|x| x * x).sum::<f64>() / n;
+            Self {
+                rms: square.sqrt(),
+                mean: all.iter().sum::<f64>() / n,
+            }
+        })
     }
+}
+
+fn peak_to_peak(values: &[f64]) -> f64 {
+    let high = values.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
+    high - values.iter().fold(f64::INFINITY, |m, x| m.min(*x))
+}
+
+/// The contacts of the measured force.
+#[derive(Clone, Copy)]
+struct Contacts {
+    count: f64,
+    /// Length of the record, s.
+    span_s: f64,
+    /// Mean time over the noise's threshold, s.
+    duration_s: f64,
+    /// Largest peak, N.
+    largest_n: f64,
+    /// Mean of the peaks, N.
+    mean_n: f64,
+}
+
+impl Contacts {
+    /// `None` if no force was measured, or no contact stands out in it.
+    fn of(signal: &Signal) -> Option<Self> {
+        signal.force_n.as_ref()?;
+        let found = measure(signal, &EVERY_CONTACT).ok()?;
+        let count = found.impacts.len() as f64;
+        let duration = |impact: &crate::identify::Impact| {
+            let inside = impact.window.clone().skip(1);
+            let over = inside.filter(|k| found.force_n[*k] > found.threshold_n);
+            over.map(|k| found.time_s[k] - found.time_s[k - 1])
+                .sum::<f64>()
+        };
+        let times = &signal.time_s;
+        let peaks = || found.impacts.iter().map(|i| i.peak_n);
+        Some(Self {
+            count,
+            span_s: times[times.len() - 1] - times[0] + signal.sample_s(),
+            duration_s: found.impacts.iter().map(duration).sum::<f64>() / count,
+            largest_n: peaks().fold(0.0_f64, f64::max),
+            mean_n: peaks().sum::<f64>() / count,
+        })
+    }
+}
+
+fn notes(
+    signal: &Signal,
+    question: &ComparisonRequest,
+    simulated: &Simulated,
+    errors: &Errors,
+) -> Vec<Note> {
+    let mut notes = Vec::new();
+    if !simulated.repeats {
+        notes.push(Note::NotRepeating);
+    }
+    let assumed_mm = question.params.amplitude_m * 1e3;
+    if let Some(measured_mm) = errors.cart_amplitude_mm
+        && (measured_mm / assumed_mm - 1.0).abs() > 0.01
+    {
+        notes.push(Note::CartAmplitude {
+            measured_mm,
+            assumed_mm,
+        });
+    }
+    if signal.cart_mm.is_some() && errors.cart_amplitude_mm.is_none() {
+        notes.push(Note::CartUnused);
+    }
+    if signal.force_n.is_some() && errors.measured_force_n.is_none() {
+        notes.push(Note::NoContact);
+    }
+    if errors.frequency_from == FrequencySource::Record {
+        notes.push(Note::FrequencyFound);
+    }
+    notes
 }
 
 #[cfg(test)]

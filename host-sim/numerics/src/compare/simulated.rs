@@ -5,7 +5,7 @@ use shared::model::regime::Regime;
 use crate::engine::{Plan, Recorder, Sample, machine, observe};
 use crate::error::Error;
 
-use super::{Frame, Question};
+use super::{ComparisonRequest, Frame};
 
 /// Time between samples kept, s: ten to a contact.
 const SAMPLE_S: f64 = 5e-5;
@@ -52,8 +52,8 @@ impl Simulated {
     /// The hammer of `question` driven at `frequency_hz` from its start, settled.
     ///
     /// # Errors
-    /// A rig or frequency that cannot be.
-    pub fn new(question: &Question, frequency_hz: f64) -> Result<Self, Error> {
+    /// If a parameter or the frequency is out of range.
+    pub fn new(question: &ComparisonRequest, frequency_hz: f64) -> Result<Self, Error> {
         let plan = Plan {
             // The last periods are sampled; there must be enough of them.
             cycles: question

@@ -1,4 +1,4 @@
-//! One blow of a free mass on a wall, under each contact law (equations 3-2 to 3-5, figure 3.3): how long, how
+//! One contact of a free mass on a wall, under each contact law (equations 3-2 to 3-5, figure 3.3): how long, how
 //! hard, how much is lost, and where the law alone would pull.
 
 mod pull;
@@ -11,7 +11,7 @@ use shared::model::rig::Rig;
 
 use crate::error::Error;
 pub use pull::{Pull, unclamped};
-use undriven::{Blow, Undriven};
+use undriven::{Course, Undriven};
 
 /// The mass of figure 3.3, kg.
 pub const FIGURE_3_3_MASS_KG: f64 = 2.0;
@@ -39,15 +39,15 @@ pub fn free_mass(mass_kg: f64, contact: Law<f64>) -> RigParams {
     }
 }
 
-/// One blow at `speed_m_per_s`, of `rig` made by [`free_mass`]. None if it does not end.
-pub fn blow(rig: &Rig<f64>, speed_m_per_s: f64) -> Option<Blow> {
+/// One contact at `speed_m_per_s`, of `rig` made by [`free_mass`]. None if it does not end.
+pub fn one_contact(rig: &Rig<f64>, speed_m_per_s: f64) -> Option<Course> {
     // A tenth of a millisecond before the onset, whatever the speed.
     let q = -1e-4 * speed_m_per_s;
     let scale = (1e-3 * speed_m_per_s, speed_m_per_s);
-    Undriven::new(rig, (q, speed_m_per_s), scale, 1.0).next_blow(1.0)
+    Undriven::new(rig, (q, speed_m_per_s), scale, 1.0).next_contact(1.0)
 }
 
-/// What one blow came to.
+/// What one contact came to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// The law's name.
@@ -85,30 +85,30 @@ pub struct Row {
 /// One law at each of `speeds` (m/s, positive).
 ///
 /// # Errors
-/// A parameter out of range, or a speed at which the contact does not end.
+/// If a parameter is out of range, or a contact does not end.
 pub fn rows(name: &str, law: Law<f64>, mass_kg: f64, speeds: &[f64]) -> Result<Vec<Row>, Error> {
     let params = free_mass(mass_kg, law);
     let rig = Rig::<f64>::new(&params)?;
     let row = |speed: &f64| {
-        let done = blow(&rig, *speed).and_then(|b| unclamped(&rig, &b).map(|p| (b, p)));
-        let (blow, pull) = done.ok_or_else(|| Error::EndlessContact {
+        let done = one_contact(&rig, *speed).and_then(|b| unclamped(&rig, &b).map(|p| (b, p)));
+        let (course, pull) = done.ok_or_else(|| Error::EndlessContact {
             law: name.to_owned(),
             speed_m_per_s: *speed,
         })?;
-        Ok(row(name, &params, &rig, &blow, &pull))
+        Ok(row(name, &params, &rig, &course, &pull))
     };
     speeds.iter().map(row).collect()
 }
 
-fn row(name: &str, params: &RigParams, rig: &Rig<f64>, blow: &Blow, pull: &Pull) -> Row {
-    let contact = &blow.contact;
+fn row(name: &str, params: &RigParams, rig: &Rig<f64>, course: &Course, pull: &Pull) -> Row {
+    let contact = &course.contact;
     let (v, u) = (
         contact.approach_speed_m_per_s,
         contact.rebound_speed_m_per_s,
     );
     let energy = |speed: f64| 0.5 * params.mass_kg * speed * speed;
     let missing = energy(v) - energy(u);
-    let deepest = motion(rig, blow, 400)
+    let deepest = motion(rig, course, 400)
         .iter()
         .fold(0.0_f64, |d, p| d.max(p.penetration_m));
     Row {
@@ -144,21 +144,21 @@ pub struct Instant {
 }
 
 /// `count` + 1 instants of a contact, its ends included.
-pub fn motion(rig: &Rig<f64>, blow: &Blow, count: usize) -> Vec<Instant> {
-    let (onset, duration) = (blow.contact.onset_s, blow.contact.duration_s);
+pub fn motion(rig: &Rig<f64>, course: &Course, count: usize) -> Vec<Instant> {
+    let (onset, duration) = (course.contact.onset_s, course.contact.duration_s);
     let instant = |i: usize| {
         let since = duration * i as f64 / count as f64;
-        let after = blow
+        let after = course
             .pieces
             .partition_point(|p| p.end_s() < onset + since)
-            .min(blow.pieces.len() - 1);
-        let (q, v) = blow.pieces[after].at(onset + since);
+            .min(course.pieces.len() - 1);
+        let (q, v) = course.pieces[after].at(onset + since);
         let at = rig.kinematics(q, v);
         Instant {
             time_s: since,
             penetration_m: at.delta,
             rate_m_per_s: at.rate,
-            force_n: blow.force(rig, since),
+            force_n: course.force(rig, since),
         }
     };
     (0..=count).map(instant).collect()

@@ -2,7 +2,7 @@
 
 use shared::model::rig::{Mode, Rig};
 
-use super::undriven::Blow;
+use super::undriven::Course;
 use crate::reference::Point;
 use crate::reference::flow::Field;
 
@@ -25,10 +25,10 @@ const STEPS: f64 = 400.0;
 /// Below this share of its length in one step's travel, δ is zero at release already.
 const NOTHING_LEFT: f64 = 1e-3;
 
-/// Goes on from the release of `blow` with the contact's own equation of motion until δ = 0. None if it does not
+/// Goes on from the release of `contact` with the contact's own equation of motion until δ = 0. None if it does not
 /// come back within ten times the contact's duration.
-pub fn unclamped(rig: &Rig<f64>, blow: &Blow) -> Option<Pull> {
-    let contact = &blow.contact;
+pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
+    let contact = &course.contact;
     let approach = contact.approach_speed_m_per_s;
     let mut pull = Pull {
         restitution: contact.rebound_speed_m_per_s / approach,
@@ -43,7 +43,7 @@ pub fn unclamped(rig: &Rig<f64>, blow: &Blow) -> Option<Pull> {
         smoothed: None,
     };
     let h = contact.duration_s / STEPS;
-    let (q, v) = blow.release;
+    let (q, v) = course.release;
     let mut point = Point { t: 0.0, q, v };
     if rig.kinematics(q, v).delta <= NOTHING_LEFT * h * approach {
         return Some(pull);

@@ -116,19 +116,19 @@ fn lankarani_nikravesh_rebounds_more_than_it_is_told_and_never_below_two_thirds(
 fn the_force_between_steps_is_that_of_the_closed_form() {
     let rig = Rig::new(&free_mass(MASS_KG, TABLE_3_1)).unwrap();
     let speed = 0.08;
-    let blow = blow(&rig, speed).unwrap();
+    let course = one_contact(&rig, speed).unwrap();
     let omega = (5.5e6_f64 / MASS_KG).sqrt();
     let zeta = 1.2e3 / (2.0 * (5.5e6_f64 * MASS_KG).sqrt());
     let root = (1.0 - zeta * zeta).sqrt();
     let phi = zeta.acos();
     for i in 0..=1000 {
-        let t = blow.contact.duration_s * f64::from(i) / 1000.0;
+        let t = course.contact.duration_s * f64::from(i) / 1000.0;
         let size = MASS_KG * speed * omega / root * (-zeta * omega * t).exp();
         let force = size * (2.0 * phi - omega * root * t).sin();
         // The quintic between steps: a millionth of the peak.
-        let off = blow.force(&rig, t) - force;
-        assert!(off.abs() < 1e-6 * blow.contact.peak_force_n, "{t}: {off}");
+        let off = course.force(&rig, t) - force;
+        assert!(off.abs() < 1e-6 * course.contact.peak_force_n, "{t}: {off}");
     }
-    assert_eq!(blow.force(&rig, -1e-9), 0.0);
-    assert_eq!(blow.force(&rig, blow.contact.duration_s + 1e-9), 0.0);
+    assert_eq!(course.force(&rig, -1e-9), 0.0);
+    assert_eq!(course.force(&rig, course.contact.duration_s + 1e-9), 0.0);
 }

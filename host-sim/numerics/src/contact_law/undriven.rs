@@ -7,6 +7,7 @@ use shared::model::rig::{Mode, Rig};
 
 use crate::reference::flow::Field;
 use crate::reference::switching::{Arc, force_peak, locate};
+use crate::reference::tableau;
 use crate::reference::{Contact, Point, Totals};
 
 /// Errors per step are kept below this share of the motion's size.
@@ -56,7 +57,7 @@ impl Piece {
 
 /// One contact, with the motion in it.
 #[derive(Clone, Debug)]
-pub struct Blow {
+pub struct Course {
     /// Its figures; times are seconds since the release.
     pub contact: Contact,
     /// Its pieces, in time.
@@ -65,7 +66,7 @@ pub struct Blow {
     pub release: (f64, f64),
 }
 
-impl Blow {
+impl Course {
     /// Contact force `since_onset_s` after the onset, N; 0 outside the contact.
     pub fn force(&self, rig: &Rig<f64>, since_onset_s: f64) -> f64 {
         let time_s = self.contact.onset_s + since_onset_s;
@@ -133,11 +134,10 @@ impl<'a> Undriven<'a> {
                 return None;
             }
             if step.error > 1.0 {
-                self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
+                self.next_step = tableau::shorter(h, step.error);
                 continue;
             }
-            let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
-            self.next_step = h * growth;
+            self.next_step = tableau::next(h, step.error);
             let at = locate(&field, &from, h, &step.end, self.units);
             if let Some(at) = at {
                 step = field.step(&from, at, self.units);
@@ -171,7 +171,7 @@ impl<'a> Undriven<'a> {
 
     /// Goes on to the end of the next contact; none if it has not begun by `until_s`, or lasts as long as the
     /// hammer stays.
-    pub fn next_blow(&mut self, until_s: f64) -> Option<Blow> {
+    pub fn next_contact(&mut self, until_s: f64) -> Option<Course> {
         for _ in 0..MAX_STEPS {
             if self.point.t > until_s {
                 return None;
@@ -184,7 +184,7 @@ impl<'a> Undriven<'a> {
     }
 
     /// The contact that has just begun, to its end.
-    fn contact(&mut self) -> Option<Blow> {
+    fn contact(&mut self) -> Option<Course> {
         let onset = self.point.t;
         let mut contact = Contact {
             onset_s: onset,
@@ -212,7 +212,7 @@ impl<'a> Undriven<'a> {
                 let end = self.point;
                 contact.duration_s = end.t - onset;
                 contact.rebound_speed_m_per_s = -self.rig.kinematics(end.q, end.v).rate;
-                return Some(Blow {
+                return Some(Course {
                     contact,
                     pieces,
                     release: (end.q, end.v),

@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 use shared::model::params::RigParams;
 
-use super::diagram::{Request, diagram};
+use super::diagram::{OrbitsRequest, diagram};
 use super::family::{Node, dot, minus};
 use super::{Along, Special};
 use crate::error::Error;
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, WithinStep, step};
 
 /// A line of special points of one kind, by rising gap.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Line {
 const NEAR: f64 = 0.35;
 
 /// The lines of special points of the 1/1 at `gaps_m` (rising), between two ratios Ω/ω. At each gap, simulations at
-/// `starts` frequencies look for 1/1.
+/// `starts` frequencies search for 1/1.
 ///
 /// # Errors
 /// As [`diagram`].
@@ -34,7 +34,7 @@ pub fn lines(
     starts: usize,
     progress: &dyn Progress,
 ) -> Result<Vec<Line>, Error> {
-    let request = Request {
+    let request = OrbitsRequest {
         along: Along::Frequency,
         limits: ratios,
         periods: 1,
@@ -48,7 +48,7 @@ pub fn lines(
                 gap_m: *gap_m,
                 ..*params
             };
-            let curves = diagram(&params, &request, &())?.curves;
+            let curves = diagram(&params, &request, &WithinStep(progress))?.curves;
             step(progress, 1)?;
             let specials = curves.iter().flat_map(|c| c.specials());
             Ok(specials.map(|(node, _)| node.clone()).collect())

@@ -9,12 +9,12 @@ use super::switching::doubled;
 use super::{End, Special, Until, march};
 use crate::engine::Start;
 use crate::error::Error;
-use crate::lanes::{self, Cell, Plan};
-use crate::progress::{Progress, step};
+use crate::lanes::{self, Cell, CellPlan};
+use crate::progress::{Progress, check, step};
 
-/// What is looked for.
+/// What is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Request {
+pub struct OrbitsRequest {
     /// What is varied.
     pub along: Along,
     /// From and to, as Ω/ω or gap/A0.
@@ -23,12 +23,12 @@ pub struct Request {
     pub periods: u8,
     /// Orbits of up to so many contacts.
     pub impacts: u16,
-    /// Values of the parameter at which simulations look for orbits.
+    /// Values of the parameter at which simulations search for orbits.
     pub starts: usize,
 }
 
-impl Request {
-    /// Simulations that look for orbits: the steps of progress that [`diagram`] reports.
+impl OrbitsRequest {
+    /// Simulations that search for orbits: the steps of progress that [`diagram`] reports.
     pub fn simulations(&self) -> u64 {
         (STARTS * self.starts) as u64
     }
@@ -69,9 +69,12 @@ impl Curve {
         self.nodes.first().map_or(0, |n| n.orbit.impacts)
     }
 
-    /// "p/n".
-    pub fn regime(&self) -> String {
-        format!("{}/{}", self.impacts(), self.periods())
+    /// z = p/n of its orbits.
+    pub fn regime(&self) -> Regime {
+        Regime::Periodic {
+            impacts: self.impacts(),
+            periods: self.periods(),
+        }
     }
 
     /// The special points along it.
@@ -137,14 +140,14 @@ impl Curve {
 pub struct Diagram {
     /// The rig; along [`Along::Gap`] its gap is not used.
     pub params: RigParams,
-    /// What was looked for.
-    pub request: Request,
+    /// What was searched for.
+    pub request: OrbitsRequest,
     /// The curves.
     pub curves: Vec<Curve>,
 }
 
 /// How long a simulation may take to settle.
-const SETTLE: Plan = Plan {
+const SETTLE: CellPlan = CellPlan {
     cycles: 400,
     recorded: 64,
     early: true,
@@ -154,10 +157,10 @@ const SETTLE: Plan = Plan {
 /// Finds and follows the curves.
 ///
 /// # Errors
-/// A parameter that cannot be, or a simulation that leaves what the model describes.
+/// If a parameter is out of range, if a simulation leaves what the model describes, or if the work is interrupted.
 pub fn diagram(
     params: &RigParams,
-    request: &Request,
+    request: &OrbitsRequest,
     progress: &dyn Progress,
 ) -> Result<Diagram, Error> {
     let family = Family::new(params, request.along, 1)?;
@@ -177,7 +180,7 @@ pub fn diagram(
         let origin = Origin::Simulation;
         curves.push(Curve::through(family, seed, request.limits, origin));
         let newest = curves.len() - 1;
-        follow_doublings(&mut curves, newest, request);
+        follow_doublings(&mut curves, newest, request, progress)?;
     }
     Ok(Diagram {
         params: *params,
@@ -192,7 +195,12 @@ fn known(curves: &[Curve], node: &Node) -> bool {
 }
 
 /// Adds the doubled curves that leave the curves from index `from` on.
-fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
+fn follow_doublings(
+    curves: &mut Vec<Curve>,
+    from: usize,
+    request: &OrbitsRequest,
+    progress: &dyn Progress,
+) -> Result<(), Error> {
     let mut index = from;
     while index < curves.len() {
         let family = curves[index].family;
@@ -202,6 +210,7 @@ fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
             .map(|(node, _)| node.clone())
             .collect();
         for node in doublings {
+            check(progress)?;
             let enough =
                 2 * family.periods() > request.periods || 2 * node.orbit.impacts > request.impacts;
             let start = (!enough).then(|| doubled(&family, &node)).flatten();
@@ -220,6 +229,7 @@ fn follow_doublings(curves: &mut Vec<Curve>, from: usize, request: &Request) {
         }
         index += 1;
     }
+    Ok(())
 }
 
 /// What a simulation settled on.
@@ -231,7 +241,7 @@ struct Seed {
 }
 
 /// Orbits that simulations settled on, shorter periods first.
-fn seeds(family: &Family, request: &Request) -> Result<Vec<Seed>, Error> {
+fn seeds(family: &Family, request: &OrbitsRequest) -> Result<Vec<Seed>, Error> {
     let (low, high) = request.limits;
     let mut cells = Vec::new();
     let mut parameters = Vec::new();

@@ -82,7 +82,7 @@ impl Family {
     /// Orbits of `periods` drive periods.
     ///
     /// # Errors
-    /// The first parameter out of range.
+    /// If a parameter is out of range: the first of them.
     pub fn new(
         params: &RigParams,
         along: Along,

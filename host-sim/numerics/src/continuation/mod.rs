@@ -8,7 +8,7 @@
 //! - [`switching`]: from a doubling onto the doubled orbits, and across a graze.
 //! - [`mod@diagram`]: every curve that simulation at some frequencies finds, and what they lead to.
 //! - [`curves`]: the special points of the 1/1 over gap and frequency.
-//! - [`table`], [`picture`]: what is told of it all.
+//! - [`table`]: the results as tables.
 //!
 //! # Why stable orbits lose stability in two ways only
 //! Every contact and every damper takes area: det M = exp(−∫ damping) < 1. A complex pair of multipliers has
@@ -23,7 +23,7 @@ pub mod march;
 pub mod switching;
 pub mod table;
 
-pub use diagram::{Curve, Diagram, Origin, Request, diagram};
+pub use diagram::{Curve, Diagram, OrbitsRequest, Origin, diagram};
 pub use family::{Along, Family, Node};
 pub use march::{End, Until, march};
 
@@ -42,7 +42,7 @@ pub enum Special {
 }
 
 impl Special {
-    /// Every kind, in the order they are told.
+    /// Every kind, in the order of tables.
     pub const ALL: [Self; 4] = [
         Self::PeriodDoubling,
         Self::Fold,

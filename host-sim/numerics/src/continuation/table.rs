@@ -1,6 +1,9 @@
-//! What is told of curves of orbits: a row per orbit and strobe, one per special point, one per curve.
+//! Curves of orbits as tables: a row per orbit and strobe, one per special point, one per curve.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use super::curves::Line;
@@ -8,11 +11,59 @@ use super::family::Node;
 use super::{Along, Curve, Diagram, End, Origin, Special};
 use crate::row::tidy;
 
+/// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Name {
+    /// A curve of orbits.
+    Branch {
+        /// p.
+        impacts: u16,
+        /// n.
+        periods: u8,
+        /// Which of the curves of this regime, from 1.
+        number: usize,
+    },
+    /// A line of special points over gap and frequency.
+    Line {
+        /// Which kind.
+        special: Special,
+        /// Which of the lines of this kind, from 1.
+        number: usize,
+    },
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match *self {
+            Self::Branch {
+                impacts,
+                periods,
+                number,
+            } => match number {
+                1 => format!("{impacts}/{periods}"),
+                2..=26 => {
+                    let letter = char::from(b'a' + (number - 1) as u8);
+                    format!("{impacts}/{periods} {letter}")
+                }
+                _ => format!("{impacts}/{periods} {number}"),
+            },
+            Self::Line { special, number } => format!("{} {number}", special.name()),
+        };
+        f.pad(&text)
+    }
+}
+
+impl Serialize for Name {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 /// One strobe of an orbit. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrbitRow {
-    /// Name of the curve, "1/1" or "1/1 b".
-    pub branch: String,
+    /// Name of the curve.
+    pub branch: Name,
     /// Which orbit of the curve, in order along it, from 1.
     pub orbit: usize,
     /// Which of its drive phases 0, from 1.
@@ -48,16 +99,16 @@ pub struct OrbitRow {
     /// Whether both lie inside the unit circle.
     pub stable: bool,
     /// What is special about the orbit.
-    pub special: Option<&'static str>,
+    pub special: Option<Special>,
 }
 
-/// A special point, as told beside the curves.
+/// A special point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpecialRow {
     /// Name of the curve or of the line.
-    pub branch: String,
+    pub branch: Name,
     /// Which kind.
-    pub special: &'static str,
+    pub special: Special,
     /// Drive frequency, Hz.
     pub frequency_hz: f64,
     /// Ω/ω.
@@ -82,7 +133,7 @@ pub struct SpecialRow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchRow {
     /// Its name.
-    pub branch: String,
+    pub branch: Name,
     /// p.
     pub impacts: u16,
     /// n.
@@ -98,10 +149,10 @@ pub struct BranchRow {
     /// How it ends on either side.
     pub ends: [End; 2],
     /// The curve it leaves at a period doubling; none: a simulation settled on it.
-    pub doubled_from: Option<String>,
+    pub doubled_from: Option<Name>,
 }
 
-/// Everything told of a diagram.
+/// A diagram as tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     /// Name of the rig.
@@ -121,13 +172,13 @@ impl Answer {
     pub fn new(name: &str, diagram: &Diagram) -> Self {
         let names = names(diagram);
         let curves = || diagram.curves.iter().zip(&names);
-        let branches = curves().map(|(curve, name)| branch_row(curve, name, &names, diagram));
+        let branches = curves().map(|(curve, name)| branch_row(curve, *name, &names, diagram));
         let specials = curves().flat_map(|(curve, name)| {
-            let row = |(node, kind)| special_row(diagram, node, kind, name);
+            let row = |(node, kind)| special_at(&diagram.params, node, kind, *name);
             curve.specials().map(row).collect::<Vec<_>>()
         });
         let orbits = curves().flat_map(|(curve, name)| {
-            let rows = |(i, node)| orbit_rows(diagram, node, i + 1, name);
+            let rows = |(i, node)| orbit_rows(diagram, node, i + 1, *name);
             curve
                 .nodes
                 .iter()
@@ -148,37 +199,38 @@ impl Answer {
     }
 }
 
-/// Names of the curves: the regime, with a letter from the second of a regime on.
-pub fn names(diagram: &Diagram) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for curve in &diagram.curves {
-        let regime = curve.regime();
-        let taken = |name: &String| *name == regime || name.starts_with(&format!("{regime} "));
-        let before = names.iter().filter(|n| taken(n)).count();
-        names.push(match before {
-            0 => regime,
-            n if n < 26 => format!("{regime} {}", char::from(b'a' + n as u8)),
-            n => format!("{regime} {}", n + 1),
-        });
-    }
-    names
+/// Names of the curves of `diagram`, in their order.
+pub fn names(diagram: &Diagram) -> Vec<Name> {
+    let curves = &diagram.curves;
+    let name = |(i, curve): (usize, &Curve)| {
+        let before = curves[..i].iter().filter(|c| c.regime() == curve.regime());
+        Name::Branch {
+            impacts: curve.impacts(),
+            periods: curve.periods(),
+            number: 1 + before.count(),
+        }
+    };
+    curves.iter().enumerate().map(name).collect()
 }
 
 /// Rows of the special points on lines over gap and frequency, named by kind and number.
-pub fn line_rows(params: &shared::model::params::RigParams, lines: &[Line]) -> Vec<SpecialRow> {
+pub fn line_rows(params: &RigParams, lines: &[Line]) -> Vec<SpecialRow> {
     let number = |i: usize| {
         let kind = lines[i].special;
         1 + lines[..i].iter().filter(|l| l.special == kind).count()
     };
     let rows = lines.iter().enumerate().flat_map(|(i, line)| {
-        let name = format!("{} {}", line.special.name(), number(i));
-        let row = move |node: &Node| special_at(params, node, line.special, &name);
+        let name = Name::Line {
+            special: line.special,
+            number: number(i),
+        };
+        let row = move |node: &Node| special_at(params, node, line.special, name);
         line.nodes.iter().map(row).collect::<Vec<_>>()
     });
     rows.collect()
 }
 
-fn branch_row(curve: &Curve, name: &str, names: &[String], diagram: &Diagram) -> BranchRow {
+fn branch_row(curve: &Curve, name: Name, names: &[Name], diagram: &Diagram) -> BranchRow {
     let parameters = || curve.nodes.iter().map(Node::parameter);
     let stable: Vec<[f64; 2]> = stretches(&curve.nodes)
         .into_iter()
@@ -193,7 +245,7 @@ fn branch_row(curve: &Curve, name: &str, names: &[String], diagram: &Diagram) ->
         .map(|n| n.orbit.force_n / diagram.params.weight_n())
         .reduce(f64::max);
     BranchRow {
-        branch: name.to_owned(),
+        branch: name,
         impacts: curve.impacts(),
         periods: curve.periods(),
         orbits: curve.nodes.len(),
@@ -206,21 +258,21 @@ fn branch_row(curve: &Curve, name: &str, names: &[String], diagram: &Diagram) ->
         ends: curve.ends,
         doubled_from: match curve.origin {
             Origin::Simulation => None,
-            Origin::Doubling(from) => Some(names[from].clone()),
+            Origin::Doubling(from) => Some(names[from]),
         },
     }
 }
 
 /// The curve cut where stability changes, which is at special points: neighbours share the orbit at the cut.
 pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], bool)> {
-    // A special orbit lies on the border; the other end of the piece tells.
+    // A special orbit lies between stable and unstable ones; the other end of the piece decides.
     let of = |pair: &[Node]| {
-        let tells = if pair[0].special.is_some() {
+        let deciding = if pair[0].special.is_some() {
             &pair[1]
         } else {
             &pair[0]
         };
-        tells.orbit.is_stable()
+        deciding.orbit.is_stable()
     };
     let mut found = Vec::new();
     let mut from = 0;
@@ -234,21 +286,12 @@ pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], bool)> {
     found
 }
 
-fn special_row(diagram: &Diagram, node: &Node, kind: Special, name: &str) -> SpecialRow {
-    special_at(&diagram.params, node, kind, name)
-}
-
-fn special_at(
-    params: &shared::model::params::RigParams,
-    node: &Node,
-    kind: Special,
-    name: &str,
-) -> SpecialRow {
+fn special_at(params: &RigParams, node: &Node, kind: Special, name: Name) -> SpecialRow {
     let orbit = &node.orbit;
-    let (displacement_mm, velocity_m_per_s) = seen(params, node, orbit.section);
+    let (displacement_mm, velocity_m_per_s) = motion_at(params, node, orbit.section);
     SpecialRow {
-        branch: name.to_owned(),
-        special: kind.name(),
+        branch: name,
+        special: kind,
         frequency_hz: tidy(orbit.frequency_hz),
         frequency_ratio: tidy(orbit.frequency_hz / params.natural_frequency_hz()),
         gap_mm: tidy(node.gap_m * 1e3),
@@ -261,13 +304,13 @@ fn special_at(
     }
 }
 
-fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: &str) -> Vec<OrbitRow> {
+fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: Name) -> Vec<OrbitRow> {
     let (params, orbit) = (&diagram.params, &node.orbit);
     let [(a_re, a_im), (b_re, b_im)] = orbit.eigenvalues();
     let row = |(k, section): (usize, &[f64; 2])| {
-        let (displacement_mm, velocity_m_per_s) = seen(params, node, *section);
+        let (displacement_mm, velocity_m_per_s) = motion_at(params, node, *section);
         OrbitRow {
-            branch: name.to_owned(),
+            branch: name,
             orbit: number,
             strobe: k as u8 + 1,
             frequency_hz: tidy(orbit.frequency_hz),
@@ -285,19 +328,15 @@ fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: &str) -> Vec<
             multiplier_2_im: b_im,
             multiplier_modulus: orbit.multipliers().modulus(),
             stable: orbit.is_stable(),
-            special: node.special.map(Special::name),
+            special: node.special,
         }
     };
     orbit.strobes.iter().enumerate().map(row).collect()
 }
 
 /// Displacement (mm) and velocity relative to the cart (m/s) of a section point of `node`.
-pub fn seen(
-    params: &shared::model::params::RigParams,
-    node: &Node,
-    section: [f64; 2],
-) -> (f64, f64) {
-    let params = shared::model::params::RigParams {
+pub fn motion_at(params: &RigParams, node: &Node, section: [f64; 2]) -> (f64, f64) {
+    let params = RigParams {
         gap_m: node.gap_m,
         ..*params
     };

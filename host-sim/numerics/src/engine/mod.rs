@@ -41,7 +41,7 @@ impl Start {
     /// Coordinate and rate on the section.
     ///
     /// # Errors
-    /// A displacement beyond the wire's length.
+    /// If the displacement is out of the rig's reach, or inside the surface.
     pub fn section(self, rig: &Rig<f64>, omega: f64) -> Result<[f64; 2], Error> {
         let moving = |x: f64, v: f64| {
             let q = rig.coordinate_at(x);
@@ -86,7 +86,7 @@ pub trait Machine {
 /// A hammer of `params` driven at `frequency_hz` from `start`.
 ///
 /// # Errors
-/// A parameter, frequency or start that cannot be.
+/// If a parameter, the frequency or the start is out of range.
 pub fn machine(
     engine: Engine,
     params: &RigParams,
@@ -99,7 +99,7 @@ pub fn machine(
 /// The same, starting at drive `phase` (turns, from 0 to below 1): the first period run is what is left of one.
 ///
 /// # Errors
-/// As [`machine`]; also a phase outside its range, or other than 0 with the switch model.
+/// As [`machine`]; also if the phase is out of range, or not 0 with the switch model.
 pub fn machine_at(
     engine: Engine,
     params: &RigParams,
@@ -169,7 +169,7 @@ pub struct Observation {
 /// Runs `machine` through `plan`.
 ///
 /// # Errors
-/// The hammer left what the model describes (swung over the top, or was thrown out of all reach).
+/// If the hammer leaves what the model describes: beyond 1 rad or 1 m.
 pub fn observe(
     machine: &mut dyn Machine,
     plan: Plan,

@@ -139,7 +139,7 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
     /// A hammer of `params` driven at `frequency_hz` from `section` (coordinate and rate at phase 0).
     ///
     /// # Errors
-    /// A parameter, frequency or tick that cannot be.
+    /// If a parameter, the frequency or the tick is out of range.
     pub fn new(
         stepper: S,
         params: &RigParams,

@@ -15,7 +15,7 @@ const DEVIATIONS: f64 = 6.0;
 /// shows several peaks.
 const SILENCE_S: f64 = 5e-3;
 
-/// Samples the noise is told from, at least.
+/// Fewest samples that the noise is computed from.
 const QUIET_SAMPLES: usize = 50;
 
 /// A record, its offset taken off, and its impacts.
@@ -57,7 +57,7 @@ pub struct Impact {
 /// The first impacts of a record, `most` of them.
 ///
 /// # Errors
-/// No force column, or nothing in it that is an impact.
+/// If the record has no force, or no impact stands out in it.
 pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
     let name = &signal.name;
     let Some(force) = &signal.force_n else {
@@ -168,7 +168,7 @@ fn find(measured: &Measured, most: usize) -> Vec<Impact> {
     impacts
 }
 
-/// The window is told from impulse over peak, which is a half to two thirds of the contact's length under any law,
+/// The window follows from impulse over peak, which is a half to two thirds of the contact's length under any law,
 /// and which ringing hardly moves.
 fn impact(measured: &Measured, first: usize, last: usize, peak_n: f64) -> Impact {
     let force = &measured.force_n;

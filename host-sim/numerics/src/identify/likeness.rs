@@ -1,4 +1,4 @@
-//! How like the measured impacts the model's are.
+//! How similar the model's impacts are to the measured ones.
 //!
 //! Impacts are compared one by one, the n-th with the n-th, each shifted in time to where it fits best: the flight
 //! in between is not what is sought, and the surface's flexibility makes it differ (section 3.3.2).
@@ -9,7 +9,7 @@ use shared::model::rig::Rig;
 
 use super::Misfit;
 use super::contacts::{Impact, Measured};
-use crate::contact_law::undriven::Blow;
+use crate::contact_law::undriven::Course;
 use crate::drop_test::impacts;
 
 /// Where no noise is seen, squares are counted in this share of the largest peak, so that the search has a scale.
@@ -27,7 +27,7 @@ pub struct Likeness<'a> {
 #[derive(Clone, Debug)]
 pub struct Aligned {
     /// The model's; none: it does not strike so often.
-    pub blow: Option<Blow>,
+    pub course: Option<Course>,
     /// Where its onset was put in the record, s.
     pub onset_s: f64,
     /// Sum of squared differences of the samples in the window, N².
@@ -62,7 +62,7 @@ impl<'a> Likeness<'a> {
 
     /// The misfit over the square of [`Self::unit_n`].
     pub fn cost(&self, law: Law<f64>, release_m: f64) -> f64 {
-        self.sum_of_squares(&self.look(law, release_m)) / self.unit_n.powi(2)
+        self.sum_of_squares(&self.aligned(law, release_m)) / self.unit_n.powi(2)
     }
 
     /// What squares are counted in, N: the noise, or a hundred thousandth of the largest peak.
@@ -94,7 +94,7 @@ impl<'a> Likeness<'a> {
     }
 
     /// The model's impacts laid over the measured ones.
-    pub fn look(&self, law: Law<f64>, release_m: f64) -> Vec<Aligned> {
+    pub fn aligned(&self, law: Law<f64>, release_m: f64) -> Vec<Aligned> {
         let params = RigParams {
             contact: law,
             ..self.params
@@ -108,11 +108,11 @@ impl<'a> Likeness<'a> {
                 .map(|i| self.alone(i))
                 .collect();
         };
-        let blows = impacts(&params, &rig, release_m, count).unwrap_or_default();
+        let courses = impacts(&params, &rig, release_m, count).unwrap_or_default();
         let pairs = self.measured.impacts.iter().enumerate();
         pairs
-            .map(|(i, impact)| match blows.get(i) {
-                Some(blow) => self.align(&rig, impact, blow.clone()),
+            .map(|(i, impact)| match courses.get(i) {
+                Some(course) => self.align(&rig, impact, course.clone()),
                 None => self.alone(impact),
             })
             .collect()
@@ -122,7 +122,7 @@ impl<'a> Likeness<'a> {
     fn alone(&self, impact: &Impact) -> Aligned {
         let forces = &self.measured.force_n[impact.window.clone()];
         Aligned {
-            blow: None,
+            course: None,
             onset_s: impact.at_s,
             squares: forces.iter().map(|f| f * f).sum(),
             peak_n: 0.0,
@@ -130,18 +130,18 @@ impl<'a> Likeness<'a> {
         }
     }
 
-    fn align(&self, rig: &Rig<f64>, impact: &Impact, blow: Blow) -> Aligned {
+    fn align(&self, rig: &Rig<f64>, impact: &Impact, course: Course) -> Aligned {
         let (onset_s, squares) = match self.misfit {
-            Misfit::Force => self.best_onset(rig, impact, &blow),
+            Misfit::Force => self.best_onset(rig, impact, &course),
             Misfit::Peaks => (impact.at_s, f64::NAN),
         };
         let (peak_n, peak_variance) = match self.misfit {
             // On average the onset falls in the middle between two samples.
-            Misfit::Peaks => self.largest_sample(rig, &blow),
-            Misfit::Force => (blow.contact.peak_force_n, self.unit_n.powi(2)),
+            Misfit::Peaks => self.largest_sample(rig, &course),
+            Misfit::Force => (course.contact.peak_force_n, self.unit_n.powi(2)),
         };
         Aligned {
-            blow: Some(blow),
+            course: Some(course),
             onset_s,
             squares,
             peak_n,
@@ -149,18 +149,18 @@ impl<'a> Likeness<'a> {
         }
     }
 
-    fn squares(&self, rig: &Rig<f64>, impact: &Impact, blow: &Blow, onset_s: f64) -> f64 {
+    fn squares(&self, rig: &Rig<f64>, impact: &Impact, course: &Course, onset_s: f64) -> f64 {
         let times = &self.measured.time_s[impact.window.clone()];
         let forces = &self.measured.force_n[impact.window.clone()];
-        let square = |(t, f): (&f64, &f64)| (blow.force(rig, t - onset_s) - f).powi(2);
+        let square = |(t, f): (&f64, &f64)| (course.force(rig, t - onset_s) - f).powi(2);
         times.iter().zip(forces).map(square).sum()
     }
 
     /// Where the model's onset fits best. The force of a spring-dashpot jumps there: the sum of squares jumps
     /// whenever the onset passes a sample and is smooth in between, so each interval is searched by itself.
-    fn best_onset(&self, rig: &Rig<f64>, impact: &Impact, blow: &Blow) -> (f64, f64) {
+    fn best_onset(&self, rig: &Rig<f64>, impact: &Impact, course: &Course) -> (f64, f64) {
         let times = &self.measured.time_s;
-        let cost = |onset: f64| self.squares(rig, impact, blow, onset);
+        let cost = |onset: f64| self.squares(rig, impact, course, onset);
         let low = impact.window.start;
         let high = (impact.first + 3).min(times.len() - 1);
         let middle = |i: usize| 0.5 * (times[i] + times[i + 1]);
@@ -177,14 +177,14 @@ impl<'a> Likeness<'a> {
     }
 
     /// Mean and variance of the largest of the samples this impact would give, each with its noise.
-    fn largest_sample(&self, rig: &Rig<f64>, blow: &Blow) -> (f64, f64) {
+    fn largest_sample(&self, rig: &Rig<f64>, course: &Course) -> (f64, f64) {
         let step = self.measured.sample_s;
-        let count = (blow.contact.duration_s / step).ceil() as usize + 1;
+        let count = (course.contact.duration_s / step).ceil() as usize + 1;
         let forces: Vec<f64> = (0..count)
-            .map(|i| blow.force(rig, (i as f64 + 0.5) * step))
+            .map(|i| course.force(rig, (i as f64 + 0.5) * step))
             .collect();
         largest_of(&forces, self.measured.noise_n)
-            .unwrap_or((blow.contact.peak_force_n, self.unit_n.powi(2)))
+            .unwrap_or((course.contact.peak_force_n, self.unit_n.powi(2)))
     }
 }
 

@@ -10,8 +10,8 @@ mod profile;
 pub mod ring;
 mod search;
 mod unknowns;
+mod warnings;
 
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::contact::Law;
 use shared::model::params::RigParams;
@@ -22,8 +22,8 @@ use crate::signal::Signal;
 pub use contacts::{Impact, Measured};
 pub use likeness::{Aligned, Likeness};
 pub use profile::{Estimate, Profile};
-use search::nelder_mead;
 pub use unknowns::Unknowns;
+pub use warnings::Warning;
 
 /// A kind of contact law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -92,6 +92,14 @@ pub struct Settings {
     pub impacts: usize,
 }
 
+/// Settings with which [`measure`] finds every contact of a record.
+pub(crate) const EVERY_CONTACT: Settings = Settings {
+    release_m: 0.0,
+    seek_release: false,
+    seek_exponent: false,
+    impacts: usize::MAX,
+};
+
 /// One measured impact beside the model's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImpactRow {
@@ -119,9 +127,9 @@ pub struct ImpactRow {
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// The law.
-    pub law: &'static str,
+    pub law: Family,
     /// What was made small.
-    pub misfit: &'static str,
+    pub misfit: Misfit,
     /// What was sought, with 95 % profile likelihood intervals.
     pub parameters: Vec<Estimate>,
     /// Root mean square misfit: of the peaks, or of the samples, N.
@@ -141,7 +149,8 @@ pub struct Fit {
     /// Impact by impact.
     pub impacts: Vec<ImpactRow>,
     /// What the data do not fix, and what the law cannot do.
-    pub warnings: Vec<String>,
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
     /// The law found.
     #[serde(skip)]
     pub found: Law<f64>,
@@ -156,7 +165,7 @@ pub struct Fit {
 /// The parameters of `family` that make `params`' hammer strike as `measured`.
 ///
 /// # Errors
-/// A rig or release that cannot be, or a record the hammer of this rig cannot have made.
+/// If a parameter or the release is out of range, or if the hammer released there has no contact.
 pub fn fit(
     measured: &Measured,
     params: &RigParams,
@@ -170,31 +179,14 @@ pub fn fit(
         Some((law, release_m)) => likeness.cost(law, release_m),
         None => unknowns.beyond(x),
     };
-    let starts = unknowns.starts();
-    let first: Vec<_> = starts
-        .par_iter()
-        .map(|x| nelder_mead(&cost, x, unknowns.steps(), 1e-3, 80))
-        .collect();
-    let mut simulations: u64 = first.iter().map(|f| f.evaluations).sum();
-    let by_cost = |a: &&search::Found, b: &&search::Found| a.cost.total_cmp(&b.cost);
-    let best = first.iter().min_by(by_cost).cloned();
-    let mut best = best.ok_or(Error::Record {
+    let searched = search::from_all(&cost, &unknowns.starts(), unknowns.steps());
+    let searched = searched.ok_or(Error::Record {
         record: measured.name.clone(),
         what: RecordError::NothingToSearch,
     })?;
-    // A simplex that has collapsed is opened again, smaller.
-    for share in [0.3, 0.05] {
-        let steps: Vec<f64> = unknowns.steps().iter().map(|s| s * share).collect();
-        let again = nelder_mead(&cost, &best.x, &steps, 1e-9, 200);
-        simulations += again.evaluations;
-        if again.cost < best.cost {
-            best = again;
-        }
-    }
-    let near = 1e-2 * best.cost.abs() + 0.1;
-    let starts_agreeing = first.iter().filter(|f| f.cost < best.cost + near).count();
+    let mut best = searched.best;
     let degrees = likeness.data().saturating_sub(best.x.len());
-    let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.look(law, m));
+    let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.aligned(law, m));
     let noise_n = at(&best.x).map_or(f64::NAN, |seen| likeness.deviation_n(&seen));
     let noise = profile::Noise::new(
         &best,
@@ -203,44 +195,43 @@ pub fn fit(
         measured.noise_n > 0.0,
     );
     let (profiles, sought) = profile::all(&cost, &unknowns, &mut best, &noise);
-    simulations += sought;
     let (law, release_m) = unknowns.read(&best.x).ok_or(Error::SearchLeftRange)?;
-    let seen = likeness.look(law, release_m);
+    let seen = likeness.aligned(law, release_m);
     let parameters: Vec<_> = profiles.iter().map(|p| p.estimate.clone()).collect();
     let data = likeness.data() as f64;
     let mut fit = Fit {
-        law: family.name(),
-        misfit: misfit.name(),
+        law: family,
+        misfit,
         rms_n: (likeness.sum_of_squares(&seen) / data).sqrt(),
         noise_n,
         parameters,
         degrees_of_freedom: degrees,
         widened: noise.widened,
-        starts: starts.len(),
-        starts_agreeing,
-        simulations,
+        starts: searched.starts,
+        starts_agreeing: searched.agreeing,
+        simulations: searched.evaluations + sought,
         impacts: impact_rows(measured, &seen),
         warnings: Vec::new(),
         found: law,
         release_m,
         profiles,
     };
-    fit.warnings = warnings(&fit, measured, family, misfit);
+    fit.warnings = warnings::of(&fit, measured);
     Ok(fit)
 }
 
 fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
     let row = |(i, (impact, model)): (usize, (&Impact, &Aligned))| {
-        let blow = model.blow.as_ref().map(|b| b.contact);
+        let course = model.course.as_ref().map(|b| b.contact);
         ImpactRow {
             impact: i + 1,
             measured_at_s: impact.at_s,
-            model_at_s: blow.map_or(f64::NAN, |b| b.onset_s),
+            model_at_s: course.map_or(f64::NAN, |b| b.onset_s),
             measured_peak_n: impact.peak_n,
             model_peak_n: model.peak_n,
-            model_contact_time_ms: blow.map_or(0.0, |b| b.duration_s * 1e3),
+            model_contact_time_ms: course.map_or(0.0, |b| b.duration_s * 1e3),
             measured_impulse_n_s: impact.impulse_n_s,
-            model_impulse_n_s: blow.map_or(0.0, |b| b.impulse_n_s),
+            model_impulse_n_s: course.map_or(0.0, |b| b.impulse_n_s),
             residual_n: (model.squares / impact.window.len() as f64).sqrt(),
         }
     };
@@ -253,63 +244,10 @@ fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
         .collect()
 }
 
-fn warnings(fit: &Fit, measured: &Measured, family: Family, misfit: Misfit) -> Vec<String> {
-    let mut said = Vec::new();
-    let impacts = measured.impacts.len();
-    let unknowns = fit.parameters.len();
-    if misfit == Misfit::Peaks && impacts < unknowns {
-        said.push(format!(
-            "{impacts} peak{} cannot fix {unknowns} parameters: the values are one choice of many; use --misfit force or more impacts",
-            if impacts == 1 { "" } else { "s" }
-        ));
-    } else if misfit == Misfit::Peaks && impacts == unknowns {
-        said.push(format!(
-            "{impacts} peaks for {unknowns} parameters: they are met whatever the law, so nothing tells whether it is right"
-        ));
-    }
-    for p in &fit.parameters {
-        if p.low.is_none() || p.high.is_none() {
-            said.push(format!("the data do not bound {} on both sides", p.key));
-        }
-        if p.at_limit {
-            said.push(format!(
-                "{} ends at the limit of its range: the law cannot do what the data ask for",
-                p.key
-            ));
-        }
-        if let Some((other, correlation)) = &p.strongest_correlation
-            && correlation.abs() > 0.95
-        {
-            said.push(format!(
-                "{} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either",
-                p.key
-            ));
-        }
-    }
-    if fit.widened > 1.0 {
-        said.push(format!(
-            "the law fits {:.1} times worse than the noise explains (ringing, or not this law); the intervals are widened by as much",
-            fit.widened
-        ));
-    }
-    if family == Family::Hertz && measured.impacts.len() > 1 {
-        said.push(
-            "this law loses no energy; a hammer that strikes ever more softly is not it".into(),
-        );
-    }
-    if measured.noise_n == 0.0 {
-        said.push(
-            "no noise is seen before the first impact: what is left of the misfit stands for it"
-                .into(),
-        );
-    }
-    said
-}
-
 /// The impacts of a record.
 ///
 /// # Errors
-/// No force in it, or no impact.
+/// If the record has no force, or no impact stands out in it.
 pub fn measure(signal: &Signal, settings: &Settings) -> Result<Measured, Error> {
     contacts::measure(signal, settings.impacts)
 }
@@ -325,13 +263,13 @@ pub fn beside(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Vec<[f6
         return Vec::new();
     };
     let likeness = Likeness::new(measured, &params, Misfit::Force);
-    let seen = likeness.look(fit.found, fit.release_m);
+    let seen = likeness.aligned(fit.found, fit.release_m);
     let one = |(impact, model): (&Impact, &Aligned)| {
         let times = &measured.time_s[impact.window.clone()];
         let forces = &measured.force_n[impact.window.clone()];
         let row = |(t, f): (&f64, &f64)| {
             let model_n = model
-                .blow
+                .course
                 .as_ref()
                 .map_or(0.0, |b| b.force(&rig, t - model.onset_s));
             [t - times[0], *f, model_n]

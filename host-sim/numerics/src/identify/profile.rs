@@ -45,7 +45,7 @@ pub struct Profile {
 /// From the misfit to χ².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// What of the misfit is one of χ²; none if nothing tells.
+    /// The misfit that is 1 of χ²; `None` if it is not known.
     per_cost: Option<f64>,
     /// What the intervals are widened by, because the misfit is more than noise.
     pub widened: f64,

@@ -10,7 +10,7 @@ use super::contacts::Measured;
 use super::search::nelder_mead;
 use super::{Aligned, Fit, Likeness, Misfit};
 
-/// Time after release that is looked at, s.
+/// Time after release that is analysed, s.
 const SPAN_S: f64 = 8e-3;
 
 /// The damped swing must take at least this share of the record's square there to be called one.
@@ -45,7 +45,7 @@ struct Tail {
 /// The ringing after the releases that `fit` puts into the record; none if what is there is noise.
 pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
     let likeness = Likeness::new(measured, params, Misfit::Force);
-    let seen = likeness.look(fit.found, fit.release_m);
+    let seen = likeness.aligned(fit.found, fit.release_m);
     let tails: Vec<Tail> = measured
         .impacts
         .iter()
@@ -71,7 +71,7 @@ pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
             .map(|t| explained(t, hz, decay_s).0)
             .sum::<f64>()
     };
-    // A tail of 8 ms tells frequencies 60 Hz apart; so many are tried.
+    // A tail of 8 ms distinguishes frequencies 60 Hz apart; so many are tried.
     let count = ((fastest - LOWEST_HZ) / 40.0) as usize;
     let tried = (0..count).flat_map(|i| {
         let hz = LOWEST_HZ + 40.0 * (i as f64 + 0.5);
@@ -95,7 +95,7 @@ pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
 }
 
 fn tail(measured: &Measured, from: usize, model: &Aligned) -> Option<Tail> {
-    let contact = model.blow.as_ref()?.contact;
+    let contact = model.course.as_ref()?.contact;
     let release = model.onset_s + contact.duration_s;
     let times = &measured.time_s[from..];
     // The law may let go a little early or late: a tenth of the contact is left out.

@@ -3,6 +3,7 @@
 
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;
+use rayon::prelude::*;
 
 /// Where a search ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,4 +64,49 @@ pub fn nelder_mead(
         },
         None => start(),
     }
+}
+
+/// What searches from several starts found.
+pub struct Searched {
+    /// The best.
+    pub best: Found,
+    /// Searches begun.
+    pub starts: usize,
+    /// How many of them ended at about the best cost.
+    pub agreeing: usize,
+    /// Costs computed.
+    pub evaluations: u64,
+}
+
+/// Searches from each of `starts`, then twice more, with smaller simplexes, from the best point. `None` without starts.
+pub fn from_all(
+    cost: &(impl Fn(&[f64]) -> f64 + Sync),
+    starts: &[Vec<f64>],
+    steps: &[f64],
+) -> Option<Searched> {
+    let first: Vec<Found> = starts
+        .par_iter()
+        .map(|x| nelder_mead(cost, x, steps, 1e-3, 80))
+        .collect();
+    let mut evaluations: u64 = first.iter().map(|f| f.evaluations).sum();
+    let mut best = first
+        .iter()
+        .min_by(|a, b| a.cost.total_cmp(&b.cost))
+        .cloned()?;
+    // A simplex that has collapsed is opened again, smaller.
+    for share in [0.3, 0.05] {
+        let steps: Vec<f64> = steps.iter().map(|s| s * share).collect();
+        let again = nelder_mead(cost, &best.x, &steps, 1e-9, 200);
+        evaluations += again.evaluations;
+        if again.cost < best.cost {
+            best = again;
+        }
+    }
+    let near = 1e-2 * best.cost.abs() + 0.1;
+    Some(Searched {
+        agreeing: first.iter().filter(|f| f.cost < best.cost + near).count(),
+        starts: starts.len(),
+        best,
+        evaluations,
+    })
 }

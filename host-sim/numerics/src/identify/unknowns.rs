@@ -4,7 +4,7 @@ use shared::model::contact::Law;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use super::contacts::Measured;
+use super::contacts::{Impact, Measured};
 use super::{Family, Settings};
 use crate::drop_test::impacts;
 use crate::error::{DropTestError, Error};
@@ -15,7 +15,7 @@ const EXPONENT: f64 = 1.5;
 /// ki and the damping are sought from a thousandth to a thousand times their first guess.
 const DECADES: f64 = 3.0;
 
-/// How a parameter is told from a coordinate of the search.
+/// How a coordinate of the search becomes a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Scale {
     /// Its logarithm: positive, of unknown size.
@@ -57,12 +57,92 @@ pub struct Unknowns {
     seek_exponent: bool,
 }
 
+/// A first guess of the contact from the first impact.
+struct Guess {
+    mass_kg: f64,
+    /// Approach speed, m/s.
+    speed: f64,
+    /// Rebound speed over approach speed.
+    restitution: f64,
+    /// Largest force, N.
+    peak_n: f64,
+    /// Peak over momentum, 1/s: about the contact's natural frequency.
+    omega: f64,
+}
+
+impl Guess {
+    fn new(impact: &Impact, mass_kg: f64, speed: f64) -> Self {
+        let momentum = mass_kg * speed;
+        Self {
+            mass_kg,
+            speed,
+            restitution: (impact.impulse_n_s / momentum - 1.0).clamp(0.05, 0.95),
+            peak_n: impact.peak_n,
+            omega: impact.peak_n / momentum,
+        }
+    }
+
+    /// The parameters of `family`, its exponent apart.
+    fn unknowns(&self, family: Family) -> Vec<Unknown> {
+        let (omega, restitution) = (self.omega, self.restitution);
+        let deepest = self.speed / omega;
+        let hertz = self.peak_n / deepest.powf(EXPONENT);
+        let key = "contact_stiffness_n_per_m";
+        match family {
+            Family::SpringDashpot => {
+                // Peak ≈ m v ω₀, and e = exp(−2ζφ/√(1 − ζ²)), near enough e^(−2.4 ζ).
+                let zeta = -restitution.ln() / 2.4;
+                let stiffness = self.mass_kg * omega * omega;
+                let damping = 2.0 * zeta * self.mass_kg * omega;
+                let key_c = "contact_damping_n_s_per_m";
+                vec![log(key, stiffness, DECADES), log(key_c, damping, DECADES)]
+            }
+            Family::Hertz => vec![log(key, hertz, DECADES)],
+            Family::HuntCrossley => {
+                let lambda = 1.5 * (1.0 - restitution) / (restitution * self.speed);
+                let key_l = "contact_damping_ratio_s_per_m";
+                vec![log(key, hertz, DECADES), log(key_l, lambda, DECADES)]
+            }
+            Family::LankaraniNikravesh => {
+                let e = restitution.min(0.9);
+                let key_e = "contact_restitution";
+                vec![log(key, hertz, DECADES), plain(key_e, e, (0.0, 0.999), 0.1)]
+            }
+        }
+    }
+}
+
+/// A parameter searched for by its logarithm, up to `up` decades above the guess.
+fn log(key: &'static str, guess: f64, up: f64) -> Unknown {
+    Unknown {
+        key,
+        scale: Scale::Log,
+        range: (
+            guess.ln() - DECADES * std::f64::consts::LN_10,
+            guess.ln() + up * std::f64::consts::LN_10,
+        ),
+        guess: guess.ln(),
+        step: 0.3,
+    }
+}
+
+/// A parameter searched for by its value.
+fn plain(key: &'static str, guess: f64, range: (f64, f64), step: f64) -> Unknown {
+    Unknown {
+        key,
+        scale: Scale::Plain,
+        range,
+        guess,
+        step,
+    }
+}
+
 impl Unknowns {
-    /// What `settings` ask for, with first guesses from the record: the impulse tells the restitution, peak and
+    /// What `settings` ask for, with first guesses from the record: the impulse gives the restitution, peak and
     /// impulse the stiffness.
     ///
     /// # Errors
-    /// A release that cannot be, or a hammer that does not strike from there.
+    /// If the release is out of range, or the hammer released there has no contact.
     pub fn new(
         measured: &Measured,
         params: &RigParams,
@@ -77,53 +157,13 @@ impl Unknowns {
             }
             .into());
         };
-        let speed = first.contact.approach_speed_m_per_s;
-        let impact = &measured.impacts[0];
-        let momentum = params.mass_kg * speed;
-        let restitution = (impact.impulse_n_s / momentum - 1.0).clamp(0.05, 0.95);
-        // Of a spring-dashpot: peak ≈ m v ω₀, and e = exp(−2ζφ/√(1 − ζ²)), near enough e^(−2.4 ζ).
-        let omega = impact.peak_n / momentum;
-        let zeta = -restitution.ln() / 2.4;
-        let stiffness = params.mass_kg * omega * omega;
+        let guess = Guess::new(
+            &measured.impacts[0],
+            params.mass_kg,
+            first.contact.approach_speed_m_per_s,
+        );
+        let mut list = guess.unknowns(family);
         let seek_exponent = settings.seek_exponent && family != Family::SpringDashpot;
-        let log = |key, guess: f64, up: f64| Unknown {
-            key,
-            scale: Scale::Log,
-            range: (
-                guess.ln() - DECADES * std::f64::consts::LN_10,
-                guess.ln() + up * std::f64::consts::LN_10,
-            ),
-            guess: guess.ln(),
-            step: 0.3,
-        };
-        let plain = |key, guess: f64, range, step| Unknown {
-            key,
-            scale: Scale::Plain,
-            range,
-            guess,
-            step,
-        };
-        let deepest = speed / omega;
-        let hertz = impact.peak_n / deepest.powf(EXPONENT);
-        let key = "contact_stiffness_n_per_m";
-        let mut list = match family {
-            Family::SpringDashpot => {
-                let damping = 2.0 * zeta * params.mass_kg * omega;
-                let key_c = "contact_damping_n_s_per_m";
-                vec![log(key, stiffness, DECADES), log(key_c, damping, DECADES)]
-            }
-            Family::Hertz => vec![log(key, hertz, DECADES)],
-            Family::HuntCrossley => {
-                let lambda = 1.5 * (1.0 - restitution) / (restitution * speed);
-                let key_l = "contact_damping_ratio_s_per_m";
-                vec![log(key, hertz, DECADES), log(key_l, lambda, DECADES)]
-            }
-            Family::LankaraniNikravesh => {
-                let e = restitution.min(0.9);
-                let key_e = "contact_restitution";
-                vec![log(key, hertz, DECADES), plain(key_e, e, (0.0, 0.999), 0.1)]
-            }
-        };
         if seek_exponent {
             list.push(plain("contact_exponent", EXPONENT, (1.0, 3.0), 0.1));
         }

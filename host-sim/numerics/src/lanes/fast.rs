@@ -1,8 +1,8 @@
 //! The lanes, and the reference for what they leave.
 
-use ::lanes::{How, Work, try_run};
+use ::lanes::{Options, Work, try_run};
 
-use super::{Cell, Outcome, Plan, run_one};
+use super::{Cell, CellPlan, Outcome, run_one};
 use crate::engine::Engine;
 use crate::error::Error;
 
@@ -34,9 +34,14 @@ impl std::ops::AddAssign for Report {
 /// Runs cells in this thread's lanes, and by the reference where these cannot.
 ///
 /// # Errors
-/// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
-pub fn run_with(how: How, cells: &[Cell], plan: &Plan) -> Result<(Vec<Outcome>, Report), Error> {
-    let tried = try_run(how, cells, plan);
+/// If a cell has a parameter, frequency or start out of range, or its hammer leaves what the model describes: the
+/// first such cell.
+pub fn run_with(
+    options: Options,
+    cells: &[Cell],
+    plan: &CellPlan,
+) -> Result<(Vec<Outcome>, Report), Error> {
+    let tried = try_run(options, cells, plan);
     let mut report = Report {
         again: tried.again,
         work: tried.work,

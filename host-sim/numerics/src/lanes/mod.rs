@@ -15,7 +15,7 @@ use crate::engine::Engine;
 use crate::error::Error;
 
 pub use ::lanes::{
-    Cell, How, Instructions, Outcome, Plan, Precision, SETTLED_WITHIN, Strobe, Work,
+    Cell, CellPlan, Instructions, Options, Outcome, Precision, SETTLED_WITHIN, Strobe, Work,
 };
 pub use fast::{Report, run_with};
 pub use one::run_one;
@@ -27,19 +27,20 @@ const CHUNK: usize = 2048;
 /// Runs every cell, on every thread there is.
 ///
 /// # Errors
-/// The first cell whose parameters, frequency or start cannot be, or whose hammer leaves what the model describes.
-pub fn run(cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+/// If a cell has a parameter, frequency or start out of range, or its hammer leaves what the model describes: the
+/// first such cell.
+pub fn run(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
     run_reported(cells, plan).map(|(outcomes, _)| outcomes)
 }
 
-/// Runs every cell, on every thread there is, and tells what became of them.
+/// Runs every cell, on every thread there is, and reports how many were run by what.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_reported(cells: &[Cell], plan: &Plan) -> Result<(Vec<Outcome>, Report), Error> {
+pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<Outcome>, Report), Error> {
     let parts: Vec<_> = cells
         .par_chunks(CHUNK)
-        .map(|chunk| run_with(How::default(), chunk, plan))
+        .map(|chunk| run_with(Options::default(), chunk, plan))
         .collect::<Result<_, _>>()?;
     let mut report = Report::default();
     let mut outcomes = Vec::with_capacity(cells.len());
@@ -54,15 +55,15 @@ pub fn run_reported(cells: &[Cell], plan: &Plan) -> Result<(Vec<Outcome>, Report
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_serial(cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
-    run_with(How::default(), cells, plan).map(|(outcomes, _)| outcomes)
+pub fn run_serial(cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
+    run_with(Options::default(), cells, plan).map(|(outcomes, _)| outcomes)
 }
 
 /// Runs every cell by `engine`, one after the other in every thread: the reference for an audit, or the switch model.
 ///
 /// # Errors
 /// As [`run`].
-pub fn by_engine(engine: Engine, cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+pub fn by_engine(engine: Engine, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
     cells
         .par_iter()
         .map(|cell| run_one(engine, cell, plan))

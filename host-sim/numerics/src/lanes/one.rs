@@ -3,15 +3,15 @@
 use shared::model::contacts::Period;
 use shared::model::regime::{Detector, MAX_PERIODS, SECTION_TOLERANCE};
 
-use super::{Cell, Outcome, Plan, Strobe};
+use super::{Cell, CellPlan, Outcome, Strobe};
 use crate::engine::{Engine, Start, machine_at, within_reach};
 use crate::error::Error;
 
 /// Runs one cell by `engine`, all its cycles.
 ///
 /// # Errors
-/// A parameter, frequency or start that cannot be; a hammer that leaves what the model describes.
-pub fn run_one(engine: Engine, cell: &Cell, plan: &Plan) -> Result<Outcome, Error> {
+/// If a parameter, the frequency or the start is out of range, or if the hammer leaves what the model describes.
+pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, Error> {
     let start = Start::Section(cell.start);
     let mut hammer = machine_at(engine, &cell.params, cell.frequency_hz, start, cell.phase)?;
     let scale = hammer.rig().coordinate_scale();

@@ -7,11 +7,11 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 
 use super::compute::cell_from_rest;
-use super::request::Request;
+use super::request::MapRequest;
 use super::{Map, MapCell};
 use crate::engine::Engine;
 use crate::error::{Error, MapError};
-use crate::lanes::{Plan, by_engine};
+use crate::lanes::{CellPlan, by_engine};
 use crate::progress::{Progress, step};
 use crate::sweep::Direction;
 
@@ -55,26 +55,6 @@ impl Agreement {
         }
         found
     }
-
-    /// In one line, percentages first.
-    pub fn line(&self) -> String {
-        format!(
-            "same label {}; of the {} that repeat in both, same p/n {}, force within 0.1 % {}; flagged {}",
-            percent(self.same_label, self.cells),
-            self.both_periodic,
-            percent(self.same_p_n, self.both_periodic),
-            percent(self.same_force, self.both_periodic),
-            percent(self.uncertain, self.cells),
-        )
-    }
-}
-
-/// "99.12 %", or "-" of nothing.
-pub fn percent(part: usize, whole: usize) -> String {
-    if whole == 0 {
-        return "-".to_owned();
-    }
-    format!("{:.2} %", 100.0 * part as f64 / whole as f64)
 }
 
 /// Whether two regimes have the same name.
@@ -91,9 +71,9 @@ pub fn same_label(a: Regime, b: Regime) -> bool {
 /// Runs `count` cells of `map`, drawn with `seed`, again by the reference, all their cycles, and compares.
 ///
 /// # Errors
-/// A map whose state was carried (its cells do not stand alone); a cell that cannot be run.
+/// If the map was made with the state carried, so that its cells depend on each other, or if the work is interrupted.
 pub fn audit(
-    request: &Request,
+    request: &MapRequest,
     map: &Map,
     (count, seed): (usize, u64),
     progress: &dyn Progress,
@@ -108,7 +88,7 @@ pub fn audit(
     for portion in chosen.chunks(64) {
         let cells = portion.iter().map(|i| cell_from_rest(request, *i));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
-        let plan = |cycles: u32| Plan {
+        let plan = |cycles: u32| CellPlan {
             cycles,
             early: false,
             ..request.plan
@@ -131,7 +111,7 @@ pub fn audit(
 ///
 /// # Errors
 /// As [`audit`].
-pub fn check_audit(request: &Request) -> Result<(), Error> {
+pub fn check_audit(request: &MapRequest) -> Result<(), Error> {
     if request.from == Direction::Rest {
         return Ok(());
     }
@@ -140,7 +120,7 @@ pub fn check_audit(request: &Request) -> Result<(), Error> {
 
 /// How alike two maps are over Ω/ω and gap/A0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Alikeness {
+pub struct Similarity {
     /// Names of the two rigs.
     pub rigs: [String; 2],
     /// Cells of the first that have a place in the second.
@@ -157,25 +137,11 @@ pub struct Alikeness {
     pub same_orderly: usize,
 }
 
-impl Alikeness {
-    /// In one line.
-    pub fn line(&self) -> String {
-        let [a, b] = &self.rigs;
-        format!(
-            "{a} and {b}: same regime in {} of {} cells, in {} where one of the two strikes, in {} where both repeat within two periods",
-            percent(self.same, self.cells),
-            self.cells,
-            percent(self.same_striking, self.striking),
-            percent(self.same_orderly, self.orderly),
-        )
-    }
-}
-
 /// Compares the cells of `a` with those of `b` that lie nearest over Ω/ω and gap/A0.
-pub fn alikeness(a: &Map, b: &Map) -> Alikeness {
+pub fn similarity(a: &Map, b: &Map) -> Similarity {
     let rows = places(&a.gap_ratios(), &b.gap_ratios());
     let columns = places(&a.frequency_ratios(), &b.frequency_ratios());
-    let mut found = Alikeness {
+    let mut found = Similarity {
         rigs: [a.rig.name.clone(), b.rig.name.clone()],
         cells: 0,
         same: 0,
@@ -279,8 +245,6 @@ mod tests {
             uncertain: 1,
         };
         assert_eq!(found, expected);
-        assert!(found.line().contains("same label 66.67 %"));
-        assert!(Agreement::default().line().contains("same label -"));
     }
 
     #[test]
@@ -317,7 +281,7 @@ mod tests {
             ..BEAM_170
         };
         let aperiodic = Regime::Aperiodic { impacts: 3 };
-        let found = alikeness(&map(doubled, aperiodic), &map(BEAM_150, periodic(3, 5)));
+        let found = similarity(&map(doubled, aperiodic), &map(BEAM_150, periodic(3, 5)));
         let numbers = (found.cells, found.same, found.striking, found.same_striking);
         assert_eq!(numbers, (4, 3, 3, 2));
         assert_eq!((found.orderly, found.same_orderly), (2, 2));

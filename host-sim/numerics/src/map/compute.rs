@@ -3,17 +3,17 @@
 use shared::model::rig::Rig;
 
 use super::MapCell;
-use super::request::{Request, Runner};
+use super::request::{MapRequest, Runner};
 use crate::engine::{Engine, Start};
 use crate::error::Error;
-use crate::lanes::{self, Cell, Outcome, Plan};
+use crate::lanes::{self, Cell, CellPlan, Outcome};
 use crate::sweep::Direction;
 
 /// Runs the cells of tile `index`, in their order.
 ///
 /// # Errors
-/// A cell that cannot be run.
-pub(super) fn tile(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
+/// If a cell cannot be run.
+pub(super) fn tile(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
     match request.from {
         Direction::Rest => from_rest(request, index),
         Direction::Up | Direction::Down => carried(request, index),
@@ -23,8 +23,8 @@ pub(super) fn tile(request: &Request, index: usize) -> Result<Vec<MapCell>, Erro
 /// The cell at `index` of the grid, started from rest.
 ///
 /// # Errors
-/// A gap the rig cannot have.
-pub(super) fn cell_from_rest(request: &Request, index: usize) -> Result<Cell, Error> {
+/// If the rig cannot have this gap.
+pub(super) fn cell_from_rest(request: &MapRequest, index: usize) -> Result<Cell, Error> {
     let (gap_mm, frequency_hz) = request.grid.at(index);
     let params = request.params_at(gap_mm);
     let rig = Rig::<f64>::new(&params)?;
@@ -36,14 +36,14 @@ pub(super) fn cell_from_rest(request: &Request, index: usize) -> Result<Cell, Er
     })
 }
 
-fn from_rest(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
+fn from_rest(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
     let cells = request.tile(index).map(|i| cell_from_rest(request, i));
     let outcomes = settled(request, &cells.collect::<Result<Vec<_>, _>>()?)?;
     Ok(outcomes.iter().map(MapCell::from).collect())
 }
 
 /// The gaps of the tile go side by side through the frequencies, each from where it was left at the last one.
-fn carried(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
+fn carried(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
     let range = request.tile(index);
     let columns = request.grid.frequencies_hz.len();
     let firsts: Vec<usize> = range.clone().step_by(columns).collect();
@@ -71,14 +71,14 @@ fn carried(request: &Request, index: usize) -> Result<Vec<MapCell>, Error> {
 }
 
 /// Runs `cells`; those that have not settled run again, to the cycles of `settle`.
-fn settled(request: &Request, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
+fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
     let mut outcomes = run(request.runner, cells, &request.plan)?;
     if let Some(cycles) = request.settle {
         let restless: Vec<usize> = (0..cells.len())
             .filter(|i| outcomes[*i].settled_after.is_none())
             .collect();
         let again: Vec<Cell> = restless.iter().map(|i| cells[*i]).collect();
-        let longer = Plan {
+        let longer = CellPlan {
             cycles,
             ..request.plan
         };
@@ -90,7 +90,7 @@ fn settled(request: &Request, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
     Ok(outcomes)
 }
 
-fn run(runner: Runner, cells: &[Cell], plan: &Plan) -> Result<Vec<Outcome>, Error> {
+fn run(runner: Runner, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
     match runner {
         Runner::Lanes => lanes::run(cells, plan),
         Runner::Reference => lanes::by_engine(Engine::Event, cells, plan),

@@ -13,13 +13,16 @@ pub mod summary;
 use serde::{Deserialize, Serialize};
 use shared::model::regime::Regime;
 
-pub use self::agree::{Agreement, Alikeness, alikeness, audit};
-pub use self::request::{Request, Runner};
+pub use self::agree::{Agreement, Similarity, audit, similarity};
+pub use self::request::{MapRequest, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
 pub use self::summary::Summary;
 use crate::lanes::Outcome;
 use crate::row::NamedRig;
 use crate::row::{regime_as_text, tidy};
+
+/// Stands for the sources that decide what a cell shows. Cells computed by builds with different fingerprints may differ.
+pub const KERNEL_FINGERPRINT: &str = env!("KERNEL_FINGERPRINT");
 
 /// The points of a map.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +57,7 @@ impl Grid {
     }
 }
 
-/// What one cell showed.
+/// The part of a cell's [`Outcome`] that a map keeps: it has the same size for every cell, and no strobes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapCell {
     /// z = p/n over the recorded cycles.
@@ -63,7 +66,7 @@ pub struct MapCell {
     pub force_n: f64,
     /// Cycle after which the section had converged; none: it had not.
     pub settled_after: Option<u32>,
-    /// Longest section period looked for.
+    /// Longest section period searched for.
     pub searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
     pub uncertain: bool,
@@ -144,7 +147,7 @@ impl Map {
     }
 }
 
-/// One cell, as told to programs. Units are in the names.
+/// One cell as a row of a table. Units are in the names.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CellRow {
     /// Clearance at rest, mm.
@@ -168,7 +171,7 @@ pub struct CellRow {
     pub settled: bool,
     /// After how many cycles.
     pub settling_cycles: Option<u32>,
-    /// Longest section period looked for.
+    /// Longest section period searched for.
     pub largest_period_searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
     pub uncertain: bool,

@@ -1,15 +1,13 @@
 //! What is asked of a map, and how it is cut into tiles.
 
-use std::fmt::Write;
 use std::ops::Range;
 
-use crc::{CRC_64_XZ, Crc};
 use shared::model::params::{RigParams, WIRES};
 
 use super::Grid;
 use crate::engine::{Setting, check_frequency};
 use crate::error::{Error, MapError};
-use crate::lanes::Plan;
+use crate::lanes::CellPlan;
 use crate::row::NamedRig;
 use crate::row::tidy;
 use crate::sweep::Direction;
@@ -26,7 +24,7 @@ pub enum Runner {
 }
 
 impl Runner {
-    /// Its name on the command line.
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lanes => "event",
@@ -38,7 +36,7 @@ impl Runner {
 
 /// Everything that decides what a map shows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct MapRequest {
     /// The rig; its own gap does not count.
     pub rig: NamedRig,
     /// The cells.
@@ -46,7 +44,7 @@ pub struct Request {
     /// What runs them.
     pub runner: Runner,
     /// Cycles, and how many of the last are recorded.
-    pub plan: Plan,
+    pub plan: CellPlan,
     /// Cells that have not settled run on up to so many cycles; none: they stay as they are.
     pub settle: Option<u32>,
     /// From rest, or the state carried up or down the frequencies of each gap.
@@ -63,7 +61,7 @@ const SLOW_TILE_CELLS: usize = 128;
 const TILE_GAPS: usize = 32;
 const SLOW_TILE_GAPS: usize = 1;
 
-impl Request {
+impl MapRequest {
     /// Cells of every tile but the last, which may have fewer. It depends on the request alone.
     pub fn tile_cells(&self) -> usize {
         let slow = self.runner != Runner::Lanes;
@@ -94,34 +92,10 @@ impl Request {
         }
     }
 
-    /// The request as text, a line for each part of it: what tiles on disk are compared with. The numbers are exact.
-    pub fn lines(&self) -> String {
-        let mut text = format!("program host-sim {}\n", env!("CARGO_PKG_VERSION"));
-        let parts: [(&str, &dyn std::fmt::Debug); 8] = [
-            ("rig", &self.params_at(0.0)),
-            ("gaps_mm", &self.grid.gaps_mm),
-            ("frequencies_hz", &self.grid.frequencies_hz),
-            ("engine", &self.runner),
-            ("cycles", &(self.plan.cycles, self.plan.recorded)),
-            ("settle", &self.settle),
-            ("from", &self.from),
-            ("tile_cells", &self.tile_cells()),
-        ];
-        for (name, value) in parts {
-            let _ = writeln!(text, "{name} {value:?}");
-        }
-        text
-    }
-
-    /// A number that stands for the whole request: CRC-64 of its text.
-    pub fn fingerprint(&self) -> u64 {
-        Crc::<u64>::new(&CRC_64_XZ).checksum(self.lines().as_bytes())
-    }
-
     /// Refuses what cannot be run, before any work.
     ///
     /// # Errors
-    /// One line: no cells or too many, a frequency that is not run, cycles that leave nothing to record.
+    /// If there are no cells or too many, if a frequency is out of range, or if no cycle would be recorded.
     pub fn check(&self) -> Result<(), Error> {
         let cells = self.grid.len();
         if cells == 0 || cells > MOST_CELLS {
@@ -134,7 +108,7 @@ impl Request {
         for hz in &self.grid.frequencies_hz {
             check_frequency(*hz, &self.rig.params)?;
         }
-        let Plan {
+        let CellPlan {
             cycles, recorded, ..
         } = self.plan;
         if cycles == 0 {
@@ -150,11 +124,11 @@ impl Request {
     }
 }
 
-impl Request {
+impl MapRequest {
     /// Refuses tiles that are not there.
     ///
     /// # Errors
-    /// One line that says which there are.
+    /// If the range ends beyond the last tile.
     pub fn check_tiles(&self, range: &Range<usize>) -> Result<(), Error> {
         let count = self.tiles();
         if range.end <= count {
@@ -213,7 +187,7 @@ mod tests {
             (Direction::Up, Runner::Lanes),
             (Direction::Down, Runner::Reference),
         ] {
-            let request = Request {
+            let request = MapRequest {
                 rig: NamedRig {
                     name: "wires".into(),
                     params: WIRES,
@@ -223,7 +197,7 @@ mod tests {
                     frequencies_hz: (1..=59).map(f64::from).collect(),
                 },
                 runner,
-                plan: Plan::CHAPTER,
+                plan: CellPlan::CHAPTER,
                 settle: None,
                 from,
             };

@@ -5,10 +5,10 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::compute;
-use super::request::Request;
+use super::request::MapRequest;
 use super::{Map, MapCell};
 use crate::error::{Error, MapError};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 
 /// Where the tiles of an unfinished map are kept, so that a run that was cut off goes on and several can share one map.
 pub trait Tiles: Sync {
@@ -32,9 +32,9 @@ pub trait Tiles: Sync {
 /// The same map comes out whatever was there before, and for any number of threads.
 ///
 /// # Errors
-/// A request that cannot be run; a disk that refuses.
+/// If the request cannot be run ([`MapRequest::check`]), if the tiles cannot be kept, or if the work is interrupted.
 pub fn run(
-    request: &Request,
+    request: &MapRequest,
     store: Option<&dyn Tiles>,
     progress: &dyn Progress,
 ) -> Result<Map, Error> {
@@ -46,9 +46,9 @@ pub fn run(
 /// Computes the tiles of `range` that `store` lacks, and keeps them there: a share of a map.
 ///
 /// # Errors
-/// As [`run`]; also a range beyond the last tile.
+/// As [`run`]; also if the range ends beyond the last tile.
 pub fn run_tiles(
-    request: &Request,
+    request: &MapRequest,
     range: Range<usize>,
     store: &dyn Tiles,
     progress: &dyn Progress,
@@ -61,8 +61,8 @@ pub fn run_tiles(
 /// Puts the tiles in `store` together and computes nothing.
 ///
 /// # Errors
-/// One line that names the tiles that are missing or damaged.
-pub fn merge(request: &Request, store: &dyn Tiles) -> Result<Map, Error> {
+/// If tiles are missing or damaged: their numbers.
+pub fn merge(request: &MapRequest, store: &dyn Tiles) -> Result<Map, Error> {
     request.check()?;
     let read = |index: usize| store.read(index, request.tile(index).len());
     let tiles: Vec<_> = (0..request.tiles()).into_par_iter().map(read).collect();
@@ -78,7 +78,7 @@ pub fn merge(request: &Request, store: &dyn Tiles) -> Result<Map, Error> {
 }
 
 fn tiles(
-    request: &Request,
+    request: &MapRequest,
     range: Range<usize>,
     store: Option<&dyn Tiles>,
     progress: &dyn Progress,
@@ -87,6 +87,7 @@ fn tiles(
         store.begin()?;
     }
     let one = |index: usize| {
+        check(progress)?;
         let expected = request.tile(index).len();
         let cells = match store.and_then(|s| s.read(index, expected)) {
             Some(cells) => cells,
@@ -104,7 +105,7 @@ fn tiles(
     range.into_par_iter().map(one).collect()
 }
 
-fn assemble(request: &Request, tiles: Vec<Vec<MapCell>>) -> Map {
+fn assemble(request: &MapRequest, tiles: Vec<Vec<MapCell>>) -> Map {
     let mut cells = Vec::with_capacity(request.grid.len());
     for tile in tiles {
         cells.extend(tile);

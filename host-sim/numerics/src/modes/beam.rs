@@ -62,7 +62,7 @@ impl Beam {
     /// The `count` lowest modes for a hammer of `hammer_kg`, the first at `first_hz`.
     ///
     /// # Errors
-    /// A beam mass that makes no sense.
+    /// If the mass of the beam is out of range.
     pub fn modes(
         &self,
         hammer_kg: f64,

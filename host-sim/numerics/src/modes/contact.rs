@@ -3,11 +3,11 @@
 use super::{ModalRig, PerMode, State};
 use crate::reference::TOLERANCE;
 use crate::reference::flow::Totals;
-use crate::reference::tableau::{A, B, C, E3, E5, STAGES};
+use crate::reference::tableau::{A, B, C, E3, E5, STAGES, error};
 
-/// The flow in contact.
+/// The flow in contact. The stages are not those of [`crate::reference::flow`]: each has all modes, and plain `f64`.
 #[derive(Clone, Copy, Debug)]
-pub struct Contact<'a> {
+pub struct ContactFlow<'a> {
     /// The rig.
     pub rig: &'a ModalRig,
     /// Ω, rad/s.
@@ -25,7 +25,7 @@ pub struct Step {
     pub totals: Totals,
 }
 
-impl Contact<'_> {
+impl ContactFlow<'_> {
     /// A0 Ω² sin Ωt, m/s².
     pub fn drive(&self, t: f64) -> f64 {
         self.rig.amplitude_m * self.omega * self.omega * (self.omega * t).sin()
@@ -68,7 +68,7 @@ impl Contact<'_> {
         }
     }
 
-    /// The estimates of orders 5 and 3 joined as Hairer does, the worst mode counting.
+    /// The error of the worst mode, over the tolerance.
     fn error(&self, h: f64, rates: &[(PerMode, PerMode); STAGES]) -> f64 {
         let unit = TOLERANCE * self.rig.amplitude_m;
         let estimate = |weights: &[(usize, f64)], mode: usize| {
@@ -79,14 +79,7 @@ impl Contact<'_> {
             }
             (q / unit).hypot(v / (unit * self.omega)) * h
         };
-        let one = |mode: usize| {
-            let (fifth, third) = (estimate(E5, mode), estimate(E3, mode));
-            if fifth == 0.0 {
-                0.0
-            } else {
-                fifth * fifth / fifth.hypot(0.1 * third)
-            }
-        };
+        let one = |mode: usize| error(estimate(E5, mode), estimate(E3, mode));
         (0..self.rig.modes.len()).map(one).fold(0.0, f64::max)
     }
 }

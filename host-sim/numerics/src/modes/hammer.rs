@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use shared::model::contacts::{Contact as Finished, Ledger, Period, Piece};
 use shared::model::drive::{Stamp, TURN};
 
-use super::contact::{Contact, Step};
+use super::contact::{ContactFlow, Step};
 use super::flight::Flight;
 use super::{ModalRig, State};
 use crate::reference::flow::Totals;
+use crate::reference::tableau;
 
 /// A switch is located when what is left to it is less than this, s.
 const TIME_TOLERANCE_S: f64 = 1e-13;
@@ -94,8 +95,8 @@ impl Hammer {
         self.strongest.take()
     }
 
-    /// Goes on to the next drive phase 0 and tells what happened on the way. A motion that cannot be followed ends in a
-    /// state that is not a number.
+    /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
+    /// becomes NaN.
     pub fn run_period(&mut self, watch: &mut impl Watch) -> Period<f64> {
         let mut left = MAX_STEPS_PER_PERIOD;
         loop {
@@ -167,7 +168,7 @@ impl Hammer {
         ended
     }
 
-    /// Stays in contact up to the release or drive phase 0.
+    /// Runs in contact to the release or drive phase 0.
     fn press(&mut self, watch: &mut impl Watch, left: &mut usize) -> Ended {
         loop {
             *left = left.saturating_sub(1);
@@ -178,14 +179,14 @@ impl Hammer {
             if to_go <= 0.0 {
                 return Ended::AtPhaseZero;
             }
-            let field = Contact {
+            let field = ContactFlow {
                 rig: &self.rig,
                 omega: self.omega,
             };
             let h = self.next_step.min(to_go);
             let mut step = field.step(&self.state, h);
             if step.error > 1.0 {
-                self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
+                self.next_step = tableau::shorter(h, step.error);
                 continue;
             }
             if h > SHORTEST_S && dips(&field, &self.state, &step.end) {
@@ -198,8 +199,7 @@ impl Hammer {
             } else if h == to_go {
                 step.end.t = self.period_s;
             }
-            let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
-            self.next_step = h * growth;
+            self.next_step = tableau::next(h, step.error);
             self.accept(&step, watch);
             if released {
                 self.touching = false;
@@ -215,7 +215,7 @@ impl Hammer {
     }
 
     fn accept(&mut self, step: &Step, watch: &mut impl Watch) {
-        let field = Contact {
+        let field = ContactFlow {
             rig: &self.rig,
             omega: self.omega,
         };
@@ -255,7 +255,7 @@ fn safe_step([g, slope, bound]: [f64; 3]) -> f64 {
 }
 
 /// Whether the force falls below 0 between two points at which it pushes, on the cubic through both.
-fn dips(field: &Contact, from: &State, end: &State) -> bool {
+fn dips(field: &ContactFlow, from: &State, end: &State) -> bool {
     let h = end.t - from.t;
     let ((f0, r0), (f1, r1)) = (field.force(from), field.force(end));
     if f1 <= 0.0 || r0 >= 0.0 || r1 <= 0.0 {
@@ -268,7 +268,7 @@ fn dips(field: &Contact, from: &State, end: &State) -> bool {
 }
 
 /// The step that ends where the force has just fallen to 0, shorter than `h`: Newton's iteration, kept in a bracket.
-fn release(field: &Contact, from: &State, h: f64) -> Step {
+fn release(field: &ContactFlow, from: &State, h: f64) -> Step {
     let (mut low, mut high) = (0.0, h);
     let mut best = field.step(from, h);
     let mut length = h;

@@ -8,7 +8,7 @@
 //!
 //! with shapes that are 1 at the hammer, modal masses m_i and participations Γ_i ([`beam`]). Between contacts every mode
 //! moves in closed form ([`flight`]); in contact they are integrated together ([`contact`]); both switches are located
-//! ([`hammer`]). What a run showed is told by [`observe`].
+//! ([`hammer`]). [`observe`] summarises a run.
 
 pub mod beam;
 pub mod contact;
@@ -18,7 +18,7 @@ mod observe;
 
 pub use beam::{Beam, BendingMode, Tip};
 pub use hammer::{Hammer, Watch};
-pub use observe::{Plan, Row, Seen, observe};
+pub use observe::{ModalObservation, ModesRequest, Row, observe};
 
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
@@ -74,8 +74,8 @@ impl ModalRig {
     /// rig's mass is the hammer's; the beam's comes on top. The chapter's cubic term is left out.
     ///
     /// # Errors
-    /// A rig that is not on beams or has a parameter out of range; a law other than the spring-dashpot; a gap below 0; a
-    /// cubic stiffness that is asked for; a number of modes or a beam mass out of range.
+    /// If the rig is not on beams or has a parameter out of range, if the law is not the spring-dashpot, if the gap is
+    /// below 0, if a cubic stiffness is given, or if the number of modes or the mass of the beam is out of range.
     pub fn new(params: &RigParams, beam: Beam, count: usize) -> Result<Self, Error> {
         params.check()?;
         let SupportParams::Beams {

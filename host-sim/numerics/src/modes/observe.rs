@@ -1,4 +1,4 @@
-//! What a run shows: regime, force, displacement, and where the energy is.
+//! What a run shows: regime, force, displacement, and the energy in each mode.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -22,7 +22,7 @@ const SAMPLES: f64 = 512.0;
 
 /// What is run.
 #[derive(Clone, Debug)]
-pub struct Plan<'a> {
+pub struct ModesRequest<'a> {
     /// The rig.
     pub rig: &'a NamedRig,
     /// Its springs.
@@ -35,11 +35,11 @@ pub struct Plan<'a> {
     pub cycles: Cycles,
 }
 
-impl Plan<'_> {
+impl ModesRequest<'_> {
     /// Every frequency with every number of modes, from rest: a row each, by frequency, then by number of modes.
     ///
     /// # Errors
-    /// What [`ModalRig::new`] refuses, and a motion that cannot be followed.
+    /// As [`ModalRig::new`] and [`observe`]; also if the work is interrupted.
     pub fn run(&self, progress: &dyn Progress) -> Result<Vec<Row>, Error> {
         let rigs = self
             .counts
@@ -63,7 +63,7 @@ impl Plan<'_> {
 
 /// What the recorded cycles of a run showed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seen {
+pub struct ModalObservation {
     /// The regime.
     pub regime: Regime,
     /// Largest contact force, N.
@@ -85,8 +85,12 @@ pub struct Seen {
 /// Runs `rig` from rest at `frequency_hz`.
 ///
 /// # Errors
-/// A frequency that is none; a motion that cannot be followed.
-pub fn observe(rig: ModalRig, frequency_hz: f64, cycles: Cycles) -> Result<Seen, Error> {
+/// If the frequency is not a positive number, or the motion cannot be followed.
+pub fn observe(
+    rig: ModalRig,
+    frequency_hz: f64,
+    cycles: Cycles,
+) -> Result<ModalObservation, Error> {
     if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
         return Err(Error::Frequency(frequency_hz));
     }
@@ -120,7 +124,7 @@ pub fn observe(rig: ModalRig, frequency_hz: f64, cycles: Cycles) -> Result<Seen,
         force_n = force_n.max(period.peak_force);
     }
     let time = f64::from(cycles.cycles - cycles.transient) / frequency_hz;
-    Ok(Seen {
+    Ok(ModalObservation {
         regime: detector.regime(),
         force_n,
         approach_m_per_s: hammer
@@ -191,7 +195,7 @@ impl Watch for Sampler {
     }
 }
 
-/// One run, as told to people and programs. Units are in the names.
+/// One run as a row of a table. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the rig.
@@ -250,7 +254,13 @@ pub struct Row {
 }
 
 impl Row {
-    fn new(rig: &NamedRig, beam: Beam, modes: usize, frequency_hz: f64, seen: &Seen) -> Self {
+    fn new(
+        rig: &NamedRig,
+        beam: Beam,
+        modes: usize,
+        frequency_hz: f64,
+        seen: &ModalObservation,
+    ) -> Self {
         let params: &RigParams = &rig.params;
         let count = seen.section_m.len() as f64;
         let least = seen.section_m.iter().copied().fold(f64::INFINITY, f64::min);

@@ -37,7 +37,7 @@ pub struct Shaker {
     pub force_n: f64,
     /// Mean power the blows and the support's damping take, W.
     pub mean_power_w: f64,
-    /// Peak of the power that swings back and forth, ½ (M + m) A0² Ω³, W.
+    /// Peak of the reactive power, ½ (M + m) A0² Ω³, W.
     pub reactive_power_w: f64,
     /// Energy a blow takes from the hammer, J.
     pub energy_per_blow_j: f64,
@@ -114,7 +114,7 @@ pub struct Answer {
     pub limits: Vec<LimitUse>,
     /// Change of the nominal optimum per 1 % of each parameter (gap: per 0.01 mm), largest force first.
     pub sensitivity: Vec<Sensitivity>,
-    /// The uncertainty taken into account; none with `--nominal`.
+    /// The uncertainty taken into account; `None` if none was given.
     pub uncertainty: Option<Uncertainty>,
 }
 

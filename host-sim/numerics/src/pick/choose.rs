@@ -6,6 +6,7 @@ use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
+use crate::progress::{Progress, check};
 use crate::row::NamedRig;
 
 /// What the operating point must respect.
@@ -40,6 +41,8 @@ pub struct Field<'a> {
     pub branch: &'a Branch,
     /// The uncertainty's members.
     pub members: &'a [Member],
+    /// Who can end the search.
+    pub progress: &'a dyn Progress,
 }
 
 impl Field<'_> {
@@ -51,8 +54,10 @@ impl Field<'_> {
         by_drive.map_or(by_frequency, |hz| hz.min(by_frequency))
     }
 
-    /// The orbit at `hz`, if its force and that of every member is within the limit.
+    /// The orbit at `hz`, if its force and that of every member is within the limit. None, too, once the search should
+    /// stop.
     fn within_force(&self, hz: f64, max_force_n: Option<f64>) -> Option<Orbit> {
+        check(self.progress).ok()?;
         let orbit = self.branch.at(&self.rig.params, hz)?;
         if let Some(max) = max_force_n {
             let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
@@ -102,7 +107,7 @@ impl Field<'_> {
     /// known to (at first none), then all at what it found, and takes in whoever breaks the limit there.
     ///
     /// # Errors
-    /// One line: nothing is within the limits.
+    /// If no orbit is within the limits, if a member has no stable 1/1 at one, or if the work is interrupted.
     pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, Error> {
         let mut strong: Vec<Member> = Vec::new();
         loop {
@@ -110,10 +115,11 @@ impl Field<'_> {
                 members: &strong,
                 ..*self
             };
-            let orbit = search
-                .best(robust, limits)
-                .ok_or_else(|| self.nothing(robust, limits))?;
+            let best = search.best(robust, limits);
+            check(self.progress)?;
+            let orbit = best.ok_or_else(|| self.nothing(robust, limits))?;
             let allowed = search.allowed(orbit.frequency_hz, robust, limits);
+            check(self.progress)?;
             let spread = self.spread(&orbit)?;
             let mut breaker = self.breaks(&spread, &strong, limits);
             if limits.max_force_n.is_some() {
@@ -126,6 +132,7 @@ impl Field<'_> {
             }
             let Some(member) = breaker else {
                 let mut limits = search.which_decide(&orbit, robust, limits);
+                check(self.progress)?;
                 limits.retain(|l| l.limit.is_some() || !self.members.is_empty());
                 return Ok(Choice {
                     orbit,
@@ -193,3 +200,6 @@ impl Field<'_> {
         uses
     }
 }
+
+#[cfg(test)]
+mod tests;

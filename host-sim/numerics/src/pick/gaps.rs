@@ -5,7 +5,7 @@ use shared::model::regime::Regime;
 
 use super::{Limits, Pick, Uncertainty, pick, steps};
 use crate::basins::start::{self, Drive, Fate, Window};
-use crate::basins::{Query, Share};
+use crate::basins::{BasinsRequest, Share};
 use crate::engine::Engine;
 use crate::error::Error;
 use crate::progress::Progress;
@@ -85,12 +85,13 @@ pub fn gap_steps(gaps: usize, uncertainty: Option<Uncertainty>, starts: u32) -> 
     gaps as u64 * (steps(uncertainty) + u64::from(starts))
 }
 
-/// Picks at every one of `gaps_mm`, and tells which gap to run at.
+/// Picks at every one of `gaps_mm`, and advises the gap to run at.
 ///
 /// The starts are drawn from the basins' usual window, at drive phase 0, with `seed`; they run for 300 drive cycles.
 ///
 /// # Errors
-/// A gap the rig cannot have; starts that cannot be run. A gap without a pick is a row that says why.
+/// If the rig cannot have a gap, if a start cannot be run, or if the work is interrupted. A gap without an operating
+/// point is no error: its entry has the reason.
 pub fn advise(
     rig: &NamedRig,
     gaps_mm: &[f64],
@@ -158,7 +159,7 @@ fn gap_pick(
     })
 }
 
-/// What becomes of hammers let go all over the usual window.
+/// What random starts in the usual window end in.
 fn fates(
     rig: &NamedRig,
     frequency_hz: f64,
@@ -166,13 +167,13 @@ fn fates(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<Fate>, Error> {
-    let Query {
+    let BasinsRequest {
         window,
         phase,
         cycles,
         recorded,
         ..
-    } = Query::usual(rig.clone(), frequency_hz, 1, 1);
+    } = BasinsRequest::usual(rig.clone(), frequency_hz, 1, 1);
     let drive = Drive {
         params: rig.params,
         frequency_hz,
@@ -274,5 +275,36 @@ mod tests {
         assert!(none.safe_band_percent() > large.safe_band_percent());
         let bad = advise(&rig, &[70.0], None, Limits::default(), (1, 1), &());
         assert!(matches!(bad, Err(Error::Parameter(_))), "{bad:?}");
+    }
+
+    #[test]
+    fn of_equal_basins_the_wider_band_is_advised_and_of_equal_bands_the_first_gap() {
+        let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
+        let mut wide = made_up(1.0, 10.0, false, 5);
+        if let Ok(pick) = &mut wide.pick {
+            pick.safe_band_hz = [9.4, 10.5];
+        }
+        let narrow = |gap_mm: f64| made_up(gap_mm, 10.0, false, 5);
+        assert_eq!(at(&[narrow(0.0), wide.clone()]), Some(1.0));
+        assert_eq!(at(&[wide.clone(), narrow(0.0)]), Some(1.0));
+        assert_eq!(at(&[narrow(3.0), narrow(2.0)]), Some(3.0));
+        // A larger basin comes before a wider band.
+        assert_eq!(at(&[wide, made_up(2.0, 10.0, false, 6)]), Some(2.0));
+    }
+
+    #[test]
+    fn four_fifths_of_the_largest_force_are_enough_and_weak_gaps_do_not_make_jumps_matter() {
+        let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
+        let strong = made_up(0.0, 10.0, false, 1);
+        assert_eq!(
+            at(&[strong.clone(), made_up(1.0, 8.0, false, 9)]),
+            Some(1.0)
+        );
+        assert_eq!(at(&[strong, made_up(1.0, 7.99, false, 9)]), Some(0.0));
+        // The only gap without jumps is too weak: the others are judged by their basins.
+        let weak = made_up(0.0, 5.0, false, 9);
+        let jumping = [made_up(1.0, 10.0, true, 2), made_up(2.0, 10.0, true, 3)];
+        let [a, b] = jumping;
+        assert_eq!(at(&[weak, a, b]), Some(2.0));
     }
 }

@@ -14,21 +14,24 @@ pub mod sensitivity;
 pub mod uncertainty;
 
 use rayon::prelude::*;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
 use crate::branch::{Branch, End, one_one_branches};
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, tidy};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
 pub use answer::Answer;
 use answer::shaker;
-use choose::Field;
 pub use choose::Limits;
+use choose::{Choice, Field};
 use search::{interval_where, maximise, stable_interval};
+use sensitivity::Sensitivity;
 use uncertainty::Member;
 pub use uncertainty::Uncertainty;
 
@@ -42,7 +45,7 @@ const CURVE_POINTS: usize = 200;
 const JUMP_POINTS: usize = 48;
 /// Ratios Ω/ω searched for 1/1.
 const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
-/// How long a run settles at a point that is told.
+/// How long a run settles at a point that is reported.
 const SETTLED: Plan = Plan {
     cycles: 600,
     transient: 480,
@@ -71,7 +74,8 @@ pub struct Pick {
 /// Picks the operating frequency of `rig` (its gap included).
 ///
 /// # Errors
-/// One line: there is no stable 1/1, or none that uncertainty and limits allow.
+/// If a parameter is out of range; if there is no stable 1/1, or none that uncertainty and limits allow; if a run cannot
+/// be followed; or if the work is interrupted.
 pub fn pick(
     rig: &NamedRig,
     uncertainty: Option<Uncertainty>,
@@ -81,9 +85,10 @@ pub fn pick(
     let params = &rig.params;
     params.check()?;
     let branch = best_branch(rig)?;
-    let nominal_range = (branch.low.frequency_hz, branch.high.frequency_hz);
+    check(progress)?;
     let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
-    let (_, nominal) = maximise(&branch, nominal_range, force_at).ok_or_else(|| no_one_one(rig))?;
+    let (_, nominal) =
+        maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
 
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
@@ -91,114 +96,211 @@ pub fn pick(
         rig,
         branch: &branch,
         members: &members,
+        progress,
     };
     let choice = field.choose(robust, limits)?;
-    let chosen = &choice.orbit;
-
-    let band = interval_where(&branch, chosen.frequency_hz, nominal_range, |hz| {
-        branch
-            .at(params, hz)
-            .is_some_and(|o| o.is_stable_one_one() && o.force_n >= BAND_SHARE * chosen.force_n)
-    });
-    let allowed = choice.allowed;
-    let safe_band = (band.0.max(allowed.0), band.1.min(allowed.1));
-
-    let margin = 0.02 * params.natural_frequency_hz();
-    let frequencies = spread(
-        nominal_range.0 - margin,
-        nominal_range.1 + margin,
-        JUMP_POINTS,
-    );
-    let jump_sweep = |direction| {
-        sweep(
-            rig,
-            Engine::Event,
-            &frequencies,
-            direction,
-            JUMP_PLAN,
-            progress,
-        )
-    };
-    let (up, down) = rayon::join(|| jump_sweep(Direction::Up), || jump_sweep(Direction::Down));
-    let (up, down) = (up?, down?);
-    // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
-    let mut jumps = jumps(&up, &down, params.weight_n(), JUMP_SHARE);
-    jumps.retain(|hz| (nominal_range.0..=nominal_range.1).contains(hz));
-    // Past a fold there is no 1/1 nearby to go over to.
-    let ends = [branch.low, branch.high].into_iter();
-    let folds = ends.filter(|edge| edge.end == End::Fold);
-    jumps.extend(folds.map(|edge| edge.frequency_hz));
-    jumps.sort_by(f64::total_cmp);
-    let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
-
-    let natural_hz = params.natural_frequency_hz();
-    let at_natural = single(params, natural_hz, Start::Rest, SETTLED)?;
-    let settled = |start| single(params, chosen.frequency_hz, start, SETTLED);
-    let from_rest = settled(Start::Rest)?;
-    let on_orbit = settled(Start::Section(chosen.section))?;
-    let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
-    let reach = |corner: &Member| {
-        let rig = corner.apply(params, 1.0);
-        let run = single(&rig, chosen.frequency_hz, Start::Rest, SETTLED);
-        run.is_ok_and(|row| row.regime.is(1, 1))
-    };
-    let reaching = corners.par_iter().filter(|corner| reach(corner)).count();
+    let jumps = Jumps::find(rig, &branch, progress)?;
+    let runs = Runs::of(params, uncertainty, &choice.orbit)?;
     let sensitivity = sensitivity::table(params, &nominal);
     step(progress, 1)?;
 
-    let weight = params.weight_n();
-    let doubles = branch.high.end == End::PeriodDoubling;
-    let answer = Answer {
-        rig: rig.name.clone(),
-        gap_mm: tidy(params.gap_m * 1e3),
-        operating_frequency_hz: chosen.frequency_hz,
-        frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
-        regime: on_orbit.regime,
-        regime_from_rest: from_rest.regime,
-        corners: corners.len(),
-        corners_reaching_one_one_from_rest: reaching,
-        force_ratio: chosen.force_n / weight,
-        force_n: chosen.force_n,
-        force_ratio_worst: choice.spread.weakest_n / weight,
-        force_ratio_largest: choice.spread.strongest_n / weight,
-        approach_speed_m_per_s: chosen.contact.approach_speed_m_per_s,
-        contact_time_ms: chosen.contact.duration_s * 1e3,
-        band_hz: band.into(),
-        safe_band_hz: safe_band.into(),
-        stable_one_one_hz: nominal_range.into(),
-        stable_one_one_ends: [branch.low.end, branch.high.end],
-        robust_band_hz: robust.into(),
-        period_doubling_hz: doubles.then_some(branch.high.frequency_hz),
-        multipliers: chosen.multipliers().modulus(),
-        multipliers_worst: choice.spread.multiplier,
-        jump_free: jumps.is_empty(),
-        jump_free_in_safe_band: !jumps.iter().any(in_band),
-        jump_range_hz: jumps
-            .first()
-            .zip(jumps.last())
-            .map(|(low, high)| [*low, *high]),
-        nominal_optimum_hz: nominal.frequency_hz,
-        nominal_optimum_force_ratio: nominal.force_n / weight,
-        force_ratio_at_natural_frequency: at_natural.force_ratio,
-        shaker: shaker(rig, chosen),
-        limits: choice.limits,
+    let curve = curve(params, &branch);
+    let section = dimensionless_section(params, &choice.orbit)?;
+    let found = Found {
+        rig,
+        branch: &branch,
+        nominal: &nominal,
+        robust,
+        band: force_band(params, &branch, &choice.orbit),
+        choice,
+        jumps: &jumps.at_hz,
+        runs,
         sensitivity,
         uncertainty,
     };
-    let mut nodes = spread(nominal_range.0, nominal_range.1, CURVE_POINTS);
+    Ok(Pick {
+        answer: found.answer(),
+        curve,
+        up: jumps.up,
+        down: jumps.down,
+        section,
+    })
+}
+
+/// Where the nominal 1/1 is stable, Hz.
+fn range(branch: &Branch) -> (f64, f64) {
+    (branch.low.frequency_hz, branch.high.frequency_hz)
+}
+
+/// Where the nominal 1/1 is stable and its force at least [`BAND_SHARE`] of that of `chosen`, Hz.
+fn force_band(params: &RigParams, branch: &Branch, chosen: &Orbit) -> (f64, f64) {
+    interval_where(branch, chosen.frequency_hz, range(branch), |hz| {
+        branch
+            .at(params, hz)
+            .is_some_and(|o| o.is_stable_one_one() && o.force_n >= BAND_SHARE * chosen.force_n)
+    })
+}
+
+/// The nominal stable 1/1: (Hz, force ratio), by rising frequency.
+fn curve(params: &RigParams, branch: &Branch) -> Vec<(f64, f64)> {
+    let (low, high) = range(branch);
+    let mut nodes = spread(low, high, CURVE_POINTS);
     nodes.extend(branch.orbits.iter().map(|o| o.frequency_hz));
     nodes.sort_by(f64::total_cmp);
+    let weight = params.weight_n();
     let on_curve = |hz: &f64| branch.at(params, *hz).map(|o| (*hz, o.force_n / weight));
-    let curve = nodes.par_iter().filter_map(on_curve).collect();
+    nodes.par_iter().filter_map(on_curve).collect()
+}
+
+/// The section of `orbit` in A0 and A0 Ω of the rig's coordinate.
+fn dimensionless_section(params: &RigParams, orbit: &Orbit) -> Result<[f64; 2], Error> {
     let scale = Rig::<f64>::new(params)?.coordinate_scale();
-    let rate = scale * std::f64::consts::TAU * chosen.frequency_hz;
-    Ok(Pick {
-        answer,
-        curve,
-        up,
-        down,
-        section: [chosen.section[0] / scale, chosen.section[1] / rate],
-    })
+    let rate = scale * std::f64::consts::TAU * orbit.frequency_hz;
+    Ok([orbit.section[0] / scale, orbit.section[1] / rate])
+}
+
+/// Where the hammer jumps.
+struct Jumps {
+    /// The sweep up across the nominal stable 1/1.
+    up: Vec<Row>,
+    /// The sweep down.
+    down: Vec<Row>,
+    /// Frequencies within the stable 1/1 at which the sweeps differ, and those at which it folds: Hz, rising.
+    at_hz: Vec<f64>,
+}
+
+impl Jumps {
+    fn find(rig: &NamedRig, branch: &Branch, progress: &dyn Progress) -> Result<Self, Error> {
+        let (low, high) = range(branch);
+        let margin = 0.02 * rig.params.natural_frequency_hz();
+        let frequencies = spread(low - margin, high + margin, JUMP_POINTS);
+        let one_way = |direction| {
+            let (engine, plan) = (Engine::Event, JUMP_PLAN);
+            sweep(rig, engine, &frequencies, direction, plan, progress)
+        };
+        let (up, down) = rayon::join(|| one_way(Direction::Up), || one_way(Direction::Down));
+        let (up, down) = (up?, down?);
+        // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
+        let mut at_hz = jumps(&up, &down, rig.params.weight_n(), JUMP_SHARE);
+        at_hz.retain(|hz| (low..=high).contains(hz));
+        // Past a fold there is no 1/1 nearby to go over to.
+        let ends = [branch.low, branch.high].into_iter();
+        let folds = ends.filter(|edge| edge.end == End::Fold);
+        at_hz.extend(folds.map(|edge| edge.frequency_hz));
+        at_hz.sort_by(f64::total_cmp);
+        Ok(Self { up, down, at_hz })
+    }
+}
+
+/// What settled runs show.
+struct Runs {
+    /// Force ratio from rest at the natural frequency.
+    force_ratio_at_natural: f64,
+    /// Regime from rest at the operating frequency.
+    from_rest: Regime,
+    /// Regime of a run that starts on the orbit picked.
+    on_orbit: Regime,
+    /// Corners of the uncertainty.
+    corners: usize,
+    /// How many of them settle on 1/1 from rest.
+    corners_reaching: usize,
+}
+
+impl Runs {
+    fn of(
+        params: &RigParams,
+        uncertainty: Option<Uncertainty>,
+        chosen: &Orbit,
+    ) -> Result<Self, Error> {
+        let natural_hz = params.natural_frequency_hz();
+        let at_natural = single(params, natural_hz, Start::Rest, SETTLED)?;
+        let settled = |start| single(params, chosen.frequency_hz, start, SETTLED);
+        let from_rest = settled(Start::Rest)?;
+        let on_orbit = settled(Start::Section(chosen.section))?;
+        let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
+        let reaches = |corner: &&Member| {
+            let rig = corner.apply(params, 1.0);
+            let run = single(&rig, chosen.frequency_hz, Start::Rest, SETTLED);
+            run.is_ok_and(|row| row.regime.is(1, 1))
+        };
+        Ok(Self {
+            force_ratio_at_natural: at_natural.force_ratio,
+            from_rest: from_rest.regime,
+            on_orbit: on_orbit.regime,
+            corners: corners.len(),
+            corners_reaching: corners.par_iter().filter(reaches).count(),
+        })
+    }
+}
+
+/// Everything the answer is made of.
+struct Found<'a> {
+    rig: &'a NamedRig,
+    branch: &'a Branch,
+    /// The strongest nominal orbit, without uncertainty and limits.
+    nominal: &'a Orbit,
+    /// Where 1/1 is stable over the whole uncertainty, Hz.
+    robust: (f64, f64),
+    /// [`force_band`] of the orbit chosen.
+    band: (f64, f64),
+    choice: Choice,
+    /// [`Jumps::at_hz`].
+    jumps: &'a [f64],
+    runs: Runs,
+    sensitivity: Vec<Sensitivity>,
+    uncertainty: Option<Uncertainty>,
+}
+
+impl Found<'_> {
+    /// The answer for tables and text.
+    fn answer(self) -> Answer {
+        let params = &self.rig.params;
+        let weight = params.weight_n();
+        let chosen = &self.choice.orbit;
+        let spread = &self.choice.spread;
+        let (band, allowed) = (self.band, self.choice.allowed);
+        let safe_band = (band.0.max(allowed.0), band.1.min(allowed.1));
+        let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
+        let doubles = self.branch.high.end == End::PeriodDoubling;
+        Answer {
+            rig: self.rig.name.clone(),
+            gap_mm: tidy(params.gap_m * 1e3),
+            operating_frequency_hz: chosen.frequency_hz,
+            frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
+            regime: self.runs.on_orbit,
+            regime_from_rest: self.runs.from_rest,
+            corners: self.runs.corners,
+            corners_reaching_one_one_from_rest: self.runs.corners_reaching,
+            force_ratio: chosen.force_n / weight,
+            force_n: chosen.force_n,
+            force_ratio_worst: spread.weakest_n / weight,
+            force_ratio_largest: spread.strongest_n / weight,
+            approach_speed_m_per_s: chosen.contact.approach_speed_m_per_s,
+            contact_time_ms: chosen.contact.duration_s * 1e3,
+            band_hz: band.into(),
+            safe_band_hz: safe_band.into(),
+            stable_one_one_hz: range(self.branch).into(),
+            stable_one_one_ends: [self.branch.low.end, self.branch.high.end],
+            robust_band_hz: self.robust.into(),
+            period_doubling_hz: doubles.then_some(self.branch.high.frequency_hz),
+            multipliers: chosen.multipliers().modulus(),
+            multipliers_worst: spread.multiplier,
+            jump_free: self.jumps.is_empty(),
+            jump_free_in_safe_band: !self.jumps.iter().any(in_band),
+            jump_range_hz: self
+                .jumps
+                .first()
+                .zip(self.jumps.last())
+                .map(|(low, high)| [*low, *high]),
+            nominal_optimum_hz: self.nominal.frequency_hz,
+            nominal_optimum_force_ratio: self.nominal.force_n / weight,
+            force_ratio_at_natural_frequency: self.runs.force_ratio_at_natural,
+            shaker: shaker(self.rig, chosen),
+            limits: self.choice.limits,
+            sensitivity: self.sensitivity,
+            uncertainty: self.uncertainty,
+        }
+    }
 }
 
 /// Steps of progress that [`pick`] reports with this uncertainty.
@@ -232,19 +334,17 @@ fn robust_range(
     nominal: &Orbit,
     progress: &dyn Progress,
 ) -> Result<(f64, f64), Error> {
-    let range = (branch.low.frequency_hz, branch.high.frequency_hz);
+    let range = range(branch);
     let common = members
         .par_iter()
         .map(|member| {
             member.apply(&rig.params, 1.0).check().ok()?;
             let found = stable_interval(&rig.params, member, branch, nominal.frequency_hz, range);
-            progress.advance(1);
-            found.filter(|_| !progress.interrupted())
+            step(progress, 1).ok()?;
+            found
         })
         .try_reduce(|| range, |a, b| Some((a.0.max(b.0), a.1.min(b.1))));
-    if progress.interrupted() {
-        return Err(Error::Interrupted);
-    }
+    check(progress)?;
     // The ends of the common range are one member's loss of stability; stay a hair inside.
     let inside = common.map(|(low, high)| {
         let hair = if members.is_empty() {

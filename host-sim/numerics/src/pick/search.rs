@@ -46,7 +46,7 @@ pub fn stable_interval(
     limits_hz: (f64, f64),
 ) -> Option<(f64, f64)> {
     let rig = member.apply(nominal, 1.0);
-    // The orbit scales with the natural frequency; look there first, then where the nominal one is.
+    // The orbit scales with the natural frequency; try there first, then where the nominal one is.
     let scaled = start_hz * member.natural_frequency_factor();
     let seed = [scaled, start_hz, 0.9 * start_hz, 1.1 * start_hz]
         .into_iter()
@@ -144,7 +144,7 @@ pub fn maximise<T>(
         nodes[i.saturating_sub(1)],
         nodes[(i + 1).min(nodes.len() - 1)],
     );
-    let look = |hz: f64| {
+    let value_at = |hz: f64| {
         let Some((force, what)) = value(hz) else {
             return f64::NEG_INFINITY;
         };
@@ -154,7 +154,7 @@ pub fn maximise<T>(
         }
         force
     };
-    maximum(look, around, FREQUENCY_TOLERANCE * high, anchor);
+    maximum(value_at, around, FREQUENCY_TOLERANCE * high, anchor);
     Some(found)
 }
 
@@ -198,6 +198,7 @@ pub fn interval_where(
 mod tests {
     use super::*;
     use crate::branch::one_one_branches;
+    use crate::pick::uncertainty::Uncertainty;
     use shared::model::params::WIRES;
 
     #[test]
@@ -223,5 +224,111 @@ mod tests {
         let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz > 2.6);
         assert!((low - 2.6).abs() < 1e-6, "{low}");
         assert_eq!(high, 4.0);
+    }
+
+    /// ±5 % of amplitude: the second of the two members strikes harder than the first.
+    fn by_amplitude() -> Vec<Member> {
+        let uncertainty = Uncertainty {
+            natural_frequency_percent: 0.0,
+            amplitude_percent: 5.0,
+            contact_stiffness_percent: 0.0,
+            contact_damping_percent: 0.0,
+            gap_mm: 0.0,
+            samples: 0,
+            ..Uncertainty::default()
+        };
+        uncertainty.members()
+    }
+
+    fn by_natural_frequency(percent: f64) -> Vec<Member> {
+        let uncertainty = Uncertainty {
+            natural_frequency_percent: percent,
+            amplitude_percent: 0.0,
+            contact_stiffness_percent: 0.0,
+            contact_damping_percent: 0.0,
+            gap_mm: 0.0,
+            samples: 0,
+            ..Uncertainty::default()
+        };
+        uncertainty.members()
+    }
+
+    #[test]
+    fn the_strongest_of_two_is_the_same_in_either_order_and_the_first_of_equals() {
+        let of = |force: f64, strongest| Spread {
+            weakest_n: force,
+            strongest_n: force,
+            strongest,
+            multiplier: 1.0 / force,
+        };
+        let (soft, hard) = (of(2.0, Some(0)), of(4.0, Some(1)));
+        for both in [soft.with(hard), hard.with(soft)] {
+            let expected = Spread {
+                weakest_n: 2.0,
+                strongest_n: 4.0,
+                strongest: Some(1),
+                multiplier: 0.5,
+            };
+            assert_eq!(both, expected);
+        }
+        let (nominal, second) = (of(4.0, None), of(4.0, Some(2)));
+        for (a, b) in [(hard, second), (second, hard)] {
+            assert_eq!(a.with(b).strongest, Some(1));
+            assert_eq!(a.with(nominal).strongest, None);
+            assert_eq!(nominal.with(b).strongest, None);
+        }
+    }
+
+    #[test]
+    fn the_spread_has_the_forces_of_every_member() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let orbit = branch.at(&WIRES, 3.0).unwrap();
+        let alone = spread_of_members(&WIRES, &[], &orbit).unwrap();
+        assert_eq!(alone, Spread::of(&orbit, None));
+        let members = by_amplitude();
+        let spread = spread_of_members(&WIRES, &members, &orbit).unwrap();
+        let forces = [0, 1].map(|i| {
+            let found = follow_member(&WIRES, &members[i], &orbit, 3.0).unwrap();
+            assert!(found.is_stable_one_one());
+            assert_eq!(found.frequency_hz, 3.0);
+            found.force_n
+        });
+        assert!(forces[0] < orbit.force_n && orbit.force_n < forces[1]);
+        assert_eq!((spread.weakest_n, spread.strongest_n), forces.into());
+        assert_eq!(spread.strongest, Some(1));
+        let far = by_natural_frequency(60.0);
+        assert_eq!(spread_of_members(&WIRES, &far, &orbit), None);
+    }
+
+    /// Wires shortened so that they swing 2 % faster are stable up to a frequency about 2 % higher.
+    #[test]
+    fn a_member_s_stable_range_moves_with_its_natural_frequency_and_keeps_to_the_limits() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let members = by_natural_frequency(2.0);
+        let wide = (
+            0.5 * branch.low.frequency_hz,
+            1.5 * branch.high.frequency_hz,
+        );
+        for (member, factor) in members.iter().zip([0.98, 1.02]) {
+            let start = 0.5 * (branch.low.frequency_hz + branch.high.frequency_hz);
+            let found = stable_interval(&WIRES, member, branch, start, wide).unwrap();
+            let moved = found.1 / branch.high.frequency_hz;
+            assert!((moved - factor).abs() < 0.005, "{moved} for {factor}");
+            let narrow = (0.9 * start, 1.1 * start);
+            let found = stable_interval(&WIRES, member, branch, start, narrow).unwrap();
+            let off = (found.0 - narrow.0).abs().max((found.1 - narrow.1).abs());
+            assert!(off < 1e-6, "{found:?} for {narrow:?}");
+        }
+        let far = by_natural_frequency(60.0);
+        let narrow = (2.9, 3.1);
+        assert_eq!(stable_interval(&WIRES, &far[1], branch, 3.0, narrow), None);
+    }
+
+    #[test]
+    fn an_interval_ends_above_where_its_condition_does() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz < 3.4);
+        assert_eq!(low, 2.2);
+        assert!((high - 3.4).abs() < 1e-6, "{high}");
     }
 }

@@ -8,10 +8,10 @@ use shared::model::regime::Detector;
 use shared::model::rig::Rig;
 
 use super::cloud::{Apart, apart};
-use super::{Portrait, Request, portrait};
+use super::{Portrait, SectionRequest, portrait};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::reference::smoothed::SmoothedReference;
 
 /// One width of the smoothing.
@@ -21,13 +21,13 @@ pub struct Smoothing {
     pub epsilon_m: f64,
     /// Section at drive phase 0: displacement (mm) and velocity (m/s) relative to the cart.
     pub points: Vec<(f64, f64)>,
-    /// What is told of it.
-    pub told: Told,
+    /// Its figures.
+    pub summary: SectionSummary,
 }
 
-/// What is told of a section.
+/// The figures of a section.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Told {
+pub struct SectionSummary {
     /// "switch", "switch, another start" or "smoothed".
     pub model: &'static str,
     /// ε_α, m; none for the switch.
@@ -55,10 +55,10 @@ pub struct Told {
 pub struct Against {
     /// The switch's portrait.
     pub exact: Portrait,
-    /// What is told of it.
-    pub told: Told,
+    /// Its figures.
+    pub summary: SectionSummary,
     /// The switch again, from another start: no distance below this one's means anything.
-    pub again: Told,
+    pub again: SectionSummary,
     /// By falling width.
     pub smoothed: Vec<Smoothing>,
 }
@@ -67,14 +67,14 @@ pub struct Against {
 /// sticks, the middle one is periodic, and the narrowest is chaotic as the switch is.
 pub const WIDTHS_M: [f64; 3] = [1e-6, 3e-7, 1e-7];
 
-/// Drive periods an exponent is told from, at most.
+/// Most drive periods that an exponent is computed over.
 const EXPONENT_PERIODS: u32 = 2000;
 
 impl Against {
-    /// Everything told, the switch first.
-    pub fn rows(&self) -> Vec<Told> {
-        let switch = [self.told.clone(), self.again.clone()];
-        let smoothed = self.smoothed.iter().map(|s| s.told.clone());
+    /// All figures, the switch first.
+    pub fn rows(&self) -> Vec<SectionSummary> {
+        let switch = [self.summary.clone(), self.again.clone()];
+        let smoothed = self.smoothed.iter().map(|s| s.summary.clone());
         switch.into_iter().chain(smoothed).collect()
     }
 }
@@ -84,13 +84,13 @@ impl Against {
 /// # Errors
 /// As [`portrait`] and [`SmoothedReference::new`].
 pub fn against(
-    request: &Request,
+    request: &SectionRequest,
     widths_m: &[f64],
     progress: &dyn Progress,
 ) -> Result<Against, Error> {
     let mut widths = widths_m.to_vec();
     widths.sort_by(|a, b| b.total_cmp(a));
-    let request = Request {
+    let request = SectionRequest {
         phases: vec![0.0],
         ..request.clone()
     };
@@ -99,7 +99,7 @@ pub fn against(
     let [q, v] = request.start.section(&rig, omega)?;
     let units = (rig.amplitude() * 1e3, rig.amplitude() * omega);
     // Another start on the same attractor: shifted so far that the two forget each other within the transient.
-    let other = Request {
+    let other = SectionRequest {
         start: crate::engine::Start::Section([q - 0.01 * rig.coordinate_scale(), v]),
         ..request.clone()
     };
@@ -116,89 +116,127 @@ pub fn against(
         },
     );
     let (exact, again, smoothed) = (exact?, again?, smoothed?);
-    let cloud = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-        points
-            .iter()
-            .map(|p| (p.0 / units.0, p.1 / units.1))
-            .collect()
-    };
-    let reference = cloud(&points_of(&exact));
-    let distance = |points: &[(f64, f64)]| apart(&reference, &cloud(points));
-    let plan = lyapunov::Plan {
-        transient: request.transient,
-        periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
-    };
-    let exponents = lyapunov::exponents(&request.params, request.frequency_hz, [q, v], plan).ok();
-    let switch = |model, portrait: &Portrait, exponents: Option<Exponents>| {
-        let told = Steps {
+    check(progress)?;
+    let compared = Compared::new(&request, [q, v], units, &exact);
+    let exponents =
+        lyapunov::exponents(&request.params, request.frequency_hz, [q, v], compared.span);
+    let summary = compared.switch("switch", &exact, exponents.ok());
+    let again = compared.switch("switch, another start", &again, None);
+    let smoothed = smoothed.into_par_iter().map(|ran| {
+        check(progress)?;
+        Ok(compared.smoothed(ran))
+    });
+    Ok(Against {
+        smoothed: smoothed.collect::<Result<_, Error>>()?,
+        summary,
+        again,
+        exact,
+    })
+}
+
+/// What sections are compared with, and how.
+struct Compared<'a> {
+    request: &'a SectionRequest,
+    /// Coordinate and rate at the start.
+    start: [f64; 2],
+    /// A0 in mm, and A0 Ω in m/s.
+    units: (f64, f64),
+    /// The switch's section in these units.
+    reference: Vec<(f64, f64)>,
+    /// What exponents are computed over.
+    span: lyapunov::Span,
+}
+
+impl<'a> Compared<'a> {
+    fn new(
+        request: &'a SectionRequest,
+        start: [f64; 2],
+        units: (f64, f64),
+        exact: &Portrait,
+    ) -> Self {
+        Self {
+            request,
+            start,
+            units,
+            reference: cloud(&points_of(exact), units),
+            span: lyapunov::Span {
+                transient: request.transient,
+                periods: request.points.clamp(lyapunov::BLOCKS, EXPONENT_PERIODS),
+            },
+        }
+    }
+
+    fn distance(&self, points: &[(f64, f64)]) -> Apart {
+        apart(&self.reference, &cloud(points, self.units))
+    }
+
+    /// The figures of a section by the switch.
+    fn switch(
+        &self,
+        model: &'static str,
+        portrait: &Portrait,
+        exponents: Option<Exponents>,
+    ) -> SectionSummary {
+        let steps = Steps {
             section_periods: portrait.regime.periods(),
             per_period: portrait.steps_per_period,
         };
-        tell(
-            model,
-            None,
-            told,
-            distance(&points_of(portrait)),
-            exponents,
-            request.frequency_hz,
-        )
-    };
-    let smoothed = smoothed.into_par_iter().map(|(epsilon, points, steps)| {
+        let apart = self.distance(&points_of(portrait));
+        self.summary(model, None, steps, apart, exponents)
+    }
+
+    /// The figures of a section by the smoothing method.
+    fn smoothed(&self, (epsilon, points, steps): Ran) -> Smoothing {
         let exponents = lyapunov::of_smoothed(
-            &request.params,
-            request.frequency_hz,
+            &self.request.params,
+            self.request.frequency_hz,
             epsilon.0,
-            [q, v],
-            plan,
+            self.start,
+            self.span,
         );
-        let hz = request.frequency_hz;
-        let told = tell(
-            "smoothed",
-            Some(epsilon),
-            steps,
-            distance(&points),
-            exponents.ok(),
-            hz,
-        );
+        let apart = self.distance(&points);
         Smoothing {
             epsilon_m: epsilon.0,
+            summary: self.summary("smoothed", Some(epsilon), steps, apart, exponents.ok()),
             points,
-            told,
         }
-    });
-    Ok(Against {
-        told: switch("switch", &exact, exponents),
-        again: switch("switch, another start", &again, None),
-        smoothed: smoothed.collect(),
-        exact,
-    })
+    }
+
+    fn summary(
+        &self,
+        model: &'static str,
+        epsilon: Option<(f64, f64)>,
+        steps: Steps,
+        apart: Apart,
+        exponents: Option<Exponents>,
+    ) -> SectionSummary {
+        let hz = self.request.frequency_hz;
+        SectionSummary {
+            model,
+            epsilon_m: epsilon.map(|e| e.0),
+            epsilon_n: epsilon.map(|e| e.1),
+            section_periods: steps.section_periods,
+            steps_per_period: steps.per_period,
+            carried: apart.carried,
+            boxes_not_shared: apart.boxes_not_shared,
+            variation: apart.variation,
+            largest_exponent_per_period: exponents.map(|e| e.largest_per_period),
+            exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / hz),
+        }
+    }
+}
+
+/// Points over `units`.
+fn cloud(points: &[(f64, f64)], units: (f64, f64)) -> Vec<(f64, f64)> {
+    points
+        .iter()
+        .map(|p| (p.0 / units.0, p.1 / units.1))
+        .collect()
 }
 
 struct Steps {
     section_periods: Option<u8>,
     per_period: f64,
-}
-
-fn tell(
-    model: &'static str,
-    epsilon: Option<(f64, f64)>,
-    steps: Steps,
-    apart: Apart,
-    exponents: Option<Exponents>,
-    frequency_hz: f64,
-) -> Told {
-    Told {
-        model,
-        epsilon_m: epsilon.map(|e| e.0),
-        epsilon_n: epsilon.map(|e| e.1),
-        section_periods: steps.section_periods,
-        steps_per_period: steps.per_period,
-        carried: apart.carried,
-        boxes_not_shared: apart.boxes_not_shared,
-        variation: apart.variation,
-        largest_exponent_per_period: exponents.map(|e| e.largest_per_period),
-        exponent_error_per_period: exponents.map(|e| e.standard_error_per_s / frequency_hz),
-    }
 }
 
 /// Displacement (mm) and velocity (m/s) of a portrait's first section.
@@ -212,13 +250,16 @@ fn points_of(portrait: &Portrait) -> Vec<(f64, f64)> {
 /// The section of the smoothed model.
 type Ran = ((f64, f64), Vec<(f64, f64)>, Steps);
 
-fn run(request: &Request, width_m: f64, progress: &dyn Progress) -> Result<Ran, Error> {
+fn run(request: &SectionRequest, width_m: f64, progress: &dyn Progress) -> Result<Ran, Error> {
     let params = &request.params;
     let rig = Rig::<f64>::new(params)?;
     let omega = std::f64::consts::TAU * request.frequency_hz;
     let [q, v] = request.start.section(&rig, omega)?;
     let mut hammer = SmoothedReference::<f64>::new(params, request.frequency_hz, width_m, (q, v))?;
-    (0..request.transient).for_each(|_| hammer.run_period());
+    for _ in 0..request.transient {
+        check(progress)?;
+        hammer.run_period();
+    }
     let before = hammer.steps();
     let scale = rig.coordinate_scale();
     let mut detector = Detector::new(scale, scale * omega);
@@ -228,7 +269,7 @@ fn run(request: &Request, width_m: f64, progress: &dyn Progress) -> Result<Ran, 
         if !(q.is_finite() && v.is_finite()) {
             return Err(MotionError::LostSmoothed { width_m }.into());
         }
-        // A smoothed contact has no beginning to count: only the section is told.
+        // A smoothed contact has no beginning to count: only the section is used.
         let touched = Period {
             touched: true,
             ..Period::default()

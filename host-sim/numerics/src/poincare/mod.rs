@@ -13,12 +13,12 @@ use shared::model::rig::Rig;
 
 use crate::engine::{self, Engine, Recorder, Sample, Start, machine, observe};
 use crate::error::{Error, MotionError};
-use crate::progress::{Progress, step};
+use crate::progress::{Progress, check, step};
 use crate::reference::{Observer, Reference, Segment};
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Request {
+pub struct SectionRequest {
     /// The rig, with its gap.
     pub params: RigParams,
     /// Drive frequency, Hz.
@@ -97,9 +97,10 @@ impl Observer for Strober<'_> {
 /// Runs the trajectory and takes its sections.
 ///
 /// # Errors
-/// A parameter, frequency, start or phase that cannot be; a hammer that leaves what the model describes.
-pub fn portrait(request: &Request, progress: &dyn Progress) -> Result<Portrait, Error> {
-    let Request {
+/// If a parameter, the frequency, the start or a phase is out of range, or if the hammer leaves what the model
+/// describes, or if the work is interrupted.
+pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Portrait, Error> {
+    let SectionRequest {
         params,
         frequency_hz,
         ..
@@ -111,6 +112,7 @@ pub fn portrait(request: &Request, progress: &dyn Progress) -> Result<Portrait, 
     let [q, v] = request.start.section(&rig, omega)?;
     let mut hammer = Reference::<f64>::new(params, *frequency_hz, q, v)?;
     for _ in 0..request.transient {
+        check(progress)?;
         hammer.run_period(&mut ());
         within_reach(&hammer, *frequency_hz)?;
     }

@@ -4,7 +4,7 @@ use shared::Real;
 use shared::model::rig::{Kinematics, Mode, Rig};
 use shared::model::step::Smoothed;
 
-use super::tableau::{A, B, C, E3, E5, STAGES};
+use super::tableau::{A, B, C, E3, E5, STAGES, error};
 use crate::dual::Dual;
 
 /// A scalar the reference integrates in.
@@ -185,19 +185,13 @@ impl<R: Scalar> Field<'_, R> {
             }
             (q / q_unit).hypot(v / v_unit) * length.abs()
         };
-        let (fifth, third) = (estimate(E5), estimate(E3));
-        let error = if fifth == 0.0 {
-            0.0
-        } else {
-            fifth * fifth / fifth.hypot(0.1 * third)
-        };
         Step {
             end: Point {
                 t: from.t + h,
                 q: from.q + h * dq,
                 v: from.v + h * dv,
             },
-            error,
+            error: error(estimate(E5), estimate(E3)),
             totals,
         }
     }

@@ -143,7 +143,7 @@ impl<R: Scalar> Reference<R> {
     /// A hammer of `params` at drive phase 0 at rest, driven at `frequency_hz`.
     ///
     /// # Errors
-    /// The first parameter out of range.
+    /// If a parameter is out of range: the first of them.
     ///
     /// # Panics
     /// If `frequency_hz` is not a positive number.
@@ -155,7 +155,7 @@ impl<R: Scalar> Reference<R> {
     /// A hammer at drive phase 0 at coordinate `q` and rate `v` (see [`shared::model::rig`] for the coordinate).
     ///
     /// # Errors
-    /// The first parameter out of range.
+    /// If a parameter is out of range: the first of them.
     ///
     /// # Panics
     /// If `frequency_hz` is not a positive number.
@@ -259,8 +259,8 @@ impl<R: Scalar> Reference<R> {
         self.steps
     }
 
-    /// Goes on to the next drive phase 0 and tells what happened on the way. A motion that cannot be
-    /// followed ends in a state that is not a number.
+    /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
+    /// becomes NaN.
     pub fn run_period(&mut self, observer: &mut impl Observer) -> Period<f64> {
         let mut period = Period {
             touched: self.mode == Mode::Contact,
@@ -279,7 +279,7 @@ impl<R: Scalar> Reference<R> {
             let step = self.field().step(&self.point, length, self.units);
             self.steps += 1;
             if step.error > 1.0 {
-                self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
+                self.next_step = tableau::shorter(h, step.error);
                 continue;
             }
             if let Some(at) =
@@ -297,8 +297,7 @@ impl<R: Scalar> Reference<R> {
                 self.point.t = R::ZERO;
                 return period;
             }
-            let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
-            self.next_step = h * growth;
+            self.next_step = tableau::next(h, step.error);
         }
         // A motion that needs so many steps is none the model describes: say so by a state that is no
         // number, which every reader tests for.

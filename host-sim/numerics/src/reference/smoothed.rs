@@ -10,6 +10,7 @@ use shared::model::rig::{Mode, Rig};
 use shared::model::step::Smoothed;
 
 use super::flow::{Field, Point, Scalar};
+use super::tableau;
 use super::{FIRST_STEP_S, MAX_STEPS_PER_PERIOD, STEPS_PER_PERIOD, TOLERANCE};
 use crate::error::Error;
 
@@ -32,8 +33,8 @@ impl<R: Scalar> SmoothedReference<R> {
     /// fades in over `epsilon_m` of penetration and out over the force the law gives at that penetration.
     ///
     /// # Errors
-    /// A parameter out of range; a width that is not positive; a law that remembers its approach speed, which needs
-    /// an onset.
+    /// If a parameter is out of range, if the width is not positive, or if the law depends on the approach speed at
+    /// the onset.
     pub fn new(
         params: &RigParams,
         frequency_hz: f64,
@@ -70,7 +71,7 @@ impl<R: Scalar> SmoothedReference<R> {
         })
     }
 
-    /// Goes on to the next drive phase 0. A motion that cannot be followed ends in a state that is not a number.
+    /// Runs to the next drive phase 0. A motion that cannot be followed ends in a state that is not a number.
     pub fn run_period(&mut self) {
         let amplitude = self.rig.amplitude().to_f64();
         for _ in 0..MAX_STEPS_PER_PERIOD {
@@ -87,16 +88,15 @@ impl<R: Scalar> SmoothedReference<R> {
             let step = field.step(&self.point, R::from_f64(h), self.units);
             self.steps += 1;
             if step.error > 1.0 {
-                self.next_step = h * (0.9 * step.error.powf(-0.125)).clamp(0.2, 0.9);
+                self.next_step = tableau::shorter(h, step.error);
                 continue;
             }
-            let growth = (0.9 * step.error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0);
             self.point = step.end;
             if h == to_go {
                 self.point.t = R::ZERO;
                 return;
             }
-            self.next_step = h * growth;
+            self.next_step = tableau::next(h, step.error);
         }
         self.point.q = R::from_f64(f64::NAN);
         self.point.v = R::from_f64(f64::NAN);

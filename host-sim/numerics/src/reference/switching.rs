@@ -9,7 +9,7 @@ use shared::model::rig::Mode;
 use super::flow::{Field, Point, Scalar};
 use crate::golden::maximum;
 
-/// Interior points per step at which the indicator is looked at.
+/// Interior points per step at which the indicator is computed.
 const SAMPLES: usize = 8;
 
 /// An extremum this close below the surface is decided by the integrator, m.

@@ -2,6 +2,25 @@
 //! 5 and 3 (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.5 and
 //! II.10). The tests check the row sums and the order conditions of quadrature.
 
+/// The length to try after a step of length `h` whose `error` is more than the tolerance.
+pub fn shorter(h: f64, error: f64) -> f64 {
+    h * (0.9 * error.powf(-0.125)).clamp(0.2, 0.9)
+}
+
+/// The length to try after a step of length `h` with this `error` was accepted.
+pub fn next(h: f64, error: f64) -> f64 {
+    h * (0.9 * error.max(1e-12).powf(-0.125)).clamp(0.2, 6.0)
+}
+
+/// The error of a step from its estimates of orders 5 and 3 (Hairer, Nørsett and Wanner, II.10).
+pub fn error(fifth: f64, third: f64) -> f64 {
+    if fifth == 0.0 {
+        0.0
+    } else {
+        fifth * fifth / fifth.hypot(0.1 * third)
+    }
+}
+
 /// Stages per step.
 pub const STAGES: usize = 12;
 

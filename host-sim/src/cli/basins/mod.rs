@@ -12,7 +12,7 @@ use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use numerics::basins::chapter::{POINTS, Point};
-use numerics::basins::{Basins, Query, Summary, Window, cells, explore};
+use numerics::basins::{Basins, BasinsRequest, Summary, Window, cells, explore};
 use numerics::engine::Engine;
 
 #[derive(Debug, clap::Args)]
@@ -112,7 +112,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 fn look(
     engine: Engine,
     point: Option<Point>,
-    query: &Query,
+    query: &BasinsRequest,
     progress: &Progress,
 ) -> Result<Found, UserError> {
     let basins = explore(engine, query, progress)?;
@@ -124,7 +124,7 @@ fn look(
     })
 }
 
-fn queries(args: &Args) -> Result<Vec<(Option<Point>, Query)>, UserError> {
+fn queries(args: &Args) -> Result<Vec<(Option<Point>, BasinsRequest)>, UserError> {
     let (columns, rows) = args.grid;
     let points = if args.chapter {
         let all = POINTS.into_iter();
@@ -153,7 +153,7 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, Query)>, UserError> {
 }
 
 /// The point the command line names.
-fn own(args: &Args) -> Result<Query, UserError> {
+fn own(args: &Args) -> Result<BasinsRequest, UserError> {
     let mut rig = args.common.rig()?;
     if let Some(ratio) = args.gap_ratio {
         let gap_mm = ratio * rig.params.amplitude_m * 1e3;
@@ -162,9 +162,9 @@ fn own(args: &Args) -> Result<Query, UserError> {
     let natural_hz = rig.params.natural_frequency_hz();
     let hz = args.drive.hz(natural_hz);
     let (columns, rows) = args.grid;
-    let query = Query::usual(rig, hz.unwrap_or(f64::NAN), columns, rows);
+    let query = BasinsRequest::usual(rig, hz.unwrap_or(f64::NAN), columns, rows);
     let window = Window::usual(&query.rig.params, columns, rows);
-    Ok(Query { window, ..query })
+    Ok(BasinsRequest { window, ..query })
 }
 
 fn write(common: &Common, found: &[Found]) -> Result<(), UserError> {
@@ -225,7 +225,7 @@ struct Line<'a> {
     impact_share_first_look: Option<f64>,
     impact_share_last_look: Option<f64>,
     attractors: usize,
-    largest_attractor: &'a str,
+    largest_attractor: String,
     basin_entropy: Option<f64>,
     boundary_basin_entropy: Option<f64>,
     uncertainty_exponent: Option<f64>,
@@ -235,7 +235,7 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
     let line = |one| {
         let Found { point, summary, .. }: &Found = one;
         let random = summary.impact_share_random;
-        let look = |look: Option<&numerics::basins::Look>| look.map(|l| l.impact.value());
+        let look = |look: Option<&numerics::basins::ImpactAfter>| look.map(|l| l.impact.value());
         Line {
             figure: point.map_or(String::new(), |p| format!("{} {}", p.figure, p.part)),
             rig: &summary.rig,
@@ -249,7 +249,10 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
             impact_share_first_look: look(summary.over_cycles.first()),
             impact_share_last_look: look(summary.over_cycles.last()),
             attractors: summary.attractors.len(),
-            largest_attractor: summary.attractors.first().map_or("", |a| &a.name),
+            largest_attractor: summary
+                .attractors
+                .first()
+                .map_or(String::new(), |a| a.name.to_string()),
             basin_entropy: summary.attractor_entropy.map(|e| e.basin),
             boundary_basin_entropy: summary.attractor_entropy.and_then(|e| e.boundary),
             uncertainty_exponent: summary.impact_uncertainty.map(|u| u.exponent),

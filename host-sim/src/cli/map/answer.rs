@@ -5,16 +5,16 @@ use serde::Serialize;
 use super::requests;
 use files::UserError;
 use numerics::map::measured::Hits;
-use numerics::map::{Agreement, Alikeness, Map, MapCell, Request, Summary};
+use numerics::map::{Agreement, Map, MapCell, MapRequest, Similarity, Summary};
 
 /// Everything that was found.
 pub struct Answer<'a> {
-    pub requests: &'a [Request],
+    pub requests: &'a [MapRequest],
     pub maps: &'a [Map],
     pub summaries: Vec<Summary>,
     pub audit: Option<Agreement>,
     pub against: Option<Agreement>,
-    pub alikeness: Vec<Alikeness>,
+    pub alikeness: Vec<Similarity>,
     pub measured: Option<Hits>,
 }
 
@@ -26,7 +26,7 @@ struct Json<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     against: Option<Agreement>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    alikeness: &'a [Alikeness],
+    alikeness: &'a [Similarity],
     #[serde(skip_serializing_if = "Option::is_none")]
     measured: Option<Hits>,
 }
@@ -78,7 +78,7 @@ impl Answer<'_> {
     }
 }
 
-fn map<'a>(request: &'a Request, map: &'a Map, summary: &'a Summary) -> MapJson<'a> {
+fn map<'a>(request: &'a MapRequest, map: &'a Map, summary: &'a Summary) -> MapJson<'a> {
     MapJson {
         name: requests::name(request),
         rig: &map.rig.name,

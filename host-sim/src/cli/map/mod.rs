@@ -18,10 +18,13 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::tiles::Store;
+use crate::words;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::error::{Error, MapError};
-use numerics::map::{self, Map, Request, Summary, agree, alikeness, measured, measured::Measured};
+use numerics::map::{
+    self, Map, MapRequest, Summary, agree, measured, measured::Measured, similarity,
+};
 use numerics::sweep::Direction;
 use plot::Figure;
 
@@ -118,7 +121,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// What cannot be, before any work.
-fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
+fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
     let common = &args.common;
     for request in requests {
         request.check()?;
@@ -154,7 +157,11 @@ fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
     Ok(())
 }
 
-fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Result<(), UserError> {
+fn make(
+    args: &Args,
+    requests: &[MapRequest],
+    points: Option<&[Measured]>,
+) -> Result<(), UserError> {
     let common = &args.common;
     let stores = stores(args, requests)?;
     let progress = progress(args, requests);
@@ -191,11 +198,11 @@ fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Resul
 
 fn maps(
     args: &Args,
-    requests: &[Request],
+    requests: &[MapRequest],
     stores: &[Store],
     progress: &Progress,
 ) -> Result<Vec<Map>, UserError> {
-    let one = |(i, request): (usize, &Request)| -> Result<Map, UserError> {
+    let one = |(i, request): (usize, &MapRequest)| -> Result<Map, UserError> {
         let store: Option<&Store> = stores.get(i);
         match store {
             Some(store) if args.merge => {
@@ -229,11 +236,11 @@ fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
 }
 
 /// A folder of tiles beside the output for each map; none without an output.
-fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
+fn stores(args: &Args, requests: &[MapRequest]) -> Result<Vec<Store>, UserError> {
     let Some(dir) = &args.common.out else {
         return Ok(Vec::new());
     };
-    let open = |request: &Request| {
+    let open = |request: &MapRequest| {
         let dir = dir.join(format!("{}.tiles", requests::name(request)));
         Store::open(&dir, request)
     };
@@ -247,8 +254,8 @@ fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
     Ok(stores)
 }
 
-fn progress(args: &Args, requests: &[Request]) -> Progress {
-    let cells = |request: &Request| match args.tiles {
+fn progress(args: &Args, requests: &[MapRequest]) -> Progress {
+    let cells = |request: &MapRequest| match args.tiles {
         Some(tiles) => {
             let tiles = tiles.range(request.tiles());
             tiles.map(|t| request.tile(t).len()).sum::<usize>()
@@ -264,7 +271,7 @@ fn progress(args: &Args, requests: &[Request]) -> Progress {
 fn share(
     args: &Args,
     tiles: requests::Tiles,
-    requests: &[Request],
+    requests: &[MapRequest],
     stores: &[Store],
     progress: &Progress,
 ) -> Result<(), UserError> {
@@ -289,7 +296,7 @@ fn share(
 
 fn answer<'a>(
     args: &Args,
-    requests: &'a [Request],
+    requests: &'a [MapRequest],
     maps: &'a [Map],
     points: Option<&[Measured]>,
     progress: &Progress,
@@ -306,7 +313,7 @@ fn answer<'a>(
     };
     let mut alike = Vec::new();
     for (i, a) in beside.iter().enumerate() {
-        alike.extend(beside[i + 1..].iter().map(|b| alikeness(a, b)));
+        alike.extend(beside[i + 1..].iter().map(|b| similarity(a, b)));
     }
     Ok(Answer {
         requests,
@@ -386,7 +393,11 @@ fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)
     if !answer.alikeness.is_empty() {
         let beside = answer.maps.len() - usize::from(answer.against.is_some());
         let maps: Vec<_> = answer.maps[..beside].iter().collect();
-        let lines: Vec<_> = answer.alikeness.iter().map(|a| a.line()).collect();
+        let lines: Vec<_> = answer
+            .alikeness
+            .iter()
+            .map(words::map::similarity)
+            .collect();
         let figure = pictures::map::side_by_side(&maps, &lines.join(". "));
         figures.push((format!("{first}-beside"), figure));
     }

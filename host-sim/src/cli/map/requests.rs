@@ -10,9 +10,9 @@ use files::UserError;
 use files::rigfile;
 use numerics::NamedRig;
 use numerics::engine::{Engine, Method, Precision, Setting};
-use numerics::lanes::Plan;
+use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Grid, Request, Runner};
+use numerics::map::{Grid, MapRequest, Runner};
 use numerics::row::tidy;
 use numerics::sweep::Direction;
 
@@ -78,7 +78,7 @@ pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
 }
 
 /// The maps to make: the rig's, those beside it, and the one to compare with last.
-pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
+pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
     let common = &args.common;
     let names: Vec<&str> = if args.beams {
         vec!["beam-170", "beam-150", "beam-135"]
@@ -98,11 +98,11 @@ pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
     }
     let grid = grid(args, &rigs[0])?;
     let runner = runner(args)?;
-    let request = |rig: &NamedRig| Request {
+    let request = |rig: &NamedRig| MapRequest {
         grid: over_same_ratios(&grid, &rigs[0], rig),
         rig: rig.clone(),
         runner,
-        plan: Plan {
+        plan: CellPlan {
             cycles: args.cycles,
             recorded: args.recorded.unwrap_or((args.cycles / 2).min(100)),
             early: true,
@@ -111,7 +111,7 @@ pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
         settle: args.settle,
         from: args.from,
     };
-    let mut requests: Vec<Request> = rigs.iter().map(request).collect();
+    let mut requests: Vec<MapRequest> = rigs.iter().map(request).collect();
     if let Some(against) = args.against {
         let other = other(&requests[0], against);
         if other == requests[0] {
@@ -136,7 +136,7 @@ fn runner(args: &Args) -> Result<Runner, UserError> {
 }
 
 /// The same map, made otherwise.
-fn other(request: &Request, against: Against) -> Request {
+fn other(request: &MapRequest, against: Against) -> MapRequest {
     let mut other = request.clone();
     match against {
         Against::Switch => {
@@ -188,7 +188,7 @@ fn over_same_ratios(grid: &Grid, first: &NamedRig, rig: &NamedRig) -> Grid {
 }
 
 /// What the files of a map are called.
-pub fn name(request: &Request) -> String {
+pub fn name(request: &MapRequest) -> String {
     let from = match request.from {
         Direction::Rest => "",
         Direction::Up => "-up",

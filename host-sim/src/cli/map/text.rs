@@ -5,8 +5,9 @@ use std::fmt::Write;
 use shared::model::regime::Regime;
 
 use super::answer::Answer;
-use numerics::map::agree::percent;
-use numerics::map::{Map, Request, Summary};
+use crate::words;
+use crate::words::map::percent;
+use numerics::map::{Map, MapRequest, Summary};
 use plot::chart::terminal_width;
 
 /// Regimes named one by one.
@@ -20,10 +21,10 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
         text.push('\n');
     }
     if let Some(against) = &answer.against {
-        let _ = writeln!(text, "against    {}", against.line());
+        let _ = writeln!(text, "against    {}", words::map::agreement(against));
     }
     for alike in &answer.alikeness {
-        let _ = writeln!(text, "alike      {}", alike.line());
+        let _ = writeln!(text, "alike      {}", words::map::similarity(alike));
     }
     if let Some(hits) = &answer.measured {
         let _ = writeln!(
@@ -37,14 +38,14 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
             text,
             "audit      {} cells again by the reference: {}",
             audit.cells,
-            audit.line()
+            words::map::agreement(audit)
         );
     }
     text
 }
 
-fn one(request: &Request, map: &Map, summary: &Summary) -> String {
-    let Request { plan, settle, .. } = request;
+fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
+    let MapRequest { plan, settle, .. } = request;
     let ends = |values: &[f64], unit: &str| match values {
         [first, .., last] => format!("{first:?} to {last:?} {unit}"),
         [one] => format!("{one:?} {unit}"),

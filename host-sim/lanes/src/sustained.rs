@@ -1,8 +1,8 @@
-//! Contacts that the lanes' short expansion does not hold, one at a time in f64: long stays, contacts over the section,
-//! hops that come back before they have left.
+//! Contacts that the lanes' short expansion cannot represent, one at a time in f64: sustained contacts, contacts during
+//! which the section comes, and hops that end before the hammer has left the surface.
 //!
-//! Contact is the closed form of [`super::touch`] without expansions, looked at every 0.7 radians of the transient
-//! (a sine alone once that has died out); flight while F < 0 < x is a Taylor step of third order.
+//! Contact is the closed form of [`super::touch`] without expansions, sampled every 0.7 radians of the transient (a sine
+//! alone once the transient has decayed); flight while F < 0 < x is a Taylor step of third order.
 
 use std::f64::consts::TAU;
 
@@ -10,16 +10,16 @@ use shared::model::contacts::SUSTAINED_CONTACT_S;
 
 use super::constants::Constants;
 
-/// Phase of the transient between looks, rad.
-const LOOK: f64 = 0.7;
+/// Phase of the transient between samples of the force, rad.
+const SAMPLE_ANGLE: f64 = 0.7;
 
-/// Decay after which the transient has died out: e⁻¹⁶ of it is left.
+/// Decay after which the transient is negligible: e⁻¹⁶ of it is left.
 const DEAD_AFTER: f64 = 16.0;
 
-/// It also has when its force is less than this share of what drive and support make.
+/// The transient is negligible, too, when its force is less than this share of the forced one.
 const DEAD_BELOW: f64 = 1e-7;
 
-/// Releases and onsets after which a stay is given up.
+/// Releases and onsets after which a sustained contact is given up.
 const MOST: usize = 500;
 
 /// Side of the switch while x > 0.
@@ -27,13 +27,13 @@ const MOST: usize = 500;
 pub enum Side {
     /// The force acts.
     Contact,
-    /// Let go, and not yet out.
+    /// The force has ended, but x > 0 still.
     Leaving,
 }
 
-/// A hammer at the surface.
+/// A hammer in sustained contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stay {
+pub struct Sustained {
     /// Coordinate.
     pub x: f64,
     /// Rate.
@@ -48,11 +48,11 @@ pub struct Stay {
     pub onsets: u32,
     /// Phases of the last three onsets, latest first, from the last strobe.
     pub recent: [f64; 3],
-    /// Whether a chatter has ended in a long stay in this period.
+    /// Whether chatter has ended in a sustained contact in this period.
     pub chatter: bool,
 }
 
-/// How a stay went on.
+/// How a sustained contact went on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// It reached the section (`tau` = 2π).
@@ -63,8 +63,8 @@ pub enum Event {
     Lost,
 }
 
-impl Stay {
-    /// Goes on to the section or out.
+impl Sustained {
+    /// Continues to the section, or until the hammer is out.
     pub fn run(&mut self, c: &Constants) -> Event {
         for _ in 0..MOST {
             let event = match self.side {
@@ -91,7 +91,7 @@ impl Stay {
     fn press(&mut self, c: &Constants) -> Option<Event> {
         let form = Form::new(c, self.tau, self.x, self.v);
         let end = TAU - self.tau;
-        let release = self.look(&form, end);
+        let release = self.find_release(&form, end);
         let t = release.unwrap_or(end);
         (self.x, self.v) = form.state(t);
         self.tau += t;
@@ -106,7 +106,7 @@ impl Stay {
     }
 
     /// The first release before `end`, and the peaks on the way.
-    fn look(&mut self, form: &Form, end: f64) -> Option<f64> {
+    fn find_release(&mut self, form: &Form, end: f64) -> Option<f64> {
         let mut turning = Turning::new(form);
         let mut before = (0.0, turning.force());
         let mut here = before;
@@ -116,7 +116,7 @@ impl Stay {
                 return None;
             }
             if form.c.decay * here.0 > DEAD_AFTER || turning.dead() {
-                return self.look_slowly(form, here.0, end);
+                return self.find_slow_release(form, here.0, end);
             }
             turning.turn();
             let t = (f64::from(k) * turning.step).min(end);
@@ -146,8 +146,8 @@ impl Stay {
         None
     }
 
-    /// The same from `from` on, where the transient has died out and F is R sin(τ + ψ) + M.
-    fn look_slowly(&mut self, form: &Form, from: f64, end: f64) -> Option<f64> {
+    /// The same from `from` on, where the transient is negligible and F is R sin(τ + ψ) + M.
+    fn find_slow_release(&mut self, form: &Form, from: f64, end: f64) -> Option<f64> {
         let (sin, cos, mean) = form.slow();
         let swing = libm::hypot(sin, cos);
         let angle = form.tau + libm::atan2(cos, sin);
@@ -356,8 +356,8 @@ struct Turning {
 impl Turning {
     fn new(form: &Form) -> Self {
         let c = form.c;
-        let step = LOOK / c.pulsation;
-        let (look_sin, look_cos) = libm::sincos(LOOK);
+        let step = SAMPLE_ANGLE / c.pulsation;
+        let (sample_sin, sample_cos) = libm::sincos(SAMPLE_ANGLE);
         let (sin, cos) = libm::sincos(form.tau);
         let (p, q, mean) = form.slow();
         let left = libm::exp(-c.decay * step);
@@ -365,7 +365,7 @@ impl Turning {
         Self {
             step,
             transient: form.push,
-            shrink: (left * look_cos, left * look_sin),
+            shrink: (left * sample_cos, left * sample_sin),
             forced: (p * sin + q * cos, p * cos - q * sin),
             turn: (turn_cos, turn_sin),
             mean,

@@ -1,0 +1,75 @@
+//! Sentences about a fit of contact parameters.
+
+use numerics::identify::{Fit, Warning};
+use serde::Serialize;
+
+/// A fit with its warnings in words, as JSON has it.
+#[derive(Serialize)]
+pub struct Worded<'a> {
+    /// The fit.
+    #[serde(flatten)]
+    pub fit: &'a Fit,
+    /// Its warnings.
+    pub warnings: Vec<String>,
+}
+
+impl<'a> From<&'a Fit> for Worded<'a> {
+    fn from(fit: &'a Fit) -> Self {
+        Self {
+            fit,
+            warnings: fit.warnings.iter().map(warning).collect(),
+        }
+    }
+}
+
+fn warning(warning: &Warning) -> String {
+    match *warning {
+        Warning::FewerPeaks { peaks, parameters } => format!(
+            "{peaks} peak{} cannot fix {parameters} parameters: the values are one choice of many; use --misfit force or more impacts",
+            if peaks == 1 { "" } else { "s" }
+        ),
+        Warning::AsManyPeaks { peaks } => format!(
+            "{peaks} peaks for {peaks} parameters: they are met whatever the law, so nothing tells whether it is right"
+        ),
+        Warning::Unbounded { parameter } => {
+            format!("the data do not bound {parameter} on both sides")
+        }
+        Warning::AtLimit { parameter } => format!(
+            "{parameter} ends at the limit of its range: the law cannot do what the data ask for"
+        ),
+        Warning::Correlated {
+            parameter,
+            other,
+            correlation,
+        } => format!(
+            "{parameter} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either"
+        ),
+        Warning::Widened { factor } => format!(
+            "the law fits {factor:.1} times worse than the noise explains (ringing, or not this law); the intervals are widened by as much"
+        ),
+        Warning::NoEnergyLoss => {
+            "this law loses no energy; a hammer that strikes ever more softly is not it".to_owned()
+        }
+        Warning::NoNoise => {
+            "no noise is seen before the first impact: what is left of the misfit stands for it"
+                .to_owned()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_peak_is_singular_and_several_are_plural() {
+        let says = |peaks| {
+            warning(&Warning::FewerPeaks {
+                peaks,
+                parameters: 4,
+            })
+        };
+        assert!(says(1).starts_with("1 peak cannot fix 4 parameters"));
+        assert!(says(2).starts_with("2 peaks cannot fix 4 parameters"));
+    }
+}
