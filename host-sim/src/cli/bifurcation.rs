@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::common::Common;
-use super::drive::Over;
-use super::emit::{emit, tables};
+use super::arguments::drive::Drives;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigAtGaps;
 use crate::pictures::bifurcation::{Abscissa, figure};
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -38,10 +39,7 @@ enum Which {
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps), or all three
     #[arg(long, value_enum, default_value = "rest")]
@@ -58,6 +56,15 @@ pub struct Args {
     /// Measured points to lay over: CSV with frequency_hz and displacement_mm, force_n or both
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
+
+    #[command(flatten)]
+    rig: RigAtGaps,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// What a program reads.
@@ -101,25 +108,25 @@ struct ChangeRow {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
+    let output = &args.output;
+    output.check()?;
     let request = request(args)?;
     let measured = args
         .measured
         .as_deref()
         .map(crate::measured::diagram)
         .transpose()?;
-    let progress = Progress::new("simulations", request.simulations(), common.quiet);
+    let progress = Progress::new("simulations", request.simulations(), output.quiet);
     let diagrams = diagrams(&request, &progress)?;
     progress.finish();
     let points = rows(&diagrams);
     let answer = answer(&request, &diagrams, measured.as_ref());
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let abscissa = match args.drive.in_hz() {
             true => Abscissa::Frequency,
             false => Abscissa::Ratio,
         };
-        let mut contents = tables("bifurcation", common.format, &answer, &points)?;
+        let mut contents = output.tables("bifurcation", &answer, &points)?;
         let changes: Vec<_> = answer.diagrams.iter().flat_map(change_rows).collect();
         contents.push(("bifurcation-changes.csv".into(), to_csv(&changes)));
         for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
@@ -130,14 +137,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             };
             contents.extend(drawn(&name, &figure(&all, abscissa, measured.as_ref()))?);
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &points, || text(&answer, &diagrams))
+    output.emit(&answer, &points, || text(&answer, &diagrams))
 }
 
 fn request(args: &Args) -> Result<Request, UserError> {
-    let common = &args.common;
-    let rig = files::rigfile::load(&common.rig, &common.set)?;
+    let output = &args.output;
+    let rig = args.rig.name.load()?;
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     if args.recorded == 0 || args.recorded > args.cycles {
@@ -146,9 +153,8 @@ fn request(args: &Args) -> Result<Request, UserError> {
             args.recorded, args.cycles
         )));
     }
-    let mut gaps_mm = common
-        .gaps()
-        .unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
+    let given = args.rig.gaps_mm();
+    let mut gaps_mm = given.unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
     Ok(Request {
@@ -160,7 +166,7 @@ fn request(args: &Args) -> Result<Request, UserError> {
             Which::Down => vec![Direction::Down],
             Which::All => vec![Direction::Rest, Direction::Up, Direction::Down],
         },
-        engine: common.engine()?,
+        engine: args.engine.engine(output)?,
         plan: Plan {
             cycles: args.cycles,
             recorded: args.recorded,

@@ -1,7 +1,7 @@
 //! `host-sim drop`.
 
-use super::common::{Common, EngineName};
-use super::emit::{emit, tables};
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use files::UserError;
 use numerics::drop_test::{DropTest, Row, record};
@@ -10,9 +10,6 @@ use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    #[command(flatten)]
-    common: Common,
-
     /// Where the hammer is let go at rest, mm from its rest position; negative: away from the surface
     #[arg(
         long,
@@ -77,28 +74,26 @@ pub struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "drop runs on the event engine; leave --engine out",
-        ));
-    }
-    common.engine()?;
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut contents = drawn("drop", &figure(&rig.name, &test, &rows))?;
-        contents.extend(tables("drop", common.format, &rows, &rows)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables("drop", &rows, &rows)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || {
-        text(&rig.name, &test, &rows)
-    })
+    output.emit(&rows, &rows, || text(&rig.name, &test, &rows))
 }
 
 fn test(args: &Args) -> Result<DropTest, UserError> {

@@ -6,8 +6,8 @@ use serde::Serialize;
 use shared::control::BootInfo;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-use super::common::{Format, check_out_folder};
-use super::emit::{check_format, emit};
+use super::arguments::output::{Format, check_folder, check_format, emit, to_json};
+use super::terminal::{print, say};
 #[cfg(unix)]
 use crate::link::live::Live;
 use crate::pictures::drawn;
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     }
     let args = &args;
     if let Some(dir) = &args.out {
-        check_out_folder(dir)?;
+        check_folder(dir)?;
     }
     check_format(args.format, args.out.is_some())?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
@@ -113,7 +113,7 @@ fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     scenario.duration_s = ENDLESS_S;
     let block_ticks = u8::try_from(scenario.block_ticks).unwrap_or(u8::MAX);
     let mut control = Live::new(&scenario.settings, block_ticks, args.speed)?;
-    super::print(&format!("{}\n", control.path()));
+    print(&format!("{}\n", control.path()));
     emulate(&scenario, &mut control, &mut ())?;
     Ok(0)
 }
@@ -226,10 +226,7 @@ fn write(
     }
     let name = file_name(scenario);
     let mut contents = drawn(&name, &figure(&watch.trace, &about(scenario, verdict)))?;
-    contents.push((
-        format!("{name}.json"),
-        super::to_json(verdict)?.into_bytes(),
-    ));
+    contents.push((format!("{name}.json"), to_json(verdict)?.into_bytes()));
     contents.push((
         format!("{name}-timeline.csv"),
         to_csv(&lines(&watch.timeline)),
@@ -241,7 +238,7 @@ fn write(
     paths.extend(files::write::write_all(dir, &contents)?);
     if !args.quiet {
         let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
-        super::say(&format!("wrote {}", names.join(", ")));
+        say(&format!("wrote {}", names.join(", ")));
     }
     Ok(())
 }

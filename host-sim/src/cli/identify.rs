@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::choice::choice;
-use super::common::{Common, EngineName};
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -23,9 +23,6 @@ pub struct Args {
     /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if there, tells the release)
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
-
-    #[command(flatten)]
-    common: Common,
 
     /// Which laws to seek (repeat it for several) [default: spring-dashpot]
     #[arg(long, value_parser = choice::<Family>())]
@@ -55,6 +52,12 @@ pub struct Args {
     /// Impacts used, at most
     #[arg(long, value_name = "N", default_value_t = 6)]
     impacts: usize,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// What a program reads.
@@ -87,15 +90,9 @@ struct Row {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "identify runs on the event engine; leave --engine out",
-        ));
-    }
-    common.engine()?;
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let signal = crate::record::read(&args.file)?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
@@ -108,7 +105,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .misfit
         .map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
     let work = (families.len() * misfits.len()) as u64;
-    let progress = Progress::new("searches", work, common.quiet);
+    let progress = Progress::new("searches", work, output.quiet);
     let mut fits = Vec::new();
     for family in families {
         for misfit in &misfits {
@@ -131,15 +128,15 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         fits: &fits,
     };
     let rows = rows(&fits);
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut contents = drawn("identify", &figure(&rig, &measured, &fits, &settings))?;
-        contents.extend(tables("identify", common.format, &answer, &rows)?);
+        contents.extend(output.tables("identify", &answer, &rows)?);
         if let Some(fit) = fits.first() {
             contents.push(("identify-impacts.csv".into(), to_csv(&fit.impacts)));
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &rows, || text(&answer))
+    output.emit(&answer, &rows, || text(&answer))
 }
 
 /// The fit whose shape is closest to the record's.

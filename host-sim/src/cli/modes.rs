@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-use super::choice::choice;
-use super::common::{Common, Cycles, EngineName};
-use super::drive::Over;
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::cycles::CycleArgs;
+use super::arguments::drive::Drives;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
@@ -17,10 +18,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// How many bending modes to keep; several numbers are compared
     #[arg(long, value_name = "N,N...", value_delimiter = ',', default_values_t = [1, 2, 3, 5])]
@@ -40,7 +38,13 @@ pub struct Args {
     tip: Tip,
 
     #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// The whole answer.
@@ -69,21 +73,15 @@ impl From<&BendingMode> for Told {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    common.engine()?;
-    if common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "the modes have an engine of their own; leave --engine out",
-        ));
-    }
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let beam = Beam {
         tip: args.tip,
         mass_ratio: args.beam_mass,
     };
     let natural_hz = rig.params.natural_frequency_hz();
-    let frequencies_hz = args.drive.hz(natural_hz)?.unwrap_or_default();
+    let frequencies_hz = args.drive.needed_hz(natural_hz)?;
     if let Some(twice) = (1..args.modes.len()).find(|i| args.modes[..*i].contains(&args.modes[*i]))
     {
         return Err(UserError::new(format!(
@@ -105,21 +103,19 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         cycles: args.cycles.plan()?,
     };
     let runs = (args.modes.len() * frequencies_hz.len()) as u64;
-    let progress = Progress::new("runs", runs, common.quiet);
+    let progress = Progress::new("runs", runs, output.quiet);
     let rows = plan.run(&progress)?;
     progress.finish();
     let answer = Answer {
         modes: &told,
         rows: &rows,
     };
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut files = drawn("modes", &figure(&rows, &args.modes))?;
-        files.extend(tables("modes", common.format, &answer, &rows)?);
-        common.write(dir, &files)?;
+        files.extend(output.tables("modes", &answer, &rows)?);
+        output.write(dir, &files)?;
     }
-    emit(common.format, &answer, &rows, || {
-        text(&told, &rows, &args.modes)
-    })
+    output.emit(&answer, &rows, || text(&told, &rows, &args.modes))
 }
 
 fn text(told: &[Told], rows: &[Row], counts: &[usize]) -> String {

@@ -4,7 +4,7 @@
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
-use super::print;
+use super::terminal::print;
 use emulator::in_the_loop::{InTheLoop, end};
 use emulator::run::run as run_scenario;
 use emulator::scenario::{Scenario, load};

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use super::common::{Common, EngineName, parse_start};
-use super::drive::At;
-use super::emit::{emit, tables};
+use super::arguments::cycles::parse_start;
+use super::arguments::drive::Drive;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::Progress;
@@ -27,10 +28,7 @@ enum Other {
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: At,
+    drive: Drive,
 
     /// Points of each section, one per drive period
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -64,6 +62,12 @@ pub struct Args {
         requires = "against"
     )]
     epsilon_m: Vec<f64>,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// What a program reads.
@@ -85,14 +89,9 @@ struct Answer {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine()? != numerics::engine::Engine::Event || common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "poincare runs the event engine; for the switch model's section use simulate --engine switch",
-        ));
-    }
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let request = request(args, &rig)?;
     match args.against {
         Some(Other::Smoothed) => run_against(args, &rig, &request),
@@ -102,7 +101,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
     let natural = rig.params.natural_frequency_hz();
-    let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
+    let frequency_hz = args.drive.needed_hz(natural)?;
     const MOST: u32 = 10_000_000;
     if !(1..=MOST).contains(&args.points) {
         return Err(UserError::new(format!(
@@ -138,8 +137,8 @@ fn request(args: &Args, rig: &NamedRig) -> Result<Request, UserError> {
 }
 
 fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), UserError> {
-    let common = &args.common;
-    let progress = Progress::new("drive periods", u64::from(request.points), common.quiet);
+    let output = &args.output;
+    let progress = Progress::new("drive periods", u64::from(request.points), output.quiet);
     let (portrait, exponents) = rayon::join(
         || portrait(request, &progress),
         || args.lyapunov.then(|| exponents(request)).transpose(),
@@ -148,12 +147,12 @@ fn run_section(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), Use
     progress.finish();
     let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
     let answer = answer(rig, request, &portrait, exponents);
-    if let Some(dir) = &common.out {
-        let mut contents = tables("poincare", common.format, &answer, &rows)?;
+    if let Some(dir) = &output.out {
+        let mut contents = output.tables("poincare", &answer, &rows)?;
         contents.extend(drawn("poincare", &figure(rig, request, &portrait))?);
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &rows, || text(&answer, &portrait))
+    output.emit(&answer, &rows, || text(&answer, &portrait))
 }
 
 fn exponents(request: &Request) -> Result<Exponents, UserError> {
@@ -241,23 +240,23 @@ fn text(answer: &Answer, portrait: &Portrait) -> String {
 }
 
 fn run_against(args: &Args, rig: &NamedRig, request: &Request) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     let widths = match args.epsilon_m.as_slice() {
         [] => &against::WIDTHS_M[..],
         widths => widths,
     };
     let runs = (widths.len() as u64 + 2) * u64::from(request.points);
-    let progress = Progress::new("drive periods", runs, common.quiet);
+    let progress = Progress::new("drive periods", runs, output.quiet);
     let found = against::against(request, widths, &progress)?;
     progress.finish();
     let rows = found.rows();
-    if let Some(dir) = &common.out {
-        let mut contents = tables("poincare-against", common.format, &rows, &rows)?;
+    if let Some(dir) = &output.out {
+        let mut contents = output.tables("poincare-against", &rows, &rows)?;
         let figure = against_figure(rig, request, &found);
         contents.extend(drawn("poincare-against", &figure)?);
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || {
+    output.emit(&rows, &rows, || {
         heading(rig, request) + &against_text(&found, &rows)
     })
 }

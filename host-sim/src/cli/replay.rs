@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::common::Format;
-use super::emit::{check_format, emit};
+use super::arguments::output::{Format, check_format, emit};
 use crate::progress::Progress;
 use crate::replay::{Replayed, replay};
 use emulator::log::{Reader, TICK_US};

@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::common::{Common, Cycles, Format, parse_start};
-use super::drive::At;
-use super::emit::emit;
+use super::arguments::cycles::{CycleArgs, parse_start};
+use super::arguments::drive::Drive;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::{Contents, Format, OutputArgs, to_json};
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
@@ -21,17 +23,23 @@ use shared::model::regime::Regime;
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
+    drive: Drive,
 
     #[command(flatten)]
-    drive: At,
-
-    #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
 
     /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
     #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
     initial: Start,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// What a program reads.
@@ -75,22 +83,22 @@ const SHOWN_PERIODS: f64 = 6.0;
 const SAMPLES_PER_PERIOD: usize = 400;
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    let rig = common.rig()?;
-    let engine = common.engine()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
+    let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();
-    let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
+    let frequency_hz = args.drive.needed_hz(natural)?;
     let mut hammer = machine(engine, &rig.params, frequency_hz, args.initial)?;
     let mut recorder = Recorder::default();
     // Only the last recorded periods are drawn, but a table that is asked for has them all.
-    if common.out.is_some() || common.format == Format::Text {
+    if output.out.is_some() || output.format == Format::Text {
         recorder.samples_per_period = SAMPLES_PER_PERIOD;
     }
     let seen = observe(hammer.as_mut(), plan, &mut recorder)?;
     if (seen.frequency_hz / frequency_hz - 1.0).abs() > 1e-5 {
-        common.note(&format!(
+        output.note(&format!(
             "note: at this tick the drive's phase accumulator runs at {:.6} Hz",
             seen.frequency_hz
         ));
@@ -125,28 +133,25 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             Engine::Event => None,
         },
     };
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut contents = drawn("simulate", &figure(&rig, &answer.row, &recorder, &section))?;
-        contents.push((
-            "simulate.json".into(),
-            super::to_json(&answer)?.into_bytes(),
-        ));
+        contents.push(("simulate.json".into(), to_json(&answer)?.into_bytes()));
         contents.push(("simulate-history.csv".into(), to_csv(&recorder.samples)));
         contents.push(("simulate-section.csv".into(), to_csv(&section)));
         contents.push((
             "simulate-contacts.csv".into(),
             to_csv(&contact_rows(&recorder)),
         ));
-        if common.format == Format::Parquet {
+        if output.format == Format::Parquet {
             let row = std::slice::from_ref(&answer.row);
             contents.push(("simulate.parquet".into(), to_parquet(row)?));
             let history = to_parquet(&recorder.samples)?;
             contents.push(("simulate-history.parquet".into(), history));
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
     let row = std::slice::from_ref(&answer.row);
-    emit(common.format, &answer, row, || text(&answer, &recorder))
+    output.emit(&answer, row, || text(&answer, &recorder))
 }
 
 fn section_rows(seen: &Observation, rig: &shared::model::rig::Rig<f64>) -> Vec<SectionRow> {

@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::choice::choice;
-use super::common::{Common, Cycles, Format};
-use super::drive::Over;
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::cycles::CycleArgs;
+use super::arguments::drive::Drives;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::rig::RigArgs;
+use super::terminal::print;
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
 use crate::progress::Progress;
@@ -20,40 +23,46 @@ use plot::{Axis, Color, Figure, Item, Panel};
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     direction: Direction,
 
     #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
 
     /// A measured curve to compare with: CSV with the columns frequency_hz and force_n
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    let rig = common.rig()?;
-    let engine = common.engine()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
+    let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();
-    let frequencies = args.drive.hz(natural_hz)?.unwrap_or_default();
+    let frequencies = args.drive.needed_hz(natural_hz)?;
     let measured = args
         .measured
         .as_deref()
         .map(crate::measured::force_curve)
         .transpose()?;
     // A picture of one direction is laid over the other, so that a jump shows.
-    let both = args.direction != Direction::Rest && common.out.is_some();
+    let both = args.direction != Direction::Rest && output.out.is_some();
     let runs = frequencies.len() as u64 * if both { 2 } else { 1 };
-    let progress = Progress::new("frequencies", runs, common.quiet);
+    let progress = Progress::new("frequencies", runs, output.quiet);
     let run = |direction| sweep(&rig, engine, &frequencies, direction, plan, &progress);
     let other = match args.direction {
         Direction::Up if both => Some(Direction::Down),
@@ -64,7 +73,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let (rows, others) = (rows?, others?);
     progress.finish();
     let error = measured.as_ref().map(|m| m.error(&rows));
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let figure = figure(
             args.direction,
             &rows,
@@ -73,25 +82,22 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             error,
         );
         let mut contents = drawn("sweep", &figure)?;
-        contents.extend(tables("sweep", common.format, &rows, &rows)?);
+        contents.extend(output.tables("sweep", &rows, &rows)?);
         if let (Some(others), Some(other)) = (&others, other) {
             contents.push((format!("sweep-{}.csv", other.name()), to_csv(others)));
         }
         if let Some(error) = &error {
-            contents.push((
-                "sweep-error.json".into(),
-                super::to_json(error)?.into_bytes(),
-            ));
+            contents.push(("sweep-error.json".into(), to_json(error)?.into_bytes()));
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || text(&rows))?;
+    output.emit(&rows, &rows, || text(&rows))?;
     if let Some(error) = &error {
         let line = describe(error);
-        if common.format == Format::Text {
-            super::print(&format!("{line}\n"));
+        if output.format == Format::Text {
+            print(&format!("{line}\n"));
         } else {
-            common.note(&line);
+            output.note(&line);
         }
     }
     Ok(())

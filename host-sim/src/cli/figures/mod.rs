@@ -6,7 +6,9 @@ mod record;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::common::check_out_folder;
+use super::arguments::output::{check_folder, to_json};
+use super::interrupt;
+use super::terminal::print;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
 use files::UserError;
 
@@ -33,7 +35,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    check_out_folder(&args.out)?;
+    check_folder(&args.out)?;
     let only: Vec<String> = args
         .only
         .iter()
@@ -41,7 +43,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .collect();
     let wanted = wanted(&only)?;
     if !args.quiet {
-        super::if_interrupted(format!(
+        interrupt::say_then(format!(
             "interrupted; the parts that are done are kept in {}: the same command goes on from there",
             args.out.display()
         ));
@@ -81,7 +83,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         "{there} pages, {made:.1} s in all: {}\n",
         args.out.join("index.html").display()
     );
-    super::print(&text);
+    print(&text);
     Ok(())
 }
 
@@ -127,7 +129,7 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .collect();
     files::write::write_all(&args.out, &all)?;
     let record = Record::new(key, name, seconds, &pages);
-    let text = super::to_json(&record)?;
+    let text = to_json(&record)?;
     files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)
 }
@@ -149,10 +151,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         "not_made": missing,
         "not_computations": DRAWINGS.map(|(figure, what)| serde_json::json!({"figure": figure, "what": what})),
     });
-    let files = [
-        ("index.html", page),
-        ("index.json", super::to_json(&index)?),
-    ];
+    let files = [("index.html", page), ("index.json", to_json(&index)?)];
     files::write::write_all(&args.out, &files)?;
     Ok(())
 }

@@ -10,10 +10,13 @@ use std::path::{Path, PathBuf};
 use answer::Answer;
 use rayon::prelude::*;
 
-use super::choice::choice;
-use super::common::{Common, Format};
-use super::drive::Over;
-use super::emit::emit;
+use super::arguments::choice::choice;
+use super::arguments::drive::Drives;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::{Contents, Format, OutputArgs, emit};
+use super::arguments::rig::RigAtGaps;
+use super::interrupt;
+use super::terminal::print_bytes;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -30,10 +33,7 @@ use plot::Figure;
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// Drive cycles of each cell
     #[arg(long, value_name = "N", default_value_t = 300)]
@@ -90,15 +90,23 @@ pub struct Args {
     /// Threads [default: one for each processor]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+
+    #[command(flatten)]
+    rig: RigAtGaps,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let mut args = args.clone();
-    if args.common.format == Format::Text {
-        args.common.out.get_or_insert_with(|| "out".into());
-    }
-    let args = &args;
-    args.common.check_out()?;
+    let args = &Args {
+        output: args.output.with_usual_folder(),
+        ..args.clone()
+    };
+    args.output.check()?;
     let requests = requests::requests(args)?;
     check(args, &requests)?;
     let points = args
@@ -117,9 +125,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
 }
 
-/// What cannot be, before any work.
+/// Refuses options that do not go together, before any work is done.
 fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     for request in requests {
         request.check()?;
         if let Some(tiles) = args.tiles {
@@ -140,13 +148,13 @@ fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
     if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
         return Err(UserError::new("--threads must be from 1 to 1024"));
     }
-    if common.out.is_none() && (args.tiles.is_some() || args.merge) {
+    if output.out.is_none() && (args.tiles.is_some() || args.merge) {
         return Err(UserError::new(
             "--tiles and --merge need a folder for the tiles; add --out DIR",
         ));
     }
-    let table = matches!(common.format, Format::Csv | Format::Parquet);
-    if table && requests.len() > 1 && common.out.is_none() {
+    let table = matches!(output.format, Format::Csv | Format::Parquet);
+    if table && requests.len() > 1 && output.out.is_none() {
         return Err(UserError::new(
             "several maps are no one table; add --out DIR for a table each, or take --format json",
         ));
@@ -155,7 +163,7 @@ fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
 }
 
 fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     let stores = stores(args, requests)?;
     let progress = progress(args, requests);
     if let Some(tiles) = args.tiles {
@@ -170,16 +178,16 @@ fn make(args: &Args, requests: &[Request], points: Option<&[Measured]>) -> Resul
     };
     let answer = answer(args, requests, &maps, points, &progress)?;
     progress.finish();
-    if let Some(dir) = &common.out {
-        write(common, dir, &answer, points)?;
+    if let Some(dir) = &output.out {
+        write(output, dir, &answer, points)?;
     }
     for store in stores {
         store.remove();
     }
     let alone = maps.len() == 1;
-    match common.format {
+    match output.format {
         Format::Json => {
-            super::still_read_bytes(&answer.to_json()?);
+            print_bytes(&answer.to_json()?);
             Ok(())
         }
         Format::Csv | Format::Parquet if !alone => Ok(()),
@@ -230,7 +238,7 @@ fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
 
 /// A folder of tiles beside the output for each map; none without an output.
 fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
-    let Some(dir) = &args.common.out else {
+    let Some(dir) = &args.output.out else {
         return Ok(Vec::new());
     };
     let open = |request: &Request| {
@@ -238,8 +246,8 @@ fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
         Store::open(&dir, request)
     };
     let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-    if !args.common.quiet {
-        super::if_interrupted(format!(
+    if !args.output.quiet {
+        interrupt::say_then(format!(
             "interrupted; what is done is kept in {}: the same command goes on from there",
             dir.display()
         ));
@@ -257,7 +265,7 @@ fn progress(args: &Args, requests: &[Request]) -> Progress {
     };
     let total: usize = requests.iter().map(cells).sum();
     let total = total + args.audit.unwrap_or(0);
-    Progress::new("cells", total as u64, args.common.quiet)
+    Progress::new("cells", total as u64, args.output.quiet)
 }
 
 /// Some tiles alone.
@@ -271,12 +279,12 @@ fn share(
     for (request, store) in requests.iter().zip(stores) {
         let range: Range<usize> = tiles.range(request.tiles());
         if range.is_empty() {
-            args.common
+            args.output
                 .note("there are more shares than tiles: none falls to this one");
             continue;
         }
         map::run_tiles(request, range.clone(), store, progress)?;
-        args.common.note(&format!(
+        args.output.note(&format!(
             "tiles {}..{} of {} are in {}; when all are there, the same command with --merge in place of --tiles writes the map",
             range.start,
             range.end,
@@ -320,21 +328,18 @@ fn answer<'a>(
 }
 
 fn write(
-    common: &Common,
+    output: &OutputArgs,
     dir: &Path,
     answer: &Answer,
     points: Option<&[Measured]>,
 ) -> Result<(), UserError> {
-    let (drawn, tabled) = rayon::join(|| draw(answer, points), || tabled(common, answer));
+    let (drawn, tabled) = rayon::join(|| draw(answer, points), || tabled(output, answer));
     let mut contents = drawn?;
     contents.extend(tabled?);
-    common.write(dir, &contents)
+    output.write(dir, &contents)
 }
 
-/// Files by name.
-type Files = Vec<(String, Vec<u8>)>;
-
-fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Files, UserError> {
+fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Contents, UserError> {
     let figures = figures(answer, points);
     let drawn = figures.par_iter().map(|(name, figure)| drawn(name, figure));
     let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
@@ -342,13 +347,13 @@ fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Files, UserError
 }
 
 /// A table for each map, and one JSON.
-fn tabled(common: &Common, answer: &Answer) -> Result<Files, UserError> {
+fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
     let mut files = Vec::new();
     for (request, map) in answer.requests.iter().zip(answer.maps) {
         let name = requests::name(request);
         let rows: Vec<_> = map.rows().collect();
         files.push((format!("{name}.csv"), to_csv(&rows)));
-        if common.format == Format::Parquet {
+        if output.format == Format::Parquet {
             files.push((format!("{name}.parquet"), to_parquet(&rows)?));
         }
     }

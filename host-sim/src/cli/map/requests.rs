@@ -4,10 +4,9 @@ use std::ops::Range;
 
 use clap::ValueEnum;
 
-use super::super::common::at_gap;
 use super::Args;
+use crate::cli::arguments::rig::at_gap;
 use files::UserError;
-use files::rigfile;
 use numerics::NamedRig;
 use numerics::engine::{Engine, Method, Precision, Setting};
 use numerics::lanes::Plan;
@@ -79,14 +78,15 @@ pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
 
 /// The maps to make: the rig's, those beside it, and the one to compare with last.
 pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
-    let common = &args.common;
     let names: Vec<&str> = if args.beams {
         vec!["beam-170", "beam-150", "beam-135"]
     } else {
         let beside = args.beside.iter().map(String::as_str);
-        std::iter::once(common.rig.as_str()).chain(beside).collect()
+        std::iter::once(args.rig.name.name())
+            .chain(beside)
+            .collect()
     };
-    let rigs = names.iter().map(|name| rigfile::load(name, &common.set));
+    let rigs = names.iter().map(|name| args.rig.name.load_named(name));
     let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
     for (i, rig) in rigs.iter().enumerate() {
         if rigs[..i].iter().any(|other| other.name == rig.name) {
@@ -125,7 +125,7 @@ pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
 }
 
 fn runner(args: &Args) -> Result<Runner, UserError> {
-    match args.common.engine()? {
+    match args.engine.engine(&args.output)? {
         Engine::Switch(_) if args.reference => Err(UserError::new(
             "--reference is an engine of its own; leave --engine switch out",
         )),
@@ -157,7 +157,7 @@ fn other(request: &Request, against: Against) -> Request {
 fn grid(args: &Args, rig: &NamedRig) -> Result<Grid, UserError> {
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
-    let gaps_mm = match args.common.gaps() {
+    let gaps_mm = match args.rig.gaps_mm() {
         Some(gaps) => gaps.into_iter().map(tidy).collect(),
         None => chapter_gaps_mm(&rig.params),
     };
