@@ -307,6 +307,13 @@ impl Drop for Emulator {
     }
 }
 
+/// As Ctrl-C does.
+fn interrupt(child: &Child) {
+    let mut kill = process::Command::new("kill");
+    kill.args(["-INT", &child.id().to_string()]);
+    assert_eq!(finish(kill).code, Some(0));
+}
+
 /// The whole way: plant, sensors, controller, session, wire, client, log, replay.
 #[test]
 fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
@@ -330,9 +337,7 @@ fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
         );
         thread::sleep(Duration::from_millis(20));
     }
-    let mut interrupt = process::Command::new("kill");
-    interrupt.args(["-INT", &recording.id().to_string()]);
-    assert_eq!(finish(interrupt).code, Some(0));
+    interrupt(&recording);
     assert_eq!(wait(recording).code(), Some(130));
     assert_eq!(folder.names(), before);
     ask("record run.parquet --for 4 --start").well();
@@ -396,6 +401,32 @@ fn a_fault_ends_a_sweep_and_leaves_what_was_measured() {
         "{last}"
     );
     assert_eq!(csv_rows(&folder.read("part.csv")).len(), 1);
+}
+
+#[test]
+fn an_interrupted_sweep_writes_what_was_measured_and_stops_the_drive() {
+    let folder = Folder::new();
+    let board = toy(Toy::new());
+    let line =
+        board.line("sweep --from 4 --to 5 --step 0.01 --settle 0.2 --measure 0.2 --out part.csv");
+    let words: Vec<_> = line.split_whitespace().collect();
+    let mut sweep = folder
+        .command(&words)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(sweep.stderr.take().expect("a pipe")).lines();
+    let mut said = || lines.next().expect("a line").expect("UTF-8");
+    assert!(said().contains("4.0000 Hz"));
+    interrupt(&sweep);
+    let rest: Vec<String> = std::iter::from_fn(|| Some(said()))
+        .take_while(|line| !line.starts_with("interrupted after"))
+        .collect();
+    assert!(rest.iter().any(|line| line == "wrote part.csv"), "{rest:?}");
+    assert_eq!(wait(sweep).code(), Some(130));
+    assert!(!csv_rows(&folder.read("part.csv")).is_empty());
+    let status = board.client().status().expect("an answer");
+    assert_eq!(status.state, State::Idle);
 }
 
 #[test]

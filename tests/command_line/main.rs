@@ -22,5 +22,6 @@ mod pipes;
 mod poincare;
 mod rigs;
 mod simulate;
+mod snapshots;
 mod support;
 mod sweep;

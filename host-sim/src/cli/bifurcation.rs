@@ -49,11 +49,11 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last are recorded: points of the section where it does not repeat
+    /// How many of the last cycles are recorded; where the motion does not repeat, each gives a point
     #[arg(long, value_name = "N", default_value_t = 100)]
     recorded: u32,
 
-    /// Measured points to lay over: CSV with frequency_hz and displacement_mm, force_n or both
+    /// Measured points to draw over the diagram: CSV with frequency_hz and displacement_mm, force_n or both
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
 
@@ -67,7 +67,7 @@ pub struct Args {
     output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer {
     rig: String,
@@ -75,13 +75,13 @@ struct Answer {
     cycles: u32,
     recorded: u32,
     simulations: u64,
-    diagrams: Vec<Told>,
+    diagrams: Vec<DiagramAnswer>,
     twofold: Vec<Twofold>,
 }
 
-/// One diagram, as told.
+/// One diagram.
 #[derive(Debug, Serialize)]
-struct Told {
+struct DiagramAnswer {
     gap_mm: f64,
     direction: &'static str,
     frequencies: usize,
@@ -179,7 +179,7 @@ fn request(args: &Args) -> Result<Request, UserError> {
 }
 
 fn answer(request: &Request, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
-    let told = |d: &Diagram| Told {
+    let one = |d: &Diagram| DiagramAnswer {
         gap_mm: d.gap_mm,
         direction: d.direction.name(),
         frequencies: d.stations.len(),
@@ -210,15 +210,15 @@ fn answer(request: &Request, diagrams: &[Diagram], measured: Option<&Measured>) 
         cycles: request.plan.cycles,
         recorded: request.plan.recorded,
         simulations: request.simulations(),
-        diagrams: diagrams.iter().map(told).collect(),
+        diagrams: diagrams.iter().map(one).collect(),
         twofold,
     }
 }
 
-fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow> {
-    told.changes.iter().map(|c| ChangeRow {
-        gap_mm: told.gap_mm,
-        direction: told.direction,
+fn change_rows(found: &DiagramAnswer) -> impl Iterator<Item = ChangeRow> {
+    found.changes.iter().map(|c| ChangeRow {
+        gap_mm: found.gap_mm,
+        direction: found.direction,
         change: c.kind.words(),
         below: c.below,
         above: c.above,
@@ -231,17 +231,17 @@ fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow> {
 
 fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     let mut text = String::new();
-    for (told, diagram) in answer.diagrams.iter().zip(diagrams) {
+    for (found, diagram) in answer.diagrams.iter().zip(diagrams) {
         text += &format!(
             "{}, gap {:?} mm, {}: {} frequencies\n",
             answer.rig,
-            told.gap_mm,
-            match told.direction {
+            found.gap_mm,
+            match found.direction {
                 "rest" => "each from rest",
                 "up" => "carried up",
                 _ => "carried down",
             },
-            told.frequencies
+            found.frequencies
         );
         let points = diagram.stations.iter().flat_map(|s| {
             let few = s.points.iter().rev().take(16);
@@ -250,10 +250,10 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
         text += &Chart::new("Ω/ω", "displacement at drive phase 0, mm")
             .points("section", points.collect())
             .render();
-        text += &changes_text(told);
+        text += &changes_text(found);
         for (what, distance) in [
-            ("displacement, mm", told.measured_displacement_mm),
-            ("force, N", told.measured_force_n),
+            ("displacement, mm", found.measured_displacement_mm),
+            ("force, N", found.measured_force_n),
         ] {
             if let Some(d) = distance {
                 text += &format!(
@@ -273,8 +273,8 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     text
 }
 
-fn changes_text(told: &Told) -> String {
-    let lasting: Vec<_> = told.changes.iter().filter(|c| c.lasting).collect();
+fn changes_text(found: &DiagramAnswer) -> String {
+    let lasting: Vec<_> = found.changes.iter().filter(|c| c.lasting).collect();
     let mut text = String::new();
     if !lasting.is_empty() {
         text += "   Hz          within     Ω/ω      below      above      what\n";
@@ -290,16 +290,16 @@ fn changes_text(told: &Told) -> String {
             c.kind.words()
         );
     }
-    let brief = told.changes.len() - lasting.len();
+    let brief = found.changes.len() - lasting.len();
     if brief > 0 {
         text += &format!(
             "  and {brief} that last for fewer than three frequencies (--format json lists them)\n"
         );
     }
-    if told.not_settled > 0 {
+    if found.not_settled > 0 {
         text += &format!(
             "  {} of {} frequencies had not settled\n",
-            told.not_settled, told.frequencies
+            found.not_settled, found.frequencies
         );
     }
     text

@@ -27,7 +27,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "all")]
     law: Which,
 
-    /// The blow of figure 3.3: 2 kg, Hunt-Crossley, ki = 2.1e8, n = 1.6, lambda = 0.6
+    /// The impact of figure 3.3: 2 kg, Hunt-Crossley, ki = 2.1e8, n = 1.6, lambda = 0.6
     #[arg(long, conflicts_with_all = ["rig", "set", "law"])]
     figure_3_3: bool,
 
@@ -38,7 +38,7 @@ pub struct Args {
     output: OutputArgs,
 }
 
-/// What is struck with.
+/// Mass, laws and speeds to simulate.
 struct Case {
     title: String,
     mass_kg: f64,

@@ -10,7 +10,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Where the hammer is let go at rest, mm from its rest position; negative: away from the surface
+    /// Displacement at which the hammer is released, mm from its rest position; negative: away from the surface
     #[arg(
         long,
         value_name = "MM",
@@ -125,7 +125,7 @@ fn test(args: &Args) -> Result<DropTest, UserError> {
     })
 }
 
-/// Half of what is shown about the first impact, s.
+/// Time shown after the first impact, s; a fifth of it is shown before.
 const AROUND_S: f64 = 5e-3;
 
 /// The samples about the first impact: its largest force and what is within [`AROUND_S`] of it.
@@ -183,7 +183,7 @@ fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
 fn text(rig: &str, test: &DropTest, rows: &[Row]) -> String {
     let peak = rows.iter().fold(0.0_f64, |m, r| m.max(r.force_n));
     let mut text = format!(
-        "{rig}, let go at {:.3} mm: {} samples over {:.3} s, largest force {peak:.2} N\n\n",
+        "{rig}, released at {:.3} mm: {} samples over {:.3} s, largest force {peak:.2} N\n\n",
         test.release_m * 1e3,
         rows.len(),
         rows.last().map_or(0.0, |r| r.time_s)

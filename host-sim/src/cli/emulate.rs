@@ -25,18 +25,18 @@ use files::UserError;
 use files::read_text;
 use files::table::{to_csv, to_parquet};
 
-/// A scenario behind a pseudo-terminal ends when it is interrupted; this is thirty years, s.
+/// Duration of a scenario behind a pseudo-terminal, which ends only when it is interrupted: thirty years, s.
 #[cfg(unix)]
 const ENDLESS_S: f64 = 1e9;
 
-/// Exit code: 0 what the scenario expects came out, 1 it did not, 2 the input cannot be used.
+/// Exit code: 0 the run met the scenario's expectations, 1 it did not, 2 it failed.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// A built-in scenario (`host-sim scenarios` lists them) or a scenario file
     #[arg(value_name = "NAME|FILE.toml", conflicts_with = "scenario")]
     name: Option<String>,
 
-    /// The same [default: field]
+    /// The scenario as an option [default: field]
     #[arg(long, value_name = "NAME|FILE.toml")]
     scenario: Option<String>,
 
@@ -49,17 +49,17 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// No log: picture, verdict and timeline alone
+    /// Write no log, only picture, verdict and timeline
     #[arg(long)]
     no_log: bool,
 
-    /// Behind a pseudo-terminal for `host-sim link`, in real time, until interrupted: the scenario's rig and
-    /// settings, but whoever is at the terminal gives the commands
+    /// Run behind a pseudo-terminal for `host-sim link`, in real time, until interrupted, with the scenario's rig and
+    /// settings; commands come over the link only
     #[cfg(unix)]
     #[arg(long, conflicts_with_all = ["out", "format"])]
     pty: bool,
 
-    /// With --pty: so many times faster than real time (above 8, `link start --manual` does not keep up)
+    /// With --pty: how many times faster than real time (above 8, `link start --manual` does not keep up)
     #[cfg(unix)]
     #[arg(long, value_name = "N", default_value_t = 1.0, requires = "pty")]
     speed: f64,
@@ -118,7 +118,7 @@ fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     Ok(0)
 }
 
-/// Everything that watches the run.
+/// What is recorded of the run.
 struct Watch {
     timeline: Timeline,
     trace: Trace,
@@ -293,14 +293,14 @@ fn lines(timeline: &Timeline) -> Vec<Line> {
 }
 
 fn text(scenario: &Scenario, timeline: &Timeline, verdict: &Verdict) -> String {
-    let told = verdict_lines(verdict);
+    let lines = verdict_lines(verdict);
     let colon = if scenario.description.is_empty() {
         ""
     } else {
         ": "
     };
     let (name, what) = (&scenario.name, &scenario.description);
-    format!("{name}{colon}{what}\n\n{timeline}\n{told}")
+    format!("{name}{colon}{what}\n\n{timeline}\n{lines}")
 }
 
 /// The verdict for a person.

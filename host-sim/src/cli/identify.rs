@@ -14,17 +14,17 @@ use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::identify::ring::{self, Ring};
-use numerics::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure};
+use numerics::identify::{Family, Fit, ImpactRow, Measured, Misfit, Settings, fit, measure};
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if there, tells the release)
+    /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if present, gives the release)
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
 
-    /// Which laws to seek (repeat it for several) [default: spring-dashpot]
+    /// Contact law to identify; may be given several times [default: spring-dashpot]
     #[arg(long, value_parser = choice::<Family>())]
     law: Vec<Family>,
 
@@ -32,20 +32,20 @@ pub struct Args {
     #[arg(long, conflicts_with = "law")]
     all_laws: bool,
 
-    /// What to make small [default: both, one after the other]
+    /// What to minimise [default: both, one after the other]
     #[arg(long, value_parser = choice::<Misfit>())]
     misfit: Option<Misfit>,
 
-    /// Where the hammer was let go at rest, mm from its rest position; negative: away from the surface [default: the
+    /// Displacement at which the hammer was released, mm from its rest position; negative: away from the surface [default: the
     /// record's first displacement, or -3]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     release_mm: Option<f64>,
 
-    /// Seek the release, too
+    /// Identify the release, too
     #[arg(long)]
     seek_release: bool,
 
-    /// Seek the exponent n of the nonlinear laws, too (otherwise 1.5)
+    /// Identify the exponent n of the nonlinear laws, too (otherwise 1.5)
     #[arg(long)]
     seek_exponent: bool,
 
@@ -60,7 +60,7 @@ pub struct Args {
     output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Serialize)]
 struct Answer<'a> {
     file: &'a str,
@@ -92,15 +92,11 @@ struct Row {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
+    let families = families(args)?;
     let rig = args.rig.load()?;
     let signal = crate::record::read(&args.file)?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
-    let families = match (args.all_laws, args.law.as_slice()) {
-        (true, _) => Family::ALL.to_vec(),
-        (false, []) => vec![Family::SpringDashpot],
-        (false, some) => some.to_vec(),
-    };
     let misfits = args
         .misfit
         .map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
@@ -139,6 +135,26 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.emit(&answer, &rows, || text(&answer))
 }
 
+/// The laws to identify.
+fn families(args: &Args) -> Result<Vec<Family>, UserError> {
+    let families = match (args.all_laws, args.law.as_slice()) {
+        (true, _) => Family::ALL.to_vec(),
+        (false, []) => vec![Family::SpringDashpot],
+        (false, some) => some.to_vec(),
+    };
+    if args.seek_exponent && families.contains(&Family::SpringDashpot) {
+        if families.len() == 1 {
+            return Err(UserError::new(
+                "--seek-exponent: the spring-dashpot law has no exponent; add --law hertz, hunt-crossley or lankarani-nikravesh, or leave the option out",
+            ));
+        }
+        args.output.note(
+            "note: --seek-exponent is for the other laws; the spring-dashpot law has no exponent",
+        );
+    }
+    Ok(families)
+}
+
 /// The fit whose shape is closest to the record's.
 fn best(fits: &[Fit]) -> Option<&Fit> {
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force.name());
@@ -158,7 +174,7 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
         let first = &d[..d.len().min(5)];
         first.iter().sum::<f64>() / first.len() as f64
     });
-    // No sensor tells more than a nanometre.
+    // No sensor resolves less than a nanometre.
     let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
     let release_mm = args.release_mm.or(shown).unwrap_or(-3.0);
     if !release_mm.is_finite() {
@@ -206,7 +222,7 @@ fn short(x: f64) -> String {
 
 fn text(answer: &Answer) -> String {
     let mut text = format!(
-        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, let go at {} mm\n",
+        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\n",
         answer.file,
         answer.impacts,
         short(answer.sampling_hz),
@@ -216,46 +232,11 @@ fn text(answer: &Answer) -> String {
         answer.release_mm
     );
     for fit in answer.fits {
-        text += &format!("\n{}, by {}\n", fit.law, fit.misfit);
-        for p in &fit.parameters {
-            let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
-            text += &format!(
-                "  {:<30} {:>10}   95 %: {} to {}\n",
-                p.key,
-                short(p.value),
-                end(p.low),
-                end(p.high)
-            );
-        }
-        text += &format!(
-            "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
-            short(fit.rms_n),
-            short(fit.noise_n),
-            fit.starts_agreeing,
-            fit.starts,
-            fit.simulations
-        );
-        text += "  impact   measured peak, N   model peak, N   residual, N\n";
-        for i in &fit.impacts {
-            text += &format!(
-                "  {:>6} {:>18} {:>15} {:>13}\n",
-                i.impact,
-                short(i.measured_peak_n),
-                short(i.model_peak_n),
-                if i.residual_n.is_finite() {
-                    short(i.residual_n)
-                } else {
-                    "-".into()
-                }
-            );
-        }
-        for warning in &fit.warnings {
-            text += &format!("  warning: {warning}\n");
-        }
+        text += &fit_text(fit);
     }
     text += &match &answer.ring {
         Some(ring) => format!(
-            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is not part of the model, and draws peaks and shape away from it (docs/identify.md).\n",
+            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. The model has no ringing, so that it biases the fitted peaks and shape (docs/identify.md).\n",
             ring.frequency_hz,
             ring.decay_ms,
             ring.damping_ratio,
@@ -264,22 +245,62 @@ fn text(answer: &Answer) -> String {
         None => "\nNo ringing is seen after release.\n".to_owned(),
     };
     if let Some(fit) = answer.fits.first() {
-        let seen = fit
-            .impacts
-            .iter()
-            .map(|i| (i.impact as f64, i.measured_peak_n));
-        let model = fit
-            .impacts
-            .iter()
-            .map(|i| (i.impact as f64, i.model_peak_n));
         text.push('\n');
-        text += &Chart::new("impact", "force peak, N")
-            .size(plot::chart::terminal_width(), 10)
-            .points("measured", seen.collect())
-            .points("model", model.collect())
-            .render();
+        text += &peaks_chart(fit);
     }
     text
+}
+
+fn fit_text(fit: &Fit) -> String {
+    let mut text = format!("\n{}, by {}\n", fit.law, fit.misfit);
+    for p in &fit.parameters {
+        let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
+        text += &format!(
+            "  {:<30} {:>10}   95 %: {} to {}\n",
+            p.key,
+            short(p.value),
+            end(p.low),
+            end(p.high)
+        );
+    }
+    text += &format!(
+        "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
+        short(fit.rms_n),
+        short(fit.noise_n),
+        fit.starts_agreeing,
+        fit.starts,
+        fit.simulations
+    );
+    text += "  impact   measured peak, N   model peak, N   residual, N\n";
+    for i in &fit.impacts {
+        text += &format!(
+            "  {:>6} {:>18} {:>15} {:>13}\n",
+            i.impact,
+            short(i.measured_peak_n),
+            short(i.model_peak_n),
+            if i.residual_n.is_finite() {
+                short(i.residual_n)
+            } else {
+                "-".into()
+            }
+        );
+    }
+    for warning in &fit.warnings {
+        text += &format!("  warning: {warning}\n");
+    }
+    text
+}
+
+fn peaks_chart(fit: &Fit) -> String {
+    let of = |peak: fn(&ImpactRow) -> f64| {
+        let peaks = fit.impacts.iter().map(|i| (i.impact as f64, peak(i)));
+        peaks.collect()
+    };
+    Chart::new("impact", "force peak, N")
+        .size(plot::chart::terminal_width(), 10)
+        .points("measured", of(|i| i.measured_peak_n))
+        .points("model", of(|i| i.model_peak_n))
+        .render()
 }
 
 fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings) -> plot::Figure {

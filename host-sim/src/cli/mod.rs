@@ -60,17 +60,17 @@ enum Command {
     Orbits(orbits::Args),
     /// Beam springs with more than one bending mode: force, displacement and where the energy goes
     Modes(modes::Args),
-    /// Basins of attraction: which starts keep striking, and what they settle on
+    /// Basins of attraction: which initial conditions lead to impact, and what they settle on
     Basins(basins::Args),
     /// Bifurcation diagram: displacement and force at the section over frequency, per gap, up, down and from rest
     Bifurcation(bifurcation::Args),
-    /// Poincaré section with as many points as chaos needs, Lyapunov exponents, the smoothing method against the switch
+    /// Poincaré section with thousands of points, Lyapunov exponents, the smoothing method compared with the switch
     Poincare(poincare::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
     Scenarios(scenarios::Args),
-    /// Run a log through the desktop's controller: same decisions, bit for bit, or the first tick that differs
+    /// Run a log through the controller again: the same decisions, bit for bit, or the first tick that differs
     Replay(replay::Args),
     /// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
     Link(link::Args),
@@ -79,13 +79,13 @@ enum Command {
     Pil(pil::Args),
     /// Make every figure of the chapter again: pictures, tables and one page to read
     Figures(figures::Args),
-    /// One blow of a free mass on a wall under the four contact laws: force, restitution, energy, where each would pull
+    /// One impact of a free mass on a wall under the four contact laws: force, restitution, energy, where a law would pull
     Contact(contact::Args),
-    /// Make a synthetic drop test: the hammer let go at rest falls back and strikes; noise, ringing, quantisation
+    /// Make a synthetic drop test: the released hammer falls back and strikes; with noise, ringing, quantisation
     Drop(drop::Args),
-    /// Contact parameters from a drop test (CSV), of any of the four laws, and how well the data fix them
+    /// Identify the contact parameters of any of the four laws from a drop test (CSV), with 95 % intervals
     Identify(identify::Args),
-    /// Measured displacement or force against simulation: laid over each other, errors printed
+    /// Compare measured displacement or force with a simulation: both curves, and the errors
     Compare(compare::Args),
     /// List the rigs, or print one as a TOML file to start from
     Rigs(rigs::Args),

@@ -50,19 +50,19 @@ pub struct Args {
 /// The whole answer.
 #[derive(Serialize)]
 struct Answer<'a> {
-    modes: &'a [Told],
+    modes: &'a [ModeAnswer],
     rows: &'a [Row],
 }
 
 /// A mode of the rig.
 #[derive(Serialize)]
-struct Told {
+struct ModeAnswer {
     frequency_hz: f64,
     mass_kg: f64,
     participation_kg: f64,
 }
 
-impl From<&BendingMode> for Told {
+impl From<&BendingMode> for ModeAnswer {
     fn from(mode: &BendingMode) -> Self {
         Self {
             frequency_hz: mode.omega / std::f64::consts::TAU,
@@ -90,10 +90,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         )));
     }
     let most = args.modes.iter().copied().max().unwrap_or(0);
-    let told: Vec<_> = ModalRig::new(&rig.params, beam, most)?
+    let modes: Vec<_> = ModalRig::new(&rig.params, beam, most)?
         .modes
         .iter()
-        .map(Told::from)
+        .map(ModeAnswer::from)
         .collect();
     let plan = Plan {
         rig: &rig,
@@ -107,7 +107,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let rows = plan.run(&progress)?;
     progress.finish();
     let answer = Answer {
-        modes: &told,
+        modes: &modes,
         rows: &rows,
     };
     if let Some(dir) = &output.out {
@@ -115,12 +115,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         files.extend(output.tables("modes", &answer, &rows)?);
         output.write(dir, &files)?;
     }
-    output.emit(&answer, &rows, || text(&told, &rows, &args.modes))
+    output.emit(&answer, &rows, || text(&modes, &rows, &args.modes))
 }
 
-fn text(told: &[Told], rows: &[Row], counts: &[usize]) -> String {
+fn text(modes: &[ModeAnswer], rows: &[Row], counts: &[usize]) -> String {
     let mut text = String::from("mode   frequency, Hz   modal mass, kg   participation, kg\n");
-    for (i, mode) in told.iter().enumerate() {
+    for (i, mode) in modes.iter().enumerate() {
         text += &format!(
             "{:>4} {:>15.3} {:>16.4} {:>19.5}\n",
             i + 1,

@@ -15,9 +15,11 @@ use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
 use numerics::poincare::against::{self, Against, Told};
 use numerics::poincare::{Portrait, Request, SectionPoint, portrait};
+use numerics::row::{regime_as_text, tidy};
 use plot::chart::Chart;
+use shared::model::regime::Regime;
 
-/// What the section is held against.
+/// What the section is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Other {
     /// The smoothing method, at each --epsilon-m
@@ -50,7 +52,7 @@ pub struct Args {
     #[arg(long)]
     lyapunov: bool,
 
-    /// Hold the section at drive phase 0 against another model
+    /// Compare the section at drive phase 0 with another model
     #[arg(long, value_enum)]
     against: Option<Other>,
 
@@ -70,14 +72,15 @@ pub struct Args {
     output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer {
     rig: String,
     gap_mm: f64,
     frequency_hz: f64,
     frequency_ratio: f64,
-    regime: String,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
     force_n: f64,
     force_ratio: f64,
     points: u32,
@@ -181,10 +184,10 @@ fn answer(
     let params = &request.params;
     Answer {
         rig: rig.name.clone(),
-        gap_mm: numerics::row::tidy(params.gap_m * 1e3),
-        frequency_hz: numerics::row::tidy(request.frequency_hz),
-        frequency_ratio: numerics::row::tidy(request.frequency_hz / params.natural_frequency_hz()),
-        regime: portrait.regime.to_string(),
+        gap_mm: tidy(params.gap_m * 1e3),
+        frequency_hz: tidy(request.frequency_hz),
+        frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
+        regime: portrait.regime,
         force_n: portrait.force_n,
         force_ratio: portrait.force_n / params.weight_n(),
         points: request.points,
@@ -200,7 +203,7 @@ fn heading(rig: &NamedRig, request: &Request) -> String {
     format!(
         "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n",
         rig.name,
-        numerics::row::tidy(request.params.gap_m * 1e3),
+        tidy(request.params.gap_m * 1e3),
         request.frequency_hz,
         request.frequency_hz / request.params.natural_frequency_hz()
     )
@@ -283,5 +286,5 @@ fn against_text(found: &Against, rows: &[Told]) -> String {
             }
         );
     }
-    text + "\n  away: how far points are to be carried on average to give the switch's cloud (A0, A0 Ω)\n"
+    text + "\n  away: mean distance by which points must be moved to give the switch model's section (in A0 and A0 Ω)\n"
 }

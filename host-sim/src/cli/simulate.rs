@@ -12,9 +12,9 @@ use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
 use numerics::engine::{
-    Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
+    Engine, Method, Observation, Plan, Precision, Recorder, Sample, Start, machine, observe,
 };
-use numerics::row::Row;
+use numerics::row::{Row, tidy};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel, regime_color};
 use shared::model::regime::Regime;
@@ -42,7 +42,7 @@ pub struct Args {
     output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer {
     #[serde(flatten)]
@@ -104,54 +104,75 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         ));
     }
     let section = section_rows(&seen, hammer.rig());
-    let answer = Answer {
-        row: Row::new(&rig.name, &rig.params, &seen),
-        contacts_recorded: recorder.contacts.len(),
-        rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
-        energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
-        impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
-        cycles: plan.cycles,
-        transient: plan.transient,
-        engine: match engine {
-            Engine::Event => "event",
-            Engine::Switch(_) => "switch",
-        },
-        stepper: match engine {
-            Engine::Event => None,
-            Engine::Switch(setting) => Some(match setting.method {
-                Method::Corrected => "corrected",
-                Method::Banded { .. } => "banded",
-                Method::Smoothed { .. } => "smoothed",
-            }),
-        },
-        precision: match engine {
-            Engine::Switch(setting) if setting.precision == Precision::F32 => "f32",
-            _ => "f64",
-        },
-        tick_us: match engine {
-            Engine::Switch(setting) => Some(numerics::row::tidy(setting.tick_s * 1e6)),
-            Engine::Event => None,
-        },
-    };
+    let answer = Answer::new(&rig, engine, plan, &seen, &recorder);
     if let Some(dir) = &output.out {
-        let mut contents = drawn("simulate", &figure(&rig, &answer.row, &recorder, &section))?;
-        contents.push(("simulate.json".into(), to_json(&answer)?.into_bytes()));
-        contents.push(("simulate-history.csv".into(), to_csv(&recorder.samples)));
-        contents.push(("simulate-section.csv".into(), to_csv(&section)));
-        contents.push((
-            "simulate-contacts.csv".into(),
-            to_csv(&contact_rows(&recorder)),
-        ));
-        if output.format == Format::Parquet {
-            let row = std::slice::from_ref(&answer.row);
-            contents.push(("simulate.parquet".into(), to_parquet(row)?));
-            let history = to_parquet(&recorder.samples)?;
-            contents.push(("simulate-history.parquet".into(), history));
-        }
+        let figure = figure(&rig, &answer.row, &recorder, &section);
+        let mut contents = drawn("simulate", &figure)?;
+        contents.extend(tables(output.format, &answer, &recorder, &section)?);
         output.write(dir, &contents)?;
     }
     let row = std::slice::from_ref(&answer.row);
     output.emit(&answer, row, || text(&answer, &recorder))
+}
+
+impl Answer {
+    fn new(
+        rig: &NamedRig,
+        engine: Engine,
+        plan: Plan,
+        seen: &Observation,
+        recorder: &Recorder,
+    ) -> Self {
+        let setting = match engine {
+            Engine::Event => None,
+            Engine::Switch(setting) => Some(setting),
+        };
+        Self {
+            row: Row::new(&rig.name, &rig.params, seen),
+            contacts_recorded: recorder.contacts.len(),
+            rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
+            energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
+            impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
+            cycles: plan.cycles,
+            transient: plan.transient,
+            engine: setting.map_or("event", |_| "switch"),
+            stepper: setting.map(|setting| match setting.method {
+                Method::Corrected => "corrected",
+                Method::Banded { .. } => "banded",
+                Method::Smoothed { .. } => "smoothed",
+            }),
+            precision: match setting.map(|setting| setting.precision) {
+                Some(Precision::F32) => "f32",
+                Some(Precision::F64) | None => "f64",
+            },
+            tick_us: setting.map(|setting| tidy(setting.tick_s * 1e6)),
+        }
+    }
+}
+
+/// JSON, and tables of the history, the section and the contacts.
+fn tables(
+    format: Format,
+    answer: &Answer,
+    recorder: &Recorder,
+    section: &[SectionRow],
+) -> Result<Contents, UserError> {
+    let mut contents = vec![
+        ("simulate.json".to_owned(), to_json(answer)?.into_bytes()),
+        ("simulate-history.csv".into(), to_csv(&recorder.samples)),
+        ("simulate-section.csv".into(), to_csv(section)),
+        (
+            "simulate-contacts.csv".into(),
+            to_csv(&contact_rows(recorder)),
+        ),
+    ];
+    if format == Format::Parquet {
+        let row = std::slice::from_ref(&answer.row);
+        contents.push(("simulate.parquet".into(), to_parquet(row)?));
+        let history = to_parquet(&recorder.samples)?;
+        contents.push(("simulate-history.parquet".into(), history));
+    }
+    Ok(contents)
 }
 
 fn section_rows(seen: &Observation, rig: &shared::model::rig::Rig<f64>) -> Vec<SectionRow> {

@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .as_deref()
         .map(crate::measured::force_curve)
         .transpose()?;
-    // A picture of one direction is laid over the other, so that a jump shows.
+    // The picture shows both directions, so that a jump is seen.
     let both = args.direction != Direction::Rest && output.out.is_some();
     let runs = frequencies.len() as u64 * if both { 2 } else { 1 };
     let progress = Progress::new("frequencies", runs, output.quiet);
@@ -161,13 +161,7 @@ fn figure(
     measured: Option<&Measured>,
     error: Option<MeasuredError>,
 ) -> Figure {
-    let curve = |rows: &[Row]| {
-        rows.iter()
-            .map(|r| (r.frequency_hz, r.force_n))
-            .collect::<Vec<_>>()
-    };
-    let first = rows.first();
-    let title = first.map_or(String::new(), |r| {
+    let title = rows.first().map_or(String::new(), |r| {
         format!("{}, gap {:?} mm: force over frequency", r.rig, r.gap_mm)
     });
     let mut subtitle = match direction {
@@ -180,43 +174,7 @@ fn figure(
     if let Some(error) = error {
         subtitle = format!("{subtitle} {}.", describe(&error));
     }
-    let mut panel = Panel::new(
-        Axis::new("drive frequency, Hz"),
-        Axis::new("contact force, N").with_zero(),
-    );
-    let label = match direction {
-        Direction::Rest => "from rest",
-        Direction::Up => "carried up",
-        Direction::Down => "carried down",
-    };
-    panel = panel.item(Item::line(label, BLUE, curve(rows)));
-    if let Some(others) = others {
-        let label = if direction == Direction::Up {
-            "carried down"
-        } else {
-            "carried up"
-        };
-        panel = panel.item(Item::dashed(label, GREY, curve(others)));
-    }
-    let weight = first.map_or(1.0, |r| {
-        if r.force_ratio > 0.0 {
-            r.force_n / r.force_ratio
-        } else {
-            1.0
-        }
-    });
-    let all = rows.iter().chain(others.unwrap_or_default());
-    let weight = all
-        .clone()
-        .find(|r| r.force_ratio > 0.0)
-        .map_or(weight, |r| r.force_n / r.force_ratio);
-    for (regime, points) in by_regime(all) {
-        let newtons = points
-            .into_iter()
-            .map(|(hz, ratio)| (hz, ratio * weight))
-            .collect();
-        panel = panel.item(Item::regime_points(&regime, newtons));
-    }
+    let mut panel = curves(direction, rows, others);
     if let Some(measured) = measured {
         panel = panel.item(Item::points("measured", BLACK, measured.points.clone()));
     }
@@ -224,4 +182,39 @@ fn figure(
         .subtitle(subtitle)
         .size(1100, 680)
         .panel(panel)
+}
+
+/// The simulated curves, with a dot for each regime.
+fn curves(direction: Direction, rows: &[Row], others: Option<&[Row]>) -> Panel {
+    let curve = |rows: &[Row]| {
+        let points = rows.iter().map(|r| (r.frequency_hz, r.force_n));
+        points.collect::<Vec<_>>()
+    };
+    let (label, other) = match direction {
+        Direction::Rest => ("from rest", "carried up"),
+        Direction::Up => ("carried up", "carried down"),
+        Direction::Down => ("carried down", "carried up"),
+    };
+    let mut panel = Panel::new(
+        Axis::new("drive frequency, Hz"),
+        Axis::new("contact force, N").with_zero(),
+    )
+    .item(Item::line(label, BLUE, curve(rows)));
+    if let Some(others) = others {
+        panel = panel.item(Item::dashed(other, GREY, curve(others)));
+    }
+    let all = rows.iter().chain(others.unwrap_or_default());
+    // Where no force is above 0, any weight will do.
+    let weight_n = all
+        .clone()
+        .find(|r| r.force_ratio > 0.0)
+        .map_or(1.0, |r| r.force_n / r.force_ratio);
+    for (regime, points) in by_regime(all) {
+        let newtons = points
+            .into_iter()
+            .map(|(hz, ratio)| (hz, ratio * weight_n))
+            .collect();
+        panel = panel.item(Item::regime_points(&regime, newtons));
+    }
+    panel
 }

@@ -21,7 +21,7 @@ use shared::model::regime::Regime;
 /// Up and down count as different when their forces differ by more than this share.
 const JUMP_SHARE: f64 = 0.1;
 
-/// One rig at one gap, three ways.
+/// Sweeps of one rig at one gap: from rest, up and down.
 struct Curve {
     rig: &'static str,
     params: RigParams,
@@ -33,7 +33,7 @@ struct Curve {
 /// Figures 3.12, 3.13 and 3.14.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const GAPS_MM: [f64; 3] = [0.0, 1.0, 2.4];
     const SAYS: [&str; 3] = [
@@ -60,7 +60,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 /// Figures 3.40, 3.41 and 3.42.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const RIGS: [&str; 3] = ["beam-170", "beam-150", "beam-135"];
     const SAYS: [&str; 3] = [
@@ -77,10 +77,10 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
                 "{}, gaps 0.0, 1.0 and 3.0 mm: force over frequency",
                 curves[0].rig
             );
-            let mut told: Vec<String> = curves.iter().map(found).collect();
-            told.push(between(curves));
-            told.push("No measured force is at hand.".to_owned());
-            page(figure, title, says, told.join(" "), curves)
+            let mut found: Vec<String> = curves.iter().map(found).collect();
+            found.push(between(curves));
+            found.push("No measured force is at hand.".to_owned());
+            page(figure, title, says, found.join(" "), curves)
         })
         .collect()
 }
@@ -221,9 +221,9 @@ fn gap_mm(params: &RigParams) -> f64 {
     tidy(params.gap_m * 1e3)
 }
 
-/// A row and how the hammer came there.
+/// A row, and which sweep it is from.
 #[derive(Serialize)]
-struct Told<'a> {
+struct CurveRow<'a> {
     from: &'static str,
     rig: &'a str,
     gap_mm: f64,
@@ -250,20 +250,20 @@ fn page(
     );
     let mut files = drawn(&stem(figure), &picture)?;
     let ways = |c: &'_ Curve| {
-        let told = |from: &'static str, rows: &[Row]| -> Vec<(&'static str, Row)> {
+        let rows_of = |from: &'static str, rows: &[Row]| -> Vec<(&'static str, Row)> {
             rows.iter().map(|r| (from, r.clone())).collect()
         };
         [
-            told("rest", &c.rest),
-            told("up", &c.up),
-            told("down", &c.down),
+            rows_of("rest", &c.rest),
+            rows_of("up", &c.up),
+            rows_of("down", &c.down),
         ]
         .concat()
     };
     let rows: Vec<_> = curves.iter().flat_map(ways).collect();
-    let table: Vec<Told> = rows
+    let table: Vec<CurveRow> = rows
         .iter()
-        .map(|(from, r)| Told {
+        .map(|(from, r)| CurveRow {
             from,
             rig: &r.rig,
             gap_mm: r.gap_mm,
@@ -345,9 +345,9 @@ fn strongest(rows: &[Row]) -> Option<&Row> {
     of.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
 }
 
-/// What a curve shows, from its own numbers.
+/// What a curve shows, in numbers.
 fn found(curve: &Curve) -> String {
-    let mut told = format!("Gap {:?} mm:", gap_mm(&curve.params));
+    let mut text = format!("Gap {:?} mm:", gap_mm(&curve.params));
     match strongest(&curve.rest) {
         Some(best) => {
             let ends: Vec<f64> = curve
@@ -356,7 +356,7 @@ fn found(curve: &Curve) -> String {
                 .filter(|r| r.regime.is(1, 1))
                 .map(|r| r.frequency_ratio)
                 .collect();
-            told += &format!(
+            text += &format!(
                 " from rest, 1/1 is met from Ω/ω = {:.2} to {:.2}; the largest 1/1 force is {:.1} m g, at {:.2}.",
                 ends[0],
                 ends[ends.len() - 1],
@@ -368,7 +368,7 @@ fn found(curve: &Curve) -> String {
                 off(a).total_cmp(&off(b))
             });
             if let Some(at) = natural.filter(|r| r.force_ratio > 0.0) {
-                told += &format!(
+                text += &format!(
                     " At Ω/ω = {:.2} it is {:.1} m g, {:.1} times less.",
                     at.frequency_ratio,
                     at.force_ratio,
@@ -376,13 +376,13 @@ fn found(curve: &Curve) -> String {
                 );
             }
         }
-        None => told += " from rest, no 1/1 is met.",
+        None => text += " from rest, no 1/1 is met.",
     }
     let apart: Vec<f64> = jumps(&curve.up, &curve.down, curve.params.weight_n(), JUMP_SHARE);
     let natural = curve.params.natural_frequency_hz();
     match (apart.first(), apart.last()) {
         (Some(low), Some(high)) => {
-            told += &format!(
+            text += &format!(
                 " Up and down differ by more than {:.0} % of force at {} of {} frequencies, between {:.2} and {:.2}: the hammer jumps.",
                 JUMP_SHARE * 100.0,
                 apart.len(),
@@ -391,9 +391,9 @@ fn found(curve: &Curve) -> String {
                 high / natural
             );
         }
-        _ => told += " Up and down agree everywhere: no jump.",
+        _ => text += " Up and down agree everywhere: no jump.",
     }
-    told
+    text
 }
 
 /// Whether the largest 1/1 force at the middle gap lies between those of the outer ones.

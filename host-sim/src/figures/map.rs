@@ -1,8 +1,7 @@
-//! The Peterka maps, figures 3.24–3.26 (wires) and 3.46–3.51 (beams), how alike those of the beams are, and where the
-//! switch model disagrees.
+//! The Peterka maps, figures 3.24–3.26 (wires) and 3.46–3.51 (beams), how similar those of the beams are, and where the
+//! switch model differs.
 
 use serde::Serialize;
-use shared::model::params::preset;
 use shared::model::regime::Regime;
 
 use super::{Effort, Page, stem};
@@ -18,6 +17,7 @@ use numerics::map::agree::percent;
 use numerics::map::measured::{Measured, hits};
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
 use numerics::map::{Agreement, Grid, Map, Request, Runner, alikeness, run};
+use numerics::row::regime_as_text;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
@@ -38,7 +38,7 @@ const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
 /// Figures 3.24, 3.25 and 3.26.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let map = chapter_map("wires", effort, progress)?;
     let first = Page {
@@ -59,10 +59,10 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 /// Figures of a beam rig's map, the rig, and the two points (Ω/ω, gap/A0) whose basins the chapter shows.
 type BeamMap = (&'static str, &'static str, &'static str, [(f64, f64); 2]);
 
-/// Figures 3.46 to 3.51, and how alike the three maps are.
+/// Figures 3.46 to 3.51, and how similar the three maps are.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const FIGURES: [BeamMap; 3] = [
         ("3.46", "3.47", "beam-170", [(1.80, 1.60), (2.20, 1.50)]),
@@ -96,7 +96,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 /// The page "map by the switch model".
 ///
 /// # Errors
-/// As the engines'.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let (rows, columns, cycles) = match effort {
         Effort::Full => (24, 40, 150),
@@ -108,7 +108,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         early: false,
         strobes: 0,
     };
-    let rig = rig("wires")?;
+    let rig = NamedRig::preset("wires")?;
     let ends = |values: Vec<f64>, count: usize| spread(values[0], values[values.len() - 1], count);
     let grid = Grid {
         gaps_mm: ends(chapter_gaps_mm(&rig.params), rows),
@@ -142,14 +142,6 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     }])
 }
 
-fn rig(name: &str) -> Result<NamedRig, UserError> {
-    let params = preset(name).ok_or_else(|| UserError::new(format!("no rig {name}")))?;
-    Ok(NamedRig {
-        name: name.to_owned(),
-        params,
-    })
-}
-
 fn request(rig: NamedRig, grid: Grid, plan: Plan, runner: Runner) -> Request {
     Request {
         rig,
@@ -168,7 +160,7 @@ const COARSE: Plan = Plan {
 };
 
 fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
-    let rig = rig(name)?;
+    let rig = NamedRig::preset(name)?;
     let (gaps, hz) = (
         chapter_gaps_mm(&rig.params),
         chapter_frequencies_hz(&rig.params),
@@ -189,7 +181,7 @@ fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, U
 }
 
 fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
-    let rig = rig(name)?;
+    let rig = NamedRig::preset(name)?;
     let ((from, to), (low, high)) = DETAIL;
     let (columns, rows, plan) = match effort {
         Effort::Full => (441, 281, Plan::CHAPTER),
@@ -211,7 +203,8 @@ fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, Us
 /// How many cells show a regime.
 #[derive(Serialize)]
 struct Count {
-    regime: String,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
     cells: usize,
     share_percent: f64,
 }
@@ -229,14 +222,14 @@ fn counts(map: &Map) -> Vec<Count> {
     }
     found.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
     let count = |(regime, cells): (Regime, usize)| Count {
-        regime: regime.to_string(),
+        regime,
         cells,
         share_percent: 100.0 * cells as f64 / map.cells.len() as f64,
     };
     found.into_iter().map(count).collect()
 }
 
-/// The picture, how many cells show what, and every cell.
+/// The picture, the number of cells of each regime, and every cell.
 fn with_cells(
     figure: &str,
     picture: &Figure,
@@ -250,7 +243,7 @@ fn with_cells(
     Ok(files)
 }
 
-/// Which part of the map shows what, and the bands at no gap.
+/// The share of each regime, and the bands at a gap of 0.
 fn shares(map: &Map) -> String {
     let most: Vec<String> = counts(map)
         .iter()
@@ -274,13 +267,13 @@ fn bands(map: &Map, row: usize) -> String {
     let name = |j: usize| map.cell(row, j).regime.to_string();
     let runs = columns.chunk_by(|a, b| name(*a) == name(*b));
     let long = runs.filter(|run| run.len() * 50 > ratios.len());
-    let told: Vec<String> = long
+    let text: Vec<String> = long
         .map(|run| {
             let (from, to) = (ratios[run[0]], ratios[run[run.len() - 1]]);
             format!("{} from {from:.2} to {to:.2}", name(run[0]))
         })
         .collect();
-    told.join(", ")
+    text.join(", ")
 }
 
 /// How often neighbours in frequency differ in regime between 1/1 and 1/2, above and below 1.5 A0.
@@ -439,10 +432,10 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
         found.extend(maps[i + 1..].iter().map(|b| alikeness(a, b)));
     }
     let lines: Vec<String> = found.iter().map(|a| a.line()).collect();
-    let told = format!("{}.", lines.join("; "));
+    let text = format!("{}.", lines.join("; "));
     let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();
-    let mut files = drawn(&stem, &pictures::map::side_by_side(&maps, &told))?;
+    let mut files = drawn(&stem, &pictures::map::side_by_side(&maps, &text))?;
     files.push((
         format!("{stem}.json"),
         serde_json::to_vec_pretty(&found).unwrap_or_default(),
@@ -451,7 +444,7 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
         figure: "beams-alike",
         title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
         chapter: "The three maps are the same in shape whatever the stiffness, except for the chaotic region between 1/1 and 1/2.",
-        found: told,
+        found: text,
         command: "host-sim map --beams --out out".to_owned(),
         files,
     })

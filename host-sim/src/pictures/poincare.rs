@@ -1,4 +1,4 @@
-//! Sections drawn.
+//! Pictures of Poincaré sections.
 
 use numerics::NamedRig;
 use numerics::engine::Sample;
@@ -8,7 +8,7 @@ use plot::{Axis, Color, Figure, Item, Panel, regime_color};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
 const VELOCITY: &str = "velocity relative to the cart, m/s";
-/// Fewer points are drawn as marks, more as a cloud of dots.
+/// Up to so many points are drawn as marks, more as small dots.
 const FEW: usize = 64;
 /// Points of the section of at most this many contacts per period have a colour of their own.
 const COUNTED: u16 = 3;

@@ -22,7 +22,7 @@ pub struct Args {
     #[command(flatten)]
     drive: Drive,
 
-    /// The twelve points the chapter shows
+    /// The twelve operating points that the chapter shows
     #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio"])]
     chapter: bool,
 
@@ -35,7 +35,7 @@ pub struct Args {
     )]
     gap_ratio: Option<f64>,
 
-    /// Drive phase at which the hammer is let go, turns from 0 to below 1
+    /// Drive phase at the start, turns from 0 to below 1
     #[arg(
         long,
         value_name = "TURNS",
@@ -60,11 +60,11 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last are looked at: a contact in them is impact
+    /// How many of the last cycles are recorded; a contact in them counts as impact
     #[arg(long, value_name = "N", default_value_t = 100)]
     recorded: u32,
 
-    /// Random starts besides, for shares with confidence intervals and the table over cycles; 0: none
+    /// Random starts in addition to the grid, for shares with confidence intervals and the table over cycles; 0: none
     #[arg(long, value_name = "N", default_value_t = 2000)]
     samples: u32,
 
@@ -72,7 +72,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Cycles to which the random starts are run on, for the table over cycles [default: 1000, or --cycles if more]
+    /// Drive cycles of the random starts, for the table over cycles [default: 1000, or --cycles if more]
     #[arg(long, value_name = "N")]
     until: Option<u32>,
 
@@ -109,14 +109,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let progress = Progress::new("starts", total, output.quiet);
     let mut found = Vec::with_capacity(queries.len());
     for (point, query) in queries {
-        found.push(look(engine, point, &query, &progress)?);
+        found.push(find(engine, point, &query, &progress)?);
     }
     progress.finish();
     write(output, &found)?;
     answer(output, &found)
 }
 
-fn look(
+fn find(
     engine: Engine,
     point: Option<Point>,
     query: &Query,
@@ -159,7 +159,7 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, Query)>, UserError> {
     points.collect()
 }
 
-/// The point the command line names.
+/// The operating point that the command line names.
 fn own(args: &Args) -> Result<Query, UserError> {
     let mut rig = args.rig.load()?;
     if let Some(ratio) = args.gap_ratio {
@@ -237,7 +237,7 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
     let line = |one| {
         let Found { point, summary, .. }: &Found = one;
         let random = summary.impact_share_random;
-        let look = |look: Option<&numerics::basins::Look>| look.map(|l| l.impact.value());
+        let share = |look: Option<&numerics::basins::Look>| look.map(|l| l.impact.value());
         Line {
             figure: point.map_or(String::new(), |p| format!("{} {}", p.figure, p.part)),
             rig: &summary.rig,
@@ -248,8 +248,8 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
             impact_share_random: random.map(|s| s.value()),
             impact_share_random_low: random.map(|s| s.low),
             impact_share_random_high: random.map(|s| s.high),
-            impact_share_first_look: look(summary.over_cycles.first()),
-            impact_share_last_look: look(summary.over_cycles.last()),
+            impact_share_first_look: share(summary.over_cycles.first()),
+            impact_share_last_look: share(summary.over_cycles.last()),
             attractors: summary.attractors.len(),
             largest_attractor: summary.attractors.first().map_or("", |a| &a.name),
             basin_entropy: summary.attractor_entropy.map(|e| e.basin),

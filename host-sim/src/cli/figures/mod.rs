@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 
-    /// Only these, with commas between: 3.24,3.27 (what shares their runs is made along with them)
+    /// Only these figures, separated by commas: 3.24,3.27 (figures that share their runs are made together)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     only: Vec<String>,
 
@@ -54,27 +54,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         Effort::Full
     };
     let key = record::key(effort)?;
-    let total: usize = wanted.iter().map(|part| part.1.len()).sum();
-    let progress = Progress::new("figures", total as u64, args.quiet);
-    let (mut text, mut made) = (String::new(), 0.0);
-    for part in wanted {
-        let (name, figures, _) = part;
-        let line = match record::standing(&args.out, name, &key) {
-            Some(_) => format!("{name}: {} stand already, not made again", list(figures)),
-            None => {
-                let seconds = make(part, effort, &key, args)?;
-                made += seconds;
-                format!("{name}: {} made in {seconds:.1} s", list(figures))
-            }
-        };
-        progress.note(&line);
-        text += &format!("{line}\n");
-        progress.inc(figures.len() as u64);
-    }
-    progress.finish();
+    let (mut text, made) = make_missing(args, effort, &key, wanted)?;
     let records = AREAS
         .iter()
-        .map(|part| record::standing(&args.out, part.0, &key));
+        .map(|part| record::standing(&args.out, part.name, &key));
     let records: Vec<Option<Record>> = records.collect();
     write_index(args, effort, &records)?;
     let there = records.iter().flatten().map(|r| r.pages.len());
@@ -87,6 +70,42 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     Ok(())
 }
 
+/// Makes the parts that are not in the folder yet. Returns a line for each part, and the seconds spent.
+fn make_missing(
+    args: &Args,
+    effort: Effort,
+    key: &str,
+    wanted: Vec<&Part>,
+) -> Result<(String, f64), UserError> {
+    let made_already = |part: &Part| record::standing(&args.out, part.name, key).is_some();
+    let wanted: Vec<_> = wanted
+        .into_iter()
+        .map(|part| (part, made_already(part)))
+        .collect();
+    let missing = wanted.iter().filter(|(_, stands)| !stands);
+    let progress = Progress::in_parts(
+        "figures",
+        missing.map(|(part, _)| part.seconds).sum(),
+        args.quiet,
+    );
+    let (mut text, mut made) = (String::new(), 0.0);
+    for (part, stands) in wanted {
+        let (name, figures) = (part.name, list(part.figures));
+        let line = if stands {
+            format!("{name}: {figures} already made")
+        } else {
+            let seconds = make(part, effort, key, args)?;
+            made += seconds;
+            progress.part_done(part.seconds);
+            format!("{name}: {figures} made in {seconds:.1} s")
+        };
+        progress.note(&line);
+        text += &format!("{line}\n");
+    }
+    progress.finish();
+    Ok((text, made))
+}
+
 /// The parts that make what is asked for; all when nothing is.
 fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
     for name in only {
@@ -95,24 +114,37 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
                 "--only {name}: figure {name} is {what}; there is nothing to compute"
             )));
         }
-        if !AREAS.iter().any(|part| part.1.contains(&name.as_str())) {
-            let all: Vec<&str> = AREAS.iter().flat_map(|part| part.1).copied().collect();
+        if !AREAS
+            .iter()
+            .any(|part| part.figures.contains(&name.as_str()))
+        {
+            let all: Vec<&str> = AREAS
+                .iter()
+                .flat_map(|part| part.figures)
+                .copied()
+                .collect();
             return Err(UserError::new(format!(
                 "--only: there is no figure '{name}'; choose from {}",
                 all.join(", ")
             )));
         }
     }
-    let asked = |part: &&Part| only.is_empty() || only.iter().any(|o| part.1.contains(&o.as_str()));
+    let asked =
+        |part: &&Part| only.is_empty() || only.iter().any(|o| part.figures.contains(&o.as_str()));
     Ok(AREAS.iter().filter(asked).collect())
 }
 
 /// Makes a part and writes its files and, last, its record. Returns the seconds it took.
 fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, UserError> {
-    let (name, figures, area) = part;
+    let Part {
+        name,
+        figures,
+        make,
+        ..
+    } = part;
     let begun = Instant::now();
     let hidden = Progress::new(*name, 1, true);
-    let pages = area(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
+    let pages = make(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
     let seconds = begun.elapsed().as_secs_f64();
     let given: Vec<&str> = pages.iter().map(|p| p.figure).collect();
     if given != *figures {
@@ -142,7 +174,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         .iter()
         .zip(records)
         .filter(|(_, record)| record.is_none())
-        .flat_map(|(part, _)| part.1)
+        .flat_map(|(part, _)| part.figures)
         .copied()
         .collect();
     let index = serde_json::json!({

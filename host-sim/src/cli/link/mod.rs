@@ -60,7 +60,7 @@ enum What {
     ClearFault,
     /// Print the settings as a TOML file
     Get,
-    /// Send settings; they are checked and taken as a whole, in idle, and stored
+    /// Send settings; the board checks them as a whole, in idle, uses them and stores them
     Set(Set),
     /// What the online twin forecasts over frequency
     Forecast {
@@ -85,7 +85,7 @@ enum What {
 
 #[derive(Debug, clap::Args)]
 struct Start {
-    /// Steer by hand: this program stays in command, and its end trips the board's link timeout
+    /// Steer by hand: this program stays in command, and when it ends, the board's link timeout trips
     #[arg(long)]
     manual: bool,
     /// Drive frequency by hand, Hz [default: where the controller starts]

@@ -28,7 +28,7 @@ use numerics::map::{self, Map, Request, Summary, agree, alikeness, measured, mea
 use numerics::sweep::Direction;
 use plot::Figure;
 
-/// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
+/// Exit code: 0; 2 the map could not be made; 130 interrupted, and the finished tiles are kept.
 #[derive(Clone, Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
@@ -51,15 +51,15 @@ pub struct Args {
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     from: Direction,
 
-    /// Every cell by the event-located reference instead of the fast engine (hours, not seconds)
+    /// Compute every cell with the event-located reference instead of the fast engine (hours, not seconds)
     #[arg(long)]
     reference: bool,
 
-    /// A second map, and where it differs from the first
+    /// Compute a second map, and show where it differs from the first
     #[arg(long, value_enum)]
     against: Option<requests::Against>,
 
-    /// Another rig's map beside it, over the same Ω/ω and gap/A0, and how alike they are; may be repeated
+    /// Add another rig's map over the same Ω/ω and gap/A0, and say how similar they are; may be given several times
     #[arg(long, value_name = "NAME|FILE.toml")]
     beside: Vec<String>,
 
@@ -71,19 +71,19 @@ pub struct Args {
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
 
-    /// Run N random cells again by the reference and tell how many agree
+    /// Run N random cells again with the reference, and report how many agree
     #[arg(long, value_name = "N")]
     audit: Option<usize>,
 
-    /// Which cells an audit draws
+    /// Seed of the audit's random cells
     #[arg(long, value_name = "N", default_value_t = 1, requires = "audit")]
     seed: u64,
 
-    /// Compute tiles A to B − 1 alone (A..B), or the I-th of N equal shares (I/N), and keep them beside the output
+    /// Compute only tiles A to B − 1 (A..B), or the I-th of N equal shares (I/N), and store them in the output folder
     #[arg(long, value_name = "A..B|I/N", value_parser = requests::parse_tiles, conflicts_with_all = ["merge", "audit", "measured"])]
     tiles: Option<requests::Tiles>,
 
-    /// Put tiles together that are all there; compute nothing
+    /// Assemble the map from tiles that are already computed
     #[arg(long)]
     merge: bool,
 
@@ -142,7 +142,7 @@ fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
         && !(1..=cells).contains(&audit)
     {
         return Err(UserError::new(format!(
-            "--audit is {audit}, must be at least 1 and at most what there is: the map has {cells} cells"
+            "--audit is {audit}, must be from 1 to {cells}: the map has {cells} cells"
         )));
     }
     if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
@@ -156,7 +156,7 @@ fn check(args: &Args, requests: &[Request]) -> Result<(), UserError> {
     let table = matches!(output.format, Format::Csv | Format::Parquet);
     if table && requests.len() > 1 && output.out.is_none() {
         return Err(UserError::new(
-            "several maps are no one table; add --out DIR for a table each, or take --format json",
+            "several maps do not fit into one table; add --out DIR for a table each, or use --format json",
         ));
     }
     Ok(())
@@ -218,7 +218,7 @@ fn maps(
     requests.iter().enumerate().map(one).collect()
 }
 
-/// Tiles that are missing are named with the folder they are missing from.
+/// Adds the folder to the error about missing tiles.
 fn merge_error(error: Error, store: &Store) -> UserError {
     match error {
         Error::Map(MapError::MissingTiles { .. }) => {
@@ -236,7 +236,7 @@ fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
     }
 }
 
-/// A folder of tiles beside the output for each map; none without an output.
+/// A folder of tiles in the output folder for each map; none without an output folder.
 fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
     let Some(dir) = &args.output.out else {
         return Ok(Vec::new());
@@ -248,7 +248,7 @@ fn stores(args: &Args, requests: &[Request]) -> Result<Vec<Store>, UserError> {
     let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
     if !args.output.quiet {
         interrupt::say_then(format!(
-            "interrupted; what is done is kept in {}: the same command goes on from there",
+            "interrupted; the finished tiles are kept in {}: the same command goes on from there",
             dir.display()
         ));
     }
@@ -268,7 +268,7 @@ fn progress(args: &Args, requests: &[Request]) -> Progress {
     Progress::new("cells", total as u64, args.output.quiet)
 }
 
-/// Some tiles alone.
+/// Computes some tiles and nothing else.
 fn share(
     args: &Args,
     tiles: requests::Tiles,
@@ -280,7 +280,7 @@ fn share(
         let range: Range<usize> = tiles.range(request.tiles());
         if range.is_empty() {
             args.output
-                .note("there are more shares than tiles: none falls to this one");
+                .note("there are more shares than tiles; this share has none");
             continue;
         }
         map::run_tiles(request, range.clone(), store, progress)?;

@@ -1,4 +1,4 @@
-//! From the command line to what is asked of each map.
+//! The maps that a command line asks for.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use numerics::map::{Grid, Request, Runner};
 use numerics::row::tidy;
 use numerics::sweep::Direction;
 
-/// What a second map is made by.
+/// How the second map of a comparison is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Against {
     /// The microcontroller's switch model, f32
@@ -64,7 +64,7 @@ pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
             return Ok(Tiles::Range(from, to));
         }
         return Err(format!(
-            "{from}..{to} holds no tile; the second number is not included"
+            "{from}..{to} contains no tile; the second number is not included"
         ));
     }
     let (i, n) = numbers(text.split_once('/')).ok_or_else(wrong)?;
@@ -72,7 +72,7 @@ pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
         return Ok(Tiles::Share(i, n));
     }
     Err(format!(
-        "{i}/{n}: shares are counted from 1 to how many there are"
+        "{i}/{n}: the share must be from 1 to the number of shares"
     ))
 }
 
@@ -91,7 +91,7 @@ pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
     for (i, rig) in rigs.iter().enumerate() {
         if rigs[..i].iter().any(|other| other.name == rig.name) {
             return Err(UserError::new(format!(
-                "two rigs are called {}, and so would their files be; rename one",
+                "two rigs are called {}, so that their files would have the same names; rename one",
                 rig.name
             )));
         }
@@ -116,7 +116,7 @@ pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
         let other = other(&requests[0], against);
         if other == requests[0] {
             return Err(UserError::new(
-                "--against names what the map itself is made by; choose another",
+                "--against names the engine or direction of the map itself; choose another",
             ));
         }
         requests.push(other);
@@ -127,7 +127,7 @@ pub fn requests(args: &Args) -> Result<Vec<Request>, UserError> {
 fn runner(args: &Args) -> Result<Runner, UserError> {
     match args.engine.engine(&args.output)? {
         Engine::Switch(_) if args.reference => Err(UserError::new(
-            "--reference is an engine of its own; leave --engine switch out",
+            "--reference does not go with --engine switch; leave one of the two out",
         )),
         Engine::Switch(setting) => Ok(Runner::Switch(setting)),
         Engine::Event if args.reference => Ok(Runner::Reference),
@@ -135,7 +135,7 @@ fn runner(args: &Args) -> Result<Runner, UserError> {
     }
 }
 
-/// The same map, made otherwise.
+/// The same map, made in the way to compare with.
 fn other(request: &Request, against: Against) -> Request {
     let mut other = request.clone();
     match against {
@@ -187,7 +187,7 @@ fn over_same_ratios(grid: &Grid, first: &NamedRig, rig: &NamedRig) -> Grid {
     }
 }
 
-/// What the files of a map are called.
+/// How the names of a map's files begin.
 pub fn name(request: &Request) -> String {
     let from = match request.from {
         Direction::Rest => "",

@@ -28,11 +28,11 @@ pub struct Args {
     #[arg(long, conflicts_with = "rig")]
     all: bool,
 
-    /// Pick at every one of these gaps (mm), and advise which to run at
+    /// Pick at each of these gaps (mm), and advise at which to run
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, conflicts_with_all = ["all", "gap"])]
     gaps: Option<String>,
 
-    /// With --gaps: random starts per gap, for the share that ends on the orbit picked
+    /// With --gaps: random initial conditions per gap, for the share that settles on the orbit picked
     #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
     starts: u32,
 
@@ -100,11 +100,11 @@ pub struct Args {
     )]
     gap_tolerance_mm: f64,
 
-    /// Samples inside the uncertainty's corners
+    /// Random rigs within the uncertainty, in addition to its corners
     #[arg(long, value_name = "N", default_value_t = 256)]
     samples: u32,
 
-    /// Seed of the samples
+    /// Seed of the random rigs
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
