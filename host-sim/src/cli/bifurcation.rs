@@ -236,10 +236,10 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
             "{}, gap {:?} mm, {}: {} frequencies\n",
             answer.rig,
             found.gap_mm,
-            match found.direction {
-                "rest" => "each from rest",
-                "up" => "carried up",
-                _ => "carried down",
+            match diagram.direction {
+                Direction::Rest => "each from rest",
+                Direction::Up => "carried up",
+                Direction::Down => "carried down",
             },
             found.frequencies
         );
