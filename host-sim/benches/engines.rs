@@ -93,10 +93,7 @@ fn one_shoot(bencher: Bencher) {
 
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn one_nominal_pick(bencher: Bencher) {
-    let rig = NamedRig {
-        name: "wires".into(),
-        params: RIG,
-    };
+    let rig = NamedRig::new("wires", RIG);
     bencher.bench_local(|| {
         let progress = Progress::new("", 1, true);
         pick(black_box(&rig), None, Limits::default(), &progress).expect("a stable 1/1")

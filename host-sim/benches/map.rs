@@ -23,10 +23,7 @@ fn main() {
 fn request(thin: usize, plan: CellPlan) -> MapRequest {
     let every = |all: Vec<f64>| all.into_iter().step_by(thin).collect();
     MapRequest {
-        rig: NamedRig {
-            name: "wires".into(),
-            params: WIRES,
-        },
+        rig: NamedRig::new("wires", WIRES),
         grid: Grid {
             gaps_mm: every(chapter_gaps_mm(&WIRES)),
             frequencies_hz: every(chapter_frequencies_hz(&WIRES)),

@@ -1,12 +1,12 @@
 //! # The hammer on the desktop
 //!
-//! The command line, and what stands between it and the packages that do the work: [`numerics`] (analyses),
+//! The command line, and the modules between it and the packages that do the work: [`numerics`] (analyses),
 //! [`emulator`], [`files`] (rig files, tables) and [`plot`].
 //!
 //! | module | what |
 //! |---|---|
-//! | [`cli`] | one module per command: options, the order of work, the words of the answer |
-//! | [`pictures`], [`figures`] | the picture of each analysis; the chapter's figures, and the page that shows them |
+//! | [`cli`] | one module per command: options, order of work, printed answer |
+//! | [`pictures`], [`figures`] | the picture of each analysis; the chapter's figures |
 //! | [`record`], [`measured`] | records of sensors and measured points, from files |
 //! | [`tiles`] | the tiles of an unfinished map, on disk |
 //! | [`mod@link`] | a board, or an emulated one, on a serial port |

@@ -21,10 +21,7 @@ fn quiet() -> Progress {
 fn request(gap_mm: f64, ratios: (f64, f64, usize), directions: &[Direction]) -> DiagramRequest {
     let natural = WIRES.natural_frequency_hz();
     DiagramRequest {
-        rig: NamedRig {
-            name: "wires".into(),
-            params: WIRES,
-        },
+        rig: NamedRig::new("wires", WIRES),
         gaps_mm: vec![gap_mm],
         frequencies_hz: spread(ratios.0 * natural, ratios.1 * natural, ratios.2),
         directions: directions.to_vec(),

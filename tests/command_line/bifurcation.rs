@@ -1,6 +1,8 @@
 //! `host-sim bifurcation`.
 
-use crate::support::{Folder, answer, assert_svg_shows, csv_rows, finish, number, png_size};
+use crate::support::{
+    Folder, answer, assert_refused, assert_svg_shows, csv_rows, finish, number, png_size,
+};
 
 const SHORT: &str = "--cycles 160 --recorded 20";
 
@@ -124,31 +126,27 @@ fn bad_input_gets_one_line() {
     let folder = Folder::new()
         .with("no.csv", "hz,force\n1,2\n")
         .with("bad.csv", "frequency_hz,displacement_mm\n2.7,x\n");
-    for (options, said) in [
-        ("--gap nan", "gap_mm"),
-        ("--gap a", "write a number of millimetres"),
-        ("--gap 2:1:0.1", "swap them"),
-        ("--ratio 0:1:0.5", "is not a positive value"),
-        ("--ratio 1:2:0", "must be positive"),
-        ("--ratio 1:2:1 --frequency 1:2:1", "cannot be used with"),
-        ("--recorded 0", "must be from 1 to --cycles"),
-        ("--recorded 400", "must be from 1 to --cycles"),
-        ("--measured none.csv", "cannot read none.csv"),
-        ("--measured no.csv", "no.csv, line 1"),
-        (
-            "--measured bad.csv",
-            "bad.csv, line 2: displacement_mm is 'x'",
-        ),
-        ("--direction sideways", "sideways"),
-    ] {
-        let ran = folder.run(&format!("bifurcation {options} --quiet"));
-        assert_eq!(ran.code, Some(2), "{options}: {ran:?}");
-        assert_eq!(ran.err.lines().count(), 1, "{options}: {ran:?}");
-        assert!(
-            ran.err.contains(said) && ran.out.is_empty(),
-            "{options}: {ran:?}"
-        );
-    }
+    assert_refused(
+        &folder,
+        [
+            ("--gap nan", "gap_mm"),
+            ("--gap a", "write a number of millimetres"),
+            ("--gap 2:1:0.1", "swap them"),
+            ("--ratio 0:1:0.5", "is not a positive value"),
+            ("--ratio 1:2:0", "must be positive"),
+            ("--ratio 1:2:1 --frequency 1:2:1", "cannot be used with"),
+            ("--recorded 0", "must be from 1 to --cycles"),
+            ("--recorded 400", "must be from 1 to --cycles"),
+            ("--measured none.csv", "cannot read none.csv"),
+            ("--measured no.csv", "no.csv, line 1"),
+            (
+                "--measured bad.csv",
+                "bad.csv, line 2: displacement_mm is 'x'",
+            ),
+            ("--direction sideways", "sideways"),
+        ]
+        .map(|(options, said)| (format!("bifurcation {options} --quiet"), said)),
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `host-sim compare`.
 
-use crate::support::{Folder, assert_svg_shows, csv_rows, number, png_size};
+use crate::support::{Folder, assert_refused, assert_svg_shows, csv_rows, number, png_size};
 
 const SHORT: &str = "--cycles 160 --transient 140";
 
@@ -68,24 +68,20 @@ fn an_emulators_log_is_read() {
 #[test]
 fn bad_input_is_one_line() {
     let folder = simulated("--gap 1 --ratio 1.5");
-    for (line, says) in [
-        ("compare nowhere.csv", "cannot read nowhere.csv"),
-        ("compare record.csv --from 1e6", "at least 16 are needed"),
-        (
-            "compare record.csv --frequency -1",
-            "must be a positive number",
-        ),
-        (
-            "compare record.csv --frequency 1 --ratio 1",
-            "cannot be used with",
-        ),
-        ("compare record.csv --transient 600", "must be smaller"),
-    ] {
-        let ran = folder.run(line);
-        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
-        assert!(
-            ran.err.contains(says) && ran.err.lines().count() == 1,
-            "{line}: {ran:?}"
-        );
-    }
+    assert_refused(
+        &folder,
+        [
+            ("compare nowhere.csv", "cannot read nowhere.csv"),
+            ("compare record.csv --from 1e6", "at least 16 are needed"),
+            (
+                "compare record.csv --frequency -1",
+                "must be a positive number",
+            ),
+            (
+                "compare record.csv --frequency 1 --ratio 1",
+                "cannot be used with",
+            ),
+            ("compare record.csv --transient 600", "must be smaller"),
+        ],
+    );
 }

@@ -1,6 +1,8 @@
 //! `host-sim contact`.
 
-use crate::support::{Folder, answer, assert_svg_shows, csv_rows, number, png_size};
+use crate::support::{
+    Folder, answer, assert_refused, assert_svg_shows, csv_rows, number, png_size,
+};
 
 #[test]
 fn the_rigs_own_contact_is_the_closed_form_and_alone_would_pull() {
@@ -49,23 +51,18 @@ fn figure_3_3_and_its_files() {
 
 #[test]
 fn bad_input_is_one_line_and_nothing_is_written() {
-    for (line, says) in [
-        ("contact --speed 0:1:0.1", "is not a speed above 0"),
-        ("contact --speed -1:1:0.1", "is not a speed above 0"),
-        ("contact --speed 1:nan:1", "finite"),
-        ("contact --speed 1e-9:1:1e-5", "more than 10000"),
-        ("contact --gap 1", "leave --engine and --gap out"),
-        ("contact --engine switch", "leave --engine and --gap out"),
-        ("contact --set mass_kg=-1", "mass_kg"),
-        ("contact --figure-3-3 --law own", "cannot be used with"),
-    ] {
-        let folder = Folder::new();
-        let ran = folder.run(&format!("{line} --out o"));
-        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
-        assert!(
-            ran.err.contains(says) && ran.err.lines().count() == 1,
-            "{line}: {ran:?}"
-        );
-        assert_eq!(folder.names(), Vec::<String>::new());
-    }
+    assert_refused(
+        &Folder::new(),
+        [
+            ("contact --speed 0:1:0.1", "is not a speed above 0"),
+            ("contact --speed -1:1:0.1", "is not a speed above 0"),
+            ("contact --speed 1:nan:1", "finite"),
+            ("contact --speed 1e-9:1:1e-5", "more than 10000"),
+            ("contact --gap 1", "unexpected argument '--gap'"),
+            ("contact --engine switch", "unexpected argument '--engine'"),
+            ("contact --set mass_kg=-1", "mass_kg"),
+            ("contact --figure-3-3 --law own", "cannot be used with"),
+        ]
+        .map(|(line, says)| (format!("{line} --out o"), says)),
+    );
 }

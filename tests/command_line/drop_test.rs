@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, answer, assert_svg_shows, csv_rows, number, png_size};
+use crate::support::{
+    Folder, answer, assert_refused, assert_svg_shows, csv_rows, number, png_size,
+};
 
 /// A folder with a drop test made by `drop` with these options.
 fn dropped(options: &str) -> Folder {
@@ -101,28 +103,18 @@ fn a_bad_record_is_told_by_file_and_line() {
         (String::new(), "line 1"),
     ] {
         let folder = Folder::new().with("bad.csv", &text);
-        let ran = folder.run("identify bad.csv --out o");
-        assert_eq!(ran.code, Some(2), "{says}: {ran:?}");
-        assert!(
-            ran.err.contains(says) && ran.err.lines().count() == 1,
-            "{says}: {ran:?}"
-        );
-        assert_eq!(folder.names(), ["bad.csv"]);
+        assert_refused(&folder, [("identify bad.csv --out o", says)]);
     }
-    for (line, says) in [
-        ("identify nowhere.csv", "cannot read nowhere.csv"),
-        ("drop --release-mm 1", "not clear of the surface"),
-        ("drop --release-mm -80", "out of the rig's reach"),
-        ("drop --gap 3.5", "never strikes"),
-        ("drop --noise-n -1", "--noise-n is -1"),
-        ("drop --sampling-hz nan", "--sampling-hz is NaN"),
-        ("drop --impacts 0", "--impacts is 0"),
-    ] {
-        let ran = Folder::new().run(line);
-        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
-        assert!(
-            ran.err.contains(says) && ran.err.lines().count() == 1,
-            "{line}: {ran:?}"
-        );
-    }
+    assert_refused(
+        &Folder::new(),
+        [
+            ("identify nowhere.csv", "cannot read nowhere.csv"),
+            ("drop --release-mm 1", "not clear of the surface"),
+            ("drop --release-mm -80", "out of the rig's reach"),
+            ("drop --gap 3.5", "never strikes"),
+            ("drop --noise-n -1", "--noise-n is -1"),
+            ("drop --sampling-hz nan", "--sampling-hz is NaN"),
+            ("drop --impacts 0", "--impacts is 0"),
+        ],
+    );
 }

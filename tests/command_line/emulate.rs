@@ -4,7 +4,9 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{Folder, assert_svg_shows, csv_rows, finish, keys, number, png_size, wait};
+use crate::support::{
+    Folder, assert_refused, assert_svg_shows, csv_rows, finish, keys, number, png_size, wait,
+};
 
 /// Two seconds: start, and an emergency stop that must trip and switch off.
 const STOPPED: &str = r#"
@@ -272,26 +274,20 @@ fn input_that_cannot_be_used_gets_one_line() {
             "notes.parquet",
             "not a log at all, but some text of a length",
         );
-    for (line, says) in [
-        ("emulate key.toml", "key.toml"),
-        ("emulate late.toml", "late.toml"),
-        ("emulate nowhere", "nowhere"),
-        ("emulate nowhere.toml", "nowhere.toml"),
-        ("emulate field --out taken", "taken"),
-        ("emulate field --scenario field", "--scenario"),
-        ("replay nowhere.parquet", "nowhere.parquet"),
-        ("replay notes.parquet", "notes.parquet"),
-        ("replay .", "."),
-    ] {
-        let ran = folder.run(line);
-        assert_eq!(
-            (ran.code, ran.out.as_str()),
-            (Some(2), ""),
-            "{line}: {ran:?}"
-        );
-        assert_eq!(ran.err.lines().count(), 1, "{line}: {ran:?}");
-        assert!(ran.err.contains(says), "{line}: {ran:?}");
-    }
+    assert_refused(
+        &folder,
+        [
+            ("emulate key.toml", "key.toml"),
+            ("emulate late.toml", "late.toml"),
+            ("emulate nowhere", "nowhere"),
+            ("emulate nowhere.toml", "nowhere.toml"),
+            ("emulate field --out taken", "taken"),
+            ("emulate field --scenario field", "--scenario"),
+            ("replay nowhere.parquet", "nowhere.parquet"),
+            ("replay notes.parquet", "notes.parquet"),
+            ("replay .", "."),
+        ],
+    );
 }
 
 #[test]

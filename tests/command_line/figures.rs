@@ -39,7 +39,7 @@ fn asked_for_alone_a_figure_is_made_with_its_page_and_not_made_again() {
         assert!(there, "{link}");
     }
     let again = folder.run(line).well();
-    assert!(again.out.contains("3.5, 3.6 stand already"), "{again:?}");
+    assert!(again.out.contains("3.5, 3.6 already made"), "{again:?}");
     // A damaged file is noticed and its part made again, to the same bytes.
     let path = folder.path("made/figure-3-6.csv");
     let whole = fs::read(&path).unwrap();

@@ -1,204 +1,20 @@
-//! `host-sim link` against a board that is not there: a session behind a pseudo-terminal.
+//! `host-sim link` against emulated boards.
 
 use std::io::{BufRead, BufReader};
 use std::process::{self, Child, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{self, JoinHandle};
+use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::boards::{Emulator, Toy, still, toy};
 use crate::support::{Folder, csv_rows, finish, number, wait};
 use emulator::log::Reader;
-use host_sim::link::{Board, Server, client};
 use serialport::{SerialPort, TTYPort};
-use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Status};
-use shared::fault::{Fault, Origin, Record};
-use shared::io::{AdcCode, Frame, Output};
-use shared::link::{
-    BAUD, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
-    ToBoard,
-};
+use shared::control::State;
+use shared::io::AdcCode;
+use shared::link::{BAUD, PROTOCOL_VERSION, ToBoard};
 use shared::model::params::{BEAM_150, WIRES};
 use shared::model::regime::Regime;
 use shared::settings::Settings;
-
-/// A device behind a pseudo-terminal until it is dropped.
-struct Behind {
-    path: String,
-    over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Behind {
-    /// Runs `device`; `turn` lets its time go on between two looks at the wire.
-    fn run<D: Device + Send + 'static>(mut device: D, turn: fn(&mut D)) -> Self {
-        let (mut wire, far_end) = TTYPort::pair().expect("a pseudo-terminal");
-        wire.set_timeout(Duration::from_millis(1))
-            .expect("a timeout");
-        let path = far_end.name().expect("its name");
-        let over = Arc::new(AtomicBool::new(false));
-        let stop = Arc::clone(&over);
-        let thread = thread::spawn(move || {
-            // Held open: without an opener at the far end, the wire reads as broken.
-            let _far_end = far_end;
-            let mut server = Server::new();
-            while !stop.load(Ordering::Relaxed) {
-                turn(&mut device);
-                server
-                    .step(&mut device, &mut wire)
-                    .expect("a wire that works");
-            }
-        });
-        Self {
-            path,
-            over,
-            thread: Some(thread),
-        }
-    }
-
-    fn line(&self, rest: &str) -> String {
-        format!("link {} {rest}", self.path)
-    }
-
-    fn client(&self) -> client::Client<Box<dyn SerialPort>> {
-        client::open(&self.path, BAUD).expect("a board").0
-    }
-}
-
-impl Drop for Behind {
-    fn drop(&mut self) {
-        self.over.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            thread.join().expect("the device ran well");
-        }
-    }
-}
-
-/// The real controller at a rig that stands still.
-fn still() -> Behind {
-    let mut board = Board::new(&Settings::for_rig(&WIRES), 10).expect("good settings");
-    // A forecast takes a while; it is there before the first question.
-    while board
-        .lockstep()
-        .forecast()
-        .is_none_or(|f| f.rows.is_empty())
-    {
-        quiet_block(&mut board);
-    }
-    Behind::run(board, quiet_block)
-}
-
-fn quiet_block(board: &mut Board) {
-    let settings = board.settings();
-    let code = |zero: f32| AdcCode(zero as u16);
-    let frame = Frame {
-        force: code(settings.force.zero_code),
-        hammer: code(settings.hammer.zero_code),
-        cart: code(settings.cart.zero_code),
-        emergency: false,
-    };
-    board.exchange(&[frame; 10], &mut [Output::SAFE; 10], 20);
-}
-
-/// A board whose force is its frequency, whose limits are 1 and 5 Hz, and whose time runs fast.
-struct Toy {
-    status: Status,
-    aim_hz: f32,
-    protocol: u16,
-    trips_above_hz: f32,
-}
-
-impl Toy {
-    fn new() -> Self {
-        let settings = Settings::for_rig(&WIRES);
-        let controller = Controller::new(&settings, &BootInfo::default()).expect("good settings");
-        Self {
-            status: controller.status(),
-            aim_hz: 2.0,
-            protocol: PROTOCOL_VERSION,
-            trips_above_hz: f32::INFINITY,
-        }
-    }
-
-    /// 5 ms, at 2 Hz/s.
-    fn turn(&mut self) {
-        let status = &mut self.status;
-        status.tick = status.tick.wrapping_add(100);
-        match status.state {
-            State::SelfTest => status.state = State::Manual,
-            State::Stop => status.state = State::Idle,
-            _ => {}
-        }
-        let step = (self.aim_hz - status.frequency_hz).clamp(-0.01, 0.01);
-        status.frequency_hz += step;
-        status.peak_n = status.frequency_hz;
-        if status.state == State::Manual && status.frequency_hz > self.trips_above_hz {
-            status.state = State::Fault;
-            status.fault = Some(Record {
-                fault: Fault::OverForce,
-                origin: Origin::Force,
-                tick: status.tick,
-                value: 500.0,
-                frequency_hz: status.frequency_hz,
-            });
-        }
-    }
-}
-
-impl Device for Toy {
-    fn hello(&mut self) -> Hello {
-        Hello {
-            protocol: self.protocol,
-            firmware: Name::try_from("9.9.9").expect("short"),
-            board: Name::try_from("toy").expect("short"),
-            tick_rate_hz: 20_000,
-            block_ticks: 10,
-        }
-    }
-    fn status(&mut self) -> Status {
-        self.status
-    }
-    fn command(&mut self, command: Command) -> Result<(), Refused> {
-        match (command, self.status.state) {
-            (Command::Start(Mode::Manual), State::Idle) => self.status.state = State::SelfTest,
-            (Command::Stop, State::Manual) => self.status.state = State::Stop,
-            (Command::SetPoint { frequency_hz, .. }, State::Manual) => {
-                self.aim_hz = frequency_hz.clamp(1.0, 5.0);
-            }
-            (Command::Alive, _) => {}
-            _ => return Err(Refused::WrongState),
-        }
-        Ok(())
-    }
-    fn settings(&mut self) -> Settings {
-        Settings::for_rig(&WIRES)
-    }
-    fn replace_settings(&mut self, _settings: &Settings) -> Result<(), Refused> {
-        Ok(())
-    }
-    fn store_settings(&mut self) -> Result<(), Refusal> {
-        Err(Refusal::NotStored)
-    }
-    fn forecast(&mut self, page: u8) -> ForecastPage {
-        ForecastPage::of(None, page)
-    }
-    fn fault_record(&mut self) -> Option<Record> {
-        self.status.fault
-    }
-    fn identified(&mut self) -> Identified {
-        Identified::default()
-    }
-    fn record(&mut self, _on: bool) -> Result<(), Refusal> {
-        Err(Refusal::NotAvailable)
-    }
-    fn take_block(&mut self) -> Option<RecordedBlock> {
-        None
-    }
-}
-
-fn toy(toy: Toy) -> Behind {
-    Behind::run(toy, Toy::turn)
-}
 
 /// One line on standard error that contains `words`, exit code 2, nothing on standard output.
 fn refused(folder: &Folder, line: &str, words: &[&str]) {
@@ -286,25 +102,11 @@ fn a_recording_is_a_log_without_a_gap_that_replays() {
     assert!(replayed.out.contains("same decisions"), "{replayed:?}");
 }
 
-/// `host-sim emulate --pty`, ended when dropped.
-struct Emulator(Child, String);
-
-impl Emulator {
-    fn start(folder: &Folder, scenario: &str) -> Self {
-        let mut command = folder.command(&["emulate", scenario, "--pty"]);
-        let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
-        let out = child.stdout.take().expect("it is piped");
-        let mut path = String::new();
-        BufReader::new(out).read_line(&mut path).expect("a path");
-        Self(child, path.trim().to_owned())
-    }
-}
-
-impl Drop for Emulator {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
+/// As Ctrl-C does.
+fn interrupt(child: &Child) {
+    let mut kill = process::Command::new("kill");
+    kill.args(["-INT", &child.id().to_string()]);
+    assert_eq!(finish(kill).code, Some(0));
 }
 
 /// The whole way: plant, sensors, controller, session, wire, client, log, replay.
@@ -330,9 +132,7 @@ fn a_recording_of_an_emulated_rig_that_starts_replays_bit_for_bit() {
         );
         thread::sleep(Duration::from_millis(20));
     }
-    let mut interrupt = process::Command::new("kill");
-    interrupt.args(["-INT", &recording.id().to_string()]);
-    assert_eq!(finish(interrupt).code, Some(0));
+    interrupt(&recording);
     assert_eq!(wait(recording).code(), Some(130));
     assert_eq!(folder.names(), before);
     ask("record run.parquet --for 4 --start").well();
@@ -396,6 +196,32 @@ fn a_fault_ends_a_sweep_and_leaves_what_was_measured() {
         "{last}"
     );
     assert_eq!(csv_rows(&folder.read("part.csv")).len(), 1);
+}
+
+#[test]
+fn an_interrupted_sweep_writes_what_was_measured_and_stops_the_drive() {
+    let folder = Folder::new();
+    let board = toy(Toy::new());
+    let line =
+        board.line("sweep --from 4 --to 5 --step 0.01 --settle 0.2 --measure 0.2 --out part.csv");
+    let words: Vec<_> = line.split_whitespace().collect();
+    let mut sweep = folder
+        .command(&words)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(sweep.stderr.take().expect("a pipe")).lines();
+    let mut said = || lines.next().expect("a line").expect("UTF-8");
+    assert!(said().contains("4.0000 Hz"));
+    interrupt(&sweep);
+    let rest: Vec<String> = std::iter::from_fn(|| Some(said()))
+        .take_while(|line| !line.starts_with("interrupted after"))
+        .collect();
+    assert!(rest.iter().any(|line| line == "wrote part.csv"), "{rest:?}");
+    assert_eq!(wait(sweep).code(), Some(130));
+    assert!(!csv_rows(&folder.read("part.csv")).is_empty());
+    let status = board.client().status().expect("an answer");
+    assert_eq!(status.state, State::Idle);
 }
 
 #[test]

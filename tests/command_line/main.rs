@@ -6,6 +6,8 @@
 mod bad_input;
 mod basins;
 mod bifurcation;
+#[cfg(unix)]
+mod boards;
 mod compare;
 mod contact;
 mod drop_test;
@@ -14,6 +16,7 @@ mod figures;
 #[cfg(unix)]
 mod link;
 mod map;
+mod map_tiles;
 mod modes;
 mod orbits;
 mod pick;
@@ -22,5 +25,6 @@ mod pipes;
 mod poincare;
 mod rigs;
 mod simulate;
+mod snapshots;
 mod support;
 mod sweep;

@@ -2,18 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::process::{Child, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 use crate::support::{
-    Folder, answer, assert_svg_shows, csv_rows, finish, keys, number, png_size, wait,
+    Folder, answer, assert_refused, assert_svg_shows, csv_rows, keys, number, png_size,
 };
 
 /// A map in which much happens, in a moment.
-const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
+pub const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
 
 const COLUMNS: [&str; 12] = [
     "gap_mm",
@@ -31,7 +28,7 @@ const COLUMNS: [&str; 12] = [
 ];
 
 /// The files of a folder and what they hold, tiles left out.
-fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
+pub fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
     let names = folder.names().into_iter();
     let names = names.filter(|name| !name.contains(".tiles/"));
     names
@@ -42,12 +39,12 @@ fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-fn tiles(folder: &Folder) -> usize {
+pub fn tiles(folder: &Folder) -> usize {
     let names = folder.names();
     names.iter().filter(|name| name.ends_with(".bin")).count()
 }
 
-fn run(folder: &Folder, line: &str) -> String {
+pub fn run(folder: &Folder, line: &str) -> String {
     folder.run(line).well().out
 }
 
@@ -121,97 +118,6 @@ fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
     png_size(&fs::read(folder.path("o/map-wires-force.png")).expect("a picture"));
 }
 
-#[test]
-fn threads_and_tiles_do_not_change_a_byte() {
-    let whole = Folder::new();
-    // Slow engines have small tiles: 6 × 50 cells are three.
-    let line = "map --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --cycles 20 --reference --format text";
-    run(&whole, &format!("{line} --quiet --out o --threads 1"));
-    let expected = outputs(&whole);
-    assert_eq!(expected.len(), 6);
-    let split = Folder::new();
-    for share in ["2/2", "1/2"] {
-        let said = split.run(&format!("{line} --out o --tiles {share}")).well();
-        assert!(said.err.contains("--merge"), "{said:?}");
-        assert!(outputs(&split).is_empty());
-    }
-    assert_eq!(tiles(&split), 3);
-    run(
-        &split,
-        &format!("{line} --quiet --out o --merge --threads 2"),
-    );
-    assert_eq!(outputs(&split), expected);
-    assert_eq!(tiles(&split), 0);
-}
-
-/// Tiles that are missing, of another map, or damaged.
-#[test]
-fn tiles_that_do_not_serve_are_told_or_made_again() {
-    let folder = Folder::new();
-    let line = "map --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --reference --format text --out o";
-    run(&folder, &format!("{line} --cycles 20 --quiet --tiles 0..2"));
-    let refused = |extra: &str, says: &[&str]| {
-        let before = folder.names();
-        let ran = folder.run(&format!("{line} {extra}"));
-        assert_eq!(ran.code, Some(2), "{ran:?}");
-        assert_eq!(ran.err.lines().count(), 1, "{ran:?}");
-        assert!(says.iter().all(|s| ran.err.contains(s)), "{ran:?}");
-        assert_eq!(folder.names(), before);
-    };
-    refused("--cycles 20 --merge", &["1 of 3 tiles missing", ": 2..3;"]);
-    refused(
-        "--cycles 30",
-        &[
-            "(20, 10) where this one has (30, 15)",
-            "o/map-wires-reference.tiles",
-        ],
-    );
-    refused("--cycles 20 --set mass_kg=0.3", &["another rig"]);
-    refused("--cycles 20 --tiles 2..4", &["the map has tiles 0..3"]);
-    let request = folder.path("o/map-wires-reference.tiles/request.txt");
-    let told = fs::read(&request).expect("the request");
-    fs::write(&request, &told[..10]).expect("the request");
-    refused("--cycles 20", &["request.txt is damaged"]);
-    fs::write(&request, told).expect("the request");
-    let tile = folder.path("o/map-wires-reference.tiles/tile-000000.bin");
-    let good = fs::read(&tile).expect("a tile");
-    for position in [0, 9, good.len() / 2, good.len() - 1] {
-        let mut bad = good.clone();
-        bad[position] ^= 1;
-        fs::write(&tile, bad).expect("a tile");
-        refused(
-            "--cycles 20 --merge",
-            &["2 of 3 tiles missing", ": 0..1, 2..3;"],
-        );
-    }
-    fs::write(&tile, &good[..good.len() / 2]).expect("a tile");
-    run(&folder, &format!("{line} --cycles 20 --quiet"));
-    let whole = Folder::new();
-    run(&whole, &format!("{line} --cycles 20 --quiet"));
-    assert_eq!(outputs(&folder), outputs(&whole));
-}
-
-/// Starts `line` in `folder` and comes back when it has kept some tiles and not all.
-fn underway(folder: &Folder, line: &str, all: usize) -> Child {
-    let words: Vec<_> = line.split_whitespace().collect();
-    let mut child = folder
-        .command(&words)
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let before = tiles(folder);
-    let began = Instant::now();
-    while tiles(folder) < before + 2 {
-        assert!(began.elapsed() < Duration::from_secs(100), "no tiles");
-        let ended = child.try_wait().expect("a child");
-        assert!(ended.is_none(), "it was to be cut off in the middle");
-        thread::sleep(Duration::from_millis(2));
-    }
-    assert!(tiles(folder) < all, "it was to be cut off in the middle");
-    child
-}
-
 /// A map that fails on its way is in nobody's way afterwards.
 #[test]
 fn a_map_that_cannot_be_run_leaves_nothing() {
@@ -223,47 +129,6 @@ fn a_map_that_cannot_be_run_leaves_nothing() {
     assert!(ran.err.contains("a shorter tick"), "{ran:?}");
     assert!(folder.names().is_empty());
     run(&folder, &format!("{SMALL} --format json --quiet --out o"));
-}
-
-#[test]
-fn a_killed_map_goes_on_and_ends_in_the_same_bytes() {
-    // 16 × 50 cells are seven tiles of the reference.
-    let line =
-        "map --gap 0:3:0.2 --ratio 1:3.45:0.05 --cycles 40 --reference --format text --out o";
-    let folder = Folder::new();
-    let mut child = underway(&folder, line, 7);
-    // On Unix this is SIGKILL: nothing is cleaned up.
-    child.kill().expect("a child to kill");
-    assert!(!wait(child).success());
-    assert!(outputs(&folder).is_empty());
-    let kept = tiles(&folder);
-    assert!(kept >= 2);
-    run(&folder, &format!("{line} --quiet"));
-    let whole = Folder::new();
-    run(&whole, &format!("{line} --quiet"));
-    assert_eq!(outputs(&folder), outputs(&whole));
-    assert_eq!(outputs(&folder).len(), 6);
-    assert_eq!(tiles(&folder), 0);
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_map_says_how_to_go_on() {
-    let line = "map --gap 0:3:0.2 --ratio 1:3.45:0.05 --cycles 40 --reference --out o";
-    let folder = Folder::new();
-    let mut child = underway(&folder, line, 7);
-    let interrupt = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(interrupt.expect("kill").success());
-    let mut stderr = child.stderr.take().expect("a pipe");
-    assert_eq!(wait(child).code(), Some(130));
-    let mut said = String::new();
-    std::io::Read::read_to_string(&mut stderr, &mut said).expect("UTF-8");
-    assert_eq!(said.lines().count(), 1, "{said}");
-    assert!(said.contains("the same command goes on"), "{said}");
-    assert!(tiles(&folder) >= 2);
-    assert!(!folder.names().iter().any(|n| n.contains(".writing-")));
 }
 
 /// Carried up and down, the same gap shows other regimes where the hammer jumps; one chain is what `sweep` does.
@@ -416,62 +281,54 @@ fn what_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
         )
         .with("cut.csv", "gap_mm,frequency_hz\n0,2\n")
         .with("taken", "keep");
-    let before = folder.names();
-    for (line, says) in [
-        ("--gap 0:1", "write FROM:TO:STEP"),
-        ("--gap 1 --gap 0.5", "rising order"),
-        ("--gap nan", "gap_mm is NaN"),
-        ("--gap 500", "gap_mm is 500"),
-        ("--gap 0:1e9:1", "use a larger STEP"),
-        ("--ratio 0:1:0.5", "not a positive value"),
-        ("--ratio inf", "a finite number"),
-        ("--ratio 1e9", "it must be from 0.01 to 1000 times"),
-        ("--frequency 2 --ratio 2", "cannot be used with"),
-        ("--gap 0:1:0.0001 --ratio 1:4:0.0001", "20000000"),
-        ("--recorded 0", "--recorded is 0"),
-        ("--cycles 50 --recorded 100", "--recorded is 100"),
-        ("--settle 300", "must be more than the 300"),
-        ("--cycles 0", "--cycles is 0"),
-        ("--audit 0", "at least 1"),
-        ("--audit 5 --from up", "leave one of the two out"),
-        ("--seed 5", "--audit"),
-        ("--against rest", "choose another"),
-        ("--reference --against reference", "choose another"),
-        ("--beside wires", "two rigs are called wires"),
-        ("--beams --rig wires", "cannot be used with"),
-        ("--beams --format csv", "no one table"),
-        ("--tiles 1..1", "holds no tile"),
-        ("--tiles 0/4", "counted from 1"),
-        ("--tiles 1..2 --format csv", "add --out DIR"),
-        ("--tiles 0..1 --merge", "cannot be used with"),
-        ("--tiles 0..1 --audit 3", "cannot be used with"),
-        ("--tiles 0..1 --measured odd.csv", "cannot be used with"),
-        ("--gap 0 --ratio 2 --audit 2", "the map has 1 cell"),
-        ("--gap 0 --ratio 2 --tiles 0..9", "tiles 0..1"),
-        ("--gap 0 --ratio 2 --merge", "1 of 1 tiles missing"),
-        ("--threads 0", "from 1 to 1024"),
-        ("--reference --engine switch", "leave --engine switch out"),
-        ("--tick-us 20", "add --engine switch"),
-        ("--measured odd.csv", "odd.csv, line 3: regime is 'often'"),
-        (
-            "--measured cut.csv",
-            "cut.csv, line 1: there is no column regime",
-        ),
-        ("--measured none.csv", "cannot read none.csv"),
-        ("--out taken", "choose another folder"),
-    ] {
-        let words: Vec<_> = std::iter::once("map").chain(line.split(' ')).collect();
-        let ran = finish(folder.command(&words));
-        assert_eq!(
-            (ran.code, ran.out.as_str()),
-            (Some(2), ""),
-            "{line}: {ran:?}"
-        );
-        assert_eq!(ran.err.lines().count(), 1, "{line}: {ran:?}");
-        assert!(
-            ran.err.starts_with("error: ") && ran.err.contains(says),
-            "{line}: {ran:?}"
-        );
-        assert_eq!(folder.names(), before, "{line}");
-    }
+    assert_refused(
+        &folder,
+        [
+            ("--gap 0:1", "write FROM:TO:STEP"),
+            ("--gap 1 --gap 0.5", "rising order"),
+            ("--gap nan", "gap_mm is NaN"),
+            ("--gap 500", "gap_mm is 500"),
+            ("--gap 0:1e9:1", "use a larger STEP"),
+            ("--ratio 0:1:0.5", "not a positive value"),
+            ("--ratio inf", "a finite number"),
+            ("--ratio 1e9", "it must be from 0.01 to 1000 times"),
+            ("--frequency 2 --ratio 2", "cannot be used with"),
+            ("--gap 0:1:0.0001 --ratio 1:4:0.0001", "20000000"),
+            ("--recorded 0", "--recorded is 0"),
+            ("--cycles 50 --recorded 100", "--recorded is 100"),
+            ("--settle 300", "must be more than the 300"),
+            ("--cycles 0", "--cycles is 0"),
+            ("--audit 0", "--audit is 0, must be from 1 to"),
+            ("--audit 5 --from up", "leave one of the two out"),
+            ("--seed 5", "--audit"),
+            ("--against rest", "choose another"),
+            ("--reference --against reference", "choose another"),
+            ("--beside wires", "two rigs are called wires"),
+            ("--beams --rig wires", "cannot be used with"),
+            ("--beams --format csv", "do not fit into one table"),
+            ("--tiles 1..1", "contains no tile"),
+            ("--tiles 0/4", "from 1 to the number of shares"),
+            ("--tiles 1..2 --format csv", "add --out DIR"),
+            ("--tiles 0..1 --merge", "cannot be used with"),
+            ("--tiles 0..1 --audit 3", "cannot be used with"),
+            ("--tiles 0..1 --measured odd.csv", "cannot be used with"),
+            ("--gap 0 --ratio 2 --audit 2", "the map has 1 cell"),
+            ("--gap 0 --ratio 2 --tiles 0..9", "tiles 0..1"),
+            ("--gap 0 --ratio 2 --merge", "1 of 1 tiles missing"),
+            ("--threads 0", "from 1 to 1024"),
+            (
+                "--reference --engine switch",
+                "does not go with --engine switch",
+            ),
+            ("--tick-us 20", "add --engine switch"),
+            ("--measured odd.csv", "odd.csv, line 3: regime is 'often'"),
+            (
+                "--measured cut.csv",
+                "cut.csv, line 1: there is no column regime",
+            ),
+            ("--measured none.csv", "cannot read none.csv"),
+            ("--out taken", "choose another folder"),
+        ]
+        .map(|(line, says)| (format!("map {line}"), says)),
+    );
 }

@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, answer, assert_svg_shows, csv_rows, keys, number, png_size};
+use crate::support::{
+    Folder, answer, assert_refused, assert_svg_shows, csv_rows, keys, number, png_size,
+};
 
 /// The 1/1 on wires at 0.0 mm about its period doubling, and the 2/2 it doubles into.
 const SHORT: &str = "orbits --gap 0 --ratio 2.4:2.8 --starts 4";
@@ -142,22 +144,11 @@ fn what_cannot_be_used_is_refused_in_one_line() {
         ("orbits --gaps 0:1", "--along gap or --curves"),
         ("orbits --curves --gap 1", "use --gaps FROM:TO:STEP"),
         ("orbits --curves --gaps 0:1", "FROM:TO:STEP"),
-        ("orbits --engine switch", "leave --engine out"),
+        ("orbits --engine switch", "unexpected argument '--engine'"),
         ("orbits --periods 0", "--periods"),
         ("orbits --starts 0", "--starts"),
     ];
     let folder = Folder::new();
-    for (line, says) in lines {
-        let ran = folder.run(line);
-        assert_eq!(
-            (ran.code, ran.out.as_str()),
-            (Some(2), ""),
-            "{line}: {ran:?}"
-        );
-        assert!(
-            ran.err.lines().count() == 1 && ran.err.contains(says),
-            "{line}: {ran:?}"
-        );
-    }
+    assert_refused(&folder, lines);
     assert!(folder.names().is_empty());
 }

@@ -294,3 +294,14 @@ fn csv_says_what_json_says_and_quiet_is_quiet() {
         assert_eq!(&row[key], said, "{key}");
     }
 }
+
+/// What cannot be written is noticed before the answer is printed.
+#[cfg(unix)]
+#[test]
+fn no_answer_is_printed_when_its_files_cannot_be_written() {
+    let folder = Folder::new();
+    std::os::unix::fs::symlink("not/there", folder.path("o")).expect("a link");
+    let ran = folder.run("pick --nominal --out o");
+    assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{ran:?}");
+    assert_eq!(ran.err.lines().count(), 1, "{ran:?}");
+}

@@ -3,6 +3,8 @@
 use std::process::Stdio;
 
 use crate::support::{Folder, finish, wait};
+#[cfg(target_os = "linux")]
+use crate::support::{Ran, program};
 
 #[test]
 fn closed_standard_output_is_no_error() {
@@ -69,4 +71,78 @@ fn help_and_version_are_answers() {
             "{line}: {ran:?}"
         );
     }
+}
+
+/// Runs `line` in a shell after `before`, with whatever `after` redirects.
+#[cfg(target_os = "linux")]
+fn in_a_shell(folder: &Folder, before: &str, line: &str, after: &str) -> Ran {
+    let script = format!("{before} exec '{}' {line} {after}", program().display());
+    let mut shell = std::process::Command::new("sh");
+    shell
+        .args(["-c", &script])
+        .current_dir(folder.path(""))
+        .stdin(Stdio::null());
+    finish(shell)
+}
+
+/// The answer would be lost: that is an error, unlike a reader that has read enough.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_that_is_closed_from_the_start_is_an_error() {
+    let folder = Folder::new();
+    for line in [
+        "rigs",
+        "--help",
+        "simulate --ratio 1.5 --cycles 20 --transient 10",
+    ] {
+        let ran = in_a_shell(&folder, "", line, ">&-");
+        assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
+        assert_eq!(ran.err.lines().count(), 1, "{line}: {ran:?}");
+        assert!(ran.err.contains("standard output is closed"), "{ran:?}");
+        // Thrown away on purpose is no error.
+        assert_eq!(in_a_shell(&folder, "", line, ">/dev/null").code, Some(0));
+        assert_eq!(
+            in_a_shell(&folder, "", line, "0<>/dev/null >&0").code,
+            Some(0)
+        );
+    }
+    let ran = in_a_shell(&folder, "", "rigs", ">/dev/full");
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert!(
+        ran.err.contains("cannot write to standard output"),
+        "{ran:?}"
+    );
+}
+
+/// A limit on the size of files ends a write with an error, not the program with a signal.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_larger_than_the_limit_are_refused_in_one_line() {
+    let folder = Folder::new();
+    let line = "simulate --ratio 1.5 --cycles 40 --transient 10 --format json --quiet --out o";
+    let ran = in_a_shell(&folder, "ulimit -f 1;", line, "");
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert_eq!(ran.err.lines().count(), 1, "{ran:?}");
+    assert!(ran.err.contains("cannot write o/simulate"), "{ran:?}");
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
+/// A name that is not UTF-8 is a name like any other.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_s_name_need_not_be_utf_8() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::new();
+    let name = std::ffi::OsStr::from_bytes(b"o\xff");
+    let line = "simulate --ratio 1.5 --cycles 20 --transient 10 --format json --out";
+    let words: Vec<_> = line.split_whitespace().collect();
+    let mut command = folder.command(&words);
+    command.arg(name);
+    finish(command).well();
+    let made: Vec<_> = std::fs::read_dir(folder.path(""))
+        .expect("a folder")
+        .map(|entry| entry.expect("a folder").file_name())
+        .collect();
+    assert_eq!(made, [name]);
+    assert!(folder.path("").join(name).join("simulate.json").is_file());
 }

@@ -152,6 +152,34 @@ fn contents(file: &mut File) -> String {
     text
 }
 
+/// Makes sure that every line is refused in `folder`: exit code 2, one line on standard error that contains the words
+/// beside it, nothing on standard output, and no file.
+pub fn assert_refused<'a, L: AsRef<str>>(
+    folder: &Folder,
+    lines: impl IntoIterator<Item = (L, &'a str)>,
+) {
+    let faults = lines.into_iter().filter_map(|(line, says)| {
+        let words: Vec<_> = line.as_ref().split_whitespace().collect();
+        fault(folder, &words, says)
+    });
+    let faults: Vec<_> = faults.collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// What is wrong with how `words` are refused.
+pub fn fault(folder: &Folder, words: &[&str], says: &str) -> Option<String> {
+    let before = folder.names();
+    let ran = finish(folder.command(words));
+    let one_line = ran.err.ends_with('\n') && ran.err.lines().count() == 1;
+    let refused = ran.code == Some(2)
+        && one_line
+        && ran.err.starts_with("error: ")
+        && ran.err.contains(says)
+        && ran.out.is_empty()
+        && folder.names() == before;
+    (!refused).then(|| format!("{words:?} should say '{says}': {ran:?}"))
+}
+
 /// The JSON answer to `line`, asked in a folder that must stay empty, with nothing else said.
 pub fn answer(line: &str) -> Value {
     let folder = Folder::new();

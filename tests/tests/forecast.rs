@@ -127,10 +127,7 @@ fn multipliers_are_the_reference_s_under_the_nonlinear_laws() {
 }
 
 fn nominal(name: &str, rig: &RigParams) -> Answer {
-    let rig = NamedRig {
-        name: name.to_owned(),
-        params: *rig,
-    };
+    let rig = NamedRig::new(name, *rig);
     pick(&rig, None, Limits::default(), &()).unwrap().answer
 }
 

@@ -1,7 +1,7 @@
 //! One run as a row of a table, and numbers without the noise of a unit conversion.
 
 use serde::{Serialize, Serializer};
-use shared::model::params::RigParams;
+use shared::model::params::{RigParams, preset};
 use shared::model::regime::Regime;
 
 use crate::engine::Observation;
@@ -17,6 +17,23 @@ pub struct NamedRig {
 }
 
 impl NamedRig {
+    /// A rig called `name`.
+    pub fn new(name: impl Into<String>, params: RigParams) -> Self {
+        Self {
+            name: name.into(),
+            params,
+        }
+    }
+
+    /// The preset `name`.
+    ///
+    /// # Errors
+    /// [`Error::Preset`] if there is none of this name.
+    pub fn preset(name: &str) -> Result<Self, Error> {
+        let params = preset(name).ok_or_else(|| Error::Preset(name.to_owned()))?;
+        Ok(Self::new(name, params))
+    }
+
     /// The error that says why this rig has no operating point.
     pub fn no_pick(&self, what: PickError) -> Error {
         Error::Pick {

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::common::Common;
-use super::drive::Over;
-use super::emit::{emit, tables};
+use super::arguments::drive::Drives;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigAtGaps;
 use crate::pictures::bifurcation::{Abscissa, figure};
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -38,10 +39,7 @@ enum Which {
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps), or all three
     #[arg(long, value_enum, default_value = "rest")]
@@ -51,16 +49,25 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last are recorded: points of the section where it does not repeat
+    /// How many of the last cycles are recorded; where the motion does not repeat, each gives a point
     #[arg(long, value_name = "N", default_value_t = 100)]
     recorded: u32,
 
-    /// Measured points to lay over: CSV with frequency_hz and displacement_mm, force_n or both
+    /// Measured points to draw over the diagram: CSV with frequency_hz and displacement_mm, force_n or both
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
+
+    #[command(flatten)]
+    rig: RigAtGaps,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer {
     rig: String,
@@ -68,13 +75,13 @@ struct Answer {
     cycles: u32,
     recorded: u32,
     simulations: u64,
-    diagrams: Vec<Told>,
+    diagrams: Vec<DiagramAnswer>,
     twofold: Vec<Twofold>,
 }
 
-/// One diagram, as told.
+/// One diagram.
 #[derive(Debug, Serialize)]
-struct Told {
+struct DiagramAnswer {
     gap_mm: f64,
     direction: &'static str,
     frequencies: usize,
@@ -101,25 +108,25 @@ struct ChangeRow {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
+    let output = &args.output;
+    output.check()?;
     let request = request(args)?;
     let measured = args
         .measured
         .as_deref()
         .map(crate::measured::diagram)
         .transpose()?;
-    let progress = Progress::new("simulations", request.simulations(), common.quiet);
+    let progress = Progress::new("simulations", request.simulations(), output.quiet);
     let diagrams = diagrams(&request, &progress)?;
     progress.finish();
     let points = rows(&diagrams);
     let answer = answer(&request, &diagrams, measured.as_ref());
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let abscissa = match args.drive.in_hz() {
             true => Abscissa::Frequency,
             false => Abscissa::Ratio,
         };
-        let mut contents = tables("bifurcation", common.format, &answer, &points)?;
+        let mut contents = output.tables("bifurcation", &answer, &points)?;
         let changes: Vec<_> = answer.diagrams.iter().flat_map(change_rows).collect();
         contents.push(("bifurcation-changes.csv".into(), to_csv(&changes)));
         for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
@@ -130,14 +137,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             };
             contents.extend(drawn(&name, &figure(&all, abscissa, measured.as_ref()))?);
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &points, || text(&answer, &diagrams))
+    output.emit(&answer, &points, || text(&answer, &diagrams))
 }
 
 fn request(args: &Args) -> Result<DiagramRequest, UserError> {
-    let common = &args.common;
-    let rig = files::rigfile::load(&common.rig, &common.set)?;
+    let output = &args.output;
+    let rig = args.rig.name.load()?;
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     if args.recorded == 0 || args.recorded > args.cycles {
@@ -146,9 +153,8 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
             args.recorded, args.cycles
         )));
     }
-    let mut gaps_mm = common
-        .gaps()
-        .unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
+    let given = args.rig.gaps_mm();
+    let mut gaps_mm = given.unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
     Ok(DiagramRequest {
@@ -160,7 +166,7 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
             Which::Down => vec![Direction::Down],
             Which::All => vec![Direction::Rest, Direction::Up, Direction::Down],
         },
-        engine: common.engine()?,
+        engine: args.engine.engine(output)?,
         plan: CellPlan {
             cycles: args.cycles,
             recorded: args.recorded,
@@ -173,7 +179,7 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
 }
 
 fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
-    let told = |d: &Diagram| Told {
+    let one = |d: &Diagram| DiagramAnswer {
         gap_mm: d.gap_mm,
         direction: d.direction.name(),
         frequencies: d.stations.len(),
@@ -204,15 +210,15 @@ fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Meas
         cycles: request.plan.cycles,
         recorded: request.plan.recorded,
         simulations: request.simulations(),
-        diagrams: diagrams.iter().map(told).collect(),
+        diagrams: diagrams.iter().map(one).collect(),
         twofold,
     }
 }
 
-fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow> {
-    told.changes.iter().map(|c| ChangeRow {
-        gap_mm: told.gap_mm,
-        direction: told.direction,
+fn change_rows(found: &DiagramAnswer) -> impl Iterator<Item = ChangeRow> {
+    found.changes.iter().map(|c| ChangeRow {
+        gap_mm: found.gap_mm,
+        direction: found.direction,
         change: c.kind.words(),
         below: c.below,
         above: c.above,
@@ -225,17 +231,17 @@ fn change_rows(told: &Told) -> impl Iterator<Item = ChangeRow> {
 
 fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     let mut text = String::new();
-    for (told, diagram) in answer.diagrams.iter().zip(diagrams) {
+    for (found, diagram) in answer.diagrams.iter().zip(diagrams) {
         text += &format!(
             "{}, gap {:?} mm, {}: {} frequencies\n",
             answer.rig,
-            told.gap_mm,
-            match told.direction {
-                "rest" => "each from rest",
-                "up" => "carried up",
-                _ => "carried down",
+            found.gap_mm,
+            match diagram.direction {
+                Direction::Rest => "each from rest",
+                Direction::Up => "carried up",
+                Direction::Down => "carried down",
             },
-            told.frequencies
+            found.frequencies
         );
         let points = diagram.stations.iter().flat_map(|s| {
             let few = s.points.iter().rev().take(16);
@@ -244,10 +250,10 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
         text += &Chart::new("Ω/ω", "displacement at drive phase 0, mm")
             .points("section", points.collect())
             .render();
-        text += &changes_text(told);
+        text += &changes_text(found);
         for (what, distance) in [
-            ("displacement, mm", told.measured_displacement_mm),
-            ("force, N", told.measured_force_n),
+            ("displacement, mm", found.measured_displacement_mm),
+            ("force, N", found.measured_force_n),
         ] {
             if let Some(d) = distance {
                 text += &format!(
@@ -267,8 +273,8 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     text
 }
 
-fn changes_text(told: &Told) -> String {
-    let lasting: Vec<_> = told.changes.iter().filter(|c| c.lasting).collect();
+fn changes_text(found: &DiagramAnswer) -> String {
+    let lasting: Vec<_> = found.changes.iter().filter(|c| c.lasting).collect();
     let mut text = String::new();
     if !lasting.is_empty() {
         text += "   Hz          within     Ω/ω      below      above      what\n";
@@ -284,16 +290,16 @@ fn changes_text(told: &Told) -> String {
             c.kind.words()
         );
     }
-    let brief = told.changes.len() - lasting.len();
+    let brief = found.changes.len() - lasting.len();
     if brief > 0 {
         text += &format!(
             "  and {brief} that last for fewer than three frequencies (--format json lists them)\n"
         );
     }
-    if told.not_settled > 0 {
+    if found.not_settled > 0 {
         text += &format!(
             "  {} of {} frequencies had not settled\n",
-            told.not_settled, told.frequencies
+            found.not_settled, found.frequencies
         );
     }
     text

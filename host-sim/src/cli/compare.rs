@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::choice::choice;
-use super::common::{Common, Cycles, parse_start};
-use super::drive::At;
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::cycles::{CycleArgs, parse_start};
+use super::arguments::drive::Drive;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::words::compare::Worded;
@@ -24,10 +26,7 @@ pub struct Args {
     file: PathBuf,
 
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: At,
+    drive: Drive,
 
     /// The frame of the measured displacement
     #[arg(long, value_parser = choice::<Frame>(), default_value = "fixed")]
@@ -42,20 +41,29 @@ pub struct Args {
     to: Option<f64>,
 
     #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
 
     /// Where the simulation starts: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
     #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
     initial: Start,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let question = ComparisonRequest {
         params: rig.params,
-        engine: common.engine()?,
+        engine: args.engine.engine(output)?,
         frequency_hz: args.drive.hz(rig.params.natural_frequency_hz()),
         start: args.initial,
         plan: args.cycles.plan()?,
@@ -73,7 +81,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     )?;
     let comparison = compare(&signal, &question)?;
     let answer = Worded::from(&comparison.errors);
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let title = format!(
             "{} against {}, gap {:?} mm",
             signal.name,
@@ -82,10 +90,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         );
         let figure = pictures::compare::figure(title, &comparison, args.frame);
         let mut contents = drawn("compare", &figure)?;
-        contents.extend(tables("compare", common.format, &answer, &comparison.rows)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables("compare", &answer, &comparison.rows)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &comparison.rows, || {
+    output.emit(&answer, &comparison.rows, || {
         text(&signal, &rig.name, &comparison, &answer.notes)
     })
 }

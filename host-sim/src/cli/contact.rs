@@ -1,7 +1,8 @@
 //! `host-sim contact`.
 
-use super::common::{Common, EngineName, parse_range};
-use super::emit::{emit, tables};
+use super::arguments::output::OutputArgs;
+use super::arguments::range::parse_range;
+use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use crate::pictures::drawn;
 use files::UserError;
@@ -18,9 +19,6 @@ enum Which {
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    #[command(flatten)]
-    common: Common,
-
     /// Approach speeds, m/s [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
     speed: Option<String>,
@@ -29,12 +27,18 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "all")]
     law: Which,
 
-    /// The blow of figure 3.3: 2 kg, Hunt-Crossley, ki = 2.1e8, n = 1.6, lambda = 0.6
+    /// The impact of figure 3.3: 2 kg, Hunt-Crossley, ki = 2.1e8, n = 1.6, lambda = 0.6
     #[arg(long, conflicts_with_all = ["rig", "set", "law"])]
     figure_3_3: bool,
+
+    #[command(flatten)]
+    rig: RigName,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// What is struck with.
+/// Mass, laws and speeds to simulate.
 struct Case {
     title: String,
     mass_kg: f64,
@@ -43,26 +47,20 @@ struct Case {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine != EngineName::Event || common.gap.is_some() {
-        return Err(UserError::new(
-            "contact strikes a free mass on a fixed wall by the event engine; leave --engine and --gap out",
-        ));
-    }
-    common.engine()?;
+    let output = &args.output;
+    output.check()?;
     let case = case(args)?;
     let mut all = Vec::new();
     for (name, law) in &case.laws {
         all.extend(rows(name, *law, case.mass_kg, &case.speeds)?);
     }
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let figure = figure(&case, &all)?;
         let mut contents = drawn("contact", &figure)?;
-        contents.extend(tables("contact", common.format, &all, &all)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables("contact", &all, &all)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &all, &all, || text(&case, &all))
+    output.emit(&all, &all, || text(&case, &all))
 }
 
 fn case(args: &Args) -> Result<Case, UserError> {
@@ -80,7 +78,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
             speeds,
         });
     }
-    let rig = args.common.rig()?;
+    let rig = args.rig.load()?;
     let own = rig.params.contact;
     Ok(Case {
         title: format!(

@@ -1,7 +1,7 @@
 //! `host-sim drop`.
 
-use super::common::{Common, EngineName};
-use super::emit::{emit, tables};
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use files::UserError;
 use numerics::drop_test::{DropTest, Row, record};
@@ -10,10 +10,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    #[command(flatten)]
-    common: Common,
-
-    /// Where the hammer is let go at rest, mm from its rest position; negative: away from the surface
+    /// Displacement at which the hammer is released, mm from its rest position; negative: away from the surface
     #[arg(
         long,
         value_name = "MM",
@@ -77,28 +74,26 @@ pub struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "drop runs on the event engine; leave --engine out",
-        ));
-    }
-    common.engine()?;
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut contents = drawn("drop", &figure(&rig.name, &test, &rows))?;
-        contents.extend(tables("drop", common.format, &rows, &rows)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables("drop", &rows, &rows)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || {
-        text(&rig.name, &test, &rows)
-    })
+    output.emit(&rows, &rows, || text(&rig.name, &test, &rows))
 }
 
 fn test(args: &Args) -> Result<DropTest, UserError> {
@@ -130,7 +125,7 @@ fn test(args: &Args) -> Result<DropTest, UserError> {
     })
 }
 
-/// Half of what is shown about the first impact, s.
+/// Time shown after the first impact, s; a fifth of it is shown before.
 const AROUND_S: f64 = 5e-3;
 
 /// The samples about the first impact: its largest force and what is within [`AROUND_S`] of it.
@@ -188,7 +183,7 @@ fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
 fn text(rig: &str, test: &DropTest, rows: &[Row]) -> String {
     let peak = rows.iter().fold(0.0_f64, |m, r| m.max(r.force_n));
     let mut text = format!(
-        "{rig}, let go at {:.3} mm: {} samples over {:.3} s, largest force {peak:.2} N\n\n",
+        "{rig}, released at {:.3} mm: {} samples over {:.3} s, largest force {peak:.2} N\n\n",
         test.release_m * 1e3,
         rows.len(),
         rows.last().map_or(0.0, |r| r.time_s)

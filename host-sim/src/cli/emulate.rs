@@ -6,8 +6,8 @@ use serde::Serialize;
 use shared::control::BootInfo;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-use super::common::{Format, check_out_folder};
-use super::emit::{check_format, emit};
+use super::arguments::output::{Format, check_folder, check_format, emit, to_json};
+use super::terminal::{print, say};
 #[cfg(unix)]
 use crate::link::live::Live;
 use crate::pictures::drawn;
@@ -25,18 +25,18 @@ use files::UserError;
 use files::read_text;
 use files::table::{to_csv, to_parquet};
 
-/// A scenario behind a pseudo-terminal ends when it is interrupted; this is thirty years, s.
+/// Duration of a scenario behind a pseudo-terminal, which ends only when it is interrupted: thirty years, s.
 #[cfg(unix)]
 const ENDLESS_S: f64 = 1e9;
 
-/// Exit code: 0 what the scenario expects came out, 1 it did not, 2 the input cannot be used.
+/// Exit code: 0 the run met the scenario's expectations, 1 it did not, 2 it failed.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// A built-in scenario (`host-sim scenarios` lists them) or a scenario file
     #[arg(value_name = "NAME|FILE.toml", conflicts_with = "scenario")]
     name: Option<String>,
 
-    /// The same [default: field]
+    /// The scenario as an option [default: field]
     #[arg(long, value_name = "NAME|FILE.toml")]
     scenario: Option<String>,
 
@@ -49,17 +49,17 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// No log: picture, verdict and timeline alone
+    /// Write no log, only picture, verdict and timeline
     #[arg(long)]
     no_log: bool,
 
-    /// Behind a pseudo-terminal for `host-sim link`, in real time, until interrupted: the scenario's rig and
-    /// settings, but whoever is at the terminal gives the commands
+    /// Run behind a pseudo-terminal for `host-sim link`, in real time, until interrupted, with the scenario's rig and
+    /// settings; commands come over the link only
     #[cfg(unix)]
     #[arg(long, conflicts_with_all = ["out", "format"])]
     pty: bool,
 
-    /// With --pty: so many times faster than real time (above 8, `link start --manual` does not keep up)
+    /// With --pty: how many times faster than real time (above 8, `link start --manual` does not keep up)
     #[cfg(unix)]
     #[arg(long, value_name = "N", default_value_t = 1.0, requires = "pty")]
     speed: f64,
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     }
     let args = &args;
     if let Some(dir) = &args.out {
-        check_out_folder(dir)?;
+        check_folder(dir)?;
     }
     check_format(args.format, args.out.is_some())?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
@@ -113,12 +113,12 @@ fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
     scenario.duration_s = ENDLESS_S;
     let block_ticks = u8::try_from(scenario.block_ticks).unwrap_or(u8::MAX);
     let mut control = Live::new(&scenario.settings, block_ticks, args.speed)?;
-    super::print(&format!("{}\n", control.path()));
+    print(&format!("{}\n", control.path()));
     emulate(&scenario, &mut control, &mut ())?;
     Ok(0)
 }
 
-/// Everything that watches the run.
+/// What is recorded of the run.
 struct Watch {
     timeline: Timeline,
     trace: Trace,
@@ -226,10 +226,7 @@ fn write(
     }
     let name = file_name(scenario);
     let mut contents = drawn(&name, &figure(&watch.trace, &about(scenario, verdict)))?;
-    contents.push((
-        format!("{name}.json"),
-        super::to_json(verdict)?.into_bytes(),
-    ));
+    contents.push((format!("{name}.json"), to_json(verdict)?.into_bytes()));
     contents.push((
         format!("{name}-timeline.csv"),
         to_csv(&lines(&watch.timeline)),
@@ -241,7 +238,7 @@ fn write(
     paths.extend(files::write::write_all(dir, &contents)?);
     if !args.quiet {
         let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
-        super::say(&format!("wrote {}", names.join(", ")));
+        say(&format!("wrote {}", names.join(", ")));
     }
     Ok(())
 }
@@ -296,14 +293,14 @@ fn lines(timeline: &Timeline) -> Vec<Line> {
 }
 
 fn text(scenario: &Scenario, timeline: &Timeline, verdict: &Verdict) -> String {
-    let told = verdict_lines(verdict);
+    let lines = verdict_lines(verdict);
     let colon = if scenario.description.is_empty() {
         ""
     } else {
         ": "
     };
     let (name, what) = (&scenario.name, &scenario.description);
-    format!("{name}{colon}{what}\n\n{timeline}\n{told}")
+    format!("{name}{colon}{what}\n\n{timeline}\n{lines}")
 }
 
 /// The verdict for a person.

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::choice::choice;
-use super::common::{Common, EngineName};
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -15,20 +15,17 @@ use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::identify::ring::{self, Ring};
-use numerics::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure};
+use numerics::identify::{Family, Fit, ImpactRow, Measured, Misfit, Settings, fit, measure};
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if there, tells the release)
+    /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if present, gives the release)
     #[arg(value_name = "FILE.csv")]
     file: PathBuf,
 
-    #[command(flatten)]
-    common: Common,
-
-    /// Which laws to seek (repeat it for several) [default: spring-dashpot]
+    /// Contact law to identify; may be given several times [default: spring-dashpot]
     #[arg(long, value_parser = choice::<Family>())]
     law: Vec<Family>,
 
@@ -36,29 +33,35 @@ pub struct Args {
     #[arg(long, conflicts_with = "law")]
     all_laws: bool,
 
-    /// What to make small [default: both, one after the other]
+    /// What to minimise [default: both, one after the other]
     #[arg(long, value_parser = choice::<Misfit>())]
     misfit: Option<Misfit>,
 
-    /// Where the hammer was let go at rest, mm from its rest position; negative: away from the surface [default: the
+    /// Displacement at which the hammer was released, mm from its rest position; negative: away from the surface [default: the
     /// record's first displacement, or -3]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     release_mm: Option<f64>,
 
-    /// Seek the release, too
+    /// Identify the release, too
     #[arg(long)]
     seek_release: bool,
 
-    /// Seek the exponent n of the nonlinear laws, too (otherwise 1.5)
+    /// Identify the exponent n of the nonlinear laws, too (otherwise 1.5)
     #[arg(long)]
     seek_exponent: bool,
 
     /// Impacts used, at most
     #[arg(long, value_name = "N", default_value_t = 6)]
     impacts: usize,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Serialize)]
 struct Answer<'a> {
     file: &'a str,
@@ -88,28 +91,18 @@ struct Row {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "identify runs on the event engine; leave --engine out",
-        ));
-    }
-    common.engine()?;
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let families = families(args)?;
+    let rig = args.rig.load()?;
     let signal = crate::record::read(&args.file)?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
-    let families = match (args.all_laws, args.law.as_slice()) {
-        (true, _) => Family::ALL.to_vec(),
-        (false, []) => vec![Family::SpringDashpot],
-        (false, some) => some.to_vec(),
-    };
     let misfits = args
         .misfit
         .map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
     let work = (families.len() * misfits.len()) as u64;
-    let progress = Progress::new("searches", work, common.quiet);
+    let progress = Progress::new("searches", work, output.quiet);
     let mut fits = Vec::new();
     for family in families {
         for misfit in &misfits {
@@ -132,15 +125,35 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         fits: fits.iter().map(Worded::from).collect(),
     };
     let rows = rows(&fits);
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut contents = drawn("identify", &figure(&rig, &measured, &fits, &settings))?;
-        contents.extend(tables("identify", common.format, &answer, &rows)?);
+        contents.extend(output.tables("identify", &answer, &rows)?);
         if let Some(fit) = fits.first() {
             contents.push(("identify-impacts.csv".into(), to_csv(&fit.impacts)));
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &rows, || text(&answer))
+    output.emit(&answer, &rows, || text(&answer))
+}
+
+/// The laws to identify.
+fn families(args: &Args) -> Result<Vec<Family>, UserError> {
+    let families = match (args.all_laws, args.law.as_slice()) {
+        (true, _) => Family::ALL.to_vec(),
+        (false, []) => vec![Family::SpringDashpot],
+        (false, some) => some.to_vec(),
+    };
+    if args.seek_exponent && families.contains(&Family::SpringDashpot) {
+        if families.len() == 1 {
+            return Err(UserError::new(
+                "--seek-exponent: the spring-dashpot law has no exponent; add --law hertz, hunt-crossley or lankarani-nikravesh, or leave the option out",
+            ));
+        }
+        args.output.note(
+            "note: --seek-exponent is for the other laws; the spring-dashpot law has no exponent",
+        );
+    }
+    Ok(families)
 }
 
 /// The fit whose shape is closest to the record's.
@@ -162,7 +175,7 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
         let first = &d[..d.len().min(5)];
         first.iter().sum::<f64>() / first.len() as f64
     });
-    // No sensor tells more than a nanometre.
+    // No sensor resolves less than a nanometre.
     let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
     let release_mm = args.release_mm.or(shown).unwrap_or(-3.0);
     if !release_mm.is_finite() {
@@ -210,7 +223,7 @@ fn short(x: f64) -> String {
 
 fn text(answer: &Answer) -> String {
     let mut text = format!(
-        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, let go at {} mm\n",
+        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\n",
         answer.file,
         answer.impacts,
         short(answer.sampling_hz),
@@ -220,46 +233,11 @@ fn text(answer: &Answer) -> String {
         answer.release_mm
     );
     for Worded { fit, warnings } in &answer.fits {
-        text += &format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
-        for p in &fit.parameters {
-            let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
-            text += &format!(
-                "  {:<30} {:>10}   95 %: {} to {}\n",
-                p.key,
-                short(p.value),
-                end(p.low),
-                end(p.high)
-            );
-        }
-        text += &format!(
-            "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
-            short(fit.rms_n),
-            short(fit.noise_n),
-            fit.starts_agreeing,
-            fit.starts,
-            fit.simulations
-        );
-        text += "  impact   measured peak, N   model peak, N   residual, N\n";
-        for i in &fit.impacts {
-            text += &format!(
-                "  {:>6} {:>18} {:>15} {:>13}\n",
-                i.impact,
-                short(i.measured_peak_n),
-                short(i.model_peak_n),
-                if i.residual_n.is_finite() {
-                    short(i.residual_n)
-                } else {
-                    "-".into()
-                }
-            );
-        }
-        for warning in warnings {
-            text += &format!("  warning: {warning}\n");
-        }
+        text += &fit_text(fit, warnings);
     }
     text += &match &answer.ring {
         Some(ring) => format!(
-            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is not part of the model, and draws peaks and shape away from it (docs/identify.md).\n",
+            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. The model has no ringing, so that it biases the fitted peaks and shape (docs/identify.md).\n",
             ring.frequency_hz,
             ring.decay_ms,
             ring.damping_ratio,
@@ -268,22 +246,62 @@ fn text(answer: &Answer) -> String {
         None => "\nNo ringing is seen after release.\n".to_owned(),
     };
     if let Some(Worded { fit, .. }) = answer.fits.first() {
-        let seen = fit
-            .impacts
-            .iter()
-            .map(|i| (i.impact as f64, i.measured_peak_n));
-        let model = fit
-            .impacts
-            .iter()
-            .map(|i| (i.impact as f64, i.model_peak_n));
         text.push('\n');
-        text += &Chart::new("impact", "force peak, N")
-            .size(plot::chart::terminal_width(), 10)
-            .points("measured", seen.collect())
-            .points("model", model.collect())
-            .render();
+        text += &peaks_chart(fit);
     }
     text
+}
+
+fn fit_text(fit: &Fit, warnings: &[String]) -> String {
+    let mut text = format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
+    for p in &fit.parameters {
+        let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
+        text += &format!(
+            "  {:<30} {:>10}   95 %: {} to {}\n",
+            p.key,
+            short(p.value),
+            end(p.low),
+            end(p.high)
+        );
+    }
+    text += &format!(
+        "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
+        short(fit.rms_n),
+        short(fit.noise_n),
+        fit.starts_agreeing,
+        fit.starts,
+        fit.simulations
+    );
+    text += "  impact   measured peak, N   model peak, N   residual, N\n";
+    for i in &fit.impacts {
+        text += &format!(
+            "  {:>6} {:>18} {:>15} {:>13}\n",
+            i.impact,
+            short(i.measured_peak_n),
+            short(i.model_peak_n),
+            if i.residual_n.is_finite() {
+                short(i.residual_n)
+            } else {
+                "-".into()
+            }
+        );
+    }
+    for warning in warnings {
+        text += &format!("  warning: {warning}\n");
+    }
+    text
+}
+
+fn peaks_chart(fit: &Fit) -> String {
+    let of = |peak: fn(&ImpactRow) -> f64| {
+        let peaks = fit.impacts.iter().map(|i| (i.impact as f64, peak(i)));
+        peaks.collect()
+    };
+    Chart::new("impact", "force peak, N")
+        .size(plot::chart::terminal_width(), 10)
+        .points("measured", of(|i| i.measured_peak_n))
+        .points("model", of(|i| i.model_peak_n))
+        .render()
 }
 
 fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings) -> plot::Figure {

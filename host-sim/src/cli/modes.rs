@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-use super::choice::choice;
-use super::common::{Common, Cycles, EngineName};
-use super::drive::Over;
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::cycles::CycleArgs;
+use super::arguments::drive::Drives;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
@@ -17,10 +18,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// How many bending modes to keep; several numbers are compared
     #[arg(long, value_name = "N,N...", value_delimiter = ',', default_values_t = [1, 2, 3, 5])]
@@ -40,25 +38,31 @@ pub struct Args {
     tip: Tip,
 
     #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// The whole answer.
 #[derive(Serialize)]
 struct Answer<'a> {
-    modes: &'a [Told],
+    modes: &'a [ModeAnswer],
     rows: &'a [Row],
 }
 
 /// A mode of the rig.
 #[derive(Serialize)]
-struct Told {
+struct ModeAnswer {
     frequency_hz: f64,
     mass_kg: f64,
     participation_kg: f64,
 }
 
-impl From<&BendingMode> for Told {
+impl From<&BendingMode> for ModeAnswer {
     fn from(mode: &BendingMode) -> Self {
         Self {
             frequency_hz: mode.omega / std::f64::consts::TAU,
@@ -69,21 +73,15 @@ impl From<&BendingMode> for Told {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    common.engine()?;
-    if common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "the modes have an engine of their own; leave --engine out",
-        ));
-    }
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let beam = Beam {
         tip: args.tip,
         mass_ratio: args.beam_mass,
     };
     let natural_hz = rig.params.natural_frequency_hz();
-    let frequencies_hz = args.drive.hz(natural_hz)?.unwrap_or_default();
+    let frequencies_hz = args.drive.needed_hz(natural_hz)?;
     if let Some(twice) = (1..args.modes.len()).find(|i| args.modes[..*i].contains(&args.modes[*i]))
     {
         return Err(UserError::new(format!(
@@ -92,10 +90,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         )));
     }
     let most = args.modes.iter().copied().max().unwrap_or(0);
-    let told: Vec<_> = ModalRig::new(&rig.params, beam, most)?
+    let modes: Vec<_> = ModalRig::new(&rig.params, beam, most)?
         .modes
         .iter()
-        .map(Told::from)
+        .map(ModeAnswer::from)
         .collect();
     let plan = ModesRequest {
         rig: &rig,
@@ -105,26 +103,24 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         cycles: args.cycles.plan()?,
     };
     let runs = (args.modes.len() * frequencies_hz.len()) as u64;
-    let progress = Progress::new("runs", runs, common.quiet);
+    let progress = Progress::new("runs", runs, output.quiet);
     let rows = plan.run(&progress)?;
     progress.finish();
     let answer = Answer {
-        modes: &told,
+        modes: &modes,
         rows: &rows,
     };
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let mut files = drawn("modes", &figure(&rows, &args.modes))?;
-        files.extend(tables("modes", common.format, &answer, &rows)?);
-        common.write(dir, &files)?;
+        files.extend(output.tables("modes", &answer, &rows)?);
+        output.write(dir, &files)?;
     }
-    emit(common.format, &answer, &rows, || {
-        text(&told, &rows, &args.modes)
-    })
+    output.emit(&answer, &rows, || text(&modes, &rows, &args.modes))
 }
 
-fn text(told: &[Told], rows: &[Row], counts: &[usize]) -> String {
+fn text(modes: &[ModeAnswer], rows: &[Row], counts: &[usize]) -> String {
     let mut text = String::from("mode   frequency, Hz   modal mass, kg   participation, kg\n");
-    for (i, mode) in told.iter().enumerate() {
+    for (i, mode) in modes.iter().enumerate() {
         text += &format!(
             "{:>4} {:>15.3} {:>16.4} {:>19.5}\n",
             i + 1,

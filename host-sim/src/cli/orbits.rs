@@ -2,8 +2,9 @@
 
 use clap::ValueEnum;
 
-use super::common::{Common, at_gap, parse_range};
-use super::emit::{emit, tables};
+use super::arguments::output::OutputArgs;
+use super::arguments::range::parse_range;
+use super::arguments::rig::{RigArgs, at_gap};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -11,7 +12,6 @@ use files::UserError;
 use numerics::NamedRig;
 use numerics::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
 use numerics::continuation::{Along, End, OrbitsRequest, Special, curves, diagram};
-use numerics::engine::Engine;
 use plot::chart::Chart;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,9 +25,6 @@ pub enum Axis {
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
-    #[command(flatten)]
-    common: Common,
-
     /// What is varied
     #[arg(long, value_enum, default_value = "frequency")]
     along: Axis,
@@ -63,39 +60,40 @@ pub struct Args {
     /// The special points of the 1/1 at many gaps, as lines over gap and frequency
     #[arg(long)]
     curves: bool,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine()? != Engine::Event {
-        return Err(UserError::new(
-            "orbits needs derivatives, which the event engine has; leave --engine out",
-        ));
-    }
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     if args.curves {
         return run_curves(args, &rig);
     }
     let request = request(args, &rig)?;
-    let progress = Progress::new("starts", request.simulations(), common.quiet);
+    let progress = Progress::new("starts", request.simulations(), output.quiet);
     let found = diagram(&rig.params, &request, &progress)?;
     progress.finish();
     let answer = Answer::new(&rig.name, &found);
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let behind = pictures::orbits::simulated(&found, usize::from(args.behind))?;
         let figure = pictures::orbits::figure(&rig.name, &found, &behind);
         let mut contents = drawn("orbits", &figure)?;
-        contents.extend(tables("orbits", common.format, &answer, &answer.orbits)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables("orbits", &answer, &answer.orbits)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &answer.orbits, || text(&answer))
+    output.emit(&answer, &answer.orbits, || text(&answer))
 }
 
 fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     let misplaced = [
-        ("--gap", common.gap.is_some(), "--gaps"),
+        ("--gap", args.rig.has_gap_option(), "--gaps"),
         ("--along gap", args.along == Axis::Gap, "--gaps"),
     ];
     if let Some((option, _, mend)) = misplaced.iter().find(|(_, given, _)| *given) {
@@ -110,18 +108,18 @@ fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
         at_gap(&rig.params, gap_m * 1e3, "--gaps")?;
     }
     let ratios = ratios(args, rig)?;
-    let progress = Progress::new("gaps", gaps_m.len() as u64, common.quiet);
+    let progress = Progress::new("gaps", gaps_m.len() as u64, output.quiet);
     let starts = usize::from(args.starts);
     let lines = curves::lines(&rig.params, &gaps_m, ratios, starts, &progress)?;
     progress.finish();
     let rows = line_rows(&rig.params, &lines);
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let figure = pictures::orbits::lines_figure(&rig.name, &rig.params, &lines);
         let mut contents = drawn("orbits-curves", &figure)?;
-        contents.extend(tables("orbits-curves", common.format, &rows, &rows)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables("orbits-curves", &rows, &rows)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || curves_text(&rows))
+    output.emit(&rows, &rows, || curves_text(&rows))
 }
 
 fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
@@ -136,7 +134,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
             (Along::Frequency, ratios(args, rig)?)
         }
         Axis::Gap => {
-            if args.common.gap.is_some() {
+            if args.rig.has_gap_option() {
                 return Err(UserError::new(
                     "--gap does not go with --along gap; use --gaps FROM:TO",
                 ));

@@ -4,13 +4,13 @@
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
-use super::print;
+use super::terminal::print;
 use emulator::in_the_loop::{InTheLoop, end};
 use emulator::run::run as run_scenario;
 use emulator::scenario::{Scenario, load};
 use files::UserError;
 
-/// Where the processor's rate and the tick's would leave this many cycles per tick.
+/// Cycles per tick of a processor at 180 MHz with ticks at 20 kHz.
 const CYCLES_PER_TICK: f64 = 180e6 / 20e3;
 
 /// Options of `host-sim pil`.
@@ -33,16 +33,16 @@ pub struct Args {
     runs: u32,
 }
 
-/// Runs it. The exit code is 1 if the two controllers differed.
+/// Runs the scenario. The exit code is 1 if the two controllers differed.
 ///
 /// # Errors
-/// One line.
+/// If the scenario cannot be run, or the other processor does not answer.
 pub fn run(args: &Args) -> Result<i32, UserError> {
     let mut scenario = load(&args.scenario)?;
     if let Some(seconds) = args.seconds {
         if !(seconds > 0.0 && seconds <= 172_800.0) {
             return Err(UserError::new(format!(
-                "--seconds {seconds} is no length of a run; give 0.001 to 172800"
+                "--seconds is {seconds}, must be from 0.001 to 172800"
             )));
         }
         scenario.duration_s = seconds;
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         let share = |count: u32| 100.0 * f64::from(count) / CYCLES_PER_TICK;
         print(&format!(
             "instructions per control tick (each block's mean): median {median}, worst {worst}\n\
-             at one cycle each, which nothing here shows, that were {:.0} % and {:.0} % of a 180 MHz core at 20 kHz\n",
+             if each took one cycle, which is not measured here, they were {:.0} % and {:.0} % of a 180 MHz core at 20 kHz\n",
             share(*median),
             share(*worst)
         ));
@@ -87,7 +87,7 @@ fn open(path: &Path, options: &OpenOptions) -> Result<File, UserError> {
     })
 }
 
-/// Says how a run compares.
+/// Prints how a run compares, and returns the exit code.
 fn report(scenario: &Scenario, both: &InTheLoop<File, File>) -> i32 {
     let Scenario {
         name,

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use super::common::{Common, EngineName, parse_start};
-use super::drive::At;
-use super::emit::{emit, tables};
+use super::arguments::cycles::parse_start;
+use super::arguments::drive::Drive;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::Progress;
@@ -14,9 +15,11 @@ use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
 use numerics::poincare::against::{self, Against, SectionSummary};
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, portrait};
+use numerics::row::{regime_as_text, tidy};
 use plot::chart::Chart;
+use shared::model::regime::Regime;
 
-/// What the section is held against.
+/// What the section is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Other {
     /// The smoothing method, at each --epsilon-m
@@ -27,10 +30,7 @@ enum Other {
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: At,
+    drive: Drive,
 
     /// Points of each section, one per drive period
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -52,7 +52,7 @@ pub struct Args {
     #[arg(long)]
     lyapunov: bool,
 
-    /// Hold the section at drive phase 0 against another model
+    /// Compare the section at drive phase 0 with another model
     #[arg(long, value_enum)]
     against: Option<Other>,
 
@@ -64,16 +64,23 @@ pub struct Args {
         requires = "against"
     )]
     epsilon_m: Vec<f64>,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer {
     rig: String,
     gap_mm: f64,
     frequency_hz: f64,
     frequency_ratio: f64,
-    regime: String,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
     force_n: f64,
     force_ratio: f64,
     points: u32,
@@ -85,14 +92,9 @@ struct Answer {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    if common.engine()? != numerics::engine::Engine::Event || common.engine != EngineName::Event {
-        return Err(UserError::new(
-            "poincare runs the event engine; for the switch model's section use simulate --engine switch",
-        ));
-    }
-    let rig = common.rig()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
     let request = request(args, &rig)?;
     match args.against {
         Some(Other::Smoothed) => run_against(args, &rig, &request),
@@ -102,7 +104,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
     let natural = rig.params.natural_frequency_hz();
-    let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
+    let frequency_hz = args.drive.needed_hz(natural)?;
     const MOST: u32 = 10_000_000;
     if !(1..=MOST).contains(&args.points) {
         return Err(UserError::new(format!(
@@ -138,8 +140,8 @@ fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
 }
 
 fn run_section(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<(), UserError> {
-    let common = &args.common;
-    let progress = Progress::new("drive periods", u64::from(request.points), common.quiet);
+    let output = &args.output;
+    let progress = Progress::new("drive periods", u64::from(request.points), output.quiet);
     let (portrait, exponents) = rayon::join(
         || portrait(request, &progress),
         || args.lyapunov.then(|| exponents(request)).transpose(),
@@ -148,12 +150,12 @@ fn run_section(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<
     progress.finish();
     let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
     let answer = answer(rig, request, &portrait, exponents);
-    if let Some(dir) = &common.out {
-        let mut contents = tables("poincare", common.format, &answer, &rows)?;
+    if let Some(dir) = &output.out {
+        let mut contents = output.tables("poincare", &answer, &rows)?;
         contents.extend(drawn("poincare", &figure(rig, request, &portrait))?);
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &answer, &rows, || text(&answer, &portrait))
+    output.emit(&answer, &rows, || text(&answer, &portrait))
 }
 
 fn exponents(request: &SectionRequest) -> Result<Exponents, UserError> {
@@ -182,10 +184,10 @@ fn answer(
     let params = &request.params;
     Answer {
         rig: rig.name.clone(),
-        gap_mm: numerics::row::tidy(params.gap_m * 1e3),
-        frequency_hz: numerics::row::tidy(request.frequency_hz),
-        frequency_ratio: numerics::row::tidy(request.frequency_hz / params.natural_frequency_hz()),
-        regime: portrait.regime.to_string(),
+        gap_mm: tidy(params.gap_m * 1e3),
+        frequency_hz: tidy(request.frequency_hz),
+        frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
+        regime: portrait.regime,
         force_n: portrait.force_n,
         force_ratio: portrait.force_n / params.weight_n(),
         points: request.points,
@@ -201,7 +203,7 @@ fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
     format!(
         "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n",
         rig.name,
-        numerics::row::tidy(request.params.gap_m * 1e3),
+        tidy(request.params.gap_m * 1e3),
         request.frequency_hz,
         request.frequency_hz / request.params.natural_frequency_hz()
     )
@@ -241,23 +243,23 @@ fn text(answer: &Answer, portrait: &Portrait) -> String {
 }
 
 fn run_against(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     let widths = match args.epsilon_m.as_slice() {
         [] => &against::WIDTHS_M[..],
         widths => widths,
     };
     let runs = (widths.len() as u64 + 2) * u64::from(request.points);
-    let progress = Progress::new("drive periods", runs, common.quiet);
+    let progress = Progress::new("drive periods", runs, output.quiet);
     let found = against::against(request, widths, &progress)?;
     progress.finish();
     let rows = found.rows();
-    if let Some(dir) = &common.out {
-        let mut contents = tables("poincare-against", common.format, &rows, &rows)?;
+    if let Some(dir) = &output.out {
+        let mut contents = output.tables("poincare-against", &rows, &rows)?;
         let figure = against_figure(rig, request, &found);
         contents.extend(drawn("poincare-against", &figure)?);
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || {
+    output.emit(&rows, &rows, || {
         heading(rig, request) + &against_text(&found, &rows)
     })
 }
@@ -284,5 +286,5 @@ fn against_text(found: &Against, rows: &[SectionSummary]) -> String {
             }
         );
     }
-    text + "\n  away: how far points are to be carried on average to give the switch's cloud (A0, A0 Ω)\n"
+    text + "\n  away: mean distance by which points must be moved to give the switch model's section (in A0 and A0 Ω)\n"
 }

@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::common::Format;
-use super::emit::{check_format, emit};
+use super::arguments::output::{Format, check_format, emit};
 use crate::progress::Progress;
 use crate::replay::{Replayed, replay};
 use emulator::log::{Reader, TICK_US};
 use files::UserError;
 
-/// Exit code: 0 the same decisions, 1 they differ, 2 the log cannot be used.
+/// Exit code: 0 the decisions are the same, 1 they differ, 2 the log cannot be used.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The log: a .parquet file of `host-sim emulate` or of a board's recording

@@ -3,6 +3,7 @@
 use shared::model::contact::Law;
 use shared::model::params::{PRESETS, RigParams, SupportParams};
 
+use super::terminal::print;
 use files::UserError;
 use files::rigfile;
 
@@ -25,7 +26,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             text + "\n`host-sim rigs NAME` prints one as a TOML file to start from.\n"
         }
     };
-    super::print(&text);
+    print(&text);
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! `host-sim scenarios`.
 
+use super::terminal::print;
 use emulator::scenario::{self, BUILTIN};
 use files::UserError;
 use files::rigfile::nearest;
@@ -13,7 +14,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let Some(name) = &args.name else {
-        super::print(&list()?);
+        print(&list()?);
         return Ok(());
     };
     let Some((_, text)) = BUILTIN.iter().find(|(known, _)| known == name) else {
@@ -22,7 +23,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             "no built-in scenario is called '{name}'{hint}; `host-sim scenarios` lists them"
         )));
     };
-    super::print(text);
+    print(text);
     Ok(())
 }
 

@@ -2,18 +2,20 @@
 
 use serde::Serialize;
 
-use super::common::{Common, Cycles, Format, parse_start};
-use super::drive::At;
-use super::emit::emit;
+use super::arguments::cycles::{CycleArgs, parse_start};
+use super::arguments::drive::Drive;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::{Contents, Format, OutputArgs, to_json};
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
 use numerics::engine::{
-    Engine, Method, Observation, Precision, Recorder, Sample, Start, machine, observe,
+    Engine, Method, Observation, Plan, Precision, Recorder, Sample, Start, machine, observe,
 };
-use numerics::row::Row;
+use numerics::row::{Row, tidy};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
@@ -22,20 +24,26 @@ use shared::model::regime::Regime;
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
+    drive: Drive,
 
     #[command(flatten)]
-    drive: At,
-
-    #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
 
     /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
     #[arg(long, value_parser = parse_start, default_value = "rest", allow_hyphen_values = true)]
     initial: Start,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-/// What a program reads.
+/// The answer as JSON.
 #[derive(Debug, Serialize)]
 struct Answer {
     #[serde(flatten)]
@@ -76,78 +84,96 @@ const SHOWN_PERIODS: f64 = 6.0;
 const SAMPLES_PER_PERIOD: usize = 400;
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    let rig = common.rig()?;
-    let engine = common.engine()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
+    let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();
-    let frequency_hz = args.drive.hz(natural).unwrap_or(f64::NAN);
+    let frequency_hz = args.drive.needed_hz(natural)?;
     let mut hammer = machine(engine, &rig.params, frequency_hz, args.initial)?;
     let mut recorder = Recorder::default();
     // Only the last recorded periods are drawn, but a table that is asked for has them all.
-    if common.out.is_some() || common.format == Format::Text {
+    if output.out.is_some() || output.format == Format::Text {
         recorder.samples_per_period = SAMPLES_PER_PERIOD;
     }
     let seen = observe(hammer.as_mut(), plan, &mut recorder)?;
     if (seen.frequency_hz / frequency_hz - 1.0).abs() > 1e-5 {
-        common.note(&format!(
+        output.note(&format!(
             "note: at this tick the drive's phase accumulator runs at {:.6} Hz",
             seen.frequency_hz
         ));
     }
     let section = section_rows(&seen, hammer.rig());
-    let answer = Answer {
-        row: Row::new(&rig.name, &rig.params, &seen),
-        contacts_recorded: recorder.contacts.len(),
-        rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
-        energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
-        impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
-        cycles: plan.cycles,
-        transient: plan.transient,
-        engine: match engine {
-            Engine::Event => "event",
-            Engine::Switch(_) => "switch",
-        },
-        stepper: match engine {
+    let answer = Answer::new(&rig, engine, plan, &seen, &recorder);
+    if let Some(dir) = &output.out {
+        let figure = figure(&rig, &answer.row, &recorder, &section);
+        let mut contents = drawn("simulate", &figure)?;
+        contents.extend(tables(output.format, &answer, &recorder, &section)?);
+        output.write(dir, &contents)?;
+    }
+    let row = std::slice::from_ref(&answer.row);
+    output.emit(&answer, row, || text(&answer, &recorder))
+}
+
+impl Answer {
+    fn new(
+        rig: &NamedRig,
+        engine: Engine,
+        plan: Plan,
+        seen: &Observation,
+        recorder: &Recorder,
+    ) -> Self {
+        let setting = match engine {
             Engine::Event => None,
-            Engine::Switch(setting) => Some(match setting.method {
+            Engine::Switch(setting) => Some(setting),
+        };
+        Self {
+            row: Row::new(&rig.name, &rig.params, seen),
+            contacts_recorded: recorder.contacts.len(),
+            rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
+            energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
+            impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
+            cycles: plan.cycles,
+            transient: plan.transient,
+            engine: setting.map_or("event", |_| "switch"),
+            stepper: setting.map(|setting| match setting.method {
                 Method::Corrected => "corrected",
                 Method::Banded { .. } => "banded",
                 Method::Smoothed { .. } => "smoothed",
             }),
-        },
-        precision: match engine {
-            Engine::Switch(setting) if setting.precision == Precision::F32 => "f32",
-            _ => "f64",
-        },
-        tick_us: match engine {
-            Engine::Switch(setting) => Some(numerics::row::tidy(setting.tick_s * 1e6)),
-            Engine::Event => None,
-        },
-    };
-    if let Some(dir) = &common.out {
-        let mut contents = drawn("simulate", &figure(&rig, &answer.row, &recorder, &section))?;
-        contents.push((
-            "simulate.json".into(),
-            super::to_json(&answer)?.into_bytes(),
-        ));
-        contents.push(("simulate-history.csv".into(), to_csv(&recorder.samples)));
-        contents.push(("simulate-section.csv".into(), to_csv(&section)));
-        contents.push((
-            "simulate-contacts.csv".into(),
-            to_csv(&contact_rows(&recorder)),
-        ));
-        if common.format == Format::Parquet {
-            let row = std::slice::from_ref(&answer.row);
-            contents.push(("simulate.parquet".into(), to_parquet(row)?));
-            let history = to_parquet(&recorder.samples)?;
-            contents.push(("simulate-history.parquet".into(), history));
+            precision: match setting.map(|setting| setting.precision) {
+                Some(Precision::F32) => "f32",
+                Some(Precision::F64) | None => "f64",
+            },
+            tick_us: setting.map(|setting| tidy(setting.tick_s * 1e6)),
         }
-        common.write(dir, &contents)?;
     }
-    let row = std::slice::from_ref(&answer.row);
-    emit(common.format, &answer, row, || text(&answer, &recorder))
+}
+
+/// JSON, and tables of the history, the section and the contacts.
+fn tables(
+    format: Format,
+    answer: &Answer,
+    recorder: &Recorder,
+    section: &[SectionRow],
+) -> Result<Contents, UserError> {
+    let mut contents = vec![
+        ("simulate.json".to_owned(), to_json(answer)?.into_bytes()),
+        ("simulate-history.csv".into(), to_csv(&recorder.samples)),
+        ("simulate-section.csv".into(), to_csv(section)),
+        (
+            "simulate-contacts.csv".into(),
+            to_csv(&contact_rows(recorder)),
+        ),
+    ];
+    if format == Format::Parquet {
+        let row = std::slice::from_ref(&answer.row);
+        contents.push(("simulate.parquet".into(), to_parquet(row)?));
+        let history = to_parquet(&recorder.samples)?;
+        contents.push(("simulate-history.parquet".into(), history));
+    }
+    Ok(contents)
 }
 
 fn section_rows(seen: &Observation, rig: &shared::model::rig::Rig<f64>) -> Vec<SectionRow> {

@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
-use super::choice::choice;
-use super::common::{Common, Cycles, Format};
-use super::drive::Over;
-use super::emit::{emit, tables};
+use super::arguments::choice::choice;
+use super::arguments::cycles::CycleArgs;
+use super::arguments::drive::Drives;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::rig::RigArgs;
+use super::terminal::print;
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
@@ -21,40 +24,46 @@ use plot::{Axis, Color, Figure, Item, Panel};
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     direction: Direction,
 
     #[command(flatten)]
-    cycles: Cycles,
+    cycles: CycleArgs,
 
     /// A measured curve to compare with: CSV with the columns frequency_hz and force_n
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    let rig = common.rig()?;
-    let engine = common.engine()?;
+    let output = &args.output;
+    output.check()?;
+    let rig = args.rig.load()?;
+    let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();
-    let frequencies = args.drive.hz(natural_hz)?.unwrap_or_default();
+    let frequencies = args.drive.needed_hz(natural_hz)?;
     let measured = args
         .measured
         .as_deref()
         .map(crate::measured::force_curve)
         .transpose()?;
-    // A picture of one direction is laid over the other, so that a jump shows.
-    let both = args.direction != Direction::Rest && common.out.is_some();
+    // The picture shows both directions, so that a jump is seen.
+    let both = args.direction != Direction::Rest && output.out.is_some();
     let runs = frequencies.len() as u64 * if both { 2 } else { 1 };
-    let progress = Progress::new("frequencies", runs, common.quiet);
+    let progress = Progress::new("frequencies", runs, output.quiet);
     let run = |direction| sweep(&rig, engine, &frequencies, direction, plan, &progress);
     let other = match args.direction {
         Direction::Up if both => Some(Direction::Down),
@@ -65,7 +74,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let (rows, others) = (rows?, others?);
     progress.finish();
     let error = measured.as_ref().map(|m| m.error(&rows));
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let figure = figure(
             args.direction,
             &rows,
@@ -74,25 +83,22 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             error,
         );
         let mut contents = drawn("sweep", &figure)?;
-        contents.extend(tables("sweep", common.format, &rows, &rows)?);
+        contents.extend(output.tables("sweep", &rows, &rows)?);
         if let (Some(others), Some(other)) = (&others, other) {
             contents.push((format!("sweep-{}.csv", other.name()), to_csv(others)));
         }
         if let Some(error) = &error {
-            contents.push((
-                "sweep-error.json".into(),
-                super::to_json(error)?.into_bytes(),
-            ));
+            contents.push(("sweep-error.json".into(), to_json(error)?.into_bytes()));
         }
-        common.write(dir, &contents)?;
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &rows, &rows, || text(&rows))?;
+    output.emit(&rows, &rows, || text(&rows))?;
     if let Some(error) = &error {
         let line = describe(error);
-        if common.format == Format::Text {
-            super::print(&format!("{line}\n"));
+        if output.format == Format::Text {
+            print(&format!("{line}\n"));
         } else {
-            common.note(&line);
+            output.note(&line);
         }
     }
     Ok(())
@@ -156,13 +162,7 @@ fn figure(
     measured: Option<&Measured>,
     error: Option<MeasuredError>,
 ) -> Figure {
-    let curve = |rows: &[Row]| {
-        rows.iter()
-            .map(|r| (r.frequency_hz, r.force_n))
-            .collect::<Vec<_>>()
-    };
-    let first = rows.first();
-    let title = first.map_or(String::new(), |r| {
+    let title = rows.first().map_or(String::new(), |r| {
         format!("{}, gap {:?} mm: force over frequency", r.rig, r.gap_mm)
     });
     let mut subtitle = match direction {
@@ -175,43 +175,7 @@ fn figure(
     if let Some(error) = error {
         subtitle = format!("{subtitle} {}.", describe(&error));
     }
-    let mut panel = Panel::new(
-        Axis::new("drive frequency, Hz"),
-        Axis::new("contact force, N").with_zero(),
-    );
-    let label = match direction {
-        Direction::Rest => "from rest",
-        Direction::Up => "carried up",
-        Direction::Down => "carried down",
-    };
-    panel = panel.item(Item::line(label, BLUE, curve(rows)));
-    if let Some(others) = others {
-        let label = if direction == Direction::Up {
-            "carried down"
-        } else {
-            "carried up"
-        };
-        panel = panel.item(Item::dashed(label, GREY, curve(others)));
-    }
-    let weight = first.map_or(1.0, |r| {
-        if r.force_ratio > 0.0 {
-            r.force_n / r.force_ratio
-        } else {
-            1.0
-        }
-    });
-    let all = rows.iter().chain(others.unwrap_or_default());
-    let weight = all
-        .clone()
-        .find(|r| r.force_ratio > 0.0)
-        .map_or(weight, |r| r.force_n / r.force_ratio);
-    for (regime, points) in by_regime(all) {
-        let newtons = points
-            .into_iter()
-            .map(|(hz, ratio)| (hz, ratio * weight))
-            .collect();
-        panel = panel.item(regime_points(&regime, newtons));
-    }
+    let mut panel = curves(direction, rows, others);
     if let Some(measured) = measured {
         panel = panel.item(Item::points("measured", BLACK, measured.points.clone()));
     }
@@ -219,4 +183,39 @@ fn figure(
         .subtitle(subtitle)
         .size(1100, 680)
         .panel(panel)
+}
+
+/// The simulated curves, with a dot for each regime.
+fn curves(direction: Direction, rows: &[Row], others: Option<&[Row]>) -> Panel {
+    let curve = |rows: &[Row]| {
+        let points = rows.iter().map(|r| (r.frequency_hz, r.force_n));
+        points.collect::<Vec<_>>()
+    };
+    let (label, other) = match direction {
+        Direction::Rest => ("from rest", "carried up"),
+        Direction::Up => ("carried up", "carried down"),
+        Direction::Down => ("carried down", "carried up"),
+    };
+    let mut panel = Panel::new(
+        Axis::new("drive frequency, Hz"),
+        Axis::new("contact force, N").with_zero(),
+    )
+    .item(Item::line(label, BLUE, curve(rows)));
+    if let Some(others) = others {
+        panel = panel.item(Item::dashed(other, GREY, curve(others)));
+    }
+    let all = rows.iter().chain(others.unwrap_or_default());
+    // Where no force is above 0, any weight will do.
+    let weight_n = all
+        .clone()
+        .find(|r| r.force_ratio > 0.0)
+        .map_or(1.0, |r| r.force_n / r.force_ratio);
+    for (regime, points) in by_regime(all) {
+        let newtons = points
+            .into_iter()
+            .map(|(hz, ratio)| (hz, ratio * weight_n))
+            .collect();
+        panel = panel.item(regime_points(&regime, newtons));
+    }
+    panel
 }

@@ -10,39 +10,39 @@ use numerics::basins::chapter::{POINTS, Point};
 use numerics::basins::{Basins, BasinsRequest, Summary, cells, explore};
 use numerics::engine::Engine;
 
-/// A part per figure: its two points share nothing with the others'.
+/// A part for each figure, which shares no runs with the others.
 pub const PARTS: [Part; 6] = [
-    ("basins 3.36", &["3.36"], |effort, progress| {
+    Part::new("basins 3.36", &["3.36"], 21.0, |effort, progress| {
         page("3.36", effort, progress)
     }),
-    ("basins 3.37", &["3.37"], |effort, progress| {
+    Part::new("basins 3.37", &["3.37"], 21.0, |effort, progress| {
         page("3.37", effort, progress)
     }),
-    ("basins 3.38", &["3.38"], |effort, progress| {
+    Part::new("basins 3.38", &["3.38"], 31.0, |effort, progress| {
         page("3.38", effort, progress)
     }),
-    ("basins 3.52", &["3.52"], |effort, progress| {
+    Part::new("basins 3.52", &["3.52"], 25.0, |effort, progress| {
         page("3.52", effort, progress)
     }),
-    ("basins 3.53", &["3.53"], |effort, progress| {
+    Part::new("basins 3.53", &["3.53"], 30.0, |effort, progress| {
         page("3.53", effort, progress)
     }),
-    ("basins 3.54", &["3.54"], |effort, progress| {
+    Part::new("basins 3.54", &["3.54"], 60.0, |effort, progress| {
         page("3.54", effort, progress)
     }),
 ];
 
-/// What the chapter's text says of all of them; the pictures themselves are not in its text.
+/// What the chapter's text says about all six figures.
 const CHAPTER: &str = "At gaps above 1.5 A0, between z = 1/1 and z = 1/2, it depends on the start whether the hammer strikes: after a small push it strikes for some time and falls silent, or strikes on. The figure shows impact (blue) and no impact (red), so both, over the initial conditions at two points.";
 
 /// Every page, in order.
 ///
 /// # Errors
-/// As [`explore`].
+/// As those of [`explore`].
 pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let mut all = Vec::new();
-    for (_, _, make) in PARTS {
-        all.extend(make(effort, progress)?);
+    for part in PARTS {
+        all.extend((part.make)(effort, progress)?);
     }
     Ok(all)
 }

@@ -4,7 +4,7 @@ use shared::model::params::RigParams;
 
 use super::section::{files, rig};
 use super::{Effort, Page};
-use crate::pictures::bifurcation::{Abscissa, Look, Quantity, figure, panel};
+use crate::pictures::bifurcation::{Abscissa, Quantity, View, figure, panel};
 use crate::progress::Progress;
 use files::UserError;
 use numerics::NamedRig;
@@ -88,110 +88,131 @@ struct Wires {
     chaos: bool,
 }
 
+/// The detail about the end of the 1/1.
+struct Detail {
+    diagram: Diagram,
+    /// Its range of Ω/ω.
+    range: (f64, f64),
+    /// Distance of two neighbouring frequencies, Ω/ω.
+    step: f64,
+}
+
 /// Whole diagram, and details of displacement and force about the end of the 1/1.
 fn wires(effort: Effort, progress: &Progress, what: &Wires) -> Result<Vec<Page>, UserError> {
     let rig = rig("wires", what.gap_mm)?;
-    let (count, zoomed) = match effort {
-        Effort::Full => (588, 400),
-        Effort::Coarse => (60, 30),
-    };
-    let all = [Direction::Rest, Direction::Up, Direction::Down];
+    let count = if effort == Effort::Full { 588 } else { 60 };
     let whole = compute(
         effort,
         &rig,
         &[what.gap_mm],
         range(&rig.params, count),
-        &all,
+        &[Direction::Rest, Direction::Up, Direction::Down],
         progress,
     )?;
-    let first = band(
-        &whole[0],
-        Regime::Periodic {
-            impacts: 1,
-            periods: 1,
-        },
-        0.0,
-    );
-    let second = band(
-        &whole[0],
-        Regime::Periodic {
-            impacts: 1,
-            periods: 2,
-        },
-        first.map_or(0.0, |b| b.1),
-    );
+    let of = |impacts, periods| Regime::Periodic { impacts, periods };
+    let first = band(&whole[0], of(1, 1), 0.0);
+    let second = band(&whole[0], of(1, 2), first.map_or(0.0, |b| b.1));
     let from = first.map_or(1.0, |b| b.1) - 0.1;
     let to = second
         .map_or(from + 0.8, |b| b.0 + 0.15)
         .clamp(from + 0.3, from + 1.4);
+    let detail = detail(effort, &rig, what, (from, to), progress)?;
+    let found = tell(effort, what, &whole, &detail.diagram, (first, second))?;
+    wires_pages(what, &whole, &detail, &found)
+}
+
+fn detail(
+    effort: Effort,
+    rig: &NamedRig,
+    what: &Wires,
+    (from, to): (f64, f64),
+    progress: &Progress,
+) -> Result<Detail, UserError> {
+    let count = if effort == Effort::Full { 400 } else { 30 };
     let natural = rig.params.natural_frequency_hz();
-    let near = spread(from * natural, to * natural, zoomed);
-    let detail = compute(
+    let near = spread(from * natural, to * natural, count);
+    let diagrams = compute(
         effort,
-        &rig,
+        rig,
         &[what.gap_mm],
         near,
         &[Direction::Rest],
         progress,
     )?;
-    let found = tell(effort, what, &whole, &detail[0], (first, second))?;
+    let [diagram] = <[Diagram; 1]>::try_from(diagrams)
+        .map_err(|_| UserError::new("one gap and one direction gave no single diagram"))?;
+    Ok(Detail {
+        diagram,
+        range: (from, to),
+        step: (to - from) / (count - 1) as f64,
+    })
+}
+
+fn wires_pages(
+    what: &Wires,
+    whole: &[Diagram],
+    detail: &Detail,
+    found: &str,
+) -> Result<Vec<Page>, UserError> {
     let gap = what.gap_mm;
-    let page = |k: usize, title: String, command: String, files| Page {
+    let page = |k: usize, title: &str, command: String, files| Page {
         figure: what.numbers[k],
-        title,
+        title: format!("Wires, {gap:?} mm: {title}"),
         chapter: what.chapter,
-        found: found.clone(),
+        found: found.to_owned(),
         command,
         files,
     };
-    let lean: Vec<_> = whole.iter().collect();
-    let zoom = |quantity| {
-        let look = Look {
-            quantity,
-            abscissa: Abscissa::Ratio,
-            range: Some((from, to)),
-            measured: None,
-            marks: quantity == Quantity::Displacement,
-        };
-        Figure::new(format!(
-            "wires, gap {gap:?} mm: detail about the end of the 1/1"
-        ))
-        .subtitle("Section at drive phase 0, each frequency from rest.")
-        .size(1200, 620)
-        .panel(panel(&[&detail[0]], look))
-    };
-    let step = (to - from) / (zoomed - 1) as f64;
+    let (from, to) = detail.range;
     let zoom_command = format!(
-        "host-sim bifurcation --rig wires --gap {gap:?} --ratio {from:.4}:{to:.4}:{step:.5}"
+        "host-sim bifurcation --rig wires --gap {gap:?} --ratio {from:.4}:{to:.4}:{:.5}",
+        detail.step
     );
+    let zoomed = |k: usize, quantity| {
+        let table = rows(std::slice::from_ref(&detail.diagram));
+        files(what.numbers[k], &zoom(detail, gap, quantity), &table)
+    };
+    let lean: Vec<_> = whole.iter().collect();
     Ok(vec![
         page(
             0,
-            format!("Wires, {gap:?} mm: bifurcation diagrams of displacement and force"),
+            "bifurcation diagrams of displacement and force",
             format!("host-sim bifurcation --rig wires --gap {gap:?} --direction all"),
             files(
                 what.numbers[0],
                 &figure(&lean, Abscissa::Ratio, None),
-                &rows(&whole),
+                &rows(whole),
             )?,
         ),
         page(
             1,
-            format!("Wires, {gap:?} mm: displacement, detail"),
+            "displacement, detail",
             zoom_command.clone(),
-            files(
-                what.numbers[1],
-                &zoom(Quantity::Displacement),
-                &rows(&detail),
-            )?,
+            zoomed(1, Quantity::Displacement)?,
         ),
         page(
             2,
-            format!("Wires, {gap:?} mm: impact force, detail"),
+            "impact force, detail",
             zoom_command,
-            files(what.numbers[2], &zoom(Quantity::Force), &rows(&detail))?,
+            zoomed(2, Quantity::Force)?,
         ),
     ])
+}
+
+fn zoom(detail: &Detail, gap: f64, quantity: Quantity) -> Figure {
+    let view = View {
+        quantity,
+        abscissa: Abscissa::Ratio,
+        range: Some(detail.range),
+        measured: None,
+        marks: quantity == Quantity::Displacement,
+    };
+    Figure::new(format!(
+        "wires, gap {gap:?} mm: detail about the end of the 1/1"
+    ))
+    .subtitle("Section at drive phase 0, each frequency from rest.")
+    .size(1200, 620)
+    .panel(panel(&[&detail.diagram], view))
 }
 
 type Band = Option<(f64, f64)>;
@@ -268,7 +289,7 @@ fn most_chaotic(
 /// Figures 3.27 to 3.29.
 ///
 /// # Errors
-/// None with the presets as they are.
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn wires_0(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let what = Wires {
         gap_mm: 0.0,
@@ -282,7 +303,7 @@ pub fn wires_0(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
 /// Figures 3.30 to 3.32.
 ///
 /// # Errors
-/// None with the presets as they are.
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn wires_1(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let what = Wires {
         gap_mm: 1.0,
@@ -296,7 +317,7 @@ pub fn wires_1(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
 /// Figures 3.33 to 3.35.
 ///
 /// # Errors
-/// None with the presets as they are.
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn wires_2(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let what = Wires {
         gap_mm: 2.4,
@@ -310,7 +331,7 @@ pub fn wires_2(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
 /// Figures 3.43 to 3.45.
 ///
 /// # Errors
-/// None with the presets as they are.
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const GAPS_MM: [f64; 3] = [0.0, 1.0, 3.0];
     let count = if effort == Effort::Full { 588 } else { 40 };
@@ -326,9 +347,9 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         let mut figure = Figure::new(format!("{name}: bifurcation diagrams of the displacement"))
             .subtitle("Section at drive phase 0, each frequency from rest. One bending mode.")
             .size(1200, 1180);
-        let mut told = Vec::new();
+        let mut peaks = Vec::new();
         for (letter, diagram) in ["a", "b", "c"].into_iter().zip(&found) {
-            let look = Look {
+            let view = View {
                 quantity: Quantity::Displacement,
                 abscissa: Abscissa::Ratio,
                 range: None,
@@ -336,7 +357,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
                 marks: true,
             };
             let title = format!("{letter}) gap {:?} mm", diagram.gap_mm);
-            figure = figure.panel(panel(&[diagram], look).without_legend().titled(title));
+            figure = figure.panel(panel(&[diagram], view).without_legend().titled(title));
             let first = band(
                 diagram,
                 Regime::Periodic {
@@ -349,7 +370,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
             let largest = inside
                 .flat_map(|s| &s.points)
                 .map(|p| p.displacement_mm.abs());
-            told.push(format!(
+            peaks.push(format!(
                 "{:?} mm: 1/1 over {}, up to {:.2} mm from the middle on the section",
                 diagram.gap_mm,
                 words(first),
@@ -364,7 +385,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
             chapter: "The transitions between frequency bands are seen in simulation and measurement alike; the simulated amplitudes are higher, and the measured points scatter even where the motion is steady, for energy goes into higher bending modes, which this model does not have.",
             found: format!(
                 "Found: {}. A steady 1/1 is a single point here: the one-mode model does not scatter. The chapter's measured points are not available as numbers.",
-                told.join("; ")
+                peaks.join("; ")
             ),
             command: format!("host-sim bifurcation --rig {name} --gap 0 --gap 1 --gap 3"),
             files: files(number, &figure, &rows(&found))?,

@@ -1,21 +1,22 @@
-//! The chapter's conclusion: which frequency, and why in the field at 0.0 mm. Every rig is asked at three gaps.
+//! The chapter's conclusion: the operating frequency, and why a gap of 0.0 mm in the field. Every rig at three gaps.
 
 use serde::Serialize;
-use shared::model::params::preset;
 
+use super::section::rig;
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::words::pick::{jumping_at, why};
 use files::UserError;
 use files::table::to_csv;
-use numerics::NamedRig;
 use numerics::basins::{BasinsRequest, explore};
 use numerics::branch::End;
 use numerics::engine::Engine;
 use numerics::pick::uncertainty::Uncertainty;
 use numerics::pick::{Limits, Pick, pick};
+use numerics::row::regime_as_text;
 use plot::{Axis, Color, Figure, Item, Panel};
+use shared::model::regime::Regime;
 
 /// Every rig, and the gaps the chapter measures it at, mm.
 const RIGS: [(&str, [f64; 3]); 4] = [
@@ -25,7 +26,7 @@ const RIGS: [(&str, [f64; 3]); 4] = [
     ("beam-135", [0.0, 1.0, 3.0]),
 ];
 
-/// A row of the table: what is to be said for a gap and against it.
+/// A row of the table: the merits and drawbacks of a gap.
 #[derive(Clone, Debug, Serialize)]
 struct Row {
     rig: String,
@@ -40,14 +41,15 @@ struct Row {
     safe_band_to_hz: f64,
     /// Its width over the frequency, %.
     safe_band_percent: f64,
-    /// Up to where 1/1 stays stable, Hz, how it ends there, and how far above the frequency that is, %.
+    /// Upper end of the stable 1/1, Hz; how it ends there; its distance above the frequency, %.
     one_one_to_hz: f64,
     one_one_ends_by: String,
     one_one_margin_percent: f64,
     /// Where the hammer jumps (up and down sweeps differ, or the 1/1 folds), Hz.
     jumps_from_hz: Option<f64>,
     jumps_to_hz: Option<f64>,
-    regime_from_rest: String,
+    #[serde(serialize_with = "regime_as_text")]
+    regime_from_rest: Regime,
     /// Of the starts within the chapter's window, the share that ends in 1/1, %.
     one_one_from_percent: f64,
     why: String,
@@ -56,7 +58,7 @@ struct Row {
 /// The page "conclusion".
 ///
 /// # Errors
-/// A rig without a stable 1/1 at 0.0 mm.
+/// If a rig has no stable 1/1 at 0.0 mm.
 pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let (samples, side, rigs) = match effort {
         Effort::Full => (64, 40, &RIGS[..]),
@@ -91,13 +93,13 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         figure: "conclusion",
         title: title.to_owned(),
         chapter: "Run in the field at 0.0 mm: the largest 1/1 force is about the same at every gap, larger gaps jump, and at 0.0 mm a force near the largest is met over a wider range of frequency.",
-        found: told(&rows, &refused),
+        found: summary(&rows, &refused),
         command: "host-sim figures --only conclusion --out figures (one rig and gap: host-sim pick --rig wires --gap 0)".to_owned(),
         files,
     }])
 }
 
-/// What is picked at one gap; none where no 1/1 holds over the uncertainty.
+/// The pick at one gap; none if no 1/1 is stable over the uncertainty.
 fn at(
     name: &str,
     gap_mm: f64,
@@ -105,11 +107,7 @@ fn at(
     side: usize,
     progress: &Progress,
 ) -> Result<Option<(Row, Pick)>, UserError> {
-    let params = preset(name).ok_or_else(|| UserError::new(format!("no rig {name}")))?;
-    let rig = NamedRig {
-        name: name.to_owned(),
-        params: params.with_gap_mm(gap_mm)?,
-    };
+    let rig = rig(name, gap_mm)?;
     let uncertainty = (samples > 0).then(|| Uncertainty {
         samples,
         ..Uncertainty::default()
@@ -140,7 +138,7 @@ fn at(
             * (answer.stable_one_one_hz[1] / answer.operating_frequency_hz - 1.0),
         jumps_from_hz: answer.jump_range_hz.map(|j| j[0]),
         jumps_to_hz: answer.jump_range_hz.map(|j| j[1]),
-        regime_from_rest: answer.regime_from_rest.to_string(),
+        regime_from_rest: answer.regime_from_rest,
         one_one_from_percent: 100.0 * share,
         why: why(answer),
     };
@@ -171,8 +169,8 @@ fn panel(rig: &str, curves: &[(f64, Pick)]) -> Panel {
     panel
 }
 
-/// What the rows say, with their figures.
-fn told(rows: &[Row], refused: &[String]) -> String {
+/// What the rows show, in numbers.
+fn summary(rows: &[Row], refused: &[String]) -> String {
     let mut text = verdict(rows);
     for (rig, gaps) in RIGS {
         let of: Vec<&Row> = rows.iter().filter(|r| r.rig == rig).collect();
@@ -211,7 +209,7 @@ fn told(rows: &[Row], refused: &[String]) -> String {
     text.trim_end().to_owned()
 }
 
-/// On how many rigs 0.0 mm is what the chapter says of it.
+/// On how many rigs the chapter's recommendation of 0.0 mm holds.
 fn verdict(rows: &[Row]) -> String {
     let (mut asked, mut forceful, mut steady, mut wide) = (0, 0, 0, 0);
     for (rig, gaps) in RIGS {

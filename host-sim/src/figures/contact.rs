@@ -1,4 +1,4 @@
-//! Figures 3.3 (blows of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the four laws over
+//! Figures 3.3 (impacts of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the four laws over
 //! approach speed.
 
 use shared::model::params::{RigParams, TABLE_3_1, WIRES};
@@ -19,7 +19,7 @@ use plot::Figure;
 /// Figure 3.3, and the four laws beside each other (beyond figure 3.2, which is a drawing).
 ///
 /// # Errors
-/// A picture that cannot be drawn; the parameters are known to be sound.
+/// If a picture cannot be drawn.
 pub fn law_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let pages = vec![figure_3_3()?, laws()?];
     progress.inc(1);
@@ -29,7 +29,7 @@ pub fn law_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
 /// Figures 3.9 and 3.10: the drop tests.
 ///
 /// # Errors
-/// As [`law_pages`].
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn drop_pages(_: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let pages = TESTS.iter().map(drop_page).collect();
     progress.inc(1);
@@ -42,7 +42,7 @@ fn files(name: &str, figure: &Figure, csv: Vec<u8>) -> Result<Vec<(String, Vec<u
     Ok(files)
 }
 
-/// The chapter does not print the speeds of its curves.
+/// Assumed, as the chapter does not print the speeds of its curves.
 const SPEEDS_3_3: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 
 fn figure_3_3() -> Result<Page, UserError> {
@@ -84,7 +84,7 @@ fn figure_3_3() -> Result<Page, UserError> {
     })
 }
 
-/// A speed at which the rig strikes.
+/// A typical approach speed of the rig.
 const USUAL_SPEED: f64 = 0.08;
 
 fn laws() -> Result<Page, UserError> {
@@ -148,8 +148,8 @@ fn laws() -> Result<Page, UserError> {
     })
 }
 
-/// Number, release in mm, seed of the two drop tests. The chapter lets go "3 mm (approximately)", and once more
-/// from elsewhere, which it does not print.
+/// Number, release in mm, seed of the two drop tests. The chapter releases at "3 mm (approximately)", and once more
+/// at a displacement that it does not print.
 const TESTS: [(&str, f64, u64); 2] = [("3.9", -3.0, 39), ("3.10", -2.0, 310)];
 
 /// The noise of the synthetic records, N.

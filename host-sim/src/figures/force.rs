@@ -2,39 +2,27 @@
 //! rest, and carried up and down, which shows the jumps.
 
 use serde::Serialize;
-use shared::model::params::{RigParams, preset};
-use shared::model::rig::Rig;
 
+use super::force_curves::{Curve, curves, gap_mm};
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
 use crate::pictures::regimes::{regime_group, regime_points};
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
-use numerics::engine::Start;
-use numerics::lanes::{self, Cell, CellPlan, Outcome};
+use numerics::row::Row;
 use numerics::row::regime_as_text;
-use numerics::row::{Row, tidy};
-use numerics::sweep::{jumps, spread};
+use numerics::sweep::jumps;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
 /// Up and down count as different when their forces differ by more than this share.
 const JUMP_SHARE: f64 = 0.1;
 
-/// One rig at one gap, three ways.
-struct Curve {
-    rig: &'static str,
-    params: RigParams,
-    rest: Vec<Row>,
-    up: Vec<Row>,
-    down: Vec<Row>,
-}
-
 /// Figures 3.12, 3.13 and 3.14.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const GAPS_MM: [f64; 3] = [0.0, 1.0, 2.4];
     const SAYS: [&str; 3] = [
@@ -61,7 +49,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 /// Figures 3.40, 3.41 and 3.42.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const RIGS: [&str; 3] = ["beam-170", "beam-150", "beam-135"];
     const SAYS: [&str; 3] = [
@@ -78,153 +66,17 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
                 "{}, gaps 0.0, 1.0 and 3.0 mm: force over frequency",
                 curves[0].rig
             );
-            let mut told: Vec<String> = curves.iter().map(found).collect();
-            told.push(between(curves));
-            told.push("No measured force is at hand.".to_owned());
-            page(figure, title, says, told.join(" "), curves)
+            let mut found: Vec<String> = curves.iter().map(found).collect();
+            found.push(between(curves));
+            found.push("No measured force is at hand.".to_owned());
+            page(figure, title, says, found.join(" "), curves)
         })
         .collect()
 }
 
-/// Every rig at every gap, the gaps of a rig together.
-fn curves(
-    rigs: &[&'static str],
-    gaps_mm: &[f64],
-    (from, to): (f64, f64),
-    effort: Effort,
-    progress: &Progress,
-) -> Result<Vec<Curve>, UserError> {
-    let (count, plan) = match effort {
-        Effort::Full => (441, CellPlan::CHAPTER),
-        Effort::Coarse => (
-            12,
-            CellPlan {
-                cycles: 60,
-                recorded: 20,
-                ..CellPlan::CHAPTER
-            },
-        ),
-    };
-    let ratios = spread(from, to, count);
-    let mut chains = Vec::new();
-    for rig in rigs {
-        let known = preset(rig).ok_or_else(|| UserError::new(format!("no rig {rig}")))?;
-        for gap in gaps_mm {
-            chains.push((
-                *rig,
-                RigParams {
-                    gap_m: gap * 1e-3,
-                    ..known
-                },
-            ));
-        }
-    }
-    let rest = from_rest(&chains, &ratios, &plan, progress)?;
-    let carried = carried(&chains, &ratios, &plan, progress)?;
-    let all = chains.into_iter().zip(rest).zip(carried);
-    Ok(all
-        .map(|(((rig, params), rest), (up, down))| Curve {
-            rig,
-            params,
-            rest,
-            up,
-            down,
-        })
-        .collect())
-}
-
-fn cell(params: &RigParams, ratio: f64) -> Result<Cell, UserError> {
-    let frequency_hz = ratio * params.natural_frequency_hz();
-    let rig = Rig::<f64>::new(params)?;
-    Ok(Cell {
-        params: *params,
-        frequency_hz,
-        start: Start::Rest.section(&rig, std::f64::consts::TAU * frequency_hz)?,
-        phase: 0.0,
-    })
-}
-
-fn row(rig: &str, cell: &Cell, seen: &Outcome) -> Row {
-    let params = &cell.params;
-    Row {
-        rig: rig.to_owned(),
-        gap_mm: gap_mm(params),
-        frequency_hz: tidy(cell.frequency_hz),
-        frequency_ratio: tidy(cell.frequency_hz / params.natural_frequency_hz()),
-        impacts: seen.regime.impacts(),
-        periods: seen.regime.periods(),
-        regime: seen.regime,
-        force_ratio: seen.force_n / params.weight_n(),
-        force_n: seen.force_n,
-        approach_speed_m_per_s: None,
-        contact_time_ms: None,
-    }
-}
-
-type Chain = (&'static str, RigParams);
-
-fn from_rest(
-    chains: &[Chain],
-    ratios: &[f64],
-    plan: &CellPlan,
-    progress: &Progress,
-) -> Result<Vec<Vec<Row>>, UserError> {
-    let mut curves = Vec::new();
-    for (rig, params) in chains {
-        let cells = ratios.iter().map(|ratio| cell(params, *ratio));
-        let cells = cells.collect::<Result<Vec<_>, _>>()?;
-        let seen = lanes::run(&cells, plan)?;
-        let rows = cells.iter().zip(&seen).map(|(c, s)| row(rig, c, s));
-        curves.push(rows.collect());
-        progress.inc(ratios.len() as u64);
-    }
-    Ok(curves)
-}
-
-/// Rows of one chain carried up and carried down, both by rising frequency.
-type UpAndDown = (Vec<Row>, Vec<Row>);
-
-/// All chains go side by side, up and down at once, each from where it was left at the last frequency.
-fn carried(
-    chains: &[Chain],
-    ratios: &[f64],
-    plan: &CellPlan,
-    progress: &Progress,
-) -> Result<Vec<UpAndDown>, UserError> {
-    let mut found: Vec<UpAndDown> = vec![(Vec::new(), Vec::new()); chains.len()];
-    let mut last: Option<Vec<Outcome>> = None;
-    for (up, down) in ratios.iter().zip(ratios.iter().rev()) {
-        let both = chains
-            .iter()
-            .flat_map(|(_, params)| [(params, *up), (params, *down)]);
-        let cells = both.map(|(params, ratio)| cell(params, ratio));
-        let mut cells = cells.collect::<Result<Vec<_>, _>>()?;
-        for (cell, left) in cells.iter_mut().zip(last.iter().flatten()) {
-            cell.start = left.section;
-        }
-        let seen = lanes::run(&cells, plan)?;
-        for (k, (rig, _)) in chains.iter().enumerate() {
-            found[k].0.push(row(rig, &cells[2 * k], &seen[2 * k]));
-            found[k]
-                .1
-                .push(row(rig, &cells[2 * k + 1], &seen[2 * k + 1]));
-        }
-        last = Some(seen);
-        progress.inc(2 * chains.len() as u64);
-    }
-    for (_, down) in &mut found {
-        down.reverse();
-    }
-    Ok(found)
-}
-
-fn gap_mm(params: &RigParams) -> f64 {
-    tidy(params.gap_m * 1e3)
-}
-
-/// A row and how the hammer came there.
+/// A row, and which sweep it is from.
 #[derive(Serialize)]
-struct Told<'a> {
+struct CurveRow<'a> {
     from: &'static str,
     rig: &'a str,
     gap_mm: f64,
@@ -251,20 +103,20 @@ fn page(
     );
     let mut files = drawn(&stem(figure), &picture)?;
     let ways = |c: &'_ Curve| {
-        let told = |from: &'static str, rows: &[Row]| -> Vec<(&'static str, Row)> {
+        let rows_of = |from: &'static str, rows: &[Row]| -> Vec<(&'static str, Row)> {
             rows.iter().map(|r| (from, r.clone())).collect()
         };
         [
-            told("rest", &c.rest),
-            told("up", &c.up),
-            told("down", &c.down),
+            rows_of("rest", &c.rest),
+            rows_of("up", &c.up),
+            rows_of("down", &c.down),
         ]
         .concat()
     };
     let rows: Vec<_> = curves.iter().flat_map(ways).collect();
-    let table: Vec<Told> = rows
+    let table: Vec<CurveRow> = rows
         .iter()
-        .map(|(from, r)| Told {
+        .map(|(from, r)| CurveRow {
             from,
             rig: &r.rig,
             gap_mm: r.gap_mm,
@@ -346,9 +198,9 @@ fn strongest(rows: &[Row]) -> Option<&Row> {
     of.max_by(|a, b| a.force_n.total_cmp(&b.force_n))
 }
 
-/// What a curve shows, from its own numbers.
+/// What a curve shows, in numbers.
 fn found(curve: &Curve) -> String {
-    let mut told = format!("Gap {:?} mm:", gap_mm(&curve.params));
+    let mut text = format!("Gap {:?} mm:", gap_mm(&curve.params));
     match strongest(&curve.rest) {
         Some(best) => {
             let ends: Vec<f64> = curve
@@ -357,7 +209,7 @@ fn found(curve: &Curve) -> String {
                 .filter(|r| r.regime.is(1, 1))
                 .map(|r| r.frequency_ratio)
                 .collect();
-            told += &format!(
+            text += &format!(
                 " from rest, 1/1 is met from Ω/ω = {:.2} to {:.2}; the largest 1/1 force is {:.1} m g, at {:.2}.",
                 ends[0],
                 ends[ends.len() - 1],
@@ -369,7 +221,7 @@ fn found(curve: &Curve) -> String {
                 off(a).total_cmp(&off(b))
             });
             if let Some(at) = natural.filter(|r| r.force_ratio > 0.0) {
-                told += &format!(
+                text += &format!(
                     " At Ω/ω = {:.2} it is {:.1} m g, {:.1} times less.",
                     at.frequency_ratio,
                     at.force_ratio,
@@ -377,13 +229,13 @@ fn found(curve: &Curve) -> String {
                 );
             }
         }
-        None => told += " from rest, no 1/1 is met.",
+        None => text += " from rest, no 1/1 is met.",
     }
     let apart: Vec<f64> = jumps(&curve.up, &curve.down, curve.params.weight_n(), JUMP_SHARE);
     let natural = curve.params.natural_frequency_hz();
     match (apart.first(), apart.last()) {
         (Some(low), Some(high)) => {
-            told += &format!(
+            text += &format!(
                 " Up and down differ by more than {:.0} % of force at {} of {} frequencies, between {:.2} and {:.2}: the hammer jumps.",
                 JUMP_SHARE * 100.0,
                 apart.len(),
@@ -392,9 +244,9 @@ fn found(curve: &Curve) -> String {
                 high / natural
             );
         }
-        _ => told += " Up and down agree everywhere: no jump.",
+        _ => text += " Up and down agree everywhere: no jump.",
     }
-    told
+    text
 }
 
 /// Whether the largest 1/1 force at the middle gap lies between those of the outer ones.

@@ -1,4 +1,4 @@
-//! Beyond the chapter's figures: its recommendation of 0.0 mm, from numbers.
+//! A page beyond the chapter's figures: numbers for its recommendation of a gap of 0.0 mm.
 
 use super::{Effort, Page, Part};
 use crate::pictures::drawn;
@@ -12,12 +12,12 @@ use numerics::pick::gaps::advise;
 use numerics::pick::{Limits, Uncertainty};
 
 /// The one part.
-pub const PARTS: [Part; 1] = [("gap advice", &["gap advice"], pages)];
+pub const PART: Part = Part::new("gap advice", &["gap advice"], 325.0, pages);
 
 /// The pick over gaps on the wires.
 ///
 /// # Errors
-/// As [`advise`].
+/// As those of [`advise`].
 pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let rig = rigfile::load("wires", &[])?;
     let (gaps_mm, uncertainty, starts): (Vec<f64>, _, u32) = match effort {

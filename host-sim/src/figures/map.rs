@@ -1,10 +1,10 @@
-//! The Peterka maps, figures 3.24–3.26 (wires) and 3.46–3.51 (beams), how alike those of the beams are, and where the
-//! switch model disagrees.
+//! The Peterka maps, figures 3.24–3.26 (wires) and 3.46–3.51 (beams), how similar those of the beams are, and where the
+//! switch model differs.
 
 use serde::Serialize;
-use shared::model::params::preset;
 use shared::model::regime::Regime;
 
+use super::map_force::by_force;
 use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
@@ -19,6 +19,7 @@ use numerics::lanes::CellPlan;
 use numerics::map::measured::{Measured, hits};
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
 use numerics::map::{Agreement, Grid, Map, MapRequest, Runner, run, similarity};
+use numerics::row::regime_as_text;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
@@ -39,7 +40,7 @@ const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
 /// Figures 3.24, 3.25 and 3.26.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let map = chapter_map("wires", effort, progress)?;
     let first = Page {
@@ -60,10 +61,10 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 /// Figures of a beam rig's map, the rig, and the two points (Ω/ω, gap/A0) whose basins the chapter shows.
 type BeamMap = (&'static str, &'static str, &'static str, [(f64, f64); 2]);
 
-/// Figures 3.46 to 3.51, and how alike the three maps are.
+/// Figures 3.46 to 3.51, and how similar the three maps are.
 ///
 /// # Errors
-/// As the engine's.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const FIGURES: [BeamMap; 3] = [
         ("3.46", "3.47", "beam-170", [(1.80, 1.60), (2.20, 1.50)]),
@@ -97,7 +98,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
 /// The page "map by the switch model".
 ///
 /// # Errors
-/// As the engines'.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let (rows, columns, cycles) = match effort {
         Effort::Full => (24, 40, 150),
@@ -109,7 +110,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         early: false,
         strobes: 0,
     };
-    let rig = rig("wires")?;
+    let rig = NamedRig::preset("wires")?;
     let ends = |values: Vec<f64>, count: usize| spread(values[0], values[values.len() - 1], count);
     let grid = Grid {
         gaps_mm: ends(chapter_gaps_mm(&rig.params), rows),
@@ -143,14 +144,6 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     }])
 }
 
-fn rig(name: &str) -> Result<NamedRig, UserError> {
-    let params = preset(name).ok_or_else(|| UserError::new(format!("no rig {name}")))?;
-    Ok(NamedRig {
-        name: name.to_owned(),
-        params,
-    })
-}
-
 fn request(rig: NamedRig, grid: Grid, plan: CellPlan, runner: Runner) -> MapRequest {
     MapRequest {
         rig,
@@ -169,7 +162,7 @@ const COARSE: CellPlan = CellPlan {
 };
 
 fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
-    let rig = rig(name)?;
+    let rig = NamedRig::preset(name)?;
     let (gaps, hz) = (
         chapter_gaps_mm(&rig.params),
         chapter_frequencies_hz(&rig.params),
@@ -190,7 +183,7 @@ fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, U
 }
 
 fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
-    let rig = rig(name)?;
+    let rig = NamedRig::preset(name)?;
     let ((from, to), (low, high)) = DETAIL;
     let (columns, rows, plan) = match effort {
         Effort::Full => (441, 281, CellPlan::CHAPTER),
@@ -212,7 +205,8 @@ fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, Us
 /// How many cells show a regime.
 #[derive(Serialize)]
 struct Count {
-    regime: String,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
     cells: usize,
     share_percent: f64,
 }
@@ -230,14 +224,14 @@ fn counts(map: &Map) -> Vec<Count> {
     }
     found.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
     let count = |(regime, cells): (Regime, usize)| Count {
-        regime: regime.to_string(),
+        regime,
         cells,
         share_percent: 100.0 * cells as f64 / map.cells.len() as f64,
     };
     found.into_iter().map(count).collect()
 }
 
-/// The picture, how many cells show what, and every cell.
+/// The picture, the number of cells of each regime, and every cell.
 fn with_cells(
     figure: &str,
     picture: &Figure,
@@ -251,7 +245,7 @@ fn with_cells(
     Ok(files)
 }
 
-/// Which part of the map shows what, and the bands at no gap.
+/// The share of each regime, and the bands at a gap of 0.
 fn shares(map: &Map) -> String {
     let most: Vec<String> = counts(map)
         .iter()
@@ -275,13 +269,13 @@ fn bands(map: &Map, row: usize) -> String {
     let name = |j: usize| map.cell(row, j).regime.to_string();
     let runs = columns.chunk_by(|a, b| name(*a) == name(*b));
     let long = runs.filter(|run| run.len() * 50 > ratios.len());
-    let told: Vec<String> = long
+    let text: Vec<String> = long
         .map(|run| {
             let (from, to) = (ratios[run[0]], ratios[run[run.len() - 1]]);
             format!("{} from {from:.2} to {to:.2}", name(run[0]))
         })
         .collect();
-    told.join(", ")
+    text.join(", ")
 }
 
 /// How often neighbours in frequency differ in regime between 1/1 and 1/2, above and below 1.5 A0.
@@ -348,91 +342,6 @@ fn measured(map: &Map) -> Result<Page, UserError> {
     })
 }
 
-/// The strongest 1/1 of a gap.
-#[derive(Serialize)]
-struct Strongest {
-    gap_mm: f64,
-    gap_ratio: f64,
-    frequency_ratio: f64,
-    force_ratio: f64,
-    /// Highest Ω/ω of the 1/1 it belongs to.
-    one_one_to_ratio: f64,
-    force_ratio_at_natural_frequency: f64,
-}
-
-fn strongest(map: &Map, row: usize) -> Option<Strongest> {
-    let ratios = map.frequency_ratios();
-    let columns = ratios.len();
-    let is = |j: usize| map.cell(row, j).regime.is(1, 1);
-    let force = |j: usize| map.force_ratio(row * columns + j);
-    let best = (0..columns)
-        .filter(|j| is(*j))
-        .max_by(|a, b| force(*a).total_cmp(&force(*b)))?;
-    let end = (best..columns).take_while(|j| is(*j)).last()?;
-    let natural = (0..columns).min_by(|a, b| {
-        let off = |j: usize| (ratios[j] - 1.0).abs();
-        off(*a).total_cmp(&off(*b))
-    })?;
-    Some(Strongest {
-        gap_mm: map.grid.gaps_mm[row],
-        gap_ratio: map.gap_ratios()[row],
-        frequency_ratio: ratios[best],
-        force_ratio: force(best),
-        one_one_to_ratio: ratios[end],
-        force_ratio_at_natural_frequency: force(natural),
-    })
-}
-
-fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, UserError> {
-    let rows: Vec<Strongest> = (0..map.grid.gaps_mm.len())
-        .filter_map(|row| strongest(map, row))
-        .collect();
-    let step = map
-        .frequency_ratios()
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .fold(0.0, f64::max);
-    let at_edge = |r: &&Strongest| r.one_one_to_ratio - r.frequency_ratio < 1.5 * step;
-    let edge: Vec<&Strongest> = rows.iter().filter(at_edge).collect();
-    let forces = || rows.iter().map(|r| r.force_ratio);
-    let (least, most) = (
-        forces().fold(f64::INFINITY, f64::min),
-        forces().fold(0.0, f64::max),
-    );
-    let mut found = format!(
-        "The largest 1/1 force lies between {least:.1} and {most:.1} m g over {} gaps.",
-        rows.len()
-    );
-    if let Some(zero) = rows.first() {
-        let natural = zero.force_ratio_at_natural_frequency;
-        found += &format!(
-            " At {:?} mm it is {:.1} m g, {:.1} times the {natural:.1} at the natural frequency.",
-            zero.gap_mm,
-            zero.force_ratio,
-            zero.force_ratio / natural
-        );
-    }
-    found += &match edge.first() {
-        Some(first) => format!(
-            " It is met at the upper edge of 1/1 at {} of these gaps, the smallest of them {:.2} A0; at the others inside.",
-            edge.len(),
-            first.gap_ratio
-        ),
-        None => " At no gap is it met at the upper edge of 1/1.".to_owned(),
-    };
-    let stem = stem(figure);
-    let mut files = drawn(&stem, &pictures::map::by_force(map))?;
-    files.push((format!("{stem}.csv"), to_csv(&rows)));
-    Ok(Page {
-        figure,
-        title: format!("{}: Peterka map of 1/1 by its force", map.rig.name),
-        chapter: "At the natural frequency the force is about 3 times below the largest. The largest force at a gap is not at the edge of 1/1, except at large gaps. At 0.0 mm it is about as large as at other gaps.",
-        found,
-        command: command.to_owned(),
-        files,
-    })
-}
-
 /// The three beams side by side.
 fn alike(maps: &[Map]) -> Result<Page, UserError> {
     let mut found = Vec::new();
@@ -440,10 +349,10 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
         found.extend(maps[i + 1..].iter().map(|b| similarity(a, b)));
     }
     let lines: Vec<String> = found.iter().map(words::map::similarity).collect();
-    let told = format!("{}.", lines.join("; "));
+    let text = format!("{}.", lines.join("; "));
     let stem = stem("beams-alike");
     let maps: Vec<&Map> = maps.iter().collect();
-    let mut files = drawn(&stem, &pictures::map::side_by_side(&maps, &told))?;
+    let mut files = drawn(&stem, &pictures::map::side_by_side(&maps, &text))?;
     files.push((
         format!("{stem}.json"),
         serde_json::to_vec_pretty(&found).unwrap_or_default(),
@@ -452,7 +361,7 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
         figure: "beams-alike",
         title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
         chapter: "The three maps are the same in shape whatever the stiffness, except for the chaotic region between 1/1 and 1/2.",
-        found: told,
+        found: text,
         command: "host-sim map --beams --out out".to_owned(),
         files,
     })

@@ -1,12 +1,14 @@
-//! The chapter's figures, made again: each area of analysis gives its pages, and `figures` puts them together.
+//! The chapter's figures, made again: a module for each area of analysis, and the list of all parts.
 
 pub mod basins;
 pub mod bifurcation;
 pub mod conclusion;
 pub mod contact;
 pub mod force;
+mod force_curves;
 pub mod gap;
 pub mod map;
+mod map_force;
 pub mod modes;
 pub mod orbits;
 pub mod section;
@@ -24,7 +26,7 @@ pub struct Page {
     pub title: String,
     /// What the chapter says or shows.
     pub chapter: &'static str,
-    /// What is found here, with the figures of this very run: agrees, differs, how much.
+    /// What this run finds, in numbers: whether it agrees with the chapter, and by how much it differs.
     pub found: String,
     /// How to make it alone: a command line.
     pub command: String,
@@ -44,64 +46,109 @@ pub enum Effort {
 /// Makes the pages of one area.
 pub type Area = fn(Effort, &Progress) -> Result<Vec<Page>, UserError>;
 
-/// A part of the work that is done at once: its name, the figures it makes, and how. Keep parts small (what shares its
-/// runs): one figure asked for alone makes its part, and an interrupted part is begun again.
-pub type Part = (&'static str, &'static [&'static str], Area);
+/// Figures that are made together because they share their runs. Keep parts small: one figure asked for alone makes its
+/// whole part, and an interrupted part begins again.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Its name.
+    pub name: &'static str,
+    /// The figures it makes.
+    pub figures: &'static [&'static str],
+    /// How long it takes with [`Effort::Full`], s: measured on two busy cores, so that only the ratios count. The time
+    /// left is estimated from them.
+    pub seconds: f64,
+    /// Makes them.
+    pub make: Area,
+}
+
+impl Part {
+    /// A part from its fields.
+    pub const fn new(
+        name: &'static str,
+        figures: &'static [&'static str],
+        seconds: f64,
+        make: Area,
+    ) -> Self {
+        Self {
+            name,
+            figures,
+            seconds,
+            make,
+        }
+    }
+}
 
 /// Every part, in the chapter's order.
 pub const AREAS: &[Part] = &[
-    ("contact laws", &["3.3", "contact laws"], contact::law_pages),
-    ("conclusion", &["conclusion"], conclusion::pages),
-    ("smoothing against the switch", &["3.4"], section::smoothing),
-    ("switch model", &["3.5", "3.6"], switch::pages),
-    ("drop tests", &["3.9", "3.10"], contact::drop_pages),
-    ("force, wires", &["3.12", "3.13", "3.14"], force::wires),
-    (
+    Part::new(
+        "contact laws",
+        &["3.3", "contact laws"],
+        0.3,
+        contact::law_pages,
+    ),
+    Part::new("conclusion", &["conclusion"], 32.0, conclusion::pages),
+    Part::new(
+        "smoothing against the switch",
+        &["3.4"],
+        12.0,
+        section::smoothing,
+    ),
+    Part::new("switch model", &["3.5", "3.6"], 2.6, switch::pages),
+    Part::new("drop tests", &["3.9", "3.10"], 2.9, contact::drop_pages),
+    Part::new("force, wires", &["3.12", "3.13", "3.14"], 0.6, force::wires),
+    Part::new(
         "sections, wires",
         &[
             "3.16", "3.17", "3.18", "3.19", "3.20", "3.21", "3.22", "3.23",
         ],
+        1.9,
         section::portraits,
     ),
-    ("maps, wires", &["3.24", "3.25", "3.26"], map::wires),
-    (
+    Part::new("maps, wires", &["3.24", "3.25", "3.26"], 4.0, map::wires),
+    Part::new(
         "bifurcation, wires 0.0 mm",
         &["3.27", "3.28", "3.29"],
+        1.4,
         bifurcation::wires_0,
     ),
-    (
+    Part::new(
         "bifurcation, wires 1.0 mm",
         &["3.30", "3.31", "3.32"],
+        1.4,
         bifurcation::wires_1,
     ),
-    (
+    Part::new(
         "bifurcation, wires 2.4 mm",
         &["3.33", "3.34", "3.35"],
+        1.7,
         bifurcation::wires_2,
     ),
     basins::PARTS[0],
     basins::PARTS[1],
     basins::PARTS[2],
-    ("force, beams", &["3.40", "3.41", "3.42"], force::beams),
-    (
+    Part::new("force, beams", &["3.40", "3.41", "3.42"], 1.0, force::beams),
+    Part::new(
         "bifurcation, beams",
         &["3.43", "3.44", "3.45"],
+        1.7,
         bifurcation::beams,
     ),
     basins::PARTS[3],
     basins::PARTS[4],
     basins::PARTS[5],
-    (
+    Part::new(
         "orbits",
         &["orbits at 0.0 mm", "orbits at 1.0 mm", "orbits at 2.4 mm"],
+        6.0,
         orbits::branches,
     ),
-    (
+    Part::new(
         "orbits over the map",
         &["orbits over the map"],
+        23.0,
         orbits::over_the_map,
     ),
-    (
+    Part::new(
         "maps, beams",
         &[
             "3.46",
@@ -112,20 +159,23 @@ pub const AREAS: &[Part] = &[
             "3.51",
             "beams-alike",
         ],
+        50.0,
         map::beams,
     ),
-    (
+    Part::new(
         "map by the switch model",
         &["switch-map"],
+        138.0,
         map::switch_model,
     ),
-    (
+    Part::new(
         "modes of the beams",
         &["modes 170", "modes 150", "modes 135"],
+        28.0,
         modes::beams,
     ),
-    ("mass of the beams", &["modes mass"], modes::mass),
-    gap::PARTS[0],
+    Part::new("mass of the beams", &["modes mass"], 157.0, modes::mass),
+    gap::PART,
 ];
 
 /// Figures of the chapter that are no computations, and what they are.
@@ -158,8 +208,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_part_has_a_measured_time() {
+        for part in AREAS {
+            assert!(part.seconds > 0.0 && part.seconds < 1e4, "{}", part.name);
+        }
+    }
+
+    #[test]
     fn every_figure_is_made_by_one_part_or_is_no_computation() {
-        let made: Vec<&str> = AREAS.iter().flat_map(|part| part.1).copied().collect();
+        let made: Vec<&str> = AREAS
+            .iter()
+            .flat_map(|part| part.figures)
+            .copied()
+            .collect();
         for (i, figure) in made.iter().enumerate() {
             assert!(!made[i + 1..].contains(figure), "{figure} is made twice");
             assert!(DRAWINGS.iter().all(|d| d.0 != *figure), "{figure}");

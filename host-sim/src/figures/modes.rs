@@ -33,7 +33,7 @@ fn resolution(effort: Effort) -> (f64, Cycles) {
 /// Each beam over frequency.
 ///
 /// # Errors
-/// None but those of drawing.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let (step, cycles) = resolution(effort);
     let mut pages = Vec::new();
@@ -186,17 +186,61 @@ fn found(rows: &[Row]) -> String {
 /// Force and swing with five modes over those with one, for springs of other masses.
 ///
 /// # Errors
-/// None but those of drawing.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
+    let (curves, all) = mass_curves(effort, progress)?;
+    let title = "How much the assumed mass of the beam springs matters";
+    let figure = Figure::new(title)
+        .subtitle("Couplings 170 mm apart, gap 0.0 mm, median over the frequencies from 1.2 to 2.6 times the first mode's at which both are 1/1.")
+        .panel(mass_panel(&curves));
+    let ends = |curve: &[(f64, f64)]| match (curve.first(), curve.last()) {
+        (Some(a), Some(b)) => format!("{:+.1} % at {} to {:+.1} % at {}", a.1, a.0, b.1, b.0),
+        _ => "no 1/1".into(),
+    };
+    let found = curves.iter().map(|curve| {
+        let tip = match curve.tip {
+            Tip::Guided => "guided",
+            Tip::Free => "free",
+        };
+        format!(
+            "tip {tip}: force {}, swing {}",
+            ends(&curve.force),
+            ends(&curve.swing)
+        )
+    });
+    Ok(vec![Page {
+        figure: "modes mass",
+        title: title.into(),
+        chapter: CHAPTER,
+        found: format!(
+            "The chapter gives no dimensions of the springs. Five modes against one: {}.",
+            found.collect::<Vec<_>>().join("; ")
+        ),
+        command: "host-sim modes --rig beam-170 --ratio 1.2:2.6:0.02 --modes 1,5 --beam-mass 0.3"
+            .into(),
+        files: files("modes mass", &figure, &all)?,
+    }])
+}
+
+/// Change from one mode to five, %, over the mass of the springs over the hammer's.
+struct MassCurves {
+    tip: Tip,
+    force: Vec<(f64, f64)>,
+    swing: Vec<(f64, f64)>,
+}
+
+/// The curves of both tips, and every row they come from.
+fn mass_curves(
+    effort: Effort,
+    progress: &Progress,
+) -> Result<(Vec<MassCurves>, Vec<Row>), UserError> {
     let (_, cycles) = resolution(effort);
-    let count = if effort == Effort::Full { 70 } else { 4 };
-    let masses: &[f64] = match effort {
-        Effort::Full => &[0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5],
-        Effort::Coarse => &[0.05, 0.3],
+    let (count, masses): (u32, &[f64]) = match effort {
+        Effort::Full => (70, &[0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5]),
+        Effort::Coarse => (4, &[0.05, 0.3]),
     };
     let rig = rigfile::load("beam-170", &[])?;
-    let mut all = Vec::new();
-    let mut curves = Vec::new();
+    let (mut curves, mut all) = (Vec::new(), Vec::new());
     for tip in [Tip::Guided, Tip::Free] {
         let (mut force, mut swing) = (Vec::new(), Vec::new());
         for mass_ratio in masses {
@@ -213,57 +257,33 @@ pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
             }
             all.extend(rows);
         }
-        curves.push((tip, force, swing));
+        curves.push(MassCurves { tip, force, swing });
     }
-    let mut panel = Panel::new(
+    Ok((curves, all))
+}
+
+fn mass_panel(curves: &[MassCurves]) -> Panel {
+    let panel = Panel::new(
         Axis::new("springs' mass over the hammer's").with_zero(),
         Axis::new("five modes against one, %").with_zero(),
     );
-    for (i, (tip, force, swing)) in curves.iter().enumerate() {
-        let tip = match tip {
+    curves.iter().enumerate().fold(panel, |panel, (i, curve)| {
+        let tip = match curve.tip {
             Tip::Guided => "tip guided",
             Tip::Free => "tip free to turn",
         };
-        panel = panel
+        panel
             .item(Item::line(
                 format!("force, {tip}"),
                 Color::series(2 * i),
-                force.clone(),
+                curve.force.clone(),
             ))
             .item(Item::dashed(
                 format!("swing, {tip}"),
                 Color::series(2 * i + 1),
-                swing.clone(),
-            ));
-    }
-    let title = "How much the assumed mass of the beam springs matters";
-    let figure = Figure::new(title)
-        .subtitle("Couplings 170 mm apart, gap 0.0 mm, median over the frequencies from 1.2 to 2.6 times the first mode's at which both are 1/1.")
-        .panel(panel);
-    let told = |curve: &[(f64, f64)]| match (curve.first(), curve.last()) {
-        (Some(a), Some(b)) => format!("{:+.1} % at {} to {:+.1} % at {}", a.1, a.0, b.1, b.0),
-        _ => "no 1/1".into(),
-    };
-    let found = curves.iter().map(|(tip, force, swing)| {
-        let tip = if *tip == Tip::Guided {
-            "guided"
-        } else {
-            "free"
-        };
-        format!("tip {tip}: force {}, swing {}", told(force), told(swing))
-    });
-    Ok(vec![Page {
-        figure: "modes mass",
-        title: title.into(),
-        chapter: CHAPTER,
-        found: format!(
-            "The chapter gives no dimensions of the springs. Five modes against one: {}.",
-            found.collect::<Vec<_>>().join("; ")
-        ),
-        command: "host-sim modes --rig beam-170 --ratio 1.2:2.6:0.02 --modes 1,5 --beam-mass 0.3"
-            .into(),
-        files: files("modes mass", &figure, &all)?,
-    }])
+                curve.swing.clone(),
+            ))
+    })
 }
 
 #[cfg(test)]

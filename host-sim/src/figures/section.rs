@@ -1,7 +1,6 @@
 //! Sections, and the smoothing method against the switch: figures 3.4 and 3.16–3.23.
 
 use serde::Serialize;
-use shared::model::params::PRESETS;
 
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
@@ -15,12 +14,8 @@ use plot::Figure;
 
 /// The preset called `name` at `gap_mm`.
 pub(super) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
-    let found = PRESETS.into_iter().find(|(preset, _)| *preset == name);
-    let (_, params) = found.ok_or_else(|| UserError::new(format!("there is no preset {name}")))?;
-    Ok(NamedRig {
-        name: name.to_owned(),
-        params: params.with_gap_mm(gap_mm)?,
-    })
+    let NamedRig { name, params } = NamedRig::preset(name)?;
+    Ok(NamedRig::new(name, params.with_gap_mm(gap_mm)?))
 }
 
 /// The files of a figure: picture and table.
@@ -38,7 +33,7 @@ pub(super) fn files<T: Serialize>(
 /// Figure 3.4's point on this rig.
 ///
 /// # Errors
-/// None with the presets as they are.
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     const RATIO: f64 = 2.7;
     let rig = rig("wires", 1.0)?;
@@ -155,7 +150,7 @@ const SECTIONS: [(&str, f64, f64, &str, Option<Z>); 8] = [
 /// Displacement, phase plane and section: figures 3.16 to 3.23.
 ///
 /// # Errors
-/// None with the presets as they are.
+/// If a motion cannot be followed or a picture cannot be drawn; with the presets neither happens.
 pub fn portraits(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let (points, transient) = match effort {
         Effort::Full => (2000, 600),

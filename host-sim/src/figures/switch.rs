@@ -39,7 +39,7 @@ struct Run {
 /// Figures 3.5 and 3.6.
 ///
 /// # Errors
-/// As the engines'.
+/// If a motion cannot be followed or a picture cannot be drawn.
 pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     let (periods, tick_s) = match effort {
         Effort::Full => (12, 5e-8),
@@ -195,7 +195,7 @@ fn crossing(run: &Run) -> Result<Vec<Crossing>, UserError> {
     let near = |s: &&Sample| depth_m(s) > -4e-6;
     let pushes = |s: &&Sample| s.force_n > 0.0;
     let first = run.samples.iter().find(pushes).map_or(0.0, |s| s.time_s);
-    let told = |s: &Sample| {
+    let crossing = |s: &Sample| {
         let here = subspace(&rig, s, &band);
         let name = NAMES.iter().find(|n| n.0 == here).map_or("", |n| n.1);
         Crossing {
@@ -207,41 +207,13 @@ fn crossing(run: &Run) -> Result<Vec<Crossing>, UserError> {
             subspace: name,
         }
     };
-    Ok(run.samples.iter().filter(near).map(told).collect())
+    Ok(run.samples.iter().filter(near).map(crossing).collect())
 }
 
 fn transition(wide: &Run, narrow: &Run, truth: &Run, tick_s: f64) -> Result<Page, UserError> {
     let mut steps = crossing(wide)?;
-    let mut plane = Panel::new(
-        Axis::new("penetration h_α = δ, µm"),
-        Axis::new("its rate, m/s"),
-    )
-    .titled("a) Phase plane")
-    .item(band_x(WIDE.0 * 1e6));
-    let mut force = Panel::new(
-        Axis::new("time since the force began, µs"),
-        Axis::new("contact force, N"),
-    )
-    .titled("b) Force");
-    for (_, name, color) in NAMES {
-        let of: Vec<_> = steps.iter().filter(|s| s.subspace == name).collect();
-        let points = |f: fn(&Crossing) -> (f64, f64)| of.iter().map(|s| f(s)).collect();
-        let dots = |points| Item::Points {
-            points,
-            color,
-            label: name.to_owned(),
-            radius: 1.4,
-            mark: Mark::Circle,
-        };
-        plane = plane.item(dots(points(|s| (s.penetration_um, s.rate_m_per_s))));
-        force = force.item(dots(points(|s| (s.time_us, s.force_n))));
-    }
-    let exact = crossing(truth)?;
-    let curve = exact.iter().map(|s| (s.penetration_um, s.rate_m_per_s));
-    plane = plane.item(Item::dashed("reference", Color::INK, curve.collect()));
-    let curve = exact.iter().map(|s| (s.time_us, s.force_n));
-    force = force.item(Item::dashed("reference", Color::INK, curve.collect()));
     let title = "One impact: from free flight through the band into contact and out again";
+    let [plane, force] = transition_panels(&steps, &crossing(truth)?);
     let picture = Figure::new(title)
         .subtitle(format!(
             "Band of η_α = {:.0e} m (shaded) and η_β = {} N, wide enough to be seen; Runge–Kutta steps of {:.2} µs. Dashed: no band, events located.",
@@ -280,6 +252,39 @@ fn transition(wide: &Run, narrow: &Run, truth: &Run, tick_s: f64) -> Result<Page
         command: "host-sim figures --only 3.6 --out figures".to_owned(),
         files,
     })
+}
+
+/// Phase plane and force of one impact, the steps by sub-space, over the reference.
+fn transition_panels(steps: &[Crossing], exact: &[Crossing]) -> [Panel; 2] {
+    let mut plane = Panel::new(
+        Axis::new("penetration h_α = δ, µm"),
+        Axis::new("its rate, m/s"),
+    )
+    .titled("a) Phase plane")
+    .item(band_x(WIDE.0 * 1e6));
+    let mut force = Panel::new(
+        Axis::new("time since the force began, µs"),
+        Axis::new("contact force, N"),
+    )
+    .titled("b) Force");
+    for (_, name, color) in NAMES {
+        let of: Vec<_> = steps.iter().filter(|s| s.subspace == name).collect();
+        let points = |f: fn(&Crossing) -> (f64, f64)| of.iter().map(|s| f(s)).collect();
+        let dots = |points| Item::Points {
+            points,
+            color,
+            label: name.to_owned(),
+            radius: 1.4,
+            mark: Mark::Circle,
+        };
+        plane = plane.item(dots(points(|s| (s.penetration_um, s.rate_m_per_s))));
+        force = force.item(dots(points(|s| (s.time_us, s.force_n))));
+    }
+    let curve = exact.iter().map(|s| (s.penetration_um, s.rate_m_per_s));
+    let plane = plane.item(Item::dashed("reference", Color::INK, curve.collect()));
+    let curve = exact.iter().map(|s| (s.time_us, s.force_n));
+    let force = force.item(Item::dashed("reference", Color::INK, curve.collect()));
+    [plane, force]
 }
 
 /// The band around the surface, as a shade.

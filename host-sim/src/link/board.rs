@@ -1,4 +1,4 @@
-//! An emulated board as the link sees it: the controller in lock-step, and the blocks kept for a recording.
+//! An emulated board as the link sees it: the controller in lock-step, and a buffer of recorded blocks.
 
 use std::collections::VecDeque;
 
@@ -12,7 +12,7 @@ use shared::link::{
 use shared::model::params::ParamError;
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-/// Blocks kept while nobody takes them: two seconds of blocks of ten.
+/// Blocks buffered until they are taken: two seconds of blocks of ten.
 const KEPT: usize = 4000;
 
 /// An emulated board.
@@ -32,7 +32,7 @@ impl Board {
     /// After power-on, with blocks of `block_ticks` ticks.
     ///
     /// # Errors
-    /// The first setting out of range.
+    /// If a setting is out of range.
     pub fn new(settings: &Settings, block_ticks: u8) -> Result<Self, ParamError> {
         Ok(Self {
             lockstep: Lockstep::new(settings, &BootInfo::default())?,
@@ -76,7 +76,7 @@ impl Board {
     /// Makes the controller anew. A recording that runs shows a gap.
     ///
     /// # Errors
-    /// The first setting out of range.
+    /// If a setting is out of range.
     pub fn reset(&mut self, settings: &Settings, birth: &BootInfo) -> Result<(), ParamError> {
         self.lockstep = Lockstep::new(settings, birth)?;
         self.notes = BlockNotes::default();

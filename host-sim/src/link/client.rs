@@ -1,4 +1,4 @@
-//! Asking a board, and hearing what it says unasked.
+//! The computer's side of the link: requests to a board, and the messages it streams.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
@@ -22,10 +22,10 @@ const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(3);
 /// How often a request is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
 
-/// Longest a read waits, so that patience is kept to.
+/// Longest time a read waits, so that [`PATIENCE`] is not exceeded.
 const READ_WAIT: Duration = Duration::from_millis(5);
 
-/// Streamed messages kept while an answer is awaited: a second of recording at 2000 blocks a second.
+/// Streamed messages stored while waiting for an answer: a second of recording at 2000 blocks a second.
 const KEPT: usize = 2000;
 
 /// A conversation with a board over `P`, whose reads must not wait long (or at all).
@@ -43,12 +43,12 @@ pub struct Client<P> {
 /// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers.
 ///
 /// # Errors
-/// One line: no such port, in use, silent, or of another protocol.
+/// If the port does not exist or is in use, or no board of this protocol answers.
 pub fn open(name: &str, baud: u32) -> Result<(Client<Box<dyn SerialPort>>, Hello), UserError> {
     let port = serialport::new(name, baud).timeout(READ_WAIT).open();
     let port =
         port.map_err(|e| UserError::new(format!("cannot open {name}: {e}; {}", mend(&e))))?;
-    // What an earlier conversation left behind.
+    // Leftovers of an earlier conversation.
     let _ = port.clear(ClearBuffer::Input);
     let mut client = Client::new(port, name);
     let hello = client.hello()?;
@@ -67,7 +67,7 @@ fn mend(error: &serialport::Error) -> String {
         serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
             "you may not use it: join its group (often dialout) and log in anew".to_owned()
         }
-        _ => format!("it is no serial port; {}", ports_here()),
+        _ => format!("it is not a serial port; {}", ports_here()),
     }
 }
 
@@ -103,15 +103,15 @@ impl<P: Read + Write> Client<P> {
         &self.name
     }
 
-    /// Packets that the board sent (or meant to send) and that did not arrive.
+    /// Packets of the board that did not arrive.
     pub fn lost(&self) -> u64 {
         self.lost
     }
 
-    /// Asks who is there. It ends every stream, too.
+    /// Asks for name and protocol of the board. This also ends every stream.
     ///
     /// # Errors
-    /// Silence, or another protocol.
+    /// If the board does not answer, or has another protocol.
     pub fn hello(&mut self) -> Result<Hello, UserError> {
         // Ends whatever half frame the board may be in.
         self.write(&[0])?;
@@ -130,11 +130,11 @@ impl<P: Read + Write> Client<P> {
         Ok(hello)
     }
 
-    /// Sends a request and waits for its answer; what is streamed meanwhile is kept. What can be asked twice
-    /// without harm is asked again when no answer comes.
+    /// Sends a request and waits for its answer; messages streamed meanwhile are stored. Without an answer, a request
+    /// that does no harm when it comes twice is sent again.
     ///
     /// # Errors
-    /// The port fails, or the board is silent.
+    /// If the port fails, or the board does not answer.
     pub fn ask(&mut self, request: ToBoard) -> Result<Answer, UserError> {
         let patience = match request {
             ToBoard::SetSettings(_) => PATIENCE_FOR_FLASH,
@@ -167,7 +167,7 @@ impl<P: Read + Write> Client<P> {
     /// As [`Client::ask`], for requests whose answer is that they are done.
     ///
     /// # Errors
-    /// Also: the board refuses.
+    /// If the port fails, or the board does not answer or refuses the request.
     pub fn tell(&mut self, request: ToBoard) -> Result<(), UserError> {
         match self.ask(request)? {
             Answer::Done => Ok(()),
@@ -179,7 +179,7 @@ impl<P: Read + Write> Client<P> {
     /// What the controller is doing.
     ///
     /// # Errors
-    /// As [`Client::ask`].
+    /// As those of [`Client::ask`].
     pub fn status(&mut self) -> Result<Status, UserError> {
         match self.ask(ToBoard::GetStatus)? {
             Answer::Status(status) => Ok(status),
@@ -187,10 +187,10 @@ impl<P: Read + Write> Client<P> {
         }
     }
 
-    /// The next message that came unasked; none within `patience`.
+    /// The next streamed message; none if there is none within `patience`.
     ///
     /// # Errors
-    /// The port fails.
+    /// If the port fails.
     pub fn streamed(&mut self, patience: Duration) -> Result<Option<FromBoard>, UserError> {
         if self.streamed.is_empty() {
             let until = Instant::now() + patience;
@@ -201,12 +201,12 @@ impl<P: Read + Write> Client<P> {
         Ok(self.streamed.pop_front())
     }
 
-    /// A complaint about this port.
+    /// An error about this port.
     pub fn complaint(&self, text: impl Into<String>) -> UserError {
         UserError::new(text).at(&self.name)
     }
 
-    /// A complaint about an answer to another question.
+    /// The error of an answer of the wrong kind.
     pub fn odd(&self, answer: &Answer) -> UserError {
         self.complaint(format!(
             "the board answered something else ({answer:?}); reset it and try again"
@@ -223,7 +223,7 @@ impl<P: Read + Write> Client<P> {
         Ok(None)
     }
 
-    /// Reads once; the answer to the last request, if it came. Streamed messages are kept.
+    /// Reads once and returns the answer to the last request, if it came. Streamed messages are stored.
     fn listen(&mut self) -> Result<Option<Answer>, UserError> {
         let mut bytes = [0; 4096];
         let count = match self.port.read(&mut bytes) {
@@ -278,7 +278,7 @@ impl<P: Read + Write> Client<P> {
     }
 }
 
-/// Whether a read or write only took longer than it was given.
+/// Whether a read or write only timed out.
 pub(super) fn is_patience(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -303,7 +303,7 @@ fn reason(refusal: Refusal) -> &'static str {
     }
 }
 
-/// A state as a person writes it.
+/// The name of a state.
 pub fn state_name(state: State) -> &'static str {
     match state {
         State::Idle => "idle",

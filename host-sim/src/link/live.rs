@@ -1,5 +1,4 @@
-//! An emulated board behind a pseudo-terminal, in the time of the wall: for `host-sim link` and for whoever
-//! wants to try the link without a board.
+//! An emulated board behind a pseudo-terminal, in real time: for trying `host-sim link` without a board.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -15,7 +14,7 @@ use emulator::local::birth;
 use emulator::under_test::{ControlUnderTest, Reset};
 use files::UserError;
 
-/// Farther behind than this, the lost time is given up and not caught up with.
+/// If the emulation is later than this, it goes on from now instead of catching up.
 const SLACK: Duration = Duration::from_millis(100);
 
 /// A controller under test that listens on a pseudo-terminal.
@@ -27,7 +26,7 @@ pub struct Live {
     wire: TTYPort,
     /// Held open: without an opener at the far end, the wire reads as broken.
     far_end: TTYPort,
-    /// Times faster than the wall's clock.
+    /// Times faster than real time.
     speed: f64,
     due: Instant,
 }
@@ -36,7 +35,7 @@ impl Live {
     /// A board after power-on, `speed` times faster than real time (as fast as it can if that is slower).
     ///
     /// # Errors
-    /// A setting out of range, or no pseudo-terminal to be had.
+    /// If a setting is out of range, or no pseudo-terminal is available.
     pub fn new(settings: &Settings, block_ticks: u8, speed: f64) -> Result<Self, UserError> {
         let failed = |e: serialport::Error| {
             UserError::new(format!(
@@ -61,7 +60,7 @@ impl Live {
         self.far_end.name().unwrap_or_default()
     }
 
-    /// Waits for the block's turn, and hears what was said meanwhile.
+    /// Waits until the block is due, and handles what came over the link meanwhile.
     fn turn(&mut self, ticks: usize) {
         let block = Duration::from_secs_f64(ticks as f64 * TICK_S / self.speed);
         let now = Instant::now();
@@ -71,7 +70,7 @@ impl Live {
             None => {}
         }
         self.due += block;
-        // Whoever hung up may come back: a broken wire is a silent one.
+        // A program that closed the far end may come back; until then there is nothing to read.
         let _ = self.server.step(&mut self.board, &mut self.wire);
     }
 }

@@ -3,12 +3,12 @@
 //! | module | what |
 //! |---|---|
 //! | [`board`] | an emulated board |
-//! | [`client`] | asks and waits for the answer; opens a port |
-//! | [`server`] | a session behind a stream, for an emulated board |
+//! | [`client`] | opens a port, sends requests, waits for answers |
+//! | [`server`] | the board's side over a stream, for an emulated board |
 //! | [`settings_file`] | settings as a TOML file |
 //! | [`by_hand`] | a force curve measured in manual mode |
 //! | `live` | an emulated board behind a pseudo-terminal (Unix) |
-//! | [`recording`] | a stream of blocks into a log |
+//! | [`recording`] | writes a stream of blocks into a log |
 
 pub mod board;
 pub mod by_hand;

@@ -1,4 +1,4 @@
-//! What a board streams, as a log that `host-sim replay` reads.
+//! Records what a board streams into a log that `host-sim replay` reads.
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -11,15 +11,14 @@ use super::client::{Client, state_name};
 use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
 use files::UserError;
 
-/// A board that streams nothing for so long has stopped.
+/// A board that streams nothing for so long is taken as stopped.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Records from an idle controller, made anew with its own settings, until `ticks` ticks have come. `given`
-/// is told once the recording runs: it may start the controller. Afterwards the controller is stopped if
-/// `given` was a start.
+/// Records `ticks` ticks of a controller that is idle at first and is restarted with its own settings. The command
+/// `given` is sent once the recording runs. If there is one, the controller is stopped at the end.
 ///
 /// # Errors
-/// The link fails, the controller is not idle, or something was lost on the way; no file is left then.
+/// If the link fails, the controller is not idle, or ticks are lost; no file is left then.
 pub fn record<P: Read + Write>(
     client: &mut Client<P>,
     hello: &Hello,

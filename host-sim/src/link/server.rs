@@ -1,4 +1,4 @@
-//! The board's end of the link behind a stream, for a board that is emulated.
+//! The board's side of the link over a stream, for an emulated board.
 
 use std::io::{self, Read, Write};
 
@@ -9,7 +9,7 @@ use super::client::is_patience;
 /// Bytes of the emulated board's queue: more than a second of recording, for a computer with much to do.
 const QUEUE: usize = 1 << 18;
 
-/// A session behind a stream whose reads and writes do not wait long.
+/// A session over a stream whose reads and writes return soon.
 #[derive(Debug, Default)]
 pub struct Server {
     session: Box<Session<QUEUE>>,
@@ -28,7 +28,7 @@ impl Server {
     /// then drops telemetry.
     ///
     /// # Errors
-    /// The stream's, except that it had nothing or took nothing.
+    /// If the stream fails. Nothing to read, or no space to write, is no failure.
     pub fn step(
         &mut self,
         device: &mut impl Device,

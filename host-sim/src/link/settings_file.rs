@@ -116,7 +116,7 @@ pub fn to_toml(settings: &Settings) -> String {
 /// `base` with the file `text` on top, checked as a whole.
 ///
 /// # Errors
-/// One line: no TOML, an unknown key, or a value out of range.
+/// If the text is not TOML, a key is unknown, or a value is out of range.
 pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
     let file: Table = toml::from_str(text).map_err(|e| {
         let start = e.span().map_or(0, |s| s.start.min(text.len()));
@@ -202,7 +202,7 @@ mod tests {
         for (name, rig) in PRESETS {
             let settings = Settings::for_rig(&rig);
             let text = to_toml(&settings);
-            // The other rig's wires or beams do not stand beside this one's: they are replaced.
+            // The support of the file replaces the support of the base.
             let onto_its_kind = Settings { rig, ..base };
             assert_eq!(overlay(&onto_its_kind, &text).unwrap(), settings, "{name}");
         }

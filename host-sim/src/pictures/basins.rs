@@ -7,7 +7,7 @@ use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 /// The chapter's colours.
 const IMPACT: Color = Color::BLUE;
 const NO_IMPACT: Color = Color::RED;
-/// Where nothing touches, in the picture by attractor.
+/// Colour of the attractor without contact.
 const STILL: Color = Color(0xD9, 0xD9, 0xD9);
 /// Attractors that are named; the smaller ones share a colour.
 const NAMED: usize = 9;
@@ -103,7 +103,7 @@ pub fn attractor_panel(basins: &Basins, title: impl Into<String>) -> Panel {
     panel(basins, title.into(), &names, &cells)
 }
 
-/// Where and how: rig, drive, cycles.
+/// Rig, drive and start phase in a line.
 pub fn caption(basins: &Basins) -> String {
     let s = &basins.query;
     let params = &s.rig.params;
@@ -118,7 +118,7 @@ pub fn caption(basins: &Basins) -> String {
     )
 }
 
-/// When each start touches for the last time: what a picture of impact makes of the number of cycles.
+/// The drive cycle of the last contact of each start. It shows how the share of impact depends on the number of cycles.
 pub fn last_contact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
     let window = &basins.query.window;
     let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
@@ -144,7 +144,7 @@ pub fn last_contact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
     .item(Item::Raster(raster))
 }
 
-/// Share of impact over the number of cycles one waits, of the random starts.
+/// Share of impact among the random starts over the number of cycles.
 fn looks_panel(basins: &Basins) -> Panel {
     let over_cycles = &basins.over_cycles;
     let line = |value: fn(&ImpactAfter) -> f64| {
@@ -164,7 +164,7 @@ fn looks_panel(basins: &Basins) -> Panel {
     .item(Item::dashed("", Color::GREY, line(|l| l.impact.high)))
 }
 
-/// Both pictures side by side; below, when each start touches for the last time, and the share of impact over the number of
+/// Both pictures side by side; below, the cycle of the last contact of each start, and the share of impact over the number of
 /// cycles.
 pub fn figure(basins: &Basins) -> Figure {
     let query = &basins.query;

@@ -1,11 +1,11 @@
-//! A diagram drawn.
+//! Pictures of bifurcation diagrams.
 
 use numerics::bifurcation::measured::Measured;
 use numerics::bifurcation::{Diagram, Kind, Point};
 use numerics::sweep::Direction;
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
-/// What stands on the vertical axis.
+/// The quantity on the vertical axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Displacement at drive phase 0, mm.
@@ -14,7 +14,7 @@ pub enum Quantity {
     Force,
 }
 
-/// What stands on the horizontal axis.
+/// The quantity on the horizontal axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Abscissa {
     /// Ω/ω.
@@ -34,20 +34,20 @@ impl Abscissa {
 
 /// How a panel is drawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Look<'a> {
+pub struct View<'a> {
     /// Vertical axis.
     pub quantity: Quantity,
     /// Horizontal axis.
     pub abscissa: Abscissa,
     /// The part of the horizontal axis shown, in its unit; none: all.
     pub range: Option<(f64, f64)>,
-    /// Measured points laid over.
+    /// Measured points, drawn over the diagram.
     pub measured: Option<&'a Measured>,
     /// Whether lasting changes are named above the plot.
     pub marks: bool,
 }
 
-/// Names above a plot beyond this many hide each other.
+/// More names than this above a plot would overlap.
 const MOST_MARKS: usize = 5;
 
 /// Side of a dot, px: later diagrams in smaller dots, so that those below show; larger where frequencies are few.
@@ -74,17 +74,17 @@ fn color(direction: Direction) -> Color {
 }
 
 /// One panel over `diagrams` of one gap, the first at the bottom. One alone is dark blue.
-pub fn panel(diagrams: &[&Diagram], look: Look) -> Panel {
-    let label = match look.quantity {
+pub fn panel(diagrams: &[&Diagram], view: View) -> Panel {
+    let label = match view.quantity {
         Quantity::Displacement => "displacement, mm",
         Quantity::Force => "force over weight, F/(m g)",
     };
-    let mut x = Axis::new(look.abscissa.label());
-    if let Some((from, to)) = look.range {
+    let mut x = Axis::new(view.abscissa.label());
+    if let Some((from, to)) = view.range {
         x = x.fixed(from, to);
     }
     let mut y = Axis::new(label);
-    if look.quantity == Quantity::Force {
+    if view.quantity == Quantity::Force {
         y = y.with_zero();
     }
     let mut panel = Panel::new(x, y);
@@ -95,7 +95,7 @@ pub fn panel(diagrams: &[&Diagram], look: Look) -> Panel {
             Direction::Down => "carried down",
         };
         panel = panel.item(Item::Cloud {
-            points: points(diagram, look),
+            points: points(diagram, view),
             color: if diagrams.len() == 1 {
                 Color::BLUE
             } else {
@@ -105,11 +105,11 @@ pub fn panel(diagrams: &[&Diagram], look: Look) -> Panel {
             dot: dot(diagram, k, diagrams.len() == 1),
         });
     }
-    if let (Some(measured), Some(first)) = (look.measured, diagrams.first()) {
-        panel = panel.item(measured_points(measured, first, look));
+    if let (Some(measured), Some(first)) = (view.measured, diagrams.first()) {
+        panel = panel.item(measured_points(measured, first, view));
     }
-    if look.marks {
-        for (x, words) in marks(diagrams, look) {
+    if view.marks {
+        for (x, words) in marks(diagrams, view) {
             panel = panel.item(Item::mark_x(words, x));
         }
     }
@@ -117,33 +117,33 @@ pub fn panel(diagrams: &[&Diagram], look: Look) -> Panel {
 }
 
 /// The points of a diagram inside the shown range, so that the other axis fits them.
-fn points(diagram: &Diagram, look: Look) -> Vec<(f64, f64)> {
+fn points(diagram: &Diagram, view: View) -> Vec<(f64, f64)> {
     let weight = diagram.params.weight_n();
-    let y = |p: &Point| match look.quantity {
+    let y = |p: &Point| match view.quantity {
         Quantity::Displacement => p.displacement_mm,
         Quantity::Force => p.force_n / weight,
     };
     let mut points = Vec::new();
     for station in &diagram.stations {
-        let x = match look.abscissa {
+        let x = match view.abscissa {
             Abscissa::Ratio => station.row.frequency_ratio,
             Abscissa::Frequency => station.row.frequency_hz,
         };
-        if look.range.is_none_or(|(a, b)| (a..=b).contains(&x)) {
+        if view.range.is_none_or(|(a, b)| (a..=b).contains(&x)) {
             points.extend(station.points.iter().map(|p| (x, y(p))));
         }
     }
     points
 }
 
-fn measured_points(measured: &Measured, diagram: &Diagram, look: Look) -> Item {
+fn measured_points(measured: &Measured, diagram: &Diagram, view: View) -> Item {
     let natural = diagram.params.natural_frequency_hz();
     let weight = diagram.params.weight_n();
-    let (from, scale) = match look.quantity {
+    let (from, scale) = match view.quantity {
         Quantity::Displacement => (&measured.displacement_mm, 1.0),
         Quantity::Force => (&measured.force_n, weight),
     };
-    let unit = match look.abscissa {
+    let unit = match view.abscissa {
         Abscissa::Ratio => natural,
         Abscissa::Frequency => 1.0,
     };
@@ -156,15 +156,15 @@ fn measured_points(measured: &Measured, diagram: &Diagram, look: Look) -> Item {
     }
 }
 
-/// Where and what the first lasting changes of the first diagram are.
-fn marks(diagrams: &[&Diagram], look: Look) -> Vec<(f64, String)> {
+/// Place and name of the first lasting changes of the first diagram.
+fn marks(diagrams: &[&Diagram], view: View) -> Vec<(f64, String)> {
     let Some(diagram) = diagrams.first() else {
         return Vec::new();
     };
     let lasting = diagram.changes.iter().filter(|c| c.lasting);
     let worth = lasting.filter(|c| c.kind != Kind::Contacts);
     let place = worth.map(|c| {
-        let x = match look.abscissa {
+        let x = match view.abscissa {
             Abscissa::Ratio => c.frequency_ratio,
             Abscissa::Frequency => c.frequency_hz,
         };
@@ -174,14 +174,14 @@ fn marks(diagrams: &[&Diagram], look: Look) -> Vec<(f64, String)> {
         }
     });
     place
-        .filter(|(x, _)| look.range.is_none_or(|(a, b)| (a..=b).contains(x)))
+        .filter(|(x, _)| view.range.is_none_or(|(a, b)| (a..=b).contains(x)))
         .take(MOST_MARKS)
         .collect()
 }
 
 /// Displacement over force for one gap, with all its directions.
 pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measured>) -> Figure {
-    let look = |quantity| Look {
+    let view = |quantity| View {
         quantity,
         abscissa,
         range: None,
@@ -199,6 +199,6 @@ pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measu
             directions.join(", ")
         ))
         .size(1200, 980)
-        .panel(panel(diagrams, look(Quantity::Displacement)).titled("Displacement"))
-        .panel(panel(diagrams, look(Quantity::Force)).titled("Contact force"))
+        .panel(panel(diagrams, view(Quantity::Displacement)).titled("Displacement"))
+        .panel(panel(diagrams, view(Quantity::Force)).titled("Contact force"))
 }

@@ -1,4 +1,4 @@
-//! Simulation (blue) and measurement (red) over each other, as the chapter draws them.
+//! Simulation (blue) and measurement (red) in the same panels, as the chapter draws them.
 
 use numerics::compare::{Comparison, Frame, Row};
 use plot::{Axis, Color, Figure, Item, Panel};
@@ -126,7 +126,7 @@ fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> 
         ))
 }
 
-/// The measured motion at each drive phase 0, between the samples about it.
+/// The measured motion at each drive phase 0, interpolated between samples.
 pub fn section(rows: &[Row]) -> Vec<(f64, f64)> {
     let crossing = |pair: &[Row]| {
         let (a, b) = (&pair[0], &pair[1]);

@@ -1,4 +1,4 @@
-//! Figure 3.3 and its like: phase plane and force of single contacts, restitution over speed.
+//! Figure 3.3 and similar ones: phase plane and force of single impacts, restitution over speed.
 
 use shared::model::contact::Law;
 use shared::model::rig::Rig;
@@ -10,13 +10,13 @@ use plot::{Axis, Color, Figure, Item, Panel};
 /// Instants drawn per contact.
 const POINTS: usize = 300;
 
-/// A contact to draw: name, law, approach speed in m/s.
+/// An impact to draw: name, law, approach speed in m/s.
 pub type Drawn = (String, Law<f64>, f64);
 
-/// Phase plane (indentation and its rate) and force over time of several contacts of a mass.
+/// Phase plane (indentation and its rate) and force over time of several impacts of a mass.
 ///
 /// # Errors
-/// A parameter out of range, or a contact that does not end.
+/// If a parameter is out of range, or a contact does not end.
 pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
     let mut plane = Panel::new(
         Axis::new("indentation, µm"),

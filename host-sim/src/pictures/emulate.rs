@@ -1,4 +1,4 @@
-//! The picture of a run: what the controller did over time, and what came of it.
+//! The picture of an emulated run: the controller's states and commands, and the true contact force over time.
 
 use shared::control::State;
 
@@ -6,19 +6,19 @@ use emulator::log::state_name;
 use emulator::record::{BlockRow, Contact, Event, Observer, TickRow, What};
 use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
-/// Time between two points of a curve at first, s.
+/// Initial time between two points of a curve, s.
 const POINT_S: f64 = 0.05;
 
-/// Points of a curve at most; then every other is dropped and the time between them doubled.
+/// Most points of a curve. At this number every other point is dropped and the time between points doubles.
 const MOST_POINTS: usize = 20_000;
 
 /// How often the largest force is shown while there is no drive, Hz.
 const OFF_HZ: f64 = 4.0;
 
-/// Marks with a name, at most; more would not be read.
+/// Most marks with a name; more names would overlap.
 const NAMED_MARKS: usize = 8;
 
-/// What of a run is drawn. Watches it ([`Observer`]) and keeps a few thousand points.
+/// The curves of a run: an [`Observer`] that keeps a few thousand points.
 #[derive(Clone, Debug)]
 pub struct Trace {
     /// What the controller did, and since when, s.
@@ -140,12 +140,12 @@ impl Observer for Trace {
     }
 }
 
-/// What stands around the curves.
+/// Title, subtitle and reference lines of the picture.
 #[derive(Clone, Debug, Default)]
 pub struct About {
-    /// The first line.
+    /// Title.
     pub title: String,
-    /// What is under it.
+    /// Subtitle.
     pub subtitle: String,
     /// The hammer's weight, N: forces are shown as multiples of it.
     pub weight_n: f64,
@@ -275,7 +275,7 @@ mod tests {
     use super::*;
     use plot::render_svg;
 
-    /// Watches `seconds` of a run: idle, a start at 1 s, a blow every half second, a fault at the end.
+    /// Watches `seconds` of a run: idle, a start at 1 s, a contact every half second, a fault at the end.
     fn watched(seconds: u32) -> Trace {
         let mut trace = Trace::default();
         // A block of 0.05 s, so that a long run is short to test.

@@ -1,4 +1,4 @@
-//! Figures 3.9 and 3.10 and what stands behind them: force of the first impacts, peaks over impact number, and the
+//! Figures 3.9 and 3.10, and what they are derived from: force of the first impacts, peaks over impact number, and the
 //! misfit over each parameter.
 
 use shared::model::params::RigParams;
@@ -128,7 +128,7 @@ fn profile(fit: &Fit, i: usize) -> Option<Panel> {
     Some(panel)
 }
 
-/// What an axis calls a parameter, and what its values are multiplied by there.
+/// The label of a parameter's axis, and the factor of its values.
 fn unit(key: &str) -> (&str, f64) {
     match key {
         "contact_stiffness_n_per_m" => ("ki, 10⁶ N/mⁿ", 1e-6),

@@ -6,7 +6,7 @@ use crate::pictures::regimes::{regime_color, regime_group, regime_raster};
 use numerics::map::Map;
 use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 
-/// A point laid over a map: gap (mm), drive frequency (Hz), and what was seen there.
+/// A point drawn over a map: gap (mm), drive frequency (Hz), and the regime seen there.
 pub type Seen = (f64, f64, Regime);
 
 /// Every regime in its colour (figures 3.24, 3.46a, 3.48a, 3.50a).
@@ -30,7 +30,7 @@ pub fn detail(
     figure(map, "z = p/n, detail").panel(panel)
 }
 
-/// Only z = 1/1, by the force it strikes with (figures 3.26, 3.47, 3.49, 3.51).
+/// Only z = 1/1, by its contact force (figures 3.26, 3.47, 3.49, 3.51).
 pub fn by_force(map: &Map) -> Figure {
     let ratio = |i: usize| {
         let one_one = map.cells[i].regime.is(1, 1);
@@ -76,7 +76,7 @@ pub fn with_points(map: &Map, points: &[Seen]) -> Figure {
     figure(map, "z = p/n, and what was seen").panel(panel)
 }
 
-/// Maps beside one another over the same axes, with a line of text under the title that says how alike they are.
+/// Maps beside one another over the same axes, with a line under the title that says how similar they are.
 pub fn side_by_side(maps: &[&Map], alike: &str) -> Figure {
     let figure = Figure::new("Maps of z = p/n side by side, over Ω/ω and gap/A0")
         .subtitle(alike)
@@ -96,7 +96,7 @@ const DIFFERENCES: [(&str, Color); 5] = [
     ("one strikes, one does not", Color::PURPLE),
 ];
 
-/// Where `a` and `b` (cell for cell the same grid) differ, `other` saying what `b` is.
+/// Where `a` and `b` differ, which have the same grid; `other` says what `b` is.
 pub fn differences(a: &Map, b: &Map, other: &str) -> Figure {
     let kinds = a.cells.iter().zip(&b.cells).map(|(a, b)| {
         let largest = a.force_n.max(b.force_n);
@@ -190,10 +190,7 @@ mod tests {
             uncertain: false,
         };
         Map {
-            rig: NamedRig {
-                name: "wires".into(),
-                params: WIRES,
-            },
+            rig: NamedRig::new("wires", WIRES),
             grid: Grid {
                 gaps_mm: vec![0.0, 0.89],
                 frequencies_hz: vec![1.82, 3.64, 5.46],

@@ -1,4 +1,4 @@
-//! The pictures of the analyses: which quantity stands where, in which colour, with which words.
+//! The pictures of the analyses: axes, colours and words.
 
 use files::UserError;
 use plot::{Figure, render_png, render_svg};

@@ -16,7 +16,7 @@ use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
-/// What simulations show at their strobes: (parameter, value).
+/// Values of simulations at drive phase 0: (parameter, value).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Simulated {
     /// Displacement at drive phase 0, mm.
@@ -36,7 +36,7 @@ const PLAN: CellPlan = CellPlan {
 /// Simulations over the range of `diagram` at `count` values, each from rest and from a push.
 ///
 /// # Errors
-/// A simulation that leaves what the model describes.
+/// If a simulation leaves the range that the model describes.
 pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError> {
     let request = &diagram.request;
     let family = Family::new(&diagram.params, request.along, 1)?;
@@ -87,7 +87,7 @@ fn mark(special: Special) -> (Mark, Color) {
     }
 }
 
-/// Displacement and force of every curve over the parameter, on top of what simulations show.
+/// Displacement and force of every curve over the parameter, over the points of simulations.
 pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     let (x, place) = match diagram.request.along {
         Along::Frequency => (
@@ -211,7 +211,7 @@ fn stroke(special: Special) -> (Stroke, Color) {
 pub fn line_items(lines: &[Line]) -> Vec<Item> {
     let mut named: Vec<Special> = Vec::new();
     let mut items = Vec::new();
-    // In the legend a kind is told by its lines, if it has any, not by one that came to a single point.
+    // The legend shows a kind by one of its lines, if it has any, rather than by a line of a single point.
     let (long, points): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|l| l.nodes.len() > 1);
     for line in long.into_iter().chain(points) {
         let (mark, _) = mark(line.special);

@@ -5,6 +5,7 @@ use crate::words::pick::why;
 use numerics::pick::Pick;
 use numerics::row::Row;
 use plot::{Axis, Color, Figure, Item, Panel};
+use shared::model::regime::Regime;
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
 
@@ -93,20 +94,27 @@ fn panel(pick: &Pick) -> Panel {
     ))
 }
 
-/// Regimes that get a style of their own; the rest share one, so that a legend stays short.
-const NAMED: [&str; 7] = ["1/1", "1/2", "2/2", "2/1", "aperiodic", "chatter", "none"];
+/// The name of a regime in a legend. The rarer periodic ones share a name, so that the legend stays short.
+fn legend(regime: Regime) -> String {
+    match regime {
+        Regime::Periodic {
+            impacts: 1 | 2,
+            periods: 1 | 2,
+        } => regime.to_string(),
+        Regime::Periodic { .. } => OTHER_PERIODIC.to_owned(),
+        _ => regime.to_string(),
+    }
+}
 
 /// (frequency in Hz, force ratio) of rows, gathered by regime in order of first appearance.
 pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f64, f64)>)> {
     let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for row in rows {
         let point = (row.frequency_hz, row.force_ratio);
-        let regime = row.regime.to_string();
-        let named = NAMED.iter().find(|name| **name == regime);
-        let label = named.copied().unwrap_or(OTHER_PERIODIC);
-        match groups.iter_mut().find(|(regime, _)| regime == label) {
+        let label = legend(row.regime);
+        match groups.iter_mut().find(|(known, _)| *known == label) {
             Some((_, points)) => points.push(point),
-            None => groups.push((label.to_owned(), vec![point])),
+            None => groups.push((label, vec![point])),
         }
     }
     groups

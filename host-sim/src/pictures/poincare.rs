@@ -1,4 +1,4 @@
-//! Sections drawn.
+//! Pictures of Poincaré sections.
 
 use crate::pictures::regimes::regime_color;
 use numerics::NamedRig;
@@ -9,7 +9,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 
 const DISPLACEMENT: &str = "displacement relative to the cart, mm";
 const VELOCITY: &str = "velocity relative to the cart, m/s";
-/// Fewer points are drawn as marks, more as a cloud of dots.
+/// Up to so many points are drawn as marks, more as small dots.
 const FEW: usize = 64;
 /// Points of the section of at most this many contacts per period have a colour of their own.
 const COUNTED: u16 = 3;

@@ -127,40 +127,54 @@ fn why(rows: &[GapRow], advised: Option<&GapRow>) -> String {
     };
     let picked: Vec<&GapRow> = rows.iter().filter(|r| r.no_pick.is_none()).collect();
     let others: Vec<&GapRow> = picked.iter().copied().filter(|r| *r != best).collect();
-    let ends = |value: &dyn Fn(&GapRow) -> Option<f64>, of: &[&GapRow]| {
-        let values: Vec<f64> = of.iter().filter_map(|r| value(r)).collect();
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(0.0, f64::max);
-        (low, high)
+    format!(
+        "Run at a gap of {:?} mm: {}{}{}{}.",
+        best.gap_mm,
+        largest_force(&picked),
+        force_and_band(best, &others),
+        jumps(best, &picked, &others),
+        basin(best, &others)
+    )
+}
+
+/// The least and the largest value of the rows that have one.
+fn ends(rows: &[&GapRow], value: impl Fn(&GapRow) -> Option<f64>) -> (f64, f64) {
+    let values: Vec<f64> = rows.iter().filter_map(|r| value(r)).collect();
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(0.0, f64::max);
+    (low, high)
+}
+
+fn largest_force(picked: &[&GapRow]) -> String {
+    let (low, high) = ends(picked, |r| r.largest_force_ratio);
+    let (same, so) = if high - low <= ABOUT_THE_SAME * high {
+        ("about the same at every gap tried", "buys no force")
+    } else {
+        ("not the same at every gap tried", "matters for the force")
     };
-    let mut text = format!("Run at a gap of {:?} mm", best.gap_mm);
-    let (low, high) = ends(&|r| r.largest_force_ratio, &picked);
-    let same = high - low <= ABOUT_THE_SAME * high;
-    text += &format!(
-        ": the largest 1/1 force is {} ({low:.1} to {high:.1} times the weight), so a gap {}",
-        if same {
-            "about the same at every gap tried"
-        } else {
-            "not the same at every gap tried"
-        },
-        if same {
-            "buys no force"
-        } else {
-            "matters for the force"
-        }
+    format!(
+        "the largest 1/1 force is {same} ({low:.1} to {high:.1} times the weight), so a gap {so}"
+    )
+}
+
+fn force_and_band(best: &GapRow, others: &[&GapRow]) -> String {
+    let (Some(force), Some(band)) = (best.force_ratio, best.safe_band_percent) else {
+        return String::new();
+    };
+    let text = format!(
+        "; at {:?} mm it strikes with {force:.1} times the weight in a safe band {band:.1} % wide",
+        best.gap_mm
     );
-    if let (Some(force), Some(band)) = (best.force_ratio, best.safe_band_percent) {
-        let (least, most) = ends(&|r| r.safe_band_percent, &others);
-        text += &format!(
-            "; at {:?} mm it strikes with {force:.1} times the weight in a safe band {band:.1} % wide",
-            best.gap_mm
-        );
-        if !others.is_empty() {
-            text += &format!(" ({least:.1} to {most:.1} % at the others)");
-        }
+    if others.is_empty() {
+        return text;
     }
+    let (least, most) = ends(others, |r| r.safe_band_percent);
+    text + &format!(" ({least:.1} to {most:.1} % at the others)")
+}
+
+fn jumps(best: &GapRow, picked: &[&GapRow], others: &[&GapRow]) -> String {
     let jumping: Vec<_> = picked.iter().filter(|r| r.jumps == Some(true)).collect();
-    text += &match (best.jumps, jumping.first(), jumping.last()) {
+    match (best.jumps, jumping.first(), jumping.last()) {
         (Some(false), Some(first), Some(last)) => format!(
             "; nothing jumps there, while the hammer jumps (sweeps differ, or the 1/1 ends in a fold) at {} of the other {} gaps ({:?} to {:?} mm)",
             jumping.len(),
@@ -170,22 +184,26 @@ fn why(rows: &[GapRow], advised: Option<&GapRow>) -> String {
         ),
         (Some(false), ..) => "; nothing jumps, there or at the others".to_owned(),
         _ => "; the hammer jumps there, as at every gap with as much force".to_owned(),
-    };
-    if let Some(share) = best.basin_share {
-        let (least, most) = ends(&|r| r.basin_share, &others);
-        text += &format!(
-            "; and {:.0} % of the starts end on that orbit",
-            100.0 * share
-        );
-        if !others.is_empty() {
-            text += &format!(
-                " ({:.0} to {:.0} % at the others)",
-                100.0 * least,
-                100.0 * most
-            );
-        }
     }
-    text + "."
+}
+
+fn basin(best: &GapRow, others: &[&GapRow]) -> String {
+    let Some(share) = best.basin_share else {
+        return String::new();
+    };
+    let text = format!(
+        "; and {:.0} % of the starts end on that orbit",
+        100.0 * share
+    );
+    if others.is_empty() {
+        return text;
+    }
+    let (least, most) = ends(others, |r| r.basin_share);
+    text + &format!(
+        " ({:.0} to {:.0} % at the others)",
+        100.0 * least,
+        100.0 * most
+    )
 }
 
 #[cfg(test)]

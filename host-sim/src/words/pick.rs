@@ -31,13 +31,30 @@ pub fn jumping_at(low_hz: f64, high_hz: f64) -> String {
 
 /// Why this frequency, in one sentence.
 pub fn why(answer: &Answer) -> String {
-    let binding: Vec<_> = answer
-        .limits
-        .iter()
-        .filter(|l| l.binds)
-        .map(|l| l.name)
-        .collect();
-    let among = match (binding.as_slice(), &answer.uncertainty) {
+    let end = match answer.period_doubling_hz {
+        Some(hz) => format!(
+            "the period doubles only at {hz:.3} Hz, {:.0} % higher",
+            100.0 * (hz / answer.operating_frequency_hz - 1.0)
+        ),
+        None => format!(
+            "the stable 1/1 ends at {:.3} Hz",
+            answer.stable_one_one_hz[1]
+        ),
+    };
+    format!(
+        "{}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {}{}.",
+        strongest_of(answer),
+        answer.force_ratio,
+        answer.force_ratio / answer.force_ratio_at_natural_frequency,
+        jumps(answer),
+        from_rest(answer)
+    )
+}
+
+fn strongest_of(answer: &Answer) -> String {
+    let binding = answer.limits.iter().filter(|l| l.binds).map(|l| l.name);
+    let binding: Vec<_> = binding.collect();
+    match (binding.as_slice(), &answer.uncertainty) {
         ([], None) => "It is the strongest stable 1/1 of the nominal rig".to_owned(),
         ([], Some(_)) => {
             "It is the strongest stable 1/1, and 1/1 stays stable over the whole uncertainty"
@@ -49,33 +66,27 @@ pub fn why(answer: &Answer) -> String {
             answer.nominal_optimum_force_ratio,
             answer.nominal_optimum_hz
         ),
+    }
+}
+
+fn jumps(answer: &Answer) -> String {
+    let Some([low, high]) = answer.jump_range_hz else {
+        return "and nothing jumps".to_owned();
     };
-    let end = match answer.period_doubling_hz {
-        Some(hz) => format!(
-            "the period doubles only at {hz:.3} Hz, {:.0} % higher",
-            100.0 * (hz / answer.operating_frequency_hz - 1.0)
-        ),
-        None => format!(
-            "the stable 1/1 ends at {:.3} Hz",
-            answer.stable_one_one_hz[1]
-        ),
+    let place = if answer.jump_free_in_safe_band {
+        "though not"
+    } else {
+        "also"
     };
-    let jumps = match answer.jump_range_hz {
-        None => "and nothing jumps".to_owned(),
-        Some([low, high]) => {
-            let place = if answer.jump_free_in_safe_band {
-                "though not"
-            } else {
-                "also"
-            };
-            format!(
-                "but the hammer jumps {}, {place} inside the safe band",
-                jumping_at(low, high)
-            )
-        }
-    };
+    format!(
+        "but the hammer jumps {}, {place} inside the safe band",
+        jumping_at(low, high)
+    )
+}
+
+fn from_rest(answer: &Answer) -> String {
     let missing = answer.corners - answer.corners_reaching_one_one_from_rest;
-    let alone = if answer.regime_from_rest != answer.regime {
+    if answer.regime_from_rest != answer.regime {
         format!(
             "; from rest the hammer does not get there by itself (it ends in {}): it needs a push",
             answer.regime_from_rest
@@ -87,10 +98,5 @@ pub fn why(answer: &Answer) -> String {
         )
     } else {
         String::new()
-    };
-    format!(
-        "{among}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {jumps}{alone}.",
-        answer.force_ratio,
-        answer.force_ratio / answer.force_ratio_at_natural_frequency
-    )
+    }
 }

@@ -4,9 +4,10 @@ mod text;
 
 use serde::Serialize;
 
-use super::common::{Common, Format, at_gap};
-use super::drive::At;
-use super::emit::{emit, tables};
+use super::arguments::drive::Drive;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::OutputArgs;
+use super::arguments::rig::{RigArgs, at_gap};
 use crate::pictures::basins::figure;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -19,12 +20,9 @@ use numerics::engine::Engine;
 #[command(group(clap::ArgGroup::new("where").required(true).args(["ratio", "frequency", "chapter"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
+    drive: Drive,
 
-    #[command(flatten)]
-    drive: At,
-
-    /// The twelve points the chapter shows
+    /// The twelve operating points that the chapter shows
     #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio"])]
     chapter: bool,
 
@@ -37,7 +35,7 @@ pub struct Args {
     )]
     gap_ratio: Option<f64>,
 
-    /// Drive phase at which the hammer is let go, turns from 0 to below 1
+    /// Drive phase at the start, turns from 0 to below 1
     #[arg(
         long,
         value_name = "TURNS",
@@ -62,11 +60,11 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last are looked at: a contact in them is impact
+    /// How many of the last cycles are recorded; a contact in them counts as impact
     #[arg(long, value_name = "N", default_value_t = 100)]
     recorded: u32,
 
-    /// Random starts besides, for shares with confidence intervals and the table over cycles; 0: none
+    /// Random starts in addition to the grid, for shares with confidence intervals and the table over cycles; 0: none
     #[arg(long, value_name = "N", default_value_t = 2000)]
     samples: u32,
 
@@ -74,9 +72,18 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Cycles to which the random starts are run on, for the table over cycles [default: 1000, or --cycles if more]
+    /// Drive cycles of the random starts, for the table over cycles [default: 1000, or --cycles if more]
     #[arg(long, value_name = "N")]
     until: Option<u32>,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// One point and what was found.
@@ -88,9 +95,9 @@ struct Found {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    common.check_out()?;
-    let engine = common.engine()?;
+    let output = &args.output;
+    output.check()?;
+    let engine = args.engine.engine(output)?;
     if args.samples > 1_000_000 {
         return Err(UserError::new(format!(
             "--samples is {}, must be at most 1000000",
@@ -99,17 +106,17 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let queries = queries(args)?;
     let total = queries.iter().map(|(_, query)| query.runs()).sum();
-    let progress = Progress::new("starts", total, common.quiet);
+    let progress = Progress::new("starts", total, output.quiet);
     let mut found = Vec::with_capacity(queries.len());
     for (point, query) in queries {
-        found.push(look(engine, point, &query, &progress)?);
+        found.push(find(engine, point, &query, &progress)?);
     }
     progress.finish();
-    write(common, &found)?;
-    answer(common.format, &found)
+    write(output, &found)?;
+    answer(output, &found)
 }
 
-fn look(
+fn find(
     engine: Engine,
     point: Option<Point>,
     query: &BasinsRequest,
@@ -152,23 +159,23 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, BasinsRequest)>, UserError
     points.collect()
 }
 
-/// The point the command line names.
+/// The operating point that the command line names.
 fn own(args: &Args) -> Result<BasinsRequest, UserError> {
-    let mut rig = args.common.rig()?;
+    let mut rig = args.rig.load()?;
     if let Some(ratio) = args.gap_ratio {
         let gap_mm = ratio * rig.params.amplitude_m * 1e3;
         rig.params = at_gap(&rig.params, gap_mm, format!("--gap-ratio {ratio}"))?;
     }
     let natural_hz = rig.params.natural_frequency_hz();
-    let hz = args.drive.hz(natural_hz);
+    let hz = args.drive.needed_hz(natural_hz)?;
     let (columns, rows) = args.grid;
-    let query = BasinsRequest::usual(rig, hz.unwrap_or(f64::NAN), columns, rows);
+    let query = BasinsRequest::usual(rig, hz, columns, rows);
     let window = Window::usual(&query.rig.params, columns, rows);
     Ok(BasinsRequest { window, ..query })
 }
 
-fn write(common: &Common, found: &[Found]) -> Result<(), UserError> {
-    let Some(dir) = &common.out else {
+fn write(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {
+    let Some(dir) = &output.out else {
         return Ok(());
     };
     let mut contents = Vec::new();
@@ -179,28 +186,23 @@ fn write(common: &Common, found: &[Found]) -> Result<(), UserError> {
         };
         contents.extend(drawn(&name, &figure(&one.basins))?);
         let rows = cells::rows(&one.basins);
-        contents.extend(tables(&name, common.format, &one.summary, &rows)?);
+        contents.extend(output.tables(&name, &one.summary, &rows)?);
     }
     if found.iter().any(|one| one.point.is_some()) {
-        let table = tables(
-            "basins-chapter",
-            common.format,
-            &summaries(found),
-            &lines(found),
-        )?;
+        let table = output.tables("basins-chapter", &summaries(found), &lines(found))?;
         contents.extend(table);
     }
-    common.write(dir, &contents)
+    output.write(dir, &contents)
 }
 
-fn answer(format: Format, found: &[Found]) -> Result<(), UserError> {
+fn answer(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {
     match found {
         [one] if one.point.is_none() => {
-            emit(format, &one.summary, &cells::rows(&one.basins), || {
+            output.emit(&one.summary, &cells::rows(&one.basins), || {
                 text::one(&one.basins, &one.summary)
             })
         }
-        _ => emit(format, &summaries(found), &lines(found), || {
+        _ => output.emit(&summaries(found), &lines(found), || {
             text::several(&lines(found))
         }),
     }
@@ -235,7 +237,7 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
     let line = |one| {
         let Found { point, summary, .. }: &Found = one;
         let random = summary.impact_share_random;
-        let look = |look: Option<&numerics::basins::ImpactAfter>| look.map(|l| l.impact.value());
+        let share = |look: Option<&numerics::basins::ImpactAfter>| look.map(|l| l.impact.value());
         Line {
             figure: point.map_or(String::new(), |p| format!("{} {}", p.figure, p.part)),
             rig: &summary.rig,
@@ -246,8 +248,8 @@ fn lines(found: &[Found]) -> Vec<Line<'_>> {
             impact_share_random: random.map(|s| s.value()),
             impact_share_random_low: random.map(|s| s.low),
             impact_share_random_high: random.map(|s| s.high),
-            impact_share_first_look: look(summary.over_cycles.first()),
-            impact_share_last_look: look(summary.over_cycles.last()),
+            impact_share_first_look: share(summary.over_cycles.first()),
+            impact_share_last_look: share(summary.over_cycles.last()),
             attractors: summary.attractors.len(),
             largest_attractor: summary
                 .attractors

@@ -20,7 +20,7 @@ code{background:#f2f2f2;padding:.1rem .3rem;border-radius:3px;font-size:.9rem}\
 .later{color:#777}.rough{background:#fff4d6;border:1px solid #e6c25c;padding:.6rem 1rem}\
 @media(max-width:700px){nav ol{columns:1}dl{grid-template-columns:1fr}}";
 
-/// The whole page. `records` stand as the parts do, none for what is not made.
+/// The whole page. There is one of `records` for each part, in order; none where it is not made.
 pub fn page(effort: Effort, records: &[Option<Record>]) -> String {
     let mut pages: Vec<&PageRecord> = records.iter().flatten().flat_map(|r| &r.pages).collect();
     pages.sort_by_key(|page| order(&page.figure));
@@ -74,7 +74,7 @@ fn contents(out: &mut String, pages: &[&PageRecord], records: &[Option<Record>])
         lines.push((order(figure), line));
     }
     let absent = AREAS.iter().zip(records).filter(|(_, r)| r.is_none());
-    for figure in absent.flat_map(|(part, _)| part.1) {
+    for figure in absent.flat_map(|(part, _)| part.figures) {
         let line = format!(
             "<span class=\"later\"><b>{}</b> not made yet</span>",
             escaped(figure)
@@ -105,7 +105,7 @@ fn section(out: &mut String, page: &PageRecord) {
         let end = end.to_owned();
         page.files.iter().filter(move |f| f.name.ends_with(&end))
     };
-    // An SVG stands with a PNG of the same name.
+    // A picture is there as SVG and as PNG of the same name.
     for png in ends(".png") {
         let svg = png.name.replace(".png", ".svg");
         let has_svg = page.files.iter().any(|f| f.name == svg);

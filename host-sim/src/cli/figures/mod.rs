@@ -6,7 +6,9 @@ mod record;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::common::check_out_folder;
+use super::arguments::output::{check_folder, to_json};
+use super::interrupt;
+use super::terminal::print;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
 use files::UserError;
 
@@ -19,7 +21,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 
-    /// Only these, with commas between: 3.24,3.27 (what shares their runs is made along with them)
+    /// Only these figures, separated by commas: 3.24,3.27 (figures that share their runs are made together)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     only: Vec<String>,
 
@@ -33,7 +35,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    check_out_folder(&args.out)?;
+    check_folder(&args.out)?;
     let only: Vec<String> = args
         .only
         .iter()
@@ -41,7 +43,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         .collect();
     let wanted = wanted(&only)?;
     if !args.quiet {
-        super::if_interrupted(format!(
+        interrupt::say_then(format!(
             "interrupted; the parts that are done are kept in {}: the same command goes on from there",
             args.out.display()
         ));
@@ -52,27 +54,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         Effort::Full
     };
     let key = record::key(effort)?;
-    let total: usize = wanted.iter().map(|part| part.1.len()).sum();
-    let progress = Progress::new("figures", total as u64, args.quiet);
-    let (mut text, mut made) = (String::new(), 0.0);
-    for part in wanted {
-        let (name, figures, _) = part;
-        let line = match record::standing(&args.out, name, &key) {
-            Some(_) => format!("{name}: {} stand already, not made again", list(figures)),
-            None => {
-                let seconds = make(part, effort, &key, args)?;
-                made += seconds;
-                format!("{name}: {} made in {seconds:.1} s", list(figures))
-            }
-        };
-        progress.note(&line);
-        text += &format!("{line}\n");
-        progress.inc(figures.len() as u64);
-    }
-    progress.finish();
+    let (mut text, made) = make_missing(args, effort, &key, wanted)?;
     let records = AREAS
         .iter()
-        .map(|part| record::standing(&args.out, part.0, &key));
+        .map(|part| record::standing(&args.out, part.name, &key));
     let records: Vec<Option<Record>> = records.collect();
     write_index(args, effort, &records)?;
     let there = records.iter().flatten().map(|r| r.pages.len());
@@ -81,8 +66,44 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         "{there} pages, {made:.1} s in all: {}\n",
         args.out.join("index.html").display()
     );
-    super::print(&text);
+    print(&text);
     Ok(())
+}
+
+/// Makes the parts that are not in the folder yet. Returns a line for each part, and the seconds spent.
+fn make_missing(
+    args: &Args,
+    effort: Effort,
+    key: &str,
+    wanted: Vec<&Part>,
+) -> Result<(String, f64), UserError> {
+    let made_already = |part: &Part| record::standing(&args.out, part.name, key).is_some();
+    let wanted: Vec<_> = wanted
+        .into_iter()
+        .map(|part| (part, made_already(part)))
+        .collect();
+    let missing = wanted.iter().filter(|(_, stands)| !stands);
+    let progress = Progress::in_parts(
+        "figures",
+        missing.map(|(part, _)| part.seconds).sum(),
+        args.quiet,
+    );
+    let (mut text, mut made) = (String::new(), 0.0);
+    for (part, stands) in wanted {
+        let (name, figures) = (part.name, list(part.figures));
+        let line = if stands {
+            format!("{name}: {figures} already made")
+        } else {
+            let seconds = make(part, effort, key, args)?;
+            made += seconds;
+            progress.part_done(part.seconds);
+            format!("{name}: {figures} made in {seconds:.1} s")
+        };
+        progress.note(&line);
+        text += &format!("{line}\n");
+    }
+    progress.finish();
+    Ok((text, made))
 }
 
 /// The parts that make what is asked for; all when nothing is.
@@ -93,24 +114,37 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Part>, UserError> {
                 "--only {name}: figure {name} is {what}; there is nothing to compute"
             )));
         }
-        if !AREAS.iter().any(|part| part.1.contains(&name.as_str())) {
-            let all: Vec<&str> = AREAS.iter().flat_map(|part| part.1).copied().collect();
+        if !AREAS
+            .iter()
+            .any(|part| part.figures.contains(&name.as_str()))
+        {
+            let all: Vec<&str> = AREAS
+                .iter()
+                .flat_map(|part| part.figures)
+                .copied()
+                .collect();
             return Err(UserError::new(format!(
                 "--only: there is no figure '{name}'; choose from {}",
                 all.join(", ")
             )));
         }
     }
-    let asked = |part: &&Part| only.is_empty() || only.iter().any(|o| part.1.contains(&o.as_str()));
+    let asked =
+        |part: &&Part| only.is_empty() || only.iter().any(|o| part.figures.contains(&o.as_str()));
     Ok(AREAS.iter().filter(asked).collect())
 }
 
 /// Makes a part and writes its files and, last, its record. Returns the seconds it took.
 fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, UserError> {
-    let (name, figures, area) = part;
+    let Part {
+        name,
+        figures,
+        make,
+        ..
+    } = part;
     let begun = Instant::now();
     let hidden = Progress::new(*name, 1, true);
-    let pages = area(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
+    let pages = make(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
     let seconds = begun.elapsed().as_secs_f64();
     let given: Vec<&str> = pages.iter().map(|p| p.figure).collect();
     if given != *figures {
@@ -127,7 +161,7 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .collect();
     files::write::write_all(&args.out, &all)?;
     let record = Record::new(key, name, seconds, &pages);
-    let text = super::to_json(&record)?;
+    let text = to_json(&record)?;
     files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)
 }
@@ -140,7 +174,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         .iter()
         .zip(records)
         .filter(|(_, record)| record.is_none())
-        .flat_map(|(part, _)| part.1)
+        .flat_map(|(part, _)| part.figures)
         .copied()
         .collect();
     let index = serde_json::json!({
@@ -149,10 +183,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         "not_made": missing,
         "not_computations": DRAWINGS.map(|(figure, what)| serde_json::json!({"figure": figure, "what": what})),
     });
-    let files = [
-        ("index.html", page),
-        ("index.json", super::to_json(&index)?),
-    ];
+    let files = [("index.html", page), ("index.json", to_json(&index)?)];
     files::write::write_all(&args.out, &files)?;
     Ok(())
 }

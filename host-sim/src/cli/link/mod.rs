@@ -2,19 +2,21 @@
 
 mod show;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serialport::SerialPort;
 use shared::control::{self, Mode, State};
-use shared::link::{Answer, ToBoard};
+use shared::link::{Answer, Hello, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-use super::common::Format;
-use super::emit::check_format;
-use crate::link::by_hand::{self, Plan};
+use super::arguments::output::{Format, check_format};
+use super::arguments::range::parse_range;
+use super::interrupt;
+use super::terminal::{print, say};
+use crate::link::by_hand::{self, Ended, Plan};
 use crate::link::client::{self, Client};
 use crate::link::{recording, settings_file};
 use files::UserError;
@@ -25,7 +27,7 @@ use show::line;
 
 type Port = Client<Box<dyn SerialPort>>;
 
-/// Between signs of life while in command.
+/// Time between two messages to the board while in command; without them its link timeout trips.
 const PACE: Duration = Duration::from_millis(200);
 
 #[derive(Debug, clap::Args)]
@@ -58,7 +60,7 @@ enum What {
     ClearFault,
     /// Print the settings as a TOML file
     Get,
-    /// Send settings; they are checked and taken as a whole, in idle, and stored
+    /// Send settings; the board checks them as a whole, in idle, uses them and stores them
     Set(Set),
     /// What the online twin forecasts over frequency
     Forecast {
@@ -83,7 +85,7 @@ enum What {
 
 #[derive(Debug, clap::Args)]
 struct Start {
-    /// Steer by hand: this program stays in command, and its end trips the board's link timeout
+    /// Steer by hand: this program stays in command, and when it ends, the board's link timeout trips
     #[arg(long)]
     manual: bool,
     /// Drive frequency by hand, Hz [default: where the controller starts]
@@ -110,7 +112,7 @@ struct Set {
 
 #[derive(Debug, clap::Args)]
 struct Recording {
-    /// Where to
+    /// File to write
     #[arg(value_name = "OUT.parquet")]
     out: PathBuf,
     /// How long, s of the controller's time
@@ -136,21 +138,21 @@ struct Sweep {
     /// Time to settle at each, s
     #[arg(long, value_name = "S", default_value_t = 10.0)]
     settle: f64,
-    /// Time to watch the force at each, s
+    /// Time to measure the force at each, s
     #[arg(long, value_name = "S", default_value_t = 5.0)]
     measure: f64,
     /// Cart amplitude, mm [default: the rig's]
     #[arg(long, value_name = "MM")]
     amplitude: Option<f64>,
-    /// From the highest to the lowest
+    /// Go from the highest to the lowest
     #[arg(long)]
     down: bool,
-    /// Where to; what was measured until something fails is written, too (not when you interrupt)
+    /// File to write; if something fails or you interrupt, it gets what was measured until then
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
 }
 
-/// A status is no table.
+/// A status has no form as a table.
 fn text_or_json() -> impl TypedValueParser<Value = Format> {
     PossibleValuesParser::new(["text", "json"]).map(|word| match word.as_str() {
         "json" => Format::Json,
@@ -158,37 +160,27 @@ fn text_or_json() -> impl TypedValueParser<Value = Format> {
     })
 }
 
-pub fn run(args: &Args) -> Result<(), UserError> {
-    // Before anything is asked of a board.
+pub fn run(args: &Args) -> Result<i32, UserError> {
     check(&args.what)?;
     let (mut port, hello) = client::open(&args.port, args.baud)?;
     let port = &mut port;
-    match &args.what {
+    let done = match &args.what {
         What::Status { format } => show::status(port, &hello, *format),
         What::Start(start) if start.manual => steer(port, start),
         What::Start(_) => command(port, control::Command::Start(Mode::Automatic)),
         What::Stop => command(port, control::Command::Stop),
         What::ClearFault => command(port, control::Command::ClearFault),
-        What::Get => {
-            super::print(&settings_file::to_toml(&settings(port)?));
-            Ok(())
-        }
+        What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
         What::Set(set) => send_settings(port, set),
         What::Forecast { format } => show::forecast(port, *format),
-        What::Record(record) => {
-            let given = record
-                .start
-                .then_some(control::Command::Start(Mode::Automatic));
-            let ticks = (record.duration_s * f64::from(TICK_RATE_HZ)) as u64;
-            let written = recording::record(port, &hello, &record.out, ticks, given)?;
-            super::say(&format!("wrote {}", written.display()));
-            Ok(())
-        }
-        What::Sweep(plan) => sweep(port, plan),
+        What::Record(recording) => record(port, &hello, recording),
+        What::Sweep(plan) => return sweep(port, plan),
         What::Monitor { duration_s, rate } => show::monitor(port, *duration_s, *rate),
-    }
+    };
+    done.map(|()| 0)
 }
 
+/// Refuses numbers out of range before anything is sent to a board.
 fn check(what: &What) -> Result<(), UserError> {
     let positive = |option: &str, value: f64| {
         if value > 0.0 && value.is_finite() {
@@ -226,7 +218,7 @@ fn check(what: &What) -> Result<(), UserError> {
 fn command(port: &mut Port, command: control::Command) -> Result<(), UserError> {
     port.tell(ToBoard::Command(command))?;
     let status = port.status()?;
-    super::print(&format!("{}\n", line(&status)));
+    print(&format!("{}\n", line(&status)));
     Ok(())
 }
 
@@ -247,22 +239,32 @@ fn send_settings(port: &mut Port, set: &Set) -> Result<(), UserError> {
         new = settings_file::overlay(&new, &text).map_err(|e| e.at(path.display()))?;
     }
     port.tell(ToBoard::SetSettings(new))?;
-    super::print("the settings are in use and stored\n");
+    print("the settings are in use and stored\n");
     Ok(())
 }
 
-/// In command until the time is over.
+fn record(port: &mut Port, hello: &Hello, recording: &Recording) -> Result<(), UserError> {
+    let command = recording
+        .start
+        .then_some(control::Command::Start(Mode::Automatic));
+    let ticks = (recording.duration_s * f64::from(TICK_RATE_HZ)) as u64;
+    let written = recording::record(port, hello, &recording.out, ticks, command)?;
+    say(&format!("wrote {}", written.display()));
+    Ok(())
+}
+
+/// Steers by hand until the time is over.
 fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
     let amplitude_m = match start.amplitude {
         Some(mm) => 1e-3 * mm,
         None => settings(port)?.rig.amplitude_m,
     };
     port.tell(ToBoard::Command(control::Command::Start(Mode::Manual)))?;
-    let mut told = start.frequency.is_none() && start.amplitude.is_none();
+    let mut set = start.frequency.is_none() && start.amplitude.is_none();
     let mut begun = None;
     loop {
         let status = port.status()?;
-        super::print(&format!("{}\n", line(&status)));
+        print(&format!("{}\n", line(&status)));
         match status.state {
             State::Manual => {
                 let begun = *begun.get_or_insert(status.tick);
@@ -270,8 +272,8 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
                 if start.duration_s.is_some_and(|limit_s| passed >= limit_s) {
                     return command(port, control::Command::Stop);
                 }
-                if !told {
-                    told = true;
+                if !set {
+                    set = true;
                     let frequency_hz = start.frequency.map_or(status.frequency_hz, |hz| hz as f32);
                     let amplitude_m = amplitude_m as f32;
                     port.tell(ToBoard::Command(control::Command::SetPoint {
@@ -282,7 +284,7 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
             }
             State::Fault => return Err(port.complaint("a fault has switched the drive off")),
             State::Idle | State::Stop if begun.is_some() => {
-                return Err(port.complaint("somebody else has stopped it"));
+                return Err(port.complaint("somebody else has stopped the drive"));
             }
             _ => {}
         }
@@ -292,7 +294,7 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
 
 fn frequencies(plan: &Sweep) -> Result<Vec<f64>, UserError> {
     let range = format!("{}:{}:{}", plan.from, plan.to, plan.step);
-    let parsed = super::common::parse_range(&range);
+    let parsed = parse_range(&range);
     let mut list = parsed.map_err(|e| UserError::new(format!("--from, --to, --step: {e}")))?;
     if plan.down {
         list.reverse();
@@ -300,7 +302,31 @@ fn frequencies(plan: &Sweep) -> Result<Vec<f64>, UserError> {
     Ok(list)
 }
 
-fn sweep(port: &mut Port, plan: &Sweep) -> Result<(), UserError> {
+/// Measures the curve and writes what was measured, also when something fails or the user interrupts.
+fn sweep(port: &mut Port, plan: &Sweep) -> Result<i32, UserError> {
+    let by_hand = by_hand_plan(port, plan)?;
+    interrupt::finish_first();
+    let mut points = Vec::new();
+    let ended = by_hand::measure(port, &by_hand, &interrupt::interrupted, |point| {
+        show_point(point);
+        points.push(point.clone());
+    });
+    if !points.is_empty() {
+        files::write::write(&plan.out, to_csv(&points))?;
+        say(&format!("wrote {}", plan.out.display()));
+    }
+    if ended? == Ended::Whole {
+        return Ok(0);
+    }
+    say(&format!(
+        "interrupted after {} of {} frequencies; the drive is stopped",
+        points.len(),
+        by_hand.frequencies_hz.len()
+    ));
+    Ok(interrupt::CODE)
+}
+
+fn by_hand_plan(port: &mut Port, plan: &Sweep) -> Result<Plan, UserError> {
     let settings = settings(port)?;
     let amplitude_m = match plan.amplitude {
         Some(mm) => 1e-3 * mm,
@@ -308,40 +334,29 @@ fn sweep(port: &mut Port, plan: &Sweep) -> Result<(), UserError> {
     };
     let most_m = f64::from(settings.limits.amplitude_m);
     if amplitude_m > most_m {
-        super::say(&format!(
+        say(&format!(
             "note: {} mm was asked; the controller keeps within its limit of {:.3} mm",
             1e3 * amplitude_m,
             1e3 * most_m
         ));
     }
-    let by_hand = Plan {
+    Ok(Plan {
         frequencies_hz: frequencies(plan)?,
         amplitude_m,
         settle_s: plan.settle,
         measure_s: plan.measure,
-    };
-    let mut points = Vec::new();
-    let measured = by_hand::measure(port, &by_hand, |point| {
-        super::say(&format!(
-            "{:8.4} Hz  {:8.2} N  {:>9}  {:.3} mm",
-            point.frequency_hz, point.force_n, point.regime, point.amplitude_mm
-        ));
-        if point.was_limited() {
-            super::say(&format!(
-                "note: {} Hz was asked; the controller keeps within its frequency limits (`host-sim link PORT get` tells them)",
-                point.asked_hz
-            ));
-        }
-        points.push(point.clone());
-    });
-    if !points.is_empty() {
-        write_points(&plan.out, &points)?;
-    }
-    measured
+    })
 }
 
-fn write_points(path: &Path, points: &[by_hand::Point]) -> Result<(), UserError> {
-    files::write::write(path, to_csv(points))?;
-    super::say(&format!("wrote {}", path.display()));
-    Ok(())
+fn show_point(point: &by_hand::Point) {
+    say(&format!(
+        "{:8.4} Hz  {:8.2} N  {:>9}  {:.3} mm",
+        point.frequency_hz, point.force_n, point.regime, point.amplitude_mm
+    ));
+    if point.was_limited() {
+        say(&format!(
+            "note: {} Hz was asked; the controller keeps within its frequency limits (`host-sim link PORT get` prints them)",
+            point.asked_hz
+        ));
+    }
 }

@@ -8,8 +8,9 @@ use shared::fault::Record;
 use shared::link::{Answer, ForecastPage, FromBoard, Hello, ToBoard};
 use shared::settings::TICK_RATE_HZ;
 
-use super::super::{common::Format, emit::emit, print, still_read, to_json};
 use super::Port;
+use crate::cli::arguments::output::{Format, emit, to_json};
+use crate::cli::terminal::{print, print_if_read};
 use crate::link::client::state_name;
 use files::UserError;
 
@@ -106,7 +107,7 @@ pub fn monitor(port: &mut Port, duration_s: Option<f64>, rate: f64) -> Result<()
             heard = Instant::now();
             let status = telemetry.status;
             let begun = *begun.get_or_insert(status.tick);
-            let read = still_read(&format!("{}\n", line(&status)));
+            let read = print_if_read(&format!("{}\n", line(&status)));
             let passed = f64::from(status.tick.wrapping_sub(begun)) / f64::from(TICK_RATE_HZ);
             if !read || duration_s.is_some_and(|limit_s| passed >= limit_s) {
                 return port.tell(ToBoard::StreamTelemetry { decimation: 0 });

@@ -10,10 +10,13 @@ use std::path::{Path, PathBuf};
 use answer::Answer;
 use rayon::prelude::*;
 
-use super::choice::choice;
-use super::common::{Common, Format};
-use super::drive::Over;
-use super::emit::emit;
+use super::arguments::choice::choice;
+use super::arguments::drive::Drives;
+use super::arguments::engine::EngineArgs;
+use super::arguments::output::{Contents, Format, OutputArgs, emit};
+use super::arguments::rig::RigAtGaps;
+use super::interrupt;
+use super::terminal::print_bytes;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -28,15 +31,12 @@ use numerics::map::{
 use numerics::sweep::Direction;
 use plot::Figure;
 
-/// Exit code: 0; 2 the input cannot be used; 130 interrupted, and what is done is kept.
+/// Exit code: 0; 2 the map could not be made; 130 interrupted, and the finished tiles are kept.
 #[derive(Clone, Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]
-    common: Common,
-
-    #[command(flatten)]
-    drive: Over,
+    drive: Drives,
 
     /// Drive cycles of each cell
     #[arg(long, value_name = "N", default_value_t = 300)]
@@ -54,15 +54,15 @@ pub struct Args {
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
     from: Direction,
 
-    /// Every cell by the event-located reference instead of the fast engine (hours, not seconds)
+    /// Compute every cell with the event-located reference instead of the fast engine (hours, not seconds)
     #[arg(long)]
     reference: bool,
 
-    /// A second map, and where it differs from the first
+    /// Compute a second map, and show where it differs from the first
     #[arg(long, value_enum)]
     against: Option<requests::Against>,
 
-    /// Another rig's map beside it, over the same Ω/ω and gap/A0, and how alike they are; may be repeated
+    /// Add another rig's map over the same Ω/ω and gap/A0, and say how similar they are; may be given several times
     #[arg(long, value_name = "NAME|FILE.toml")]
     beside: Vec<String>,
 
@@ -74,34 +74,42 @@ pub struct Args {
     #[arg(long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
 
-    /// Run N random cells again by the reference and tell how many agree
+    /// Run N random cells again with the reference, and report how many agree
     #[arg(long, value_name = "N")]
     audit: Option<usize>,
 
-    /// Which cells an audit draws
+    /// Seed of the audit's random cells
     #[arg(long, value_name = "N", default_value_t = 1, requires = "audit")]
     seed: u64,
 
-    /// Compute tiles A to B − 1 alone (A..B), or the I-th of N equal shares (I/N), and keep them beside the output
+    /// Compute only tiles A to B − 1 (A..B), or the I-th of N equal shares (I/N), and store them in the output folder
     #[arg(long, value_name = "A..B|I/N", value_parser = requests::parse_tiles, conflicts_with_all = ["merge", "audit", "measured"])]
     tiles: Option<requests::Tiles>,
 
-    /// Put tiles together that are all there; compute nothing
+    /// Assemble the map from tiles that are already computed
     #[arg(long)]
     merge: bool,
 
     /// Threads [default: one for each processor]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+
+    #[command(flatten)]
+    rig: RigAtGaps,
+
+    #[command(flatten)]
+    engine: EngineArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let mut args = args.clone();
-    if args.common.format == Format::Text {
-        args.common.out.get_or_insert_with(|| "out".into());
-    }
-    let args = &args;
-    args.common.check_out()?;
+    let args = &Args {
+        output: args.output.with_usual_folder(),
+        ..args.clone()
+    };
+    args.output.check()?;
     let requests = requests::requests(args)?;
     check(args, &requests)?;
     let points = args
@@ -120,9 +128,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
 }
 
-/// What cannot be, before any work.
+/// Refuses options that do not go together, before any work is done.
 fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     for request in requests {
         request.check()?;
         if let Some(tiles) = args.tiles {
@@ -137,21 +145,21 @@ fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
         && !(1..=cells).contains(&audit)
     {
         return Err(UserError::new(format!(
-            "--audit is {audit}, must be at least 1 and at most what there is: the map has {cells} cells"
+            "--audit is {audit}, must be from 1 to {cells}: the map has {cells} cells"
         )));
     }
     if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
         return Err(UserError::new("--threads must be from 1 to 1024"));
     }
-    if common.out.is_none() && (args.tiles.is_some() || args.merge) {
+    if output.out.is_none() && (args.tiles.is_some() || args.merge) {
         return Err(UserError::new(
             "--tiles and --merge need a folder for the tiles; add --out DIR",
         ));
     }
-    let table = matches!(common.format, Format::Csv | Format::Parquet);
-    if table && requests.len() > 1 && common.out.is_none() {
+    let table = matches!(output.format, Format::Csv | Format::Parquet);
+    if table && requests.len() > 1 && output.out.is_none() {
         return Err(UserError::new(
-            "several maps are no one table; add --out DIR for a table each, or take --format json",
+            "several maps do not fit into one table; add --out DIR for a table each, or use --format json",
         ));
     }
     Ok(())
@@ -162,7 +170,7 @@ fn make(
     requests: &[MapRequest],
     points: Option<&[Measured]>,
 ) -> Result<(), UserError> {
-    let common = &args.common;
+    let output = &args.output;
     let stores = stores(args, requests)?;
     let progress = progress(args, requests);
     if let Some(tiles) = args.tiles {
@@ -177,16 +185,16 @@ fn make(
     };
     let answer = answer(args, requests, &maps, points, &progress)?;
     progress.finish();
-    if let Some(dir) = &common.out {
-        write(common, dir, &answer, points)?;
+    if let Some(dir) = &output.out {
+        write(output, dir, &answer, points)?;
     }
     for store in stores {
         store.remove();
     }
     let alone = maps.len() == 1;
-    match common.format {
+    match output.format {
         Format::Json => {
-            super::still_read_bytes(&answer.to_json()?);
+            print_bytes(&answer.to_json()?);
             Ok(())
         }
         Format::Csv | Format::Parquet if !alone => Ok(()),
@@ -217,7 +225,7 @@ fn maps(
     requests.iter().enumerate().map(one).collect()
 }
 
-/// Tiles that are missing are named with the folder they are missing from.
+/// Adds the folder to the error about missing tiles.
 fn merge_error(error: Error, store: &Store) -> UserError {
     match error {
         Error::Map(MapError::MissingTiles { .. }) => {
@@ -235,9 +243,9 @@ fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
     }
 }
 
-/// A folder of tiles beside the output for each map; none without an output.
+/// A folder of tiles in the output folder for each map; none without an output folder.
 fn stores(args: &Args, requests: &[MapRequest]) -> Result<Vec<Store>, UserError> {
-    let Some(dir) = &args.common.out else {
+    let Some(dir) = &args.output.out else {
         return Ok(Vec::new());
     };
     let open = |request: &MapRequest| {
@@ -245,9 +253,9 @@ fn stores(args: &Args, requests: &[MapRequest]) -> Result<Vec<Store>, UserError>
         Store::open(&dir, request)
     };
     let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-    if !args.common.quiet {
-        super::if_interrupted(format!(
-            "interrupted; what is done is kept in {}: the same command goes on from there",
+    if !args.output.quiet {
+        interrupt::say_then(format!(
+            "interrupted; the finished tiles are kept in {}: the same command goes on from there",
             dir.display()
         ));
     }
@@ -264,10 +272,10 @@ fn progress(args: &Args, requests: &[MapRequest]) -> Progress {
     };
     let total: usize = requests.iter().map(cells).sum();
     let total = total + args.audit.unwrap_or(0);
-    Progress::new("cells", total as u64, args.common.quiet)
+    Progress::new("cells", total as u64, args.output.quiet)
 }
 
-/// Some tiles alone.
+/// Computes some tiles and nothing else.
 fn share(
     args: &Args,
     tiles: requests::Tiles,
@@ -278,12 +286,12 @@ fn share(
     for (request, store) in requests.iter().zip(stores) {
         let range: Range<usize> = tiles.range(request.tiles());
         if range.is_empty() {
-            args.common
-                .note("there are more shares than tiles: none falls to this one");
+            args.output
+                .note("there are more shares than tiles; this share has none");
             continue;
         }
         map::run_tiles(request, range.clone(), store, progress)?;
-        args.common.note(&format!(
+        args.output.note(&format!(
             "tiles {}..{} of {} are in {}; when all are there, the same command with --merge in place of --tiles writes the map",
             range.start,
             range.end,
@@ -327,21 +335,18 @@ fn answer<'a>(
 }
 
 fn write(
-    common: &Common,
+    output: &OutputArgs,
     dir: &Path,
     answer: &Answer,
     points: Option<&[Measured]>,
 ) -> Result<(), UserError> {
-    let (drawn, tabled) = rayon::join(|| draw(answer, points), || tabled(common, answer));
+    let (drawn, tabled) = rayon::join(|| draw(answer, points), || tabled(output, answer));
     let mut contents = drawn?;
     contents.extend(tabled?);
-    common.write(dir, &contents)
+    output.write(dir, &contents)
 }
 
-/// Files by name.
-type Files = Vec<(String, Vec<u8>)>;
-
-fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Files, UserError> {
+fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Contents, UserError> {
     let figures = figures(answer, points);
     let drawn = figures.par_iter().map(|(name, figure)| drawn(name, figure));
     let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
@@ -349,13 +354,13 @@ fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Files, UserError
 }
 
 /// A table for each map, and one JSON.
-fn tabled(common: &Common, answer: &Answer) -> Result<Files, UserError> {
+fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
     let mut files = Vec::new();
     for (request, map) in answer.requests.iter().zip(answer.maps) {
         let name = requests::name(request);
         let rows: Vec<_> = map.rows().collect();
         files.push((format!("{name}.csv"), to_csv(&rows)));
-        if common.format == Format::Parquet {
+        if output.format == Format::Parquet {
             files.push((format!("{name}.parquet"), to_parquet(&rows)?));
         }
     }

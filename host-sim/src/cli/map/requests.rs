@@ -1,13 +1,12 @@
-//! From the command line to what is asked of each map.
+//! The maps that a command line asks for.
 
 use std::ops::Range;
 
 use clap::ValueEnum;
 
-use super::super::common::at_gap;
 use super::Args;
+use crate::cli::arguments::rig::at_gap;
 use files::UserError;
-use files::rigfile;
 use numerics::NamedRig;
 use numerics::engine::{Engine, Method, Precision, Setting};
 use numerics::lanes::CellPlan;
@@ -16,7 +15,7 @@ use numerics::map::{Grid, MapRequest, Runner};
 use numerics::row::tidy;
 use numerics::sweep::Direction;
 
-/// What a second map is made by.
+/// How the second map of a comparison is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Against {
     /// The microcontroller's switch model, f32
@@ -65,7 +64,7 @@ pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
             return Ok(Tiles::Range(from, to));
         }
         return Err(format!(
-            "{from}..{to} holds no tile; the second number is not included"
+            "{from}..{to} contains no tile; the second number is not included"
         ));
     }
     let (i, n) = numbers(text.split_once('/')).ok_or_else(wrong)?;
@@ -73,25 +72,26 @@ pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
         return Ok(Tiles::Share(i, n));
     }
     Err(format!(
-        "{i}/{n}: shares are counted from 1 to how many there are"
+        "{i}/{n}: the share must be from 1 to the number of shares"
     ))
 }
 
 /// The maps to make: the rig's, those beside it, and the one to compare with last.
 pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
-    let common = &args.common;
     let names: Vec<&str> = if args.beams {
         vec!["beam-170", "beam-150", "beam-135"]
     } else {
         let beside = args.beside.iter().map(String::as_str);
-        std::iter::once(common.rig.as_str()).chain(beside).collect()
+        std::iter::once(args.rig.name.name())
+            .chain(beside)
+            .collect()
     };
-    let rigs = names.iter().map(|name| rigfile::load(name, &common.set));
+    let rigs = names.iter().map(|name| args.rig.name.load_named(name));
     let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
     for (i, rig) in rigs.iter().enumerate() {
         if rigs[..i].iter().any(|other| other.name == rig.name) {
             return Err(UserError::new(format!(
-                "two rigs are called {}, and so would their files be; rename one",
+                "two rigs are called {}, so that their files would have the same names; rename one",
                 rig.name
             )));
         }
@@ -116,7 +116,7 @@ pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
         let other = other(&requests[0], against);
         if other == requests[0] {
             return Err(UserError::new(
-                "--against names what the map itself is made by; choose another",
+                "--against names the engine or direction of the map itself; choose another",
             ));
         }
         requests.push(other);
@@ -125,9 +125,9 @@ pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
 }
 
 fn runner(args: &Args) -> Result<Runner, UserError> {
-    match args.common.engine()? {
+    match args.engine.engine(&args.output)? {
         Engine::Switch(_) if args.reference => Err(UserError::new(
-            "--reference is an engine of its own; leave --engine switch out",
+            "--reference does not go with --engine switch; leave one of the two out",
         )),
         Engine::Switch(setting) => Ok(Runner::Switch(setting)),
         Engine::Event if args.reference => Ok(Runner::Reference),
@@ -135,7 +135,7 @@ fn runner(args: &Args) -> Result<Runner, UserError> {
     }
 }
 
-/// The same map, made otherwise.
+/// The same map, made in the way to compare with.
 fn other(request: &MapRequest, against: Against) -> MapRequest {
     let mut other = request.clone();
     match against {
@@ -157,7 +157,7 @@ fn other(request: &MapRequest, against: Against) -> MapRequest {
 fn grid(args: &Args, rig: &NamedRig) -> Result<Grid, UserError> {
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
-    let gaps_mm = match args.common.gaps() {
+    let gaps_mm = match args.rig.gaps_mm() {
         Some(gaps) => gaps.into_iter().map(tidy).collect(),
         None => chapter_gaps_mm(&rig.params),
     };
@@ -187,7 +187,7 @@ fn over_same_ratios(grid: &Grid, first: &NamedRig, rig: &NamedRig) -> Grid {
     }
 }
 
-/// What the files of a map are called.
+/// How the names of a map's files begin.
 pub fn name(request: &MapRequest) -> String {
     let from = match request.from {
         Direction::Rest => "",

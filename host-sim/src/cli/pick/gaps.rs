@@ -1,12 +1,14 @@
 //! `host-sim pick --gaps`.
 
-use super::super::common::{Common, at_gap, parse_range};
-use super::super::emit::{emit, tables};
+use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::range::parse_range;
+use crate::cli::arguments::rig::at_gap;
 use crate::pictures::drawn;
 use crate::pictures::gaps::figure;
 use crate::progress::Progress;
 use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
+use numerics::NamedRig;
 use numerics::pick::gaps::{advise, gap_steps};
 use numerics::pick::{Limits, Uncertainty};
 use numerics::row::tidy;
@@ -25,7 +27,8 @@ pub struct Gaps<'a> {
 }
 
 pub fn run(
-    common: &Common,
+    rig: &NamedRig,
+    output: &OutputArgs,
     gaps: &Gaps<'_>,
     uncertainty: Option<Uncertainty>,
     limits: Limits,
@@ -44,23 +47,22 @@ pub fn run(
             gaps.starts
         )));
     }
-    let rig = common.rig()?;
     let total = gap_steps(list.len(), uncertainty, gaps.starts);
-    let progress = Progress::new("rigs and starts tried", total, common.quiet);
+    let progress = Progress::new("rigs and starts tried", total, output.quiet);
     let starts = (gaps.starts, gaps.seed);
     for gap_mm in &list {
         at_gap(&rig.params, tidy(*gap_mm), "--gaps")?;
     }
-    let advice = advise(&rig, &list, uncertainty, limits, starts, &progress)?;
+    let advice = advise(rig, &list, uncertainty, limits, starts, &progress)?;
     let advice = GapTable::from(&advice);
     progress.finish();
-    if let Some(dir) = &common.out {
+    if let Some(dir) = &output.out {
         let name = format!("pick-gaps-{}", rig.name);
         let mut contents = drawn(&name, &figure(&advice))?;
-        contents.extend(tables(&name, common.format, &advice, &advice.gaps)?);
-        common.write(dir, &contents)?;
+        contents.extend(output.tables(&name, &advice, &advice.gaps)?);
+        output.write(dir, &contents)?;
     }
-    emit(common.format, &advice, &advice.gaps, || describe(&advice))
+    output.emit(&advice, &advice.gaps, || describe(&advice))
 }
 
 fn describe(advice: &GapTable) -> String {

@@ -8,8 +8,8 @@ use std::path::Path;
 use serde::Serialize;
 use shared::model::params::PRESETS;
 
-use super::common::{Common, EngineName, Format};
-use super::emit::emit;
+use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::Progress;
@@ -24,18 +24,15 @@ use shared::model::regime::Regime;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    #[command(flatten)]
-    common: Common,
-
     /// All four rigs side by side
     #[arg(long, conflicts_with = "rig")]
     all: bool,
 
-    /// Pick at every one of these gaps (mm), and advise which to run at
+    /// Pick at each of these gaps (mm), and advise at which to run
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, conflicts_with_all = ["all", "gap"])]
     gaps: Option<String>,
 
-    /// With --gaps: random starts per gap, for the share that ends on the orbit picked
+    /// With --gaps: random initial conditions per gap, for the share that settles on the orbit picked
     #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
     starts: u32,
 
@@ -103,29 +100,24 @@ pub struct Args {
     )]
     gap_tolerance_mm: f64,
 
-    /// Samples inside the uncertainty's corners
+    /// Random rigs within the uncertainty, in addition to its corners
     #[arg(long, value_name = "N", default_value_t = 256)]
     samples: u32,
 
-    /// Seed of the samples
+    /// Seed of the random rigs
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    #[command(flatten)]
+    rig: RigArgs,
+
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let common = &args.common;
-    let mut common = common.clone();
-    if common.format == Format::Text {
-        common.out.get_or_insert_with(|| "out".into());
-    }
-    let common = &common;
-    common.check_out()?;
-    common.engine()?;
-    if common.engine == EngineName::Switch {
-        return Err(UserError::new(
-            "pick follows orbits with the event engine; leave --engine out, and check its answer with simulate --engine switch",
-        ));
-    }
+    let output = &args.output.with_usual_folder();
+    output.check()?;
     let limits = limits(args)?;
     let uncertainty = uncertainty(args)?;
     if let Some(text) = &args.gaps {
@@ -134,51 +126,52 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             starts: args.starts,
             seed: args.seed,
         };
-        return gaps::run(common, &gaps, uncertainty, limits);
+        return gaps::run(&args.rig.load()?, output, &gaps, uncertainty, limits);
     }
     let names: Vec<&str> = if args.all {
         PRESETS.iter().map(|(name, _)| *name).collect()
     } else {
-        vec![&common.rig]
+        vec![args.rig.name.name()]
     };
-    let rigs = names.iter().map(|name| at_the_field_s_gap(common, name));
+    let rigs = names.iter().map(|name| load(&args.rig, output, name));
     let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
     let progress = Progress::new(
         "rigs tried",
         steps(uncertainty) * rigs.len() as u64,
-        common.quiet,
+        output.quiet,
     );
     let picks = rigs
         .iter()
         .map(|rig| pick(rig, uncertainty, limits, &progress));
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
-    if common.format == Format::Text {
-        super::print(&text::text(&picks));
-    }
-    if let Some(dir) = &common.out {
-        write(common, dir, &picks)?;
+    if let Some(dir) = &output.out {
+        write(output, dir, &picks)?;
     }
     let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
-    emit(common.format, &json(&picks)?, &rows, String::new)
+    output.emit(&json(&picks)?, &rows, || text::text(&picks))
 }
 
-/// The rig at gap 0.0 mm unless the command line says otherwise: field use is at 0.0 mm.
-fn at_the_field_s_gap(common: &Common, name: &str) -> Result<NamedRig, UserError> {
-    let sets_gap = common
-        .set
-        .iter()
-        .any(|s| s.trim_start().starts_with("gap_mm"));
-    let mut rig = common.rig_named(name)?;
-    if common.gap.is_none() && !sets_gap && rig.params.gap_m != 0.0 {
-        common.note(&format!(
-            "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (say --gap to keep it)",
-            rig.name,
-            numerics::row::tidy(rig.params.gap_m * 1e3)
-        ));
-        rig.params.gap_m = 0.0;
+/// The rig `name`, at a gap of 0 unless the command line sets one.
+fn load(args: &RigArgs, output: &OutputArgs, name: &str) -> Result<NamedRig, UserError> {
+    let mut rig = args.load_named(name)?;
+    if !args.sets_gap() {
+        default_to_zero_gap(&mut rig, output);
     }
     Ok(rig)
+}
+
+/// Sets the gap to 0.0 mm, at which the hammer is used in the field, and says so if the rig had another one.
+fn default_to_zero_gap(rig: &mut NamedRig, output: &OutputArgs) {
+    if rig.params.gap_m == 0.0 {
+        return;
+    }
+    output.note(&format!(
+        "note: rig {} has a gap of {:?} mm; picking at 0.0 mm (set --gap to keep it)",
+        rig.name,
+        numerics::row::tidy(rig.params.gap_m * 1e3)
+    ));
+    rig.params.gap_m = 0.0;
 }
 
 fn limits(args: &Args) -> Result<Limits, UserError> {
@@ -234,24 +227,21 @@ fn uncertainty(args: &Args) -> Result<Option<Uncertainty>, UserError> {
     Ok((!args.nominal).then_some(uncertainty))
 }
 
-fn write(common: &Common, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
+fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
     let name = match picks {
         [one] => format!("pick-{}", one.answer.rig),
         _ => "pick-all".to_owned(),
     };
     let mut contents = drawn(&name, &figure(picks))?;
-    contents.push((
-        format!("{name}.json"),
-        super::to_json(&json(picks)?)?.into_bytes(),
-    ));
+    contents.push((format!("{name}.json"), to_json(&json(picks)?)?.into_bytes()));
     let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
     contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
-    if common.format == Format::Parquet {
+    if output.format == Format::Parquet {
         let lines: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
         contents.push((format!("{name}.parquet"), to_parquet(&lines)?));
         contents.push((format!("{name}-curve.parquet"), to_parquet(&rows)?));
     }
-    common.write(dir, &contents)
+    output.write(dir, &contents)
 }
 
 /// One answer as an object, several as a list.

@@ -2,6 +2,7 @@
 
 use crate::words::pick::{jumping_at, why};
 use numerics::branch::End;
+use numerics::pick::answer::LimitUse;
 use numerics::pick::{Answer, Pick};
 use plot::chart::Chart;
 
@@ -51,7 +52,7 @@ const EDGE_PERCENT: f64 = 0.5;
 
 fn one_text(pick: &Pick) -> String {
     let a = &pick.answer;
-    let mut text = format!(
+    let head = format!(
         "{}, gap {:?} mm: run it at {:.4} Hz ({:.3} times the natural frequency)\n{}\n\n",
         a.rig,
         a.gap_mm,
@@ -59,113 +60,131 @@ fn one_text(pick: &Pick) -> String {
         a.frequency_ratio,
         why(a)
     );
-    let mut line = |name: &str, what: String| text += &format!("  {name:<18} {what}\n");
-    line("regime", from_rest(a));
-    line(
-        "force",
-        match a.uncertainty {
-            Some(_) => format!(
-                "{:.2} N, {:.2} times the weight; {:.2} to {:.2} over the uncertainty",
-                a.force_n, a.force_ratio, a.force_ratio_worst, a.force_ratio_largest
+    let lines = [operation(a), stability(a), shaker(a), limits(a)].concat();
+    let lines = lines
+        .iter()
+        .map(|(name, what)| format!("  {name:<18} {what}\n"));
+    let lines: String = lines.collect();
+    format!("{head}{lines}\n{}\n{}", sensitivity(a), chart(pick))
+}
+
+type Lines = Vec<(&'static str, String)>;
+
+/// Regime, force and band at the operating point.
+fn operation(a: &Answer) -> Lines {
+    let force = format!("{:.2} N, {:.2} times the weight", a.force_n, a.force_ratio);
+    let (spread, over) = match a.uncertainty {
+        Some(_) => (
+            format!(
+                "; {:.2} to {:.2} over the uncertainty",
+                a.force_ratio_worst, a.force_ratio_largest
             ),
-            None => format!("{:.2} N, {:.2} times the weight", a.force_n, a.force_ratio),
-        },
-    );
-    line(
-        "safe band",
-        format!(
-            "{:.4} to {:.4} Hz: 1/1 stable{}, force above 90 %",
-            a.safe_band_hz[0],
-            a.safe_band_hz[1],
-            if a.uncertainty.is_some() {
-                " over the uncertainty"
-            } else {
-                ""
-            }
+            " over the uncertainty",
         ),
-    );
-    let margin = (a.safe_band_hz[1] / a.operating_frequency_hz - 1.0) * 100.0;
+        None => (String::new(), ""),
+    };
+    let [low, high] = a.safe_band_hz;
+    let mut lines = vec![
+        ("regime", from_rest(a)),
+        ("force", force + &spread),
+        (
+            "safe band",
+            format!("{low:.4} to {high:.4} Hz: 1/1 stable{over}, force above 90 %"),
+        ),
+    ];
+    let margin = (high / a.operating_frequency_hz - 1.0) * 100.0;
     if margin < EDGE_PERCENT {
-        line(
+        lines.push((
             "no margin above",
             format!(
-                "the choice is the top of the safe band; if the frequency can drift, run lower, at {:.3} Hz say",
-                0.5 * (a.safe_band_hz[0] + a.safe_band_hz[1])
+                "the operating frequency is the top of the safe band; if it can drift, run lower, for example at {:.3} Hz",
+                0.5 * (low + high)
             ),
-        );
+        ));
     }
-    line(
-        "stable 1/1",
-        format!(
-            "{:.4} Hz ({}) to {:.4} Hz ({})",
-            a.stable_one_one_hz[0],
-            ending(a.stable_one_one_ends[0]),
-            a.stable_one_one_hz[1],
-            ending(a.stable_one_one_ends[1])
+    lines
+}
+
+fn stability(a: &Answer) -> Lines {
+    let [low, high] = a.stable_one_one_hz;
+    let [below, above] = a.stable_one_one_ends.map(ending);
+    let worst = match a.uncertainty {
+        Some(_) => format!("; {:.4} at worst over the uncertainty", a.multipliers_worst),
+        None => String::new(),
+    };
+    let jumps = match a.jump_range_hz {
+        None => {
+            "none: up and down sweeps across the stable 1/1 agree, and it does not fold".to_owned()
+        }
+        Some([from, to]) => {
+            let inside = if a.jump_free_in_safe_band {
+                "not"
+            } else {
+                "also"
+            };
+            format!(
+                "{}, {inside} inside the safe band (up and down sweeps differ, or the 1/1 folds)",
+                jumping_at(from, to)
+            )
+        }
+    };
+    vec![
+        (
+            "stable 1/1",
+            format!("{low:.4} Hz ({below}) to {high:.4} Hz ({above})"),
         ),
-    );
-    line(
-        "multipliers",
-        match a.uncertainty {
-            Some(_) => format!(
-                "{:.4}; {:.4} at worst over the uncertainty (1 is the limit of stability)",
-                a.multipliers, a.multipliers_worst
-            ),
-            None => format!("{:.4} (1 is the limit of stability)", a.multipliers),
-        },
-    );
-    line(
-        "jumps",
-        match a.jump_range_hz {
-            None => "none: up and down sweeps across the stable 1/1 agree, and it does not fold"
-                .to_owned(),
-            Some([low, high]) => {
-                let inside = if a.jump_free_in_safe_band {
-                    "not"
-                } else {
-                    "also"
-                };
-                format!(
-                    "{}, {inside} inside the safe band (up and down sweeps differ, or the 1/1 folds)",
-                    jumping_at(low, high)
-                )
-            }
-        },
-    );
-    line(
-        "at natural freq.",
-        format!("{:.2} times the weight", a.force_ratio_at_natural_frequency),
-    );
+        (
+            "multipliers",
+            format!("{:.4}{worst} (1 is the limit of stability)", a.multipliers),
+        ),
+        ("jumps", jumps),
+        (
+            "at natural freq.",
+            format!("{:.2} times the weight", a.force_ratio_at_natural_frequency),
+        ),
+    ]
+}
+
+/// What the shaker must give, and what it gets for it.
+fn shaker(a: &Answer) -> Lines {
     let s = &a.shaker;
-    line(
-        "shaker must give",
-        format!(
-            "{} mm stroke, {:.4} m/s, {:.2} N on cart and hammer, {:.4} W mean, {:.4} W swinging",
-            s.stroke_mm, s.velocity_m_per_s, s.force_n, s.mean_power_w, s.reactive_power_w
+    vec![
+        (
+            "shaker must give",
+            format!(
+                "{} mm stroke, {:.4} m/s, {:.2} N on cart and hammer, {:.4} W mean and {:.4} W reactive power",
+                s.stroke_mm, s.velocity_m_per_s, s.force_n, s.mean_power_w, s.reactive_power_w
+            ),
         ),
-    );
-    line(
-        "blows",
-        format!(
-            "{:.3} a second, {:.3} mJ each, {:.4} ms at {:.4} m/s",
-            s.blows_per_second,
-            s.energy_per_blow_j * 1e3,
-            a.contact_time_ms,
-            a.approach_speed_m_per_s
+        (
+            "blows",
+            format!(
+                "{:.3} a second, {:.3} mJ each, {:.4} ms at {:.4} m/s",
+                s.blows_per_second,
+                s.energy_per_blow_j * 1e3,
+                a.contact_time_ms,
+                a.approach_speed_m_per_s
+            ),
         ),
-    );
-    for limit in &a.limits {
+    ]
+}
+
+fn limits(a: &Answer) -> Lines {
+    let line = |limit: &LimitUse| {
         let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
         let binds = if limit.binds {
             "decides"
         } else {
             "does not bind"
         };
-        line("limit", format!("{}{value}: {binds}", limit.name));
-    }
-    text += "\nWhat to measure first (change of the nominal optimum)\n";
-    text += &format!(
-        "  {:<44} {:>8} {:>13} {:>9}\n",
+        ("limit", format!("{}{value}: {binds}", limit.name))
+    };
+    a.limits.iter().map(line).collect()
+}
+
+fn sensitivity(a: &Answer) -> String {
+    let mut text = format!(
+        "What to measure first (change of the nominal optimum)\n  {:<44} {:>8} {:>13} {:>9}\n",
         "parameter", "per", "frequency, %", "force, %"
     );
     for row in &a.sensitivity {
@@ -174,14 +193,18 @@ fn one_text(pick: &Pick) -> String {
             row.parameter, row.per, row.frequency_percent, row.force_percent
         );
     }
-    text.push('\n');
-    let mut chart = Chart::new("drive frequency, Hz", "force over weight, stable 1/1")
+    text
+}
+
+fn chart(pick: &Pick) -> String {
+    let chart = Chart::new("drive frequency, Hz", "force over weight, stable 1/1")
         .series("force", pick.curve.clone())
-        .marker("run here", a.operating_frequency_hz);
-    if let Some(hz) = a.period_doubling_hz {
-        chart = chart.marker("period doubling", hz);
+        .marker("run here", pick.answer.operating_frequency_hz);
+    match pick.answer.period_doubling_hz {
+        Some(hz) => chart.marker("period doubling", hz),
+        None => chart,
     }
-    text + &chart.render()
+    .render()
 }
 
 fn from_rest(a: &Answer) -> String {

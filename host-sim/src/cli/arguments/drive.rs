@@ -1,14 +1,14 @@
-//! `--ratio` and `--frequency`: the drive frequency of every command that has one, or goes over several. Whether
-//! it may be left out is for the command to say.
+//! `--ratio` and `--frequency`: one drive frequency or several. Each command says whether they may be left out.
 
-use super::common::parse_range;
 use files::UserError;
 use numerics::row::tidy;
+
+use super::range::parse_range;
 
 /// One drive frequency.
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[group(skip)]
-pub struct At {
+pub struct Drive {
     /// Drive frequency over the natural frequency, Ω/ω
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     ratio: Option<f64>,
@@ -18,17 +18,25 @@ pub struct At {
     frequency: Option<f64>,
 }
 
-impl At {
-    /// Hz; none if it was left out.
+impl Drive {
+    /// Hz; none if both options were left out.
     pub fn hz(&self, natural_hz: f64) -> Option<f64> {
         self.frequency.or(self.ratio.map(|r| r * natural_hz))
+    }
+
+    /// Hz, for a command that needs a frequency.
+    ///
+    /// # Errors
+    /// If both options were left out.
+    pub fn needed_hz(&self, natural_hz: f64) -> Result<f64, UserError> {
+        self.hz(natural_hz).ok_or_else(missing)
     }
 }
 
 /// Several drive frequencies.
 #[derive(Clone, Debug, clap::Args)]
 #[group(skip)]
-pub struct Over {
+pub struct Drives {
     /// Drive frequencies over the natural frequency, Ω/ω: FROM:TO:STEP, or one value
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     ratio: Option<String>,
@@ -39,13 +47,16 @@ pub struct Over {
     frequency: Option<String>,
 }
 
-impl Over {
+impl Drives {
     /// Whether they were given in Hz.
     pub fn in_hz(&self) -> bool {
         self.frequency.is_some()
     }
 
-    /// Hz, rising; none if they were left out.
+    /// Hz, rising; none if both options were left out.
+    ///
+    /// # Errors
+    /// If a value is not a positive number.
     pub fn hz(&self, natural_hz: f64) -> Result<Option<Vec<f64>>, UserError> {
         let (option, text, unit) = match (&self.ratio, &self.frequency) {
             (Some(text), _) => ("--ratio", text, natural_hz),
@@ -67,4 +78,16 @@ impl Over {
             )),
         }
     }
+
+    /// Hz, rising, for a command that needs frequencies.
+    ///
+    /// # Errors
+    /// If a value is not a positive number, or both options were left out.
+    pub fn needed_hz(&self, natural_hz: f64) -> Result<Vec<f64>, UserError> {
+        self.hz(natural_hz)?.ok_or_else(missing)
+    }
+}
+
+fn missing() -> UserError {
+    UserError::new("there is no drive frequency; add --ratio or --frequency")
 }

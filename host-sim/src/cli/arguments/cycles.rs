@@ -1,0 +1,65 @@
+//! `--cycles`, `--transient` and `--initial`: how long to simulate and where to start.
+
+use files::UserError;
+use numerics::engine::{Plan, Start};
+
+use super::range::parse_finite;
+
+/// How many drive cycles are simulated and recorded.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct CycleArgs {
+    /// Drive cycles in all
+    #[arg(long, value_name = "N", default_value_t = 600)]
+    cycles: u32,
+
+    /// How many of the first are not recorded
+    #[arg(long, value_name = "N", default_value_t = 480)]
+    transient: u32,
+}
+
+impl CycleArgs {
+    /// The plan of the simulation.
+    ///
+    /// # Errors
+    /// If no cycle is left to record.
+    pub fn plan(self) -> Result<Plan, UserError> {
+        if self.transient >= self.cycles {
+            return Err(UserError::new(format!(
+                "--transient {} leaves nothing of --cycles {} to record; it must be smaller",
+                self.transient, self.cycles
+            )));
+        }
+        Ok(Plan {
+            cycles: self.cycles,
+            transient: self.transient,
+        })
+    }
+}
+
+/// Reads `rest`, `fixed`, or `MM,M_PER_S`.
+pub fn parse_start(text: &str) -> Result<Start, String> {
+    let moving = || {
+        let (displacement_mm, velocity) = text.split_once(',')?;
+        let displacement_m = parse_finite(displacement_mm)? * 1e-3;
+        Some(Start::Moving(displacement_m, parse_finite(velocity)?))
+    };
+    match text {
+        "rest" => Ok(Start::Rest),
+        "fixed" => Ok(Start::FixedFrameRest),
+        _ => moving().ok_or_else(|| {
+            "write rest, fixed (at rest in the fixed frame), or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart".to_owned()
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_are_read() {
+        assert_eq!(parse_start("rest"), Ok(Start::Rest));
+        assert_eq!(parse_start("-2.5,0.1"), Ok(Start::Moving(-2.5e-3, 0.1)));
+        assert!(parse_start("up").is_err() && parse_start("1,nan").is_err());
+    }
+}

@@ -1,0 +1,147 @@
+//! `--rig`, `--set` and `--gap`: the rig, its parameters and its clearance.
+
+use std::fmt::Display;
+
+use files::UserError;
+use files::rigfile;
+use numerics::NamedRig;
+use shared::model::params::RigParams;
+
+use super::range::parse_range;
+
+/// A rig without a choice of gap.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Rig")]
+pub struct RigName {
+    /// A preset (wires, beam-170, beam-150, beam-135) or a rig file
+    #[arg(long, value_name = "NAME|FILE.toml", default_value = "wires")]
+    rig: String,
+
+    /// Override a parameter, unit in the key: mass_kg=0.3 (`host-sim rigs wires` prints the keys)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl RigName {
+    /// The preset's name or the file's path.
+    pub fn name(&self) -> &str {
+        &self.rig
+    }
+
+    /// The rig with its overrides.
+    ///
+    /// # Errors
+    /// If the rig or an override cannot be used.
+    pub fn load(&self) -> Result<NamedRig, UserError> {
+        self.load_named(&self.rig)
+    }
+
+    /// The rig `name` with the same overrides.
+    ///
+    /// # Errors
+    /// If the rig or an override cannot be used.
+    pub fn load_named(&self, name: &str) -> Result<NamedRig, UserError> {
+        rigfile::load(name, &self.set)
+    }
+
+    /// Whether an override sets the parameter `key`.
+    pub fn overrides(&self, key: &str) -> bool {
+        let keys = self.set.iter().filter_map(|set| set.split('=').next());
+        keys.map(str::trim).any(|set| set == key)
+    }
+}
+
+/// A rig at one gap.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Rig")]
+pub struct RigArgs {
+    #[command(flatten)]
+    pub name: RigName,
+
+    /// Clearance at rest, mm [default: the rig's]
+    #[arg(long, value_name = "MM", value_parser = parse_gap, allow_hyphen_values = true)]
+    gap: Option<f64>,
+}
+
+impl RigArgs {
+    /// The rig.
+    ///
+    /// # Errors
+    /// If the rig, an override or the gap cannot be used.
+    pub fn load(&self) -> Result<NamedRig, UserError> {
+        self.load_named(self.name.name())
+    }
+
+    /// The rig `name` with the same overrides and gap.
+    ///
+    /// # Errors
+    /// If the rig, an override or the gap cannot be used.
+    pub fn load_named(&self, name: &str) -> Result<NamedRig, UserError> {
+        let mut rig = self.name.load_named(name)?;
+        if let Some(gap_mm) = self.gap {
+            rig.params = at_gap(&rig.params, gap_mm, "--gap")?;
+        }
+        Ok(rig)
+    }
+
+    /// Whether the command line sets the gap.
+    pub fn sets_gap(&self) -> bool {
+        self.gap.is_some() || self.name.overrides("gap_mm")
+    }
+
+    /// Whether `--gap` is there.
+    pub fn has_gap_option(&self) -> bool {
+        self.gap.is_some()
+    }
+}
+
+/// A rig at one gap or several.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Rig")]
+pub struct RigAtGaps {
+    #[command(flatten)]
+    pub name: RigName,
+
+    /// Clearances at rest, mm: one, or FROM:TO:STEP; may be given several times
+    #[arg(long = "gap", value_name = "MM", value_parser = parse_gaps, allow_hyphen_values = true)]
+    gaps: Vec<Gaps>,
+}
+
+impl RigAtGaps {
+    /// The gaps asked for, mm, in the order given; none if the option was left out.
+    pub fn gaps_mm(&self) -> Option<Vec<f64>> {
+        let all = || self.gaps.iter().flat_map(|g| g.0.iter().copied());
+        (!self.gaps.is_empty()).then(|| all().collect())
+    }
+}
+
+/// `params` at a gap of `gap_mm`, which `option` gives.
+///
+/// # Errors
+/// If the gap is out of range.
+pub fn at_gap(
+    params: &RigParams,
+    gap_mm: f64,
+    option: impl Display,
+) -> Result<RigParams, UserError> {
+    let there = params.with_gap_mm(gap_mm);
+    there.map_err(|error| UserError::from(error).at(option))
+}
+
+/// The gaps of one `--gap`, mm.
+#[derive(Clone, Debug, PartialEq)]
+struct Gaps(Vec<f64>);
+
+fn parse_gap(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse();
+    number.map_err(|_| "write a number of millimetres; this command takes one gap".to_owned())
+}
+
+fn parse_gaps(text: &str) -> Result<Gaps, String> {
+    if text.contains(':') {
+        return parse_range(text).map(Gaps);
+    }
+    let number = text.trim().parse();
+    let number = number.map_err(|_| "write a number of millimetres, or FROM:TO:STEP".to_owned())?;
+    Ok(Gaps(vec![number]))
+}

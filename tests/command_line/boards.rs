@@ -1,0 +1,223 @@
+//! Boards for `host-sim link` that are not there: sessions behind pseudo-terminals.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use crate::support::Folder;
+use host_sim::link::{Board, Server, client};
+use serialport::{SerialPort, TTYPort};
+use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Status};
+use shared::fault::{Fault, Origin, Record};
+use shared::io::{AdcCode, Frame, Output};
+use shared::link::{
+    BAUD, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+};
+use shared::model::params::WIRES;
+use shared::settings::Settings;
+
+/// A device behind a pseudo-terminal until it is dropped.
+pub struct Behind {
+    pub path: String,
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Behind {
+    /// Runs `device`; `turn` lets its time go on between two looks at the wire.
+    fn run<D: Device + Send + 'static>(mut device: D, turn: fn(&mut D)) -> Self {
+        let (mut wire, far_end) = TTYPort::pair().expect("a pseudo-terminal");
+        wire.set_timeout(Duration::from_millis(1))
+            .expect("a timeout");
+        let path = far_end.name().expect("its name");
+        let over = Arc::new(AtomicBool::new(false));
+        let stop = Arc::clone(&over);
+        let thread = thread::spawn(move || {
+            // Held open: without an opener at the far end, the wire reads as broken.
+            let _far_end = far_end;
+            let mut server = Server::new();
+            while !stop.load(Ordering::Relaxed) {
+                turn(&mut device);
+                server
+                    .step(&mut device, &mut wire)
+                    .expect("a wire that works");
+            }
+        });
+        Self {
+            path,
+            over,
+            thread: Some(thread),
+        }
+    }
+
+    /// The command line of `link` to it.
+    pub fn line(&self, rest: &str) -> String {
+        format!("link {} {rest}", self.path)
+    }
+
+    /// A client of its own.
+    pub fn client(&self) -> client::Client<Box<dyn SerialPort>> {
+        client::open(&self.path, BAUD).expect("a board").0
+    }
+}
+
+impl Drop for Behind {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("the device ran well");
+        }
+    }
+}
+
+/// The real controller at a rig that stands still.
+pub fn still() -> Behind {
+    let mut board = Board::new(&Settings::for_rig(&WIRES), 10).expect("good settings");
+    // A forecast takes a while; it is there before the first question.
+    while board
+        .lockstep()
+        .forecast()
+        .is_none_or(|f| f.rows.is_empty())
+    {
+        quiet_block(&mut board);
+    }
+    Behind::run(board, quiet_block)
+}
+
+pub fn quiet_block(board: &mut Board) {
+    let settings = board.settings();
+    let code = |zero: f32| AdcCode(zero as u16);
+    let frame = Frame {
+        force: code(settings.force.zero_code),
+        hammer: code(settings.hammer.zero_code),
+        cart: code(settings.cart.zero_code),
+        emergency: false,
+    };
+    board.exchange(&[frame; 10], &mut [Output::SAFE; 10], 20);
+}
+
+/// A board whose force is its frequency, whose limits are 1 and 5 Hz, and whose time runs fast.
+pub struct Toy {
+    pub status: Status,
+    pub aim_hz: f32,
+    pub protocol: u16,
+    pub trips_above_hz: f32,
+}
+
+impl Toy {
+    /// At rest.
+    pub fn new() -> Self {
+        let settings = Settings::for_rig(&WIRES);
+        let controller = Controller::new(&settings, &BootInfo::default()).expect("good settings");
+        Self {
+            status: controller.status(),
+            aim_hz: 2.0,
+            protocol: PROTOCOL_VERSION,
+            trips_above_hz: f32::INFINITY,
+        }
+    }
+
+    /// 5 ms, at 2 Hz/s.
+    fn turn(&mut self) {
+        let status = &mut self.status;
+        status.tick = status.tick.wrapping_add(100);
+        match status.state {
+            State::SelfTest => status.state = State::Manual,
+            State::Stop => status.state = State::Idle,
+            _ => {}
+        }
+        let step = (self.aim_hz - status.frequency_hz).clamp(-0.01, 0.01);
+        status.frequency_hz += step;
+        status.peak_n = status.frequency_hz;
+        if status.state == State::Manual && status.frequency_hz > self.trips_above_hz {
+            status.state = State::Fault;
+            status.fault = Some(Record {
+                fault: Fault::OverForce,
+                origin: Origin::Force,
+                tick: status.tick,
+                value: 500.0,
+                frequency_hz: status.frequency_hz,
+            });
+        }
+    }
+}
+
+impl Device for Toy {
+    fn hello(&mut self) -> Hello {
+        Hello {
+            protocol: self.protocol,
+            firmware: Name::try_from("9.9.9").expect("short"),
+            board: Name::try_from("toy").expect("short"),
+            tick_rate_hz: 20_000,
+            block_ticks: 10,
+        }
+    }
+    fn status(&mut self) -> Status {
+        self.status
+    }
+    fn command(&mut self, command: Command) -> Result<(), Refused> {
+        match (command, self.status.state) {
+            (Command::Start(Mode::Manual), State::Idle) => self.status.state = State::SelfTest,
+            (Command::Stop, State::Manual) => self.status.state = State::Stop,
+            (Command::SetPoint { frequency_hz, .. }, State::Manual) => {
+                self.aim_hz = frequency_hz.clamp(1.0, 5.0);
+            }
+            (Command::Alive, _) => {}
+            _ => return Err(Refused::WrongState),
+        }
+        Ok(())
+    }
+    fn settings(&mut self) -> Settings {
+        Settings::for_rig(&WIRES)
+    }
+    fn replace_settings(&mut self, _settings: &Settings) -> Result<(), Refused> {
+        Ok(())
+    }
+    fn store_settings(&mut self) -> Result<(), Refusal> {
+        Err(Refusal::NotStored)
+    }
+    fn forecast(&mut self, page: u8) -> ForecastPage {
+        ForecastPage::of(None, page)
+    }
+    fn fault_record(&mut self) -> Option<Record> {
+        self.status.fault
+    }
+    fn identified(&mut self) -> Identified {
+        Identified::default()
+    }
+    fn record(&mut self, _on: bool) -> Result<(), Refusal> {
+        Err(Refusal::NotAvailable)
+    }
+    fn take_block(&mut self) -> Option<RecordedBlock> {
+        None
+    }
+}
+
+pub fn toy(toy: Toy) -> Behind {
+    Behind::run(toy, Toy::turn)
+}
+
+/// `host-sim emulate --pty`, ended when dropped.
+pub struct Emulator(Child, pub String);
+
+impl Emulator {
+    /// Starts it and waits for its path.
+    pub fn start(folder: &Folder, scenario: &str) -> Self {
+        let mut command = folder.command(&["emulate", scenario, "--pty"]);
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
+        let out = child.stdout.take().expect("it is piped");
+        let mut path = String::new();
+        BufReader::new(out).read_line(&mut path).expect("a path");
+        Self(child, path.trim().to_owned())
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
