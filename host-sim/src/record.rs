@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use emulator::log::Reader;
-use files::{UserError, read_text};
+use files::{UserError, read_table};
 use numerics::signal::{FEWEST_SAMPLES, Signal};
 
 /// The columns that are read beside `time_s`; others are passed over.
@@ -22,7 +22,7 @@ pub fn read(path: &Path) -> Result<Signal, UserError> {
     if parquet {
         return from_log(path);
     }
-    parse(&path.display().to_string(), &read_text(path)?)
+    parse(&path.display().to_string(), &read_table(path)?)
 }
 
 /// From the text of a CSV called `name`.

@@ -1,4 +1,4 @@
-//! Writing files whole or not at all, and reading text.
+//! Writing files whole or not at all.
 //!
 //! A file is first written beside its final place and then renamed, so a
 //! reader never meets half of it and a failure leaves the old one untouched.
@@ -49,18 +49,10 @@ impl std::error::Error for WriteError {
     }
 }
 
-/// The text of the file `path`.
-///
-/// # Errors
-/// One line: no such file, a folder, no UTF-8.
-pub fn read_text(path: &Path) -> Result<String, UserError> {
-    fs::read_to_string(path).map_err(|e| {
-        let mend = match e.kind() {
-            io::ErrorKind::InvalidData => "save it as UTF-8 text",
-            _ => "check the path",
-        };
-        UserError::new(format!("cannot read {}: {e}; {mend}", path.display()))
-    })
+impl From<WriteError> for UserError {
+    fn from(error: WriteError) -> Self {
+        Self::new(error.to_string())
+    }
 }
 
 /// Writes `bytes` as the file `path`, replacing what was there; makes the folder.

@@ -24,10 +24,12 @@ use shared::fault::{Fault, Origin};
 use shared::settings::Settings;
 
 use super::channels::{CHANNELS, CONTACTS, Channel, DISPLACEMENT, EVENTS, FAULTS, FORCE, STATUS};
-use super::writer::PROGRAM;
+use super::columns::{FORMAT, VERSION};
+use super::writer::failed;
 use super::{Block, Cell, Header, TICK_US, Tick, cells, names};
 use crate::record::Contact;
 use files::UserError;
+use files::columns::PROGRAM;
 use files::write::Staged;
 
 /// Ticks between two messages on `/status`: at most 100 a second.
@@ -90,6 +92,7 @@ impl Writer {
                 channels.push(id);
             }
             let mut metadata = BTreeMap::from([
+                ("format".to_owned(), format!("{FORMAT}{VERSION}")),
                 ("program".to_owned(), PROGRAM.to_owned()),
                 ("source".to_owned(), header.source.clone()),
             ]);
@@ -102,7 +105,7 @@ impl Writer {
             })?;
             Ok((file, channels))
         };
-        let (file, channels) = begin().map_err(|e| failed(&target, &e))?;
+        let (file, channels) = begin().map_err(|e| failed(&target, e))?;
         Ok(Self {
             file,
             target,
@@ -198,7 +201,7 @@ impl Writer {
         self.close_force()?;
         self.close_displacement()?;
         let target = self.target;
-        self.file.finish().map_err(|e| failed(&target, &e))?;
+        self.file.finish().map_err(|e| failed(&target, e))?;
         let staged = self.file.into_inner().into_inner();
         let staged = staged.map_err(|e| failed(&target, e.error()))?;
         Ok(staged.commit()?)
@@ -271,7 +274,7 @@ impl Writer {
     ) -> Result<(), UserError> {
         let known = CHANNELS.iter().position(|c| c.topic == channel.topic);
         let at = known.unwrap_or_default();
-        let bytes = serde_json::to_vec(message).map_err(|e| failed(&self.target, &e))?;
+        let bytes = serde_json::to_vec(message).map_err(|e| failed(&self.target, e))?;
         let header = MessageHeader {
             channel_id: self.channels[at],
             sequence: self.sequence[at],
@@ -280,7 +283,7 @@ impl Writer {
         };
         self.sequence[at] = self.sequence[at].wrapping_add(1);
         let written = self.file.write_to_known_channel(&header, &bytes);
-        written.map_err(|e| failed(&self.target, &e))
+        written.map_err(|e| failed(&self.target, e))
     }
 }
 
@@ -302,11 +305,4 @@ fn to_json(cell: Cell) -> Option<Value> {
         Cell::Float(value) => Some(json!(value)),
         Cell::Text(text) => Some(json!(text)),
     }
-}
-
-fn failed(path: &Path, why: &dyn std::fmt::Display) -> UserError {
-    UserError::new(format!(
-        "cannot write {}: {why}; check the path and the free space and try again",
-        path.display()
-    ))
 }

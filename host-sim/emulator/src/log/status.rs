@@ -5,7 +5,7 @@ use std::fmt;
 
 use shared::control::{State, Status};
 
-use super::columns::{COLUMNS, Col};
+use super::columns::Col;
 
 /// One value of a status.
 #[derive(Clone, Debug)]
@@ -70,7 +70,7 @@ pub(super) const STATUS: [Col; 20] = [
 
 /// The names of the cells of a status, with units, as the log's columns are called.
 pub fn names() -> [&'static str; STATUS.len()] {
-    STATUS.map(|col| COLUMNS[col as usize].name)
+    STATUS.map(Col::name)
 }
 
 /// A state as it stands in the log: `self-test`.
