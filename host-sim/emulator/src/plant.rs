@@ -21,7 +21,7 @@ pub const TIME_TOLERANCE_S: f64 = 1e-13;
 /// edge of the surface.
 const MAX_SWITCHES: usize = 64;
 
-/// Contacts shorter and switches closer than this do not happen: a guard against rounding, s.
+/// Contacts shorter than this, and switches closer together, are rounding and are ignored, s.
 const SHORTEST_S: f64 = 1e-12;
 
 /// A largest force within a contact: what makes the surface ring.
@@ -122,7 +122,7 @@ impl Plant {
         &self.state
     }
 
-    /// Puts both bodies somewhere, out of contact.
+    /// Places both bodies, out of contact.
     pub fn set_state(&mut self, state: State) {
         self.state = state;
         self.at = self.bodies.kinematics(&state);
@@ -185,8 +185,8 @@ impl Plant {
         self.at = self.bodies.kinematics(&self.state);
     }
 
-    /// Makes it another rig where it stands and moves: a drift. Returns whether it was done; in contact it is
-    /// not, so try again.
+    /// Changes the rig without changing its motion: a drift. Returns whether it was done; in contact it is not, so
+    /// try again.
     ///
     /// # Errors
     /// The first parameter out of range.

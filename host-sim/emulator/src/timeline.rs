@@ -1,4 +1,4 @@
-//! What happened in a run, in words.
+//! The events of a run, in words.
 
 use std::fmt;
 
@@ -28,7 +28,7 @@ impl fmt::Display for What {
 /// Keeps every event.
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
-    /// In the order they were told.
+    /// In the order in which they were reported.
     pub events: Vec<Event>,
 }
 

@@ -45,7 +45,22 @@ pub fn open_file(path: &Path) -> Result<File, UserError> {
     File::open(path).map_err(|e| cannot(path, &e, "check the path"))
 }
 
+/// The number, from 1, of the line of `text` in which this byte is.
+pub fn line_at(text: &str, byte: usize) -> usize {
+    let before = text.as_bytes().iter().take(byte);
+    before.filter(|byte| **byte == b'\n').count() + 1
+}
+
 fn read_text_of(path: &Path, most: u64) -> Result<String, UserError> {
+    String::from_utf8(read_bytes(path, most)?)
+        .map_err(|_| cannot(path, &"it is not UTF-8 text", "save it as UTF-8 text"))
+}
+
+/// The bytes of the file or pipe `path`, of which there may be `most`.
+///
+/// # Errors
+/// There is no such file, it is a folder or a device, or too large.
+pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, UserError> {
     let check = |e: io::Error| cannot(path, &e, "check the path");
     let found = path.metadata().map_err(check)?;
     if !is_readable(&found) {
@@ -60,8 +75,7 @@ fn read_text_of(path: &Path, most: u64) -> Result<String, UserError> {
         let what = format!("it has more than {} MB", most >> 20);
         return Err(cannot(path, &what, "is it the right file?"));
     }
-    String::from_utf8(bytes)
-        .map_err(|_| cannot(path, &"it is not UTF-8 text", "save it as UTF-8 text"))
+    Ok(bytes)
 }
 
 #[cfg(unix)]

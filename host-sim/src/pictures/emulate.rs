@@ -2,7 +2,7 @@
 
 use shared::control::State;
 
-use emulator::log::state_name;
+use emulator::names::state_name;
 use emulator::record::{BlockRow, Contact, Event, Observer, TickRow, What};
 use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 

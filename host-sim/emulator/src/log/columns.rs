@@ -99,8 +99,8 @@ pub(super) fn fields(version: u32) -> Vec<Field> {
 }
 
 impl Spec {
-    /// Counters and codes are packed as differences, what is true or measured as split floats, all else (which
-    /// repeats) by dictionary.
+    /// Counters and codes are packed as differences, true values as split floats, all others, which repeat, by
+    /// dictionary.
     fn field(&self) -> Field {
         Field {
             name: self.name.into(),

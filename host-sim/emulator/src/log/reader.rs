@@ -18,7 +18,7 @@ use files::{UserError, open_file};
 pub struct Logged {
     /// The index of its first tick since the log's start.
     pub first_tick: u64,
-    /// Told before the block, in order.
+    /// Inputs before the block, in order.
     pub inputs: Vec<Input>,
     /// How the samples came to the controller.
     pub samples: Samples,
@@ -48,7 +48,7 @@ impl Reader {
     /// Opens the log `path`.
     ///
     /// # Errors
-    /// One line: the file cannot be read, is cut short, or is no log.
+    /// The file cannot be read, is cut short, is no log, or a log of a version that this program does not read.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, UserError> {
         let path = path.as_ref();
         let file = columns::Reader::open(open_file(path)?).map_err(|e| broken(path, &e))?;
@@ -68,7 +68,7 @@ impl Reader {
         })
     }
 
-    /// What the log says of its making.
+    /// How the log was made.
     pub fn header(&self) -> &Header {
         &self.header
     }
@@ -81,7 +81,7 @@ impl Reader {
     /// The next block; none at the end.
     ///
     /// # Errors
-    /// One line when the file is damaged.
+    /// The file is damaged.
     pub fn block(&mut self) -> Result<Option<Logged>, UserError> {
         loop {
             if let Some(rows) = &mut self.rows

@@ -335,7 +335,7 @@ fn foxglove_gets_every_channel_and_the_peak() {
 }
 
 #[test]
-fn a_status_that_stays_is_told_ten_times_a_second() {
+fn an_unchanged_status_is_logged_ten_times_a_second() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("still.mcap");
     let mut writer = mcap::Writer::create(&path, &header()).unwrap();
@@ -351,6 +351,6 @@ fn a_status_that_stays_is_told_ten_times_a_second() {
     writer.finish().unwrap();
     let bytes = fs::read(&path).unwrap();
     let messages = ::mcap::MessageStream::new(&bytes).unwrap();
-    let told = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
-    assert_eq!(told.count(), 1 + 10);
+    let found = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
+    assert_eq!(found.count(), 1 + 10);
 }

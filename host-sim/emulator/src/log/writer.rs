@@ -7,7 +7,8 @@ use shared::settings::TICK_RATE_HZ;
 
 use super::columns::{Col, FORMAT, VERSION, fields};
 use super::status::STATUS;
-use super::{Block, Cell, Header, TICK_US, Tick, cells, state_name};
+use super::{Block, Cell, Header, TICK_US, Tick, cells};
+use crate::names::state_name;
 use files::UserError;
 use files::columns::{self, Column, PROGRAM, Value};
 use files::write::Staged;
@@ -28,7 +29,7 @@ impl Writer {
     /// Begins the log `path`; an older one stays until this one is whole.
     ///
     /// # Errors
-    /// One line that says why the file cannot be written.
+    /// The file cannot be written there.
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
         let target = staged.path().to_owned();
@@ -46,7 +47,7 @@ impl Writer {
     /// Appends a block; the ticks follow on those of the block before.
     ///
     /// # Errors
-    /// One line when the disk refuses, or the block has no ticks.
+    /// The disk refuses, or the block has no ticks.
     pub fn block(&mut self, block: &Block) -> Result<(), UserError> {
         if block.ticks.is_empty() {
             return Err(UserError::new("a block without ticks cannot be logged"));
@@ -57,7 +58,7 @@ impl Writer {
             (None, state) => state.map(state_name),
         };
         for tick in &block.ticks {
-            self.tick(tick, state.as_deref());
+            self.tick(tick, state);
         }
         self.block_columns(block, cells.as_ref())?;
         if self.rows >= GROUP_ROWS {
@@ -74,12 +75,16 @@ impl Writer {
     /// Closes the log and gives it its name; returns where it is.
     ///
     /// # Errors
-    /// One line when the disk refuses; nothing is left then.
-    pub fn finish(mut self) -> Result<PathBuf, UserError> {
+    /// The disk refuses; nothing is left then.
+    pub fn finish(self) -> Result<PathBuf, UserError> {
+        Ok(self.close()?.commit()?)
+    }
+
+    /// Writes what is left; the file is whole then and still has its temporary name.
+    pub(super) fn close(mut self) -> Result<Staged, UserError> {
         self.flush()?;
         let target = self.target;
-        let staged = self.file.finish().map_err(|e| failed(&target, e))?;
-        Ok(staged.commit()?)
+        self.file.finish().map_err(|e| failed(&target, e))
     }
 
     fn push(&mut self, col: Col, value: Option<Value>) {
@@ -110,7 +115,7 @@ impl Writer {
         self.rows += 1;
     }
 
-    /// What stands at the block's first tick and nowhere else.
+    /// The columns that have a value at the block's first tick alone.
     fn block_columns(
         &mut self,
         block: &Block,

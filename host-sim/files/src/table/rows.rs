@@ -6,7 +6,7 @@ use serde::ser::{self, Impossible, Serialize, SerializeMap, SerializeStruct, Ser
 
 use crate::columns::{Column, Field, Kind, Packing, Value};
 
-/// Why rows are no table; a fault of the program.
+/// Why rows make no table; a fault of the program.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct NoTable(String);
@@ -88,7 +88,7 @@ impl Filled {
         }
     }
 
-    /// Gives the rows up to `rows` that have nothing yet no value.
+    /// Rows up to `rows` that are not there yet get no value.
     fn fill(&mut self, rows: usize) {
         let missing = rows.saturating_sub(self.column.rows());
         if missing > 0 {
@@ -113,7 +113,7 @@ impl Filled {
     }
 }
 
-/// What no serialiser here takes: each method ends in an error.
+/// Methods for what a serialiser here refuses.
 macro_rules! refuse {
     ($what:expr; $($name:ident($($argument:ty),*) $(-> $out:ty)?;)*) => {$(
         fn $name(self $(, _: $argument)*) -> refuse!(@ $($out)?) {
