@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::record::{Event, Observer, What};
+use super::record::{Event, EventKind, Observer};
 
-impl fmt::Display for What {
+impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scenario { text } => write!(f, "scenario: {text}"),

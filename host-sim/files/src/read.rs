@@ -136,7 +136,8 @@ mod tests {
     fn devices_are_refused_and_an_endless_pipe_ends_at_the_limit() {
         for device in ["/dev/zero", "/dev/null"].map(Path::new) {
             for read in [read_text(device).err(), open_file(device).err()] {
-                assert!(read.unwrap().to_string().contains("it is a device"));
+                let line = read.expect("a device is refused").to_string();
+                assert!(line.contains("it is a device"), "{line}");
             }
         }
         // What a shell's `<(yes)` gives.

@@ -9,6 +9,7 @@ use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 use super::*;
+use crate::names::state_name;
 use crate::record::Contact;
 use files::UserError;
 
@@ -111,10 +112,11 @@ fn as_logged(k: usize) -> Logged {
         forecast: block.forecast,
         slices: block.slices,
         ticks: block.ticks,
-        state: match &block.status {
-            Some(status) => Some(state_name(status.state)),
-            None => block.state.map(state_name),
-        },
+        state: block
+            .status
+            .map(|status| status.state)
+            .or(block.state)
+            .map(|state| state_name(state).to_owned()),
         status: block.status.as_ref().map(|s| cells(s).to_vec()),
     }
 }
