@@ -86,7 +86,7 @@ fn under(ulimit: &str, limits: impl Iterator<Item = u64>, arguments: &[&str], sa
     panic!("no limit was large enough");
 }
 
-/// Half a kilobyte, then half as much again each time.
+/// Limits from `from` on, each so many percent of the one before.
 fn rising(from: u64, percent: u64) -> impl Iterator<Item = u64> {
     let next = move |n: &u64| Some((n * percent / 100).max(n + 1));
     std::iter::successors(Some(from), next).take(200)
@@ -109,6 +109,6 @@ fn a_limit_on_the_size_of_files_leaves_no_half_log() {
 #[test]
 fn too_little_memory_anywhere_is_one_line_and_leaves_nothing() {
     let arguments = ["emulate", "short.toml", "--out", "o"];
-    let refused = under("-v", rising(8_000, 104), &arguments, "memory");
+    let refused = under("-v", rising(8_000, 112), &arguments, "memory");
     assert!(refused >= 2, "{refused}");
 }

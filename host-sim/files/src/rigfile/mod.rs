@@ -203,6 +203,16 @@ mod tests {
         }
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_path_that_is_not_utf_8_is_read() {
+        use std::os::unix::ffi::OsStrExt;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(OsStr::from_bytes(b"r\xff.toml"));
+        std::fs::write(&path, "preset = \"wires\"\nmass_kg = 0.5\n").unwrap();
+        assert_eq!(load(&path, &[]).unwrap().params.mass_kg, 0.5);
+    }
+
     #[test]
     fn what_one_key_decides_for_another_follows_it() {
         let set = |s: &str| load("wires", &[s.to_owned()]).unwrap().params;

@@ -91,6 +91,19 @@ fn a_file_in_place_of_the_folder_is_refused() {
     assert_eq!(fs::read(dir.path().join("out")).unwrap(), b"keep");
 }
 
+/// Fails if a path goes through text on its way: then another folder is made.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_path_that_is_not_utf_8_is_kept_byte_for_byte() {
+    use std::os::unix::ffi::OsStrExt;
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join(std::ffi::OsStr::from_bytes(b"o\xff"));
+    let made = write_all(&out, &[("a.csv", "1")]).unwrap();
+    assert_eq!(made, [out.join("a.csv")]);
+    assert_eq!(fs::read(out.join("a.csv")).unwrap(), b"1");
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
 /// A socket stands for all that is no ordinary file: a device would be lost, were the test to fail as root.
 #[cfg(unix)]
 #[test]
