@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use files::{Line, UserError, read_columns};
+use files::{Line, Measurements, UserError};
 use numerics::{bifurcation, map, sweep};
 use shared::model::regime::{MAX_PERIODS, Regime};
 
@@ -11,18 +11,9 @@ use shared::model::regime::{MAX_PERIODS, Regime};
 /// # Errors
 /// One line naming file, line and mend.
 pub fn force_curve(path: &Path) -> Result<sweep::Measured, UserError> {
-    let point = |line: &Line| {
-        let (hz, newtons) = (line.number("frequency_hz")?, line.number("force_n")?);
-        if hz <= 0.0 {
-            return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
-        }
-        if newtons < 0.0 {
-            return Err(line.complaint(format!("force_n is {newtons}, must not be negative")));
-        }
-        Ok((hz, newtons))
-    };
-    let lines = read_columns(path, &["frequency_hz", "force_n"])?;
-    let points = lines.iter().map(point).collect::<Result<_, _>>()?;
+    let lines = Measurements::read(path)?.lines(&["frequency_hz", "force_n"])?;
+    let points = lines.iter().map(|line| pair(line, "force_n"));
+    let points = points.collect::<Result<_, _>>()?;
     Ok(sweep::Measured { points })
 }
 
@@ -31,43 +22,35 @@ pub fn force_curve(path: &Path) -> Result<sweep::Measured, UserError> {
 /// # Errors
 /// One line naming file, line and mend.
 pub fn diagram(path: &Path) -> Result<bifurcation::measured::Measured, UserError> {
-    let has = |column: &'static str| read_columns(path, &["frequency_hz", column]);
-    let lacks =
-        |e: &UserError, column: &str| e.to_string().contains(&format!("no column {column};"));
-    let (displacement, force) = match (has("displacement_mm"), has("force_n")) {
-        (Ok(d), Ok(f)) => (d, f),
-        (Ok(d), Err(_)) => (d, Vec::new()),
-        (Err(_), Ok(f)) => (Vec::new(), f),
-        (Err(a), Err(b)) if lacks(&a, "displacement_mm") && lacks(&b, "force_n") => {
-            return Err(UserError::new(format!(
-                "{}, line 1: there is no column displacement_mm and none force_n; the first line must be frequency_hz,displacement_mm,force_n (one of the last two may be missing)",
-                path.display()
-            )));
+    let table = Measurements::read(path)?;
+    let [displacement, force] = ["displacement_mm", "force_n"].map(|column| table.has(column));
+    if !displacement && !force {
+        return Err(table.complaint("there is no column displacement_mm and none force_n; the first line must be frequency_hz,displacement_mm,force_n (one of the last two may be missing)"));
+    }
+    let pairs = |there: bool, column: &'static str| {
+        if !there {
+            return Ok(Vec::new());
         }
-        (Err(a), Err(b)) if lacks(&a, "displacement_mm") => return Err(b),
-        (Err(a), Err(_)) => return Err(a),
-    };
-    let pairs = |lines: Vec<Line>, column: &str| {
-        let pair = |line: &Line| {
-            let hz = line.number("frequency_hz")?;
-            if hz <= 0.0 {
-                return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
-            }
-            let value = line.number(column)?;
-            if column == "force_n" && value < 0.0 {
-                return Err(line.complaint(format!("force_n is {value}, must not be negative")));
-            }
-            Ok((hz, value))
-        };
-        lines
-            .iter()
-            .map(pair)
-            .collect::<Result<Vec<_>, UserError>>()
+        let lines = table.lines(&["frequency_hz", column])?;
+        lines.iter().map(|line| pair(line, column)).collect()
     };
     Ok(bifurcation::measured::Measured {
         displacement_mm: pairs(displacement, "displacement_mm")?,
         force_n: pairs(force, "force_n")?,
     })
+}
+
+/// The frequency and the value of `column`; no force is negative.
+fn pair(line: &Line, column: &str) -> Result<(f64, f64), UserError> {
+    let hz = line.number("frequency_hz")?;
+    if hz <= 0.0 {
+        return Err(line.complaint(format!("frequency_hz is {hz}, must be positive")));
+    }
+    let value = line.number(column)?;
+    if column == "force_n" && value < 0.0 {
+        return Err(line.complaint(format!("force_n is {value}, must not be negative")));
+    }
+    Ok((hz, value))
 }
 
 /// Reads a CSV with the columns gap_mm, frequency_hz and regime ("1/1", "none", "aperiodic" or "chatter").
@@ -92,7 +75,7 @@ pub fn regimes(path: &Path) -> Result<Vec<map::measured::Measured>, UserError> {
             regime,
         })
     };
-    let lines = read_columns(path, &["gap_mm", "frequency_hz", "regime"])?;
+    let lines = Measurements::read(path)?.lines(&["gap_mm", "frequency_hz", "regime"])?;
     lines.iter().map(point).collect()
 }
 

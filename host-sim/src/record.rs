@@ -4,13 +4,13 @@
 use std::path::Path;
 
 use emulator::log::Reader;
-use files::{UserError, read_text};
+use files::{UserError, read_table};
 use numerics::signal::{FEWEST_SAMPLES, Signal};
 
 /// The columns that are read beside `time_s`; others are passed over.
 pub const COLUMNS: [&str; 3] = ["force_n", "displacement_mm", "cart_mm"];
 
-/// No sensor of such a rig says more, in N or mm; nor does a record begin later, in s.
+/// Largest value of a sensor, in N or mm, and latest time of a record, in s.
 const LARGEST: f64 = 1e9;
 
 /// Reads `path`: a log if it ends in `.parquet`, else CSV.
@@ -22,7 +22,7 @@ pub fn read(path: &Path) -> Result<Signal, UserError> {
     if parquet {
         return from_log(path);
     }
-    parse(&path.display().to_string(), &read_text(path)?)
+    parse(&path.display().to_string(), &read_table(path)?)
 }
 
 /// From the text of a CSV called `name`.
@@ -30,98 +30,135 @@ pub fn read(path: &Path) -> Result<Signal, UserError> {
 /// # Errors
 /// One line naming file, line and mend.
 pub fn parse(name: &str, text: &str) -> Result<Signal, UserError> {
-    let bad = |line: u64, what: String| UserError::new(format!("{name}, line {line}: {what}"));
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-    let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
-    let find = |wanted: &str| headers.iter().position(|h| h == wanted);
-    for wanted in ["time_s"].iter().chain(&COLUMNS) {
-        if headers.iter().filter(|h| h == wanted).count() > 1 {
-            return Err(bad(
-                1,
-                format!("two columns are called {wanted}; rename one"),
-            ));
-        }
-    }
-    let Some(time) = find("time_s") else {
-        return Err(bad(
-            1,
-            format!(
-                "there is no column time_s; the first line must name the columns, with commas between: time_s and any of {}",
-                COLUMNS.join(", ")
-            ),
-        ));
-    };
-    let places = COLUMNS.map(find);
-    if places.iter().all(Option::is_none) {
-        let any = COLUMNS.join(", ");
-        return Err(bad(1, format!("beside time_s there is none of {any}")));
-    }
-    let mut times: Vec<f64> = Vec::new();
-    let mut values = places.map(|place| place.map(|_| Vec::new()));
+    let headers = reader.headers().map_err(|e| bad(name, 1, e))?.clone();
+    let mut samples = Samples::new(name, headers)?;
     let mut record = csv::StringRecord::new();
-    let mut twice = false;
     loop {
         match reader.read_record(&mut record) {
-            Ok(true) => {}
+            // The reader's position is after the record; none of these has a line break within.
+            Ok(true) => samples.push(&record, line_of(&reader, &record))?,
             Ok(false) => break,
             Err(e) => {
                 let line = e.position().map_or(0, csv::Position::line);
-                return Err(bad(line, unequal(&e)));
+                return Err(bad(name, line, unequal(&e)));
             }
         }
-        // The reader's position is after the record; none of these has a line break within.
-        let line = line_of(&reader, &record);
-        let number = |column: usize| {
-            let cell = record.get(column).unwrap_or("");
-            let value = cell.parse::<f64>().ok().filter(|x| x.abs() <= LARGEST);
-            let what = headers.get(column).unwrap_or("");
-            value.ok_or_else(|| {
-                let must_be = format!("must be a number from -{LARGEST:e} to {LARGEST:e}");
-                bad(line, format!("{what} is '{cell}', {must_be}"))
-            })
+    }
+    samples.into_signal()
+}
+
+fn bad(name: &str, line: u64, what: impl std::fmt::Display) -> UserError {
+    UserError::new(format!("{name}, line {line}: {what}"))
+}
+
+/// The samples of a CSV, line by line.
+struct Samples<'a> {
+    name: &'a str,
+    headers: csv::StringRecord,
+    /// Where the column `time_s` is, and those of [`COLUMNS`].
+    time: usize,
+    places: [Option<usize>; 3],
+    times: Vec<f64>,
+    values: [Option<Vec<f64>>; 3],
+    /// Whether the last instant has stood twice already.
+    repeated: bool,
+}
+
+impl<'a> Samples<'a> {
+    /// Finds the columns by the first line.
+    fn new(name: &'a str, headers: csv::StringRecord) -> Result<Self, UserError> {
+        for wanted in ["time_s"].iter().chain(&COLUMNS) {
+            if headers.iter().filter(|h| h == wanted).count() > 1 {
+                let what = format!("two columns are called {wanted}; rename one");
+                return Err(bad(name, 1, what));
+            }
+        }
+        let find = |wanted: &str| headers.iter().position(|h| h == wanted);
+        let any = COLUMNS.join(", ");
+        let Some(time) = find("time_s") else {
+            let what = format!(
+                "there is no column time_s; the first line must name the columns, with commas between: time_s and any of {any}"
+            );
+            return Err(bad(name, 1, what));
         };
-        let now = number(time)?;
-        let again = times.last() == Some(&now) && !twice;
-        twice = again;
-        match times[..] {
-            // At a jump, as where a contact begins, a history has its instant twice: the later values count.
-            [..] if again => {
-                times.pop();
-                values.iter_mut().flatten().for_each(|column| {
-                    column.pop();
-                });
-            }
-            [.., last] if now <= last => {
-                return Err(bad(
-                    line,
-                    format!("time_s is {now} after {last}; times must rise from line to line"),
-                ));
-            }
-            _ => {}
+        let places = COLUMNS.map(find);
+        if places.iter().all(Option::is_none) {
+            let what = format!("beside time_s there is none of {any}");
+            return Err(bad(name, 1, what));
         }
-        times.push(now);
-        for (place, column) in places.iter().zip(&mut values) {
-            if let (Some(place), Some(column)) = (place, column) {
-                column.push(number(*place)?);
+        Ok(Self {
+            name,
+            headers,
+            time,
+            places,
+            times: Vec::new(),
+            values: places.map(|place| place.map(|_| Vec::new())),
+            repeated: false,
+        })
+    }
+
+    fn number(
+        &self,
+        record: &csv::StringRecord,
+        line: u64,
+        column: usize,
+    ) -> Result<f64, UserError> {
+        let cell = record.get(column).unwrap_or("");
+        let value = cell.parse::<f64>().ok().filter(|x| x.abs() <= LARGEST);
+        value.ok_or_else(|| {
+            let what = self.headers.get(column).unwrap_or("");
+            let must_be = format!("must be a number from -{LARGEST:e} to {LARGEST:e}");
+            bad(self.name, line, format!("{what} is '{cell}', {must_be}"))
+        })
+    }
+
+    fn push(&mut self, record: &csv::StringRecord, line: u64) -> Result<(), UserError> {
+        let now = self.number(record, line, self.time)?;
+        // At a jump, as where a contact begins, a history has its instant twice: the later values count.
+        self.repeated = self.times.last() == Some(&now) && !self.repeated;
+        if self.repeated {
+            self.times.pop();
+            self.values.iter_mut().flatten().for_each(|column| {
+                column.pop();
+            });
+        } else if let Some(last) = self.times.last()
+            && now <= *last
+        {
+            let what = format!("time_s is {now} after {last}; times must rise from line to line");
+            return Err(bad(self.name, line, what));
+        }
+        self.times.push(now);
+        for (i, place) in self.places.into_iter().enumerate() {
+            let Some(place) = place else {
+                continue;
+            };
+            let value = self.number(record, line, place)?;
+            if let Some(column) = &mut self.values[i] {
+                column.push(value);
             }
         }
+        Ok(())
     }
-    if times.len() < FEWEST_SAMPLES {
-        return Err(UserError::new(format!(
-            "{name}: samples below the first line: {}, at least 16 are needed",
-            times.len()
-        )));
+
+    fn into_signal(self) -> Result<Signal, UserError> {
+        let (name, count) = (self.name, self.times.len());
+        if count < FEWEST_SAMPLES {
+            return Err(UserError::new(format!(
+                "{name}: samples below the first line: {count}, at least {FEWEST_SAMPLES} are needed"
+            )));
+        }
+        let [force_n, displacement_mm, cart_mm] = self.values;
+        Ok(Signal {
+            name: name.to_owned(),
+            time_s: self.times,
+            force_n,
+            displacement_mm,
+            cart_mm,
+        })
     }
-    let [force_n, displacement_mm, cart_mm] = values;
-    Ok(Signal {
-        name: name.to_owned(),
-        time_s: times,
-        force_n,
-        displacement_mm,
-        cart_mm,
-    })
 }
 
 /// What the controller's sensors showed, by the calibration the log begins with.
@@ -139,7 +176,7 @@ fn from_log(path: &Path) -> Result<Signal, UserError> {
     }
     if times.len() < FEWEST_SAMPLES {
         return Err(UserError::new(format!(
-            "{}: there are {} ticks in it, at least 16 are needed",
+            "{}: there are {} ticks in it, at least {FEWEST_SAMPLES} are needed",
             path.display(),
             times.len()
         )));

@@ -1,6 +1,6 @@
 //! A log through the desktop's controller: the same decisions, bit for bit, or the first tick that differs.
 //!
-//! The controller is born as the log says, is told what it was told then, and is given the recorded samples.
+//! The controller starts as the log says and gets the recorded inputs and samples.
 //! Every set-point and every logged part of its status must come out again. In lock-step the forecast runs
 //! as many slices as it did; of a real board only the blocks before which a forecast was finished are known,
 //! so here it is run to its end for exactly those.
@@ -41,7 +41,7 @@ pub struct Difference {
 /// One line when the log is damaged, or no controller can be made with its settings.
 pub fn replay(log: &mut Reader, progress: &Progress) -> Result<Replayed, UserError> {
     let header = log.header().clone();
-    let mut twin = born(&header.settings, &header.birth)?;
+    let mut twin = started(&header.settings, &header.birth)?;
     let mut next = log.block()?;
     let mut ticks = 0;
     while let Some(block) = next {
@@ -53,7 +53,7 @@ pub fn replay(log: &mut Reader, progress: &Progress) -> Result<Replayed, UserErr
             (None, Some(true)) => u32::MAX,
             (None, _) => 0,
         };
-        tell(&mut twin, &block.inputs)?;
+        give(&mut twin, &block.inputs)?;
         let outputs = run(&mut twin, &block, slices);
         progress.inc(block.ticks.len() as u64);
         if let Some(difference) = differs(&block, outputs.as_deref(), &twin) {
@@ -70,18 +70,18 @@ pub fn replay(log: &mut Reader, progress: &Progress) -> Result<Replayed, UserErr
     })
 }
 
-fn born(settings: &Settings, birth: &BootInfo) -> Result<Lockstep, UserError> {
+fn started(settings: &Settings, birth: &BootInfo) -> Result<Lockstep, UserError> {
     Lockstep::new(settings, birth).map_err(|e| UserError::from(e).at("the log's settings"))
 }
 
-fn tell(twin: &mut Lockstep, inputs: &[Input]) -> Result<(), UserError> {
+fn give(twin: &mut Lockstep, inputs: &[Input]) -> Result<(), UserError> {
     for input in inputs {
         // What was refused then is refused again.
         match input {
             Input::Command(command) => drop(twin.controller.command(*command)),
             Input::Settings(settings) => drop(twin.controller.replace_settings(settings)),
             Input::Overrun => twin.controller.note_overrun(),
-            Input::Born(settings, birth) => *twin = born(settings, birth)?,
+            Input::Born(settings, birth) => *twin = started(settings, birth)?,
         }
     }
     Ok(())
@@ -186,7 +186,7 @@ mod tests {
     /// Runs a controller in lock-step over `blocks` and logs it; `slices` as a recording has them.
     fn record(path: &Path, blocks: usize, board: bool, spoil: impl Fn(usize, &mut Block)) {
         let header = header();
-        let mut twin = born(&header.settings, &header.birth).unwrap();
+        let mut twin = started(&header.settings, &header.birth).unwrap();
         let mut writer = Writer::create(path, &header).unwrap();
         let mut states = Vec::new();
         for k in 0..blocks {
@@ -204,11 +204,11 @@ mod tests {
                 2550 => vec![Input::Command(Command::ClearFault)],
                 _ => Vec::new(),
             };
-            tell(&mut twin, &inputs).unwrap();
+            give(&mut twin, &inputs).unwrap();
             let frames: Vec<_> = (0..BLOCK).map(|i| frame(k * BLOCK + i)).collect();
             let mut outputs = vec![Output::SAFE; BLOCK];
             let blind = k == 700;
-            let told = if blind {
+            let exchanged = if blind {
                 twin.exchange_blind(&mut outputs, 3)
             } else {
                 twin.exchange(&frames, &mut outputs, 3)
@@ -224,7 +224,7 @@ mod tests {
             let mut block = Block {
                 inputs,
                 samples: if blind { Samples::Blind } else { Samples::Came },
-                forecast: board.then_some(told.delivered),
+                forecast: board.then_some(exchanged.delivered),
                 slices: (!board).then_some(3),
                 ticks: ticks.collect(),
                 status: (!board).then_some(status),

@@ -2,7 +2,7 @@
 //!
 //! A folder holds `request.txt`, the request the tiles belong to, and one file per tile: eight letters that name
 //! the format and its version, then (packed by postcard) the request's fingerprint, the tile's number and its cells,
-//! then a CRC-32 over all before it. A file is written under another name and renamed. It is not forced to the
+//! then a CRC-32 over all before it. A file is written under a temporary name and renamed. It is not forced to the
 //! disk's surface: one that a power failure leaves damaged is found by its CRC and computed again.
 
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
 
-use files::UserError;
+use files::{UserError, read_bytes, read_text};
 use numerics::Error;
 use numerics::error::MapError;
 use numerics::map::{KERNEL_FINGERPRINT, MapCell, MapRequest, Tiles};
@@ -21,6 +21,8 @@ const MAGIC: &[u8; 8] = b"HSTILE01";
 const REQUEST: &str = "request.txt";
 /// Name of the line with the fingerprint of the sources.
 const KERNEL: &str = "kernel";
+/// A tile has some hundred cells of some hundred bytes; a file larger than this is none.
+const MOST_BYTES: u64 = 64 << 20;
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// A folder of tiles that belong to one request.
@@ -42,19 +44,14 @@ impl Store {
     /// The folder `dir` for the tiles of `request`; it is not made yet.
     ///
     /// # Errors
-    /// One line when the folder cannot be used, or holds the tiles of another request: which part differs.
+    /// If the folder cannot be used, or holds the tiles of another request; the line says which part differs.
     pub fn open(dir: &Path, request: &MapRequest) -> Result<Self, UserError> {
         let lines = lines(request);
         let path = dir.join(REQUEST);
-        match fs::read_to_string(&path) {
-            Ok(there) if there != lines => return Err(another(dir, &there, &lines)),
-            Ok(_) => {}
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
-            Err(e) => {
-                return Err(UserError::new(format!(
-                    "cannot read {}: {e}; choose another folder",
-                    path.display()
-                )));
+        if !matches!(path.try_exists(), Ok(false)) {
+            let there = read_text(&path)?;
+            if there != lines {
+                return Err(another(dir, &there, &lines));
             }
         }
         Ok(Self {
@@ -88,7 +85,7 @@ impl Store {
         for entry in entries {
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            if is_tile(&name) || name == REQUEST || name.starts_with(files::write::PASSING) {
+            if is_tile(&name) || name == REQUEST || name.starts_with(files::write::TEMPORARY) {
                 // What is left costs room and nothing else.
                 let _ = fs::remove_file(entry.path());
             }
@@ -104,7 +101,7 @@ impl Tiles for Store {
     }
 
     fn read(&self, index: usize, cells: usize) -> Option<Vec<MapCell>> {
-        let bytes = fs::read(self.path(index)).ok()?;
+        let bytes = read_bytes(&self.path(index), MOST_BYTES).ok()?;
         let (content, crc) = bytes.split_last_chunk::<4>()?;
         if CRC.checksum(content) != u32::from_le_bytes(*crc) {
             return None;
@@ -161,7 +158,7 @@ fn another(dir: &Path, there: &str, ours: &str) -> UserError {
     let differs = there.lines().zip(ours.lines()).find(|(a, b)| a != b);
     let Some((a, b)) = differs.filter(|(a, b)| whole && name(a) == name(b)) else {
         return UserError::new(format!(
-            "{} is damaged, so whose tiles these are cannot be told; remove the folder, or choose another --out",
+            "{} is damaged, so it cannot be known whose tiles these are; remove the folder, or choose another --out",
             dir.join(REQUEST).display()
         ));
     };

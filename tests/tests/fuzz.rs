@@ -45,10 +45,14 @@ fn mutated(corpus: &[Vec<u8>], random: &mut ChaCha8Rng) -> Vec<u8> {
 }
 
 fn run(target: &str, body: impl Fn(&[u8])) {
+    run_times(MUTATIONS, target, body);
+}
+
+fn run_times(mutations: usize, target: &str, body: impl Fn(&[u8])) {
     let corpus = corpus(target);
     corpus.iter().for_each(|bytes| body(bytes));
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    for _ in 0..MUTATIONS {
+    for _ in 0..mutations {
         body(&mutated(&corpus, &mut random));
     }
 }
@@ -61,6 +65,32 @@ fn any_bytes_on_the_wire_do_no_harm() {
 #[test]
 fn any_bytes_in_flash_do_no_harm() {
     run("settings", tests::fuzz::settings);
+}
+
+#[test]
+fn any_rig_file_does_no_harm() {
+    run_times(MUTATIONS / 5, "rig", tests::fuzz::rig);
+}
+
+#[test]
+fn any_scenario_does_no_harm() {
+    run_times(MUTATIONS / 10, "scenario", tests::fuzz::scenario);
+}
+
+#[test]
+fn any_table_does_no_harm() {
+    run("table", tests::fuzz::table);
+}
+
+#[test]
+fn any_record_does_no_harm() {
+    run("signal", tests::fuzz::signal);
+}
+
+/// Fewer: each is a file on the disk.
+#[test]
+fn any_log_does_no_harm() {
+    run_times(MUTATIONS / 20, "log", tests::fuzz::log);
 }
 
 #[test]

@@ -18,7 +18,7 @@ use super::local::birth;
 use super::under_test::{ControlUnderTest, Reset};
 use files::UserError;
 
-/// Where the two first differed.
+/// The first difference between the two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// Control tick after the block, on the desktop.
@@ -45,7 +45,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
     /// Makes both controllers anew.
     ///
     /// # Errors
-    /// One line: the settings, or a pipe.
+    /// The settings are invalid, or a pipe fails.
     pub fn begin(requests: W, replies: R, settings: &Settings) -> Result<Self, UserError> {
         let desktop = Lockstep::new(settings, &BootInfo::default())?;
         let status = desktop.controller.status();
@@ -77,7 +77,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
         self.difference.as_ref()
     }
 
-    /// Why the other processor is not heard any more.
+    /// Why the other processor stopped answering, if it did.
     pub fn broken(&self) -> Option<&str> {
         self.broken.as_deref()
     }
@@ -249,7 +249,7 @@ impl<R: Read, W: Write> ControlUnderTest for InTheLoop<R, W> {
 /// Tells the other processor that the last run is over.
 ///
 /// # Errors
-/// One line: the pipe.
+/// The pipe fails.
 pub fn end(requests: &mut impl Write) -> Result<(), UserError> {
     let mut buffer = [0; LENGTH + MAX_MESSAGE];
     let message = encode(&ExchangeRequest::End, &mut buffer).unwrap_or(&[]);
@@ -322,11 +322,11 @@ mod tests {
         for _ in 0..50 {
             both.exchange(&[Frame::default(); 10], &mut outputs, 2);
         }
-        let told = (both.ticks(), both.difference().cloned());
+        let found = (both.ticks(), both.difference().cloned());
         assert_eq!(both.instructions_per_tick()[0], 1235);
         end(&mut both.release().0).unwrap();
         other.join().unwrap();
-        told
+        found
     }
 
     #[test]

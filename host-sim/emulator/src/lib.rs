@@ -1,4 +1,4 @@
-//! The emulator: a rig that is not there, closed around the controller that will be.
+//! The emulator: the controller in a closed loop with an emulated rig.
 //!
 //! Data goes round: set-point codes → shaker → cart and hammer → sensors → codes → controller. Time is true
 //! rig time, counted in the controller's ticks; samples and set-points go in blocks, so the loop is one block
@@ -11,16 +11,17 @@
 //! | [`plant`] | a tick of true motion, switches located |
 //! | [`filter`], [`sensors`] | from what is true to codes |
 //! | [`mock`] | the pin of the emergency-stop chain |
+//! | [`names`] | states and basins by name |
 //! | [`scenario`], [`schedule`] | what happens when; TOML |
-//! | [`world`] | everything outside the controller |
-//! | [`under_test`], [`local`] | the controller, wherever it runs; in this process |
+//! | [`world`] | everything outside the controller: plant, sensors, shaker |
+//! | [`under_test`], [`local`] | the controller under test, wherever it runs; the one in this process |
 //! | [`in_the_loop`] | in an emulated processor and in this process, compared |
 //! | [`run`] | world and controller, block by block |
 //! | [`optimum`] | the best the true rig can do |
-//! | [`tally`], [`verdict`] | what a run came to, by the true force |
+//! | [`summary`], [`verdict`] | counts and sums over a run, and whether it did what it had to, by the true force |
 //! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
-//! | [`timeline`] | what happened, in words |
-//! | [`record`] | what a run tells those who watch it |
+//! | [`timeline`] | the events of a run, in words |
+//! | [`record`] | what an observer of a run gets |
 
 pub mod bodies;
 pub mod filter;
@@ -28,6 +29,7 @@ pub mod in_the_loop;
 pub mod local;
 pub mod log;
 pub mod mock;
+pub mod names;
 pub mod optimum;
 pub mod plant;
 pub mod record;
@@ -36,7 +38,7 @@ pub mod scenario;
 pub mod schedule;
 pub mod sensors;
 pub mod shaker;
-pub mod tally;
+pub mod summary;
 pub mod timeline;
 pub mod under_test;
 pub mod verdict;

@@ -33,7 +33,7 @@ impl Local {
     }
 }
 
-/// What a controller is born with after `cause`, given the `memory` that survives resets (and not power-on).
+/// What a controller finds when it starts after `cause`, given the `memory` that survives resets but not power-on.
 pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
     let power_on = matches!(cause, Reset::PowerOn | Reset::CorruptSettings);
     // A crash writes its record itself, before the program starts anew.

@@ -1,4 +1,4 @@
-//! The best a rig can do: what a run is measured by.
+//! The strongest 1/1 that a rig can hold, to judge a run by.
 //!
 //! Under prescribed motion it is the strongest stable 1/1 of the reference, as `pick --nominal` finds it. A
 //! cart that recoils is another matter: a blow of the wires' hammer throws the cart forward by some 7 % of the

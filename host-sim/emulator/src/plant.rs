@@ -4,6 +4,8 @@
 //! tenth (so that the force sensor's filter has its samples). Both switches are located by bisection on steps
 //! of the integrator itself, to [`TIME_TOLERANCE_S`].
 
+mod contacts;
+
 use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Kinematics, Mode, Rig};
 
@@ -21,7 +23,7 @@ pub const TIME_TOLERANCE_S: f64 = 1e-13;
 /// edge of the surface.
 const MAX_SWITCHES: usize = 64;
 
-/// Contacts shorter and switches closer than this do not happen: a guard against rounding, s.
+/// Contacts shorter than this, and switches closer together, are rounding and are ignored, s.
 const SHORTEST_S: f64 = 1e-12;
 
 /// A largest force within a contact: what makes the surface ring.
@@ -122,7 +124,7 @@ impl Plant {
         &self.state
     }
 
-    /// Puts both bodies somewhere, out of contact.
+    /// Places both bodies, out of contact.
     pub fn set_state(&mut self, state: State) {
         self.state = state;
         self.at = self.bodies.kinematics(&state);
@@ -185,8 +187,8 @@ impl Plant {
         self.at = self.bodies.kinematics(&self.state);
     }
 
-    /// Makes it another rig where it stands and moves: a drift. Returns whether it was done; in contact it is
-    /// not, so try again.
+    /// Changes the rig without changing its motion: a drift. Returns whether it was done; in contact it is not, so
+    /// try again.
     ///
     /// # Errors
     /// The first parameter out of range.
@@ -331,65 +333,6 @@ impl Plant {
             self.keep(&before, s, h, &totals);
         }
     }
-
-    /// Keeps what a step of contact adds to the contact's record.
-    fn keep(&mut self, before: &State, s: f64, h: f64, totals: &Totals) {
-        self.touched = true;
-        let (f0, r0) = self.bodies.force_and_rate(before, s);
-        let (f1, r1) = self.bodies.force_and_rate(&self.state, s + h);
-        let (at, peak) = if r0 > 0.0 && r1 < 0.0 {
-            largest(h, (f0, r0), (f1, r1))
-        } else if f0 > f1 {
-            (0.0, f0)
-        } else {
-            (h, f1)
-        };
-        if self.rising && r1 < 0.0 {
-            self.rising = false;
-            self.blows.push(Blow {
-                at_s: s + at,
-                peak_n: peak,
-            });
-        }
-        let started = self.ticks as f64 * self.tick_s;
-        if let Some(open) = &mut self.open {
-            if peak > open.peak_force_n {
-                open.peak_force_n = peak;
-                open.peak_at_s = started + s + at;
-            }
-            open.duration_s += h;
-            open.impulse_n_s += totals.impulse;
-            open.energy_lost_j += totals.contact_work;
-        }
-    }
-
-    fn switch(&mut self, s: f64) {
-        match self.bodies.mode {
-            Mode::Flight => self.begin_contact(s),
-            Mode::Contact => {
-                self.bodies.mode = Mode::Flight;
-                if let Some(mut contact) = self.open.take() {
-                    contact.rebound_speed_m_per_s = -self.bodies.kinematics(&self.state).rate;
-                    self.finished.push(contact);
-                }
-            }
-        }
-    }
-
-    fn begin_contact(&mut self, s: f64) {
-        let approach = self.bodies.kinematics(&self.state).rate;
-        let onset_s = self.time_s() + s;
-        self.bodies.mode = Mode::Contact;
-        self.bodies.approach = approach;
-        self.rising = true;
-        self.touched = true;
-        self.open = Some(Contact {
-            onset_s,
-            approach_speed_m_per_s: approach,
-            peak_at_s: onset_s,
-            ..Contact::default()
-        });
-    }
 }
 
 /// The first place in 0 … `h` at which `beyond` holds, given that it holds at `h` and has not before; never
@@ -405,12 +348,4 @@ fn bisect(h: f64, beyond: impl Fn(f64) -> bool) -> f64 {
         }
     }
     high.max(SHORTEST_S.min(h))
-}
-
-/// Where (s into the step) and how large a cubic through value and slope at both ends is at its largest,
-/// given that it rises at the start and falls at the end.
-fn largest(h: f64, (f0, r0): (f64, f64), (f1, r1): (f64, f64)) -> (f64, f64) {
-    let path = Path::new(h, (f0, r0), (f1, r1));
-    let top = bisect(h, |s| path.at(s).1 < 0.0);
-    (top, path.at(top).0)
 }

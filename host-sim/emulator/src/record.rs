@@ -1,4 +1,4 @@
-//! What a run tells those who watch it: every tick, every block, every contact, every event.
+//! What an observer of a run gets: every tick, block, contact and event.
 
 use serde::Serialize;
 use shared::control::{Command, Refused, Status};
@@ -8,7 +8,7 @@ use shared::settings::Settings;
 
 use super::under_test::Reset;
 
-/// One control tick. What it was told and what the plant truly did by its end.
+/// One control tick: the set-point during it, and what the plant truly did by its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TickRow {
     /// Ticks since the start of the run; never set back, not even by a reset of the controller.
@@ -17,7 +17,7 @@ pub struct TickRow {
     pub time_s: f64,
     /// What the sensors showed at the end of the tick.
     pub frame: Frame,
-    /// What the drive was told during the tick.
+    /// The set-point of the drive during the tick.
     pub output: Output,
     /// True contact force at the end of the tick, N.
     pub true_force_n: f64,
@@ -27,7 +27,7 @@ pub struct TickRow {
     pub cart_m: f64,
 }
 
-/// A command that was given, and what the controller said.
+/// A command that was given, and whether the controller obeyed it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Given {
     /// The command.
@@ -54,9 +54,9 @@ pub struct BlockRow<'a> {
     pub outputs: &'a [Output],
     /// Whether the block reached the controller (a lost one does not, and its last outputs stand).
     pub delivered: bool,
-    /// Whether the controller was told that it overran before the block.
+    /// Whether an overrun was reported to the controller before the block.
     pub overrun: bool,
-    /// Whether the controller was told that its samples are stale.
+    /// Whether the controller ran without this block's samples, as if they were stale.
     pub stale: bool,
     /// Slices of the forecast after the block.
     pub slices: u32,
@@ -93,13 +93,13 @@ pub struct Event {
     /// True rig time, s.
     pub time_s: f64,
     /// What.
-    pub what: What,
+    pub what: EventKind,
 }
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum What {
+pub enum EventKind {
     /// The scenario did something to the rig, its sensors or the controller.
     Scenario {
         /// In words.
@@ -126,7 +126,7 @@ pub enum What {
         /// Now enabled.
         on: bool,
     },
-    /// Something else the controller said.
+    /// Another event that the controller reported.
     Said {
         /// In words.
         text: String,

@@ -2,35 +2,35 @@
 
 use std::time::Duration;
 
-use shared::control::{Command, Event as Told, EventKind as Saying, MAX_BLOCK};
+use shared::control::{self, Command, MAX_BLOCK};
 use shared::io::{Frame, Output};
 
-use super::record::{BlockRow, Event, Given, Observer, TickRow, What};
+use super::names::{basin_name, state_name};
+use super::record::{BlockRow, Event, EventKind, Given, Observer, TickRow};
 use super::scenario::Scenario;
-use super::schedule::{Doing, Due, Spell, schedule, state_name};
-use super::tally::Tally;
+use super::schedule::{Doing, Due, Spell, schedule};
+use super::summary::Summary;
 use super::under_test::{ControlUnderTest, Reset};
-use super::verdict::basin_name;
 use super::world::World;
 use files::UserError;
 
-/// How often a link in command says that it is there.
+/// How often a link in command sends its keep-alive.
 const ALIVE_EVERY: Duration = Duration::from_millis(500);
 
 /// Runs `scenario` with `control`, which was just made with its settings; `observer` watches.
 ///
 /// # Errors
-/// One line: the true rig is none that can be.
+/// `true_rig` is invalid.
 pub fn run(
     scenario: &Scenario,
     control: &mut impl ControlUnderTest,
     observer: &mut impl Observer,
-) -> Result<Tally, UserError> {
+) -> Result<Summary, UserError> {
     let mut run = Run::new(scenario, control, observer)?;
     for _ in 0..scenario.blocks() {
         run.block();
     }
-    Ok(run.tally)
+    Ok(run.summary)
 }
 
 struct Run<'a, C, O> {
@@ -42,7 +42,7 @@ struct Run<'a, C, O> {
     /// Due between blocks.
     waiting: Vec<Due>,
     tick: u64,
-    /// Tick of the run at which the controller was last born.
+    /// Tick of the run at which the controller last started.
     born: u64,
     link: Option<u64>,
     overruns: Spell,
@@ -51,7 +51,7 @@ struct Run<'a, C, O> {
     outputs: [Output; MAX_BLOCK],
     given: Vec<Given>,
     was_on: bool,
-    tally: Tally,
+    summary: Summary,
 }
 
 impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
@@ -77,7 +77,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             outputs: [Output::SAFE; MAX_BLOCK],
             given: Vec::new(),
             was_on: false,
-            tally: Tally::new(scenario),
+            summary: Summary::new(scenario),
         })
     }
 
@@ -85,13 +85,14 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         self.tick as f64 * self.scenario.tick_s()
     }
 
-    fn tell(&mut self, what: What) {
+    /// Reports an event to the summary and the observer.
+    fn happened(&mut self, what: EventKind) {
         let event = Event {
             tick: self.tick,
             time_s: self.time_s(),
             what,
         };
-        self.tally.event(&event);
+        self.summary.event(&event);
         self.observer.event(&event);
     }
 
@@ -119,11 +120,11 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             self.control
                 .exchange(&self.frames[..ticks], outputs, slices);
         }
-        while let Some(told) = self.control.take_event() {
-            self.told(&told);
+        while let Some(event) = self.control.take_event() {
+            self.reported(&event);
         }
         let status = self.control.status();
-        self.tally.block(self.tick, &status);
+        self.summary.block(self.tick, &status);
         self.observer.block(&BlockRow {
             tick: first,
             ticks,
@@ -143,7 +144,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         let output = self.outputs[k];
         if output.enable != self.was_on {
             self.was_on = output.enable;
-            self.tell(What::Drive { on: output.enable });
+            self.happened(EventKind::Drive { on: output.enable });
         }
         let frame = self.world.tick(&output);
         self.frames[k] = frame;
@@ -158,15 +159,15 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             cart_m: plant.cart_m(),
         };
         for contact in plant.finished() {
-            self.tally.contact(contact);
+            self.summary.contact(contact);
             self.observer.contact(contact);
         }
-        self.tally.tick(&row);
+        self.summary.tick(&row);
         self.observer.tick(&row);
         self.tick += 1;
     }
 
-    /// Does to the rig what is due; what is due to the controller waits for the end of the block.
+    /// Carries out the due events of the rig; those of the controller wait for the end of the block.
     #[inline]
     fn happen(&mut self) {
         while let Some(due) = self.due.next_if(|due| due.tick <= self.tick) {
@@ -174,13 +175,13 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
                 self.waiting.push(due);
                 continue;
             }
-            self.tell(What::Scenario { text: due.text });
+            self.happened(EventKind::Scenario { text: due.text });
             match due.what {
                 Doing::Emergency(open) => self.world.set_emergency(open),
                 Doing::Defect(sensor, defect) => self.world.set_defect(sensor, defect),
                 Doing::Push(speed) => self.world.push(speed),
                 Doing::Drift(change, over_s) => {
-                    self.tally.drift(self.world.rig(), &change, over_s);
+                    self.summary.drift(self.world.rig(), &change, over_s);
                     self.world.begin_drift(change, over_s);
                 }
                 _ => {}
@@ -188,12 +189,17 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         }
     }
 
-    /// Does to the controller what is due.
+    /// Carries out the due events of the controller.
     fn between(&mut self) {
         for due in std::mem::take(&mut self.waiting) {
-            self.tell(What::Scenario { text: due.text });
+            self.happened(EventKind::Scenario { text: due.text });
             match due.what {
-                Doing::Command(command) => self.command(command),
+                Doing::Command(command) => {
+                    if matches!(command, Command::Start(_)) {
+                        self.summary.started(self.time_s());
+                    }
+                    self.command(command);
+                }
                 Doing::Link(on) => self.link = on.then_some(self.tick),
                 Doing::Overrun(spell) => self.overruns = spell,
                 Doing::Lost(spell) => self.losses = spell,
@@ -207,7 +213,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         let refused = self.control.command(command).err();
         if let Some(why) = refused {
             let text = format!("refused: {why:?}");
-            self.tell(What::Said { text });
+            self.happened(EventKind::Said { text });
         }
         self.given.push(Given { command, refused });
     }
@@ -224,7 +230,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
 
     fn reset(&mut self, cause: Reset) {
         self.control.reset(cause);
-        // What it was told before is gone with it.
+        // A reset controller has forgotten earlier commands.
         self.given.clear();
         self.born = self.tick;
         self.outputs = [Output::SAFE; MAX_BLOCK];
@@ -232,54 +238,55 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             .born(self.tick, cause, self.control.settings());
     }
 
-    /// What the controller says, told on.
-    fn told(&mut self, told: &Told) {
-        let what = match told.kind {
-            Saying::State { from, to } => What::State {
+    /// The controller reported an event.
+    fn reported(&mut self, event: &control::Event) {
+        let what = match event.kind {
+            control::EventKind::State { from, to } => EventKind::State {
                 from: state_name(from),
                 to: state_name(to),
             },
-            Saying::Fault(record) => {
-                // The controller counts from 1 at its birth.
+            control::EventKind::Fault(record) => {
+                // The controller counts its ticks from 1 at its start.
                 let tick = self.born + u64::from(record.tick).saturating_sub(1);
-                self.tally.fault(&record, tick.min(self.tick));
-                What::Fault {
+                self.summary.fault(&record, tick.min(self.tick));
+                EventKind::Fault {
                     fault: record.fault,
                     origin: record.origin,
                     value: record.value,
                 }
             }
-            other => What::Said {
+            other => EventKind::Said {
                 text: in_words(&other),
             },
         };
-        self.tell(what);
+        self.happened(what);
     }
 }
 
 /// The controller's other events in words.
-fn in_words(what: &Saying) -> String {
+fn in_words(what: &control::EventKind) -> String {
+    use control::EventKind as Kind;
     match what {
-        Saying::State { from, to } => format!("{} to {}", state_name(*from), state_name(*to)),
-        Saying::Fault(record) => record.fault.name().into(),
-        Saying::Cleared => "fault cleared".into(),
-        Saying::Forecast { target_hz, force_n } if *target_hz > 0.0 => {
+        Kind::State { from, to } => format!("{} to {}", state_name(*from), state_name(*to)),
+        Kind::Fault(record) => record.fault.name().into(),
+        Kind::Cleared => "fault cleared".into(),
+        Kind::Forecast { target_hz, force_n } if *target_hz > 0.0 => {
             format!("forecast: {target_hz:.3} Hz, {force_n:.1} N")
         }
-        Saying::Forecast { .. } => "forecast: no stable 1/1".into(),
-        Saying::NoTarget => "nothing to go to: the start is given up".into(),
-        Saying::Identified { natural_hz, gap_m } => {
+        Kind::Forecast { .. } => "forecast: no stable 1/1".into(),
+        Kind::NoTarget => "nothing to go to: the start is given up".into(),
+        Kind::Identified { natural_hz, gap_m } => {
             format!("identified: {natural_hz:.3} Hz, gap {:.3} mm", 1e3 * gap_m)
         }
-        Saying::Best {
+        Kind::Best {
             frequency_hz,
             impulse_n_s,
         } => format!("best so far: {frequency_hz:.3} Hz, {impulse_n_s:.4} N s per contact"),
-        Saying::RegimeLost => "1/1 lost".into(),
-        Saying::Doubling { frequency_hz } => format!("doubling at {frequency_hz:.3} Hz"),
-        Saying::Basin(basin) => format!("basin: {}", basin_name(*basin)),
-        Saying::Limits(limits) if limits.is_empty() => "no limit clamps any more".into(),
-        Saying::Limits(limits) => {
+        Kind::RegimeLost => "1/1 lost".into(),
+        Kind::Doubling { frequency_hz } => format!("doubling at {frequency_hz:.3} Hz"),
+        Kind::Basin(basin) => format!("basin: {}", basin_name(*basin)),
+        Kind::Limits(limits) if limits.is_empty() => "no limit clamps any more".into(),
+        Kind::Limits(limits) => {
             let names: Vec<_> = limits.names().collect();
             format!("limited by {}", names.join(", "))
         }

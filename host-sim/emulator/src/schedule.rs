@@ -1,23 +1,23 @@
-//! A scenario's events as a list of things due at ticks.
+//! A scenario's events as a list of actions due at ticks.
 
-use shared::control::{self, Command};
+use shared::control::Command;
 
 use super::scenario::{Act, Change, Scenario, Timed};
 use super::sensors::{Defect, Sensor};
 use super::under_test::Reset;
 
-/// Something due.
+/// An action and when it is due.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Due {
-    /// Tick of the run from which it holds.
+    /// Tick of the run from which it has effect.
     pub tick: u64,
-    /// What.
+    /// The action.
     pub what: Doing,
     /// In words.
     pub text: String,
 }
 
-/// What is done.
+/// An action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doing {
     /// A command is given.
@@ -30,19 +30,18 @@ pub enum Doing {
     Defect(Sensor, Option<Defect>),
     /// The hammer is pushed, m/s.
     Push(f64),
-    /// Blocks that overrun, one in so many.
+    /// Blocks whose control task overruns.
     Overrun(Spell),
-    /// Blocks that do not come, one in so many.
+    /// Blocks whose samples are lost.
     Lost(Spell),
-    /// The rig changes, in so many seconds.
+    /// The rig changes, over so many seconds.
     Drift(Change, f64),
     /// The controller is reset.
     Reset(Reset),
 }
 
 impl Doing {
-    /// Whether it happens to the rig, in the middle of a block if need be; the rest happens to the controller,
-    /// between blocks.
+    /// Whether it acts on the rig, then at its very tick; all others act on the controller, between blocks.
     pub fn is_physical(&self) -> bool {
         matches!(
             self,
@@ -51,20 +50,20 @@ impl Doing {
     }
 }
 
-/// So many blocks, one in `every`.
+/// A number of blocks that are hit, one in `every`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spell {
-    /// Blocks left.
+    /// How many are still to be hit.
     pub left: u32,
-    /// One in so many.
+    /// One block in so many is hit.
     pub every: u32,
-    /// Blocks since the last.
+    /// Blocks since the last that was hit.
     pub since: u32,
 }
 
 impl Spell {
     fn new(left: u32, every: u32) -> Self {
-        // The first falls at once.
+        // The first block is hit.
         Self {
             left,
             every,
@@ -72,7 +71,7 @@ impl Spell {
         }
     }
 
-    /// Whether it hits this block.
+    /// Whether this block is hit.
     pub fn hits(&mut self) -> bool {
         if self.left == 0 {
             return false;
@@ -87,7 +86,7 @@ impl Spell {
     }
 }
 
-/// What is due when, by rising tick.
+/// The actions of a scenario, by rising tick.
 pub fn schedule(scenario: &Scenario) -> Vec<Due> {
     let tick_at = |s: f64| (s / scenario.tick_s()).round() as u64;
     let mut due = Vec::new();
@@ -110,7 +109,7 @@ pub fn schedule(scenario: &Scenario) -> Vec<Due> {
     due
 }
 
-/// What an act does, and what ends it after so many seconds.
+/// The action of an act, and the one that ends it after so many seconds.
 fn doing(act: &Act) -> (Doing, Option<(f64, Doing)>) {
     let command = |command| (Doing::Command(command), None);
     match *act {
@@ -147,19 +146,5 @@ fn doing(act: &Act) -> (Doing, Option<(f64, Doing)>) {
             (Doing::Drift(change, over_s), None)
         }
         Act::Reset { cause } => (Doing::Reset(cause), None),
-    }
-}
-
-/// A state's name as scenarios write it.
-pub fn state_name(state: control::State) -> &'static str {
-    match state {
-        control::State::Idle => "idle",
-        control::State::SelfTest => "self-test",
-        control::State::Ramp => "ramp",
-        control::State::Seek => "seek",
-        control::State::Hold => "hold",
-        control::State::Stop => "stop",
-        control::State::Fault => "fault",
-        control::State::Manual => "manual",
     }
 }

@@ -1,4 +1,4 @@
-//! From what is true to what the ADC reads.
+//! From true values to the codes of the ADC.
 //!
 //! Force: contact force at every tenth of a tick, plus the surface's ringing, through the anti-alias filter.
 //! Displacements: through theirs. Then gain error, offset, Gaussian noise, the conditioner's rails and 12 bits.
@@ -179,7 +179,7 @@ impl Line {
         let seen = gain * (1.0 + gain_error) * value + offset + deviation * noise;
         let unit = f64::from(self.believed.unit_per_code);
         let code = f64::from(self.believed.zero_code) + seen / unit;
-        // Clamped to the rails, so it fits; a value that is no number reads as the lower one.
+        // Clamped to the rails, so it fits; NaN reads as the lower one.
         self.code = AdcCode((code + 0.5).max(RAILS.0).min(RAILS.1) as u16);
         self.code
     }

@@ -1,10 +1,10 @@
-//! What happened in a run, in words.
+//! The events of a run, in words.
 
 use std::fmt;
 
-use super::record::{Event, Observer, What};
+use super::record::{Event, EventKind, Observer};
 
-impl fmt::Display for What {
+impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scenario { text } => write!(f, "scenario: {text}"),
@@ -28,7 +28,7 @@ impl fmt::Display for What {
 /// Keeps every event.
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
-    /// In the order they were told.
+    /// In the order in which they were reported.
     pub events: Vec<Event>,
 }
 

@@ -25,20 +25,20 @@ pub enum Reset {
     CorruptSettings,
 }
 
-/// A controller. Every call is a message with plain data either way.
+/// A controller under test. Every call is a message with plain data either way.
 pub trait ControlUnderTest {
     /// A block of frames in, a block of outputs back, then `slices` slices of the forecast.
     fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32);
-    /// A block whose samples did not come.
+    /// A block without samples.
     fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32);
     /// A command, obeyed before the next block.
     ///
     /// # Errors
-    /// Why it is not obeyed.
+    /// Why it is refused.
     fn command(&mut self, command: Command) -> Result<(), Refused>;
-    /// What it is doing.
+    /// Its status.
     fn status(&mut self) -> Status;
-    /// What it has to say, oldest first.
+    /// The events it reports, oldest first.
     fn take_event(&mut self) -> Option<Event>;
     /// Its control task overran.
     fn note_overrun(&mut self);
@@ -49,7 +49,7 @@ pub trait ControlUnderTest {
 }
 
 /// The simplest controller there is: the frequency and amplitude of its settings or of a set-point, ramped
-/// up over a second, no feedback and no fault but the emergency stop. For testing what stands around it.
+/// up over a second, no feedback and no fault but the emergency stop. For tests of the plant and the run around it.
 #[derive(Clone, Debug)]
 pub struct FixedFrequency {
     settings: Settings,

@@ -4,13 +4,13 @@ use serde::Serialize;
 use shared::control::Basin;
 use shared::model::params::RigParams;
 
+use super::names::{basin_name, state_name};
 use super::optimum::{Optimum, prescribed, two_bodies};
-use super::scenario::Scenario;
-use super::schedule::state_name;
-use super::tally::{Held, Tally};
+use super::scenario::{Expect, Scenario};
+use super::summary::{Held, Summary};
 use numerics::row::tidy;
 
-/// A fault, as it is told.
+/// A fault of a verdict.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FaultLine {
     /// Its number.
@@ -21,18 +21,18 @@ pub struct FaultLine {
     pub at_s: f64,
     /// Ticks from then until the drive was off; none: it never was.
     pub drive_off_after_ticks: Option<u64>,
-    /// Ticks from what the scenario last did until the drive was off.
+    /// Ticks from the scenario's last event until the drive was off.
     pub drive_off_after_injection_ticks: Option<u64>,
 }
 
-/// What a run came to.
+/// The verdict on a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// Name of the scenario.
     pub scenario: String,
     /// `pass` or `fail`.
     pub verdict: &'static str,
-    /// What was expected and did not come; empty for a pass.
+    /// Expectations that were not met; empty for a pass.
     pub why: Vec<String>,
     /// The controller's state at the end.
     pub final_state: &'static str,
@@ -61,7 +61,7 @@ pub struct Verdict {
     pub reseeks: u16,
     /// Which basin the last disturbance ended in, as the controller says.
     pub basin: &'static str,
-    /// And as it truly is: contact in the last twenty drive periods, or none.
+    /// The true basin: whether there was contact in the last twenty drive periods.
     pub true_basin: &'static str,
     /// Contacts.
     pub contacts: u64,
@@ -73,17 +73,8 @@ pub struct Verdict {
     pub duration_s: f64,
 }
 
-/// A basin's name as scenarios write it.
-pub fn basin_name(basin: Basin) -> &'static str {
-    match basin {
-        Basin::Unknown => "unknown",
-        Basin::Impact => "impact",
-        Basin::NoImpact => "no-impact",
-    }
-}
-
-/// The optimum, and the one under prescribed motion, weighed over a change of the rig.
-fn optimum_of_run(scenario: &Scenario, tally: &Tally) -> [Option<Optimum>; 2] {
+/// The optimum, and the one under prescribed motion; of a rig that changed, both as means over the periods in Hold.
+fn optimum_of_run(scenario: &Scenario, summary: &Summary) -> [Option<Optimum>; 2] {
     let plain = |rig: &RigParams| {
         prescribed(rig).map(|(_, orbit)| Optimum {
             frequency_hz: orbit.frequency_hz,
@@ -97,14 +88,14 @@ fn optimum_of_run(scenario: &Scenario, tally: &Tally) -> [Option<Optimum>; 2] {
             two_bodies(rig, &scenario.shaker)
         }
     };
-    let Some(drifted) = tally.drifted else {
+    let Some(drifted) = summary.drifted else {
         return [full(&scenario.true_rig), plain(&scenario.true_rig)];
     };
     let Held {
         periods,
         drifted: sum,
         ..
-    } = tally.held;
+    } = summary.held;
     let share = if periods > 0 {
         sum / periods as f64
     } else {
@@ -124,12 +115,12 @@ fn optimum_of_run(scenario: &Scenario, tally: &Tally) -> [Option<Optimum>; 2] {
 }
 
 /// Whether the hammer strikes at the end of the run.
-fn true_basin(tally: &Tally) -> Basin {
+fn true_basin(summary: &Summary) -> Basin {
     const PERIODS: f64 = 20.0;
-    let hz = tally.status.map_or(0.0, |s| f64::from(s.frequency_hz));
-    let strikes = tally
+    let hz = summary.status.map_or(0.0, |s| f64::from(s.frequency_hz));
+    let strikes = summary
         .last_contact_s
-        .is_some_and(|last| (tally.end_s() - last) * hz < PERIODS);
+        .is_some_and(|last| (summary.end_s() - last) * hz < PERIODS);
     if strikes {
         Basin::Impact
     } else {
@@ -137,23 +128,23 @@ fn true_basin(tally: &Tally) -> Basin {
     }
 }
 
-/// Judges what a run of `scenario` came to. Searches the true rig's optimum, which takes seconds.
-pub fn judge(scenario: &Scenario, tally: &Tally) -> Verdict {
-    judge_by(scenario, tally, optimum_of_run(scenario, tally))
+/// Judges a run of `scenario`. Searches the true rig's optimum, which takes seconds.
+pub fn judge(scenario: &Scenario, summary: &Summary) -> Verdict {
+    judge_by(scenario, summary, optimum_of_run(scenario, summary))
 }
 
-/// Judges what a run of `scenario` came to by an optimum that is known, and one under prescribed motion.
+/// Judges a run of `scenario` by a known optimum, and a known one under prescribed motion.
 pub fn judge_by(
     scenario: &Scenario,
-    tally: &Tally,
+    summary: &Summary,
     [best, prescribed]: [Option<Optimum>; 2],
 ) -> Verdict {
     let weight = scenario.true_rig.weight_n();
-    let mean = |sum: f64| (tally.held.periods > 0).then(|| sum / tally.held.periods as f64);
-    let force_n = mean(tally.held.force_n);
-    let status = tally.status;
+    let mean = |sum: f64| (summary.held.periods > 0).then(|| sum / summary.held.periods as f64);
+    let force_n = mean(summary.held.force_n);
+    let status = summary.status;
     let tick_s = scenario.tick_s();
-    let faults = tally.faults.iter().map(|f| FaultLine {
+    let faults = summary.faults.iter().map(|f| FaultLine {
         code: f.fault.code(),
         name: f.fault.name(),
         at_s: tidy(f.tick as f64 * tick_s),
@@ -167,12 +158,12 @@ pub fn judge_by(
         scenario: scenario.name.clone(),
         verdict: "pass",
         why: Vec::new(),
-        final_state: state_name(tally.final_state()),
-        time_to_hold_s: tally
+        final_state: state_name(summary.final_state()),
+        time_to_hold_s: summary
             .hold_s
-            .zip(tally.started_s)
+            .zip(summary.started_s)
             .map(|(hold, start)| tidy(hold - start)),
-        frequency_hz: mean(tally.held.frequency_hz),
+        frequency_hz: mean(summary.held.frequency_hz),
         force_ratio_mean: force_n.map(|n| n / weight),
         optimum_frequency_hz: best.map(|b| b.frequency_hz),
         optimum_force_ratio: best.map(|b| b.force_n / weight),
@@ -183,57 +174,75 @@ pub fn judge_by(
         overruns: status.map_or(0, |s| s.overruns),
         reseeks: status.map_or(0, |s| s.reseeks),
         basin: basin_name(status.map_or(Basin::Unknown, |s| s.basin)),
-        true_basin: basin_name(true_basin(tally)),
-        contacts: tally.contacts,
-        largest_force_ratio: tally.largest_n / weight,
-        largest_travel_mm: 1e3 * tally.largest_travel_m,
-        duration_s: tidy(tally.end_s()),
+        true_basin: basin_name(true_basin(summary)),
+        contacts: summary.contacts,
+        largest_force_ratio: summary.largest_n / weight,
+        largest_travel_mm: 1e3 * summary.largest_travel_m,
+        duration_s: tidy(summary.end_s()),
     };
-    verdict.why = complaints(scenario, tally, &verdict);
+    verdict.why = complaints(&scenario.expect, summary.finite, &verdict);
     if !verdict.why.is_empty() {
         verdict.verdict = "fail";
     }
     verdict
 }
 
-/// What was expected and did not come.
-fn complaints(scenario: &Scenario, tally: &Tally, verdict: &Verdict) -> Vec<String> {
-    let expect = &scenario.expect;
+/// Expectations that were not met.
+fn complaints(expect: &Expect, finite: bool, verdict: &Verdict) -> Vec<String> {
+    let mut why = wrong_words(expect, verdict);
+    wrong_numbers(expect, verdict, &mut why);
+    if !finite {
+        why.push("the controller put out what is not a number".into());
+    }
+    why
+}
+
+/// State, basin and faults.
+fn wrong_words(expect: &Expect, verdict: &Verdict) -> Vec<String> {
     let mut why = Vec::new();
-    let mut word = |what: &str, want: &Option<String>, got: &str| {
+    let mut word = |what: &str, want: Option<&str>, got: &str| {
         if let Some(want) = want
             && want != got
         {
             why.push(format!("{what} is {got}, expected {want}"));
         }
     };
-    word("final state", &expect.final_state, verdict.final_state);
-    word("basin", &expect.basin, verdict.basin);
-    word("true basin", &expect.basin, verdict.true_basin);
+    let (state, basin) = (
+        expect.final_state.map(state_name),
+        expect.basin.map(basin_name),
+    );
+    word("final state", state, verdict.final_state);
+    word("basin", basin, verdict.basin);
+    word("true basin", basin, verdict.true_basin);
     let tripped: Vec<_> = verdict.faults.iter().map(|f| f.name).collect();
-    if tripped != expect.faults {
+    let wanted: Vec<_> = expect.faults.iter().map(|f| f.name()).collect();
+    if tripped != wanted {
         let list = |names: &[&str]| match names {
             [] => "none".to_owned(),
             names => names.join(", "),
         };
-        let wanted: Vec<_> = expect.faults.iter().map(String::as_str).collect();
         why.push(format!(
             "faults: {}, expected {}",
             list(&tripped),
             list(&wanted)
         ));
     }
-    let told = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.4}"));
+    why
+}
+
+/// Force, times and counts.
+fn wrong_numbers(expect: &Expect, verdict: &Verdict, why: &mut Vec<String>) {
+    let number = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.4}"));
     if let Some(least) = expect.min_force_share
         && verdict.force_share.is_none_or(|share| share < least)
     {
-        let share = told(verdict.force_share);
+        let share = number(verdict.force_share);
         why.push(format!("force share is {share}, expected at least {least}"));
     }
     if let Some(limit) = expect.hold_within_s
         && verdict.time_to_hold_s.is_none_or(|s| s > limit)
     {
-        let s = told(verdict.time_to_hold_s);
+        let s = number(verdict.time_to_hold_s);
         why.push(format!("time to Hold is {s} s, expected at most {limit}"));
     }
     if let Some(least) = expect.min_reseeks
@@ -247,7 +256,7 @@ fn complaints(scenario: &Scenario, tally: &Tally, verdict: &Verdict) -> Vec<Stri
     if let Some(most) = expect.drive_off_within_ticks {
         for fault in &verdict.faults {
             if fault.drive_off_after_ticks.is_none_or(|t| t > most) {
-                let ticks = told(fault.drive_off_after_ticks.map(|t| t as f64));
+                let ticks = number(fault.drive_off_after_ticks.map(|t| t as f64));
                 why.push(format!(
                     "{}: drive off after {ticks} ticks, expected at most {most}",
                     fault.name
@@ -255,8 +264,4 @@ fn complaints(scenario: &Scenario, tally: &Tally, verdict: &Verdict) -> Vec<Stri
             }
         }
     }
-    if !tally.finite {
-        why.push("the controller put out what is not a number".into());
-    }
-    why
 }

@@ -65,7 +65,7 @@ impl World {
         &self.rig
     }
 
-    /// A tick in which the drive is told `output`; what the ADC reads at its end.
+    /// A tick with `output` at the drive; returns what the ADC reads at its end.
     #[inline]
     pub fn tick(&mut self, output: &Output) -> Frame {
         let played = if output.enable { *output } else { Output::SAFE };
@@ -96,7 +96,7 @@ impl World {
         self.plant.push(speed_m_per_s);
     }
 
-    /// Begins a change of the rig; one that is under way stays where it is.
+    /// Begins a change of the rig; an earlier one stops where it is.
     pub fn begin_drift(&mut self, change: Change, over_s: f64) {
         self.drift = Some(Drift {
             from: self.rig,
@@ -106,7 +106,7 @@ impl World {
         });
     }
 
-    /// Goes on with the change under way. A rig that no rig can be ends it.
+    /// Goes on with the change under way. It ends where the rig would become invalid.
     pub fn drift(&mut self) {
         let Some(drift) = self.drift else {
             return;
@@ -119,7 +119,7 @@ impl World {
         };
         let rig = drift.change.apply(&drift.from, share);
         match self.plant.set_rig(&rig) {
-            // In contact: again after the next block.
+            // In contact: tried again after the next block.
             Ok(false) => {}
             Ok(true) => {
                 self.rig = rig;

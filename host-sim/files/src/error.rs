@@ -1,6 +1,9 @@
-//! What is told to a person whose input cannot be used: one line that says what, where and the mend.
+//! The error of everything that a person can mend: one line that says what is wrong, where, and what to do.
 
 use std::fmt;
+
+use shared::model::drive::DriveError;
+use shared::model::params::ParamError;
 
 /// One clear line. The command line prints it and exits with code 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,7 +15,7 @@ impl UserError {
         Self(line.into())
     }
 
-    /// The same line, said to come from `place`.
+    /// The same line, after the place it is about: a file, a line of it, an option.
     #[must_use]
     pub fn at(self, place: impl fmt::Display) -> Self {
         Self(format!("{place}: {}", self.0))
@@ -27,18 +30,14 @@ impl fmt::Display for UserError {
 
 impl std::error::Error for UserError {}
 
-macro_rules! from_line {
-    ($($error:ty),*) => {$(
-        impl From<$error> for UserError {
-            fn from(error: $error) -> Self {
-                Self(error.to_string())
-            }
-        }
-    )*};
+impl From<ParamError> for UserError {
+    fn from(error: ParamError) -> Self {
+        Self(error.to_string())
+    }
 }
 
-from_line!(
-    shared::model::params::ParamError,
-    shared::model::drive::DriveError,
-    crate::write::WriteError
-);
+impl From<DriveError> for UserError {
+    fn from(error: DriveError) -> Self {
+        Self(error.to_string())
+    }
+}

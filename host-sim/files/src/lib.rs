@@ -1,13 +1,16 @@
-//! What is read and written: rig files, tables, and files that are whole or not there at all.
+//! Reading and writing: rig files, tables, columns, and files that are whole or absent.
 //!
-//! Everything a person gets wrong ends in a [`UserError`]: one line that says what, where and the mend.
+//! Whatever a person can mend ends in a [`UserError`]: one line that says what is wrong, where, and what to do.
 
+pub mod columns;
 mod error;
+pub mod quiet;
+mod read;
 pub mod rigfile;
 pub mod table;
 mod wording;
 pub mod write;
 
 pub use error::UserError;
-pub use table::{Line, read_columns};
-pub use write::read_text;
+pub use read::{line_at, open_file, read_bytes, read_table, read_text};
+pub use table::{Line, Measurements};

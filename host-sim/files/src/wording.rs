@@ -1,4 +1,5 @@
-//! The line for a person for every error of the analyses: what is wrong, and the option that mends it.
+//! The errors of the analyses in one line each: what is wrong, and the option that mends it. They stand here and not
+//! with the command line because a conversion into [`UserError`] must stand in the package of one of the two types.
 
 use std::ops::Range;
 
@@ -318,7 +319,7 @@ fn ranges(numbers: &[usize]) -> String {
             _ => found.push(*n..n + 1),
         }
     }
-    let told: Vec<_> = found.iter().take(MOST).map(|r| format!("{r:?}")).collect();
+    let shown: Vec<_> = found.iter().take(MOST).map(|r| format!("{r:?}")).collect();
     let more = if found.len() > MOST { ", ..." } else { "" };
-    told.join(", ") + more
+    shown.join(", ") + more
 }

@@ -2,8 +2,8 @@
 
 use shared::control::State;
 
-use emulator::log::state_name;
-use emulator::record::{BlockRow, Contact, Event, Observer, TickRow, What};
+use emulator::names::state_name;
+use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
 use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
 /// Initial time between two points of a curve, s.
@@ -21,7 +21,7 @@ const NAMED_MARKS: usize = 8;
 /// The curves of a run: an [`Observer`] that keeps a few thousand points.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// What the controller did, and since when, s.
+    /// EventKind the controller did, and since when, s.
     states: Vec<(f64, State)>,
     /// Drive frequency, Hz.
     frequency: Vec<Point>,
@@ -132,8 +132,8 @@ impl Observer for Trace {
 
     fn event(&mut self, event: &Event) {
         let (text, fault) = match &event.what {
-            What::Scenario { text } => (text.clone(), false),
-            What::Fault { fault, .. } => (fault.name().to_owned(), true),
+            EventKind::Scenario { text } => (text.clone(), false),
+            EventKind::Fault { fault, .. } => (fault.name().to_owned(), true),
             _ => return,
         };
         self.marks.push((event.time_s, text, fault));
@@ -226,7 +226,7 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
             to,
             color,
             label: if named && first {
-                state_name(*state)
+                state_name(*state).to_owned()
             } else {
                 String::new()
             },
@@ -317,7 +317,7 @@ mod tests {
         trace.event(&Event {
             tick: 0,
             time_s: f64::from(seconds),
-            what: What::Fault {
+            what: EventKind::Fault {
                 fault: shared::fault::Fault::OverForce,
                 origin: shared::fault::Origin::Force,
                 value: 1.0,

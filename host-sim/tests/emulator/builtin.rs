@@ -4,22 +4,22 @@
 use emulator::local::Local;
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, Scenario, load};
-use emulator::tally::Tally;
+use emulator::summary::Summary;
 use emulator::verdict::{Verdict, judge, judge_by};
 
 /// A run, unwatched.
-pub fn ran(scenario: &Scenario) -> Tally {
+pub fn ran(scenario: &Scenario) -> Summary {
     let mut control = Local::new(&scenario.settings).unwrap();
     run(scenario, &mut control, &mut ()).unwrap()
 }
 
 /// The verdict, the optimum left out where nothing asks for it.
 pub fn verdict(scenario: &Scenario) -> Verdict {
-    let tally = ran(scenario);
+    let summary = ran(scenario);
     if scenario.expect.min_force_share.is_some() {
-        judge(scenario, &tally)
+        judge(scenario, &summary)
     } else {
-        judge_by(scenario, &tally, [None, None])
+        judge_by(scenario, &summary, [None, None])
     }
 }
 

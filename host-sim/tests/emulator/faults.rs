@@ -2,6 +2,7 @@
 //! in which nothing trips.
 
 use emulator::scenario::{Act, Scenario, load};
+use shared::control::State;
 use shared::fault::Fault;
 
 use crate::builtin::verdict;
@@ -196,7 +197,7 @@ fn born_faulty(name: &str) {
     trips(name, Some(0));
     let mut scenario = load(name).unwrap();
     scenario.expect.faults.clear();
-    scenario.expect.final_state = Some("idle".into());
+    scenario.expect.final_state = Some(State::Idle);
     scenario.events.retain_mut(|timed| {
         if let Act::Reset { cause } = &mut timed.act {
             *cause = Reset::PowerOn;

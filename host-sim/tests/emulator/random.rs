@@ -197,9 +197,9 @@ proptest! {
             deadline: None,
             wrong: None,
         };
-        let tally = run(&scenario, &mut control, &mut watch).unwrap();
+        let summary = run(&scenario, &mut control, &mut watch).unwrap();
         prop_assert!(watch.wrong.is_none(), "{:?}", watch.wrong);
-        let last = tally.final_state();
+        let last = summary.final_state();
         prop_assert!(matches!(last, State::Idle | State::Fault), "stuck in {last:?}");
     }
 }

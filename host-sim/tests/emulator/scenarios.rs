@@ -3,7 +3,7 @@
 use emulator::local::Local;
 use emulator::optimum::{held_force, prescribed};
 use emulator::plant::Plant;
-use emulator::record::{BlockRow, Event, Observer, TickRow, What};
+use emulator::record::{BlockRow, Event, EventKind, Observer, TickRow};
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, load, parse};
 use emulator::under_test::FixedFrequency;
@@ -138,19 +138,19 @@ fn a_controller_that_only_drives_is_stopped_by_its_emergency_chain_a_block_later
     let scenario = parse("short", &text, "short.toml").unwrap();
     let mut control = FixedFrequency::new(scenario.settings, 3.66);
     let mut trace = Trace::default();
-    let tally = run(&scenario, &mut control, &mut trace).unwrap();
-    assert!(tally.contacts > 20, "{}", tally.contacts);
+    let summary = run(&scenario, &mut control, &mut trace).unwrap();
+    assert!(summary.contacts > 20, "{}", summary.contacts);
     let drive: Vec<_> = trace
         .events
         .iter()
         .filter_map(|e| match e.what {
-            What::Drive { on } => Some((e.tick, on)),
+            EventKind::Drive { on } => Some((e.tick, on)),
             _ => None,
         })
         .collect();
     // The start comes between blocks, its block's answer with the next; the chain opens at tick 200002.
     assert_eq!(drive, [(20_010, true), (200_010, false)]);
-    let verdict = judge_by(&scenario, &tally, [None, None]);
+    let verdict = judge_by(&scenario, &summary, [None, None]);
     assert_eq!(verdict.final_state, "fault");
 }
 

@@ -2,9 +2,11 @@
 //! ordinary tests. Each panics when something does not hold.
 
 mod device;
+mod files;
 mod link;
 mod settings;
 
+pub use files::{log, rig, scenario, signal, table};
 pub use link::link;
 pub use settings::settings;
 

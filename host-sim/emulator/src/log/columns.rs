@@ -1,21 +1,13 @@
-//! The columns of the Parquet file: their names, kinds and encodings, and a row group's worth of each.
+//! The columns of the Parquet file: their names, kinds and packing, where each has values, and what changed from
+//! version to version.
 
-use parquet::basic::{Compression, Encoding};
-use parquet::data_type::ByteArray;
-use parquet::errors::Result;
-use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
-use parquet::schema::types::ColumnPath;
+use files::columns::{Field, Kind, Packing};
 
-/// What a column holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Flag,
-    Int,
-    Long,
-    Float,
-    Text,
-    Bytes,
-}
+/// The version of the columns. 1 called the impulse `impulse_ns`.
+pub(super) const VERSION: u32 = 2;
+
+/// The value of the key `format`, before the version's number.
+pub(super) const FORMAT: &str = "vibro-impact run ";
 
 /// Where a column has values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,184 +82,35 @@ columns! {
     Overruns "overruns" Long Block;
 }
 
+impl Col {
+    /// The column's name in the file, with the unit.
+    pub fn name(self) -> &'static str {
+        COLUMNS[self as usize].name
+    }
+}
+
+/// The columns as `version` has them.
+pub(super) fn fields(version: u32) -> Vec<Field> {
+    let mut fields: Vec<Field> = COLUMNS.iter().map(Spec::field).collect();
+    if version == 1 {
+        fields[Col::Impulse as usize].name = "impulse_ns".into();
+    }
+    fields
+}
+
 impl Spec {
-    fn optional(&self) -> bool {
-        self.fill != Fill::Tick
-    }
-}
-
-/// The schema in Parquet's notation.
-pub(super) fn schema() -> String {
-    let field = |spec: &Spec| {
-        let need = if spec.optional() {
-            "OPTIONAL"
-        } else {
-            "REQUIRED"
-        };
-        let (kind, note) = match spec.kind {
-            Kind::Flag => ("BOOLEAN", ""),
-            Kind::Int => ("INT32", ""),
-            Kind::Long => ("INT64", ""),
-            Kind::Float => ("FLOAT", ""),
-            Kind::Text => ("BYTE_ARRAY", " (UTF8)"),
-            Kind::Bytes => ("BYTE_ARRAY", ""),
-        };
-        format!("{need} {kind} {}{note};", spec.name)
-    };
-    let fields: Vec<_> = COLUMNS.iter().map(field).collect();
-    format!("message run {{ {} }}", fields.join(" "))
-}
-
-/// How the columns are packed: counters and codes as differences, what is measured or true as split
-/// floats, all else (which repeats) by dictionary; everything through snappy.
-pub(super) fn properties() -> WriterPropertiesBuilder {
-    let mut builder = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .set_created_by(super::writer::PROGRAM.to_owned());
-    for spec in COLUMNS {
-        let path = ColumnPath::from(spec.name);
-        let encoding = match (spec.kind, spec.fill) {
-            (Kind::Int | Kind::Long, Fill::Tick) | (Kind::Long, _) => Encoding::DELTA_BINARY_PACKED,
-            (Kind::Float, Fill::Truth) => Encoding::BYTE_STREAM_SPLIT,
-            _ => continue,
-        };
-        builder = builder
-            .set_column_dictionary_enabled(path.clone(), false)
-            .set_column_encoding(path, encoding);
-    }
-    builder
-}
-
-/// The values of a column in a row group; those that are absent are not among them.
-#[derive(Debug)]
-pub(super) enum Values {
-    Flag(Vec<bool>),
-    Int(Vec<i32>),
-    Long(Vec<i64>),
-    Float(Vec<f32>),
-    Bytes(Vec<ByteArray>),
-}
-
-/// A column of a row group.
-#[derive(Debug)]
-pub(super) struct Column {
-    pub values: Values,
-    /// 1 where there is a value, 0 where not; empty for a column that always has one.
-    pub levels: Vec<i16>,
-    optional: bool,
-}
-
-/// A value on its way into a column.
-pub(super) enum Value<'a> {
-    Flag(bool),
-    Int(i32),
-    Long(i64),
-    Float(f32),
-    Bytes(&'a [u8]),
-}
-
-impl Column {
-    pub fn new(spec: &Spec) -> Self {
-        let values = match spec.kind {
-            Kind::Flag => Values::Flag(Vec::new()),
-            Kind::Int => Values::Int(Vec::new()),
-            Kind::Long => Values::Long(Vec::new()),
-            Kind::Float => Values::Float(Vec::new()),
-            Kind::Text | Kind::Bytes => Values::Bytes(Vec::new()),
-        };
-        Self {
-            values,
-            levels: Vec::new(),
-            optional: spec.optional(),
-        }
-    }
-
-    /// Appends a value of the column's own kind, or its absence.
-    pub fn push(&mut self, value: Option<Value>) {
-        if self.optional {
-            self.levels.push(i16::from(value.is_some()));
-        }
-        let Some(value) = value else {
-            assert!(self.optional, "a column that always has a value");
-            return;
-        };
-        match (&mut self.values, value) {
-            (Values::Flag(all), Value::Flag(one)) => all.push(one),
-            (Values::Int(all), Value::Int(one)) => all.push(one),
-            (Values::Long(all), Value::Long(one)) => all.push(one),
-            (Values::Float(all), Value::Float(one)) => all.push(one),
-            // Text repeats from tick to tick: the bytes are shared with the one before.
-            (Values::Bytes(all), Value::Bytes(one)) => match all.last() {
-                Some(last) if last.data() == one => all.push(last.clone()),
-                _ => all.push(ByteArray::from(one.to_vec())),
+    /// Counters and codes are packed as differences, true values as split floats, all others, which repeat, by
+    /// dictionary.
+    fn field(&self) -> Field {
+        Field {
+            name: self.name.into(),
+            kind: self.kind,
+            optional: self.fill != Fill::Tick,
+            packing: match (self.kind, self.fill) {
+                (Kind::Int | Kind::Long, Fill::Tick) | (Kind::Long, _) => Packing::Differences,
+                (Kind::Float, Fill::Truth) => Packing::Split,
+                _ => Packing::Dictionary,
             },
-            _ => unreachable!("a column holds one kind"),
         }
-    }
-
-    /// Appends `rows` rows without a value.
-    pub fn absent(&mut self, rows: usize) {
-        self.levels.resize(self.levels.len() + rows, 0);
-    }
-
-    pub fn clear(&mut self) {
-        self.levels.clear();
-        match &mut self.values {
-            Values::Flag(all) => all.clear(),
-            Values::Int(all) => all.clear(),
-            Values::Long(all) => all.clear(),
-            Values::Float(all) => all.clear(),
-            Values::Bytes(all) => all.clear(),
-        }
-    }
-
-    /// Writes the column into `writer`, which must be of its kind.
-    pub fn write(&self, writer: &mut parquet::column::writer::ColumnWriter) -> Result<()> {
-        use parquet::column::writer::ColumnWriter as W;
-        use parquet::errors::ParquetError;
-        let levels = self.optional.then_some(self.levels.as_slice());
-        match (writer, &self.values) {
-            (W::BoolColumnWriter(w), Values::Flag(all)) => w.write_batch(all, levels, None),
-            (W::Int32ColumnWriter(w), Values::Int(all)) => w.write_batch(all, levels, None),
-            (W::Int64ColumnWriter(w), Values::Long(all)) => w.write_batch(all, levels, None),
-            (W::FloatColumnWriter(w), Values::Float(all)) => w.write_batch(all, levels, None),
-            (W::ByteArrayColumnWriter(w), Values::Bytes(all)) => w.write_batch(all, levels, None),
-            _ => return Err(ParquetError::General("a column of another kind".into())),
-        }
-        .map(drop)
-    }
-
-    /// Reads `rows` rows from `reader`.
-    pub fn read(
-        &mut self,
-        reader: parquet::column::reader::ColumnReader,
-        rows: usize,
-    ) -> Result<()> {
-        use parquet::column::reader::ColumnReader as R;
-        use parquet::errors::ParquetError;
-        self.clear();
-        let levels = self.optional.then_some(&mut self.levels);
-        macro_rules! all {
-            ($reader:ident, $values:ident) => {{
-                let mut reader = $reader;
-                let (records, ..) = reader.read_records(rows, levels, None, $values)?;
-                records
-            }};
-        }
-        let records = match (reader, &mut self.values) {
-            (R::BoolColumnReader(r), Values::Flag(v)) => all!(r, v),
-            (R::Int32ColumnReader(r), Values::Int(v)) => all!(r, v),
-            (R::Int64ColumnReader(r), Values::Long(v)) => all!(r, v),
-            (R::FloatColumnReader(r), Values::Float(v)) => all!(r, v),
-            (R::ByteArrayColumnReader(r), Values::Bytes(v)) => all!(r, v),
-            _ => return Err(ParquetError::General("a column of another kind".into())),
-        };
-        if records == rows {
-            return Ok(());
-        }
-        Err(ParquetError::General(format!(
-            "a column has {records} rows of {rows}"
-        )))
     }
 }

@@ -9,8 +9,8 @@
 //! | `/events` | what happened, in words | each |
 //! | `/faults` | faults that tripped | each |
 //!
-//! Times are nanoseconds from the start of the run. What is thinned is thinned to peaks, so that a strike
-//! keeps its height; the Parquet log has every tick.
+//! Times are nanoseconds from the start of the run. Of each window the largest value is kept, so that a contact keeps
+//! its peak force; the Parquet log has every tick.
 
 use std::collections::BTreeMap;
 use std::io::BufWriter;
@@ -24,10 +24,12 @@ use shared::fault::{Fault, Origin};
 use shared::settings::Settings;
 
 use super::channels::{CHANNELS, CONTACTS, Channel, DISPLACEMENT, EVENTS, FAULTS, FORCE, STATUS};
-use super::writer::PROGRAM;
+use super::columns::{FORMAT, VERSION};
+use super::writer::failed;
 use super::{Block, Cell, Header, TICK_US, Tick, cells, names};
 use crate::record::Contact;
 use files::UserError;
+use files::columns::PROGRAM;
 use files::write::Staged;
 
 /// Ticks between two messages on `/status`: at most 100 a second.
@@ -36,7 +38,7 @@ pub const STATUS_TICKS: u64 = 200;
 /// Ticks between two messages on `/status` while nothing changes: 10 a second.
 pub const STILL_TICKS: u64 = 2000;
 
-/// Ticks that one message on `/force` stands for: 100 a second, more than a rig strikes.
+/// Ticks that one message on `/force` stands for: 100 a second, more than there are contacts.
 pub const FORCE_TICKS: u64 = 200;
 
 /// Ticks that one message on `/displacement` stands for: 200 a second.
@@ -56,7 +58,7 @@ pub struct Writer {
     next: u64,
 }
 
-/// The tick that stands for a window.
+/// The tick with the largest value of a window.
 #[derive(Clone, Copy, Debug, Default)]
 struct Window {
     /// Its number, the quantity it was chosen by, itself.
@@ -75,7 +77,7 @@ impl Writer {
     /// Begins the file `path`; an older one stays until this one is whole.
     ///
     /// # Errors
-    /// One line that says why the file cannot be written.
+    /// The file cannot be written there.
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
         let target = staged.path().to_owned();
@@ -90,6 +92,7 @@ impl Writer {
                 channels.push(id);
             }
             let mut metadata = BTreeMap::from([
+                ("format".to_owned(), format!("{FORMAT}{VERSION}")),
                 ("program".to_owned(), PROGRAM.to_owned()),
                 ("source".to_owned(), header.source.clone()),
             ]);
@@ -102,7 +105,7 @@ impl Writer {
             })?;
             Ok((file, channels))
         };
-        let (file, channels) = begin().map_err(|e| failed(&target, &e))?;
+        let (file, channels) = begin().map_err(|e| failed(&target, e))?;
         Ok(Self {
             file,
             target,
@@ -119,7 +122,7 @@ impl Writer {
     /// Takes a block; the ticks follow on those of the block before.
     ///
     /// # Errors
-    /// One line when the disk refuses.
+    /// The disk refuses.
     pub fn block(&mut self, block: &Block) -> Result<(), UserError> {
         for tick in &block.ticks {
             self.tick(tick)?;
@@ -143,7 +146,7 @@ impl Writer {
         let Some((last, at)) = &self.last else {
             return true;
         };
-        // Whatever the blocks, messages fall on a grid of ticks.
+        // Messages fall on a grid of ticks, however long the blocks are.
         let passed = |grid: u64| self.next / grid > at / grid;
         let same_tick = Status {
             tick: status.tick,
@@ -157,7 +160,7 @@ impl Writer {
     /// A contact.
     ///
     /// # Errors
-    /// One line when the disk refuses.
+    /// The disk refuses.
     pub fn contact(&mut self, contact: &Contact) -> Result<(), UserError> {
         self.write(&CONTACTS, nanoseconds(contact.onset_s), contact)
     }
@@ -165,7 +168,7 @@ impl Writer {
     /// Something that happened at `time_s`, in words.
     ///
     /// # Errors
-    /// One line when the disk refuses.
+    /// The disk refuses.
     pub fn event(&mut self, time_s: f64, text: &str) -> Result<(), UserError> {
         self.write(&EVENTS, nanoseconds(time_s), &json!({ "text": text }))
     }
@@ -173,7 +176,7 @@ impl Writer {
     /// A fault that tripped at `time_s`.
     ///
     /// # Errors
-    /// One line when the disk refuses.
+    /// The disk refuses.
     pub fn fault(
         &mut self,
         time_s: f64,
@@ -193,15 +196,19 @@ impl Writer {
     /// Closes the file and gives it its name; returns where it is.
     ///
     /// # Errors
-    /// One line when the disk refuses; nothing is left then.
-    pub fn finish(mut self) -> Result<PathBuf, UserError> {
+    /// The disk refuses; nothing is left then.
+    pub fn finish(self) -> Result<PathBuf, UserError> {
+        Ok(self.close()?.commit()?)
+    }
+
+    /// Writes what is left; the file is whole then and still has its temporary name.
+    pub(super) fn close(mut self) -> Result<Staged, UserError> {
         self.close_force()?;
         self.close_displacement()?;
         let target = self.target;
-        self.file.finish().map_err(|e| failed(&target, &e))?;
+        self.file.finish().map_err(|e| failed(&target, e))?;
         let staged = self.file.into_inner().into_inner();
-        let staged = staged.map_err(|e| failed(&target, e.error()))?;
-        Ok(staged.commit()?)
+        staged.map_err(|e| failed(&target, e.error()))
     }
 
     fn tick(&mut self, tick: &Tick) -> Result<(), UserError> {
@@ -271,7 +278,7 @@ impl Writer {
     ) -> Result<(), UserError> {
         let known = CHANNELS.iter().position(|c| c.topic == channel.topic);
         let at = known.unwrap_or_default();
-        let bytes = serde_json::to_vec(message).map_err(|e| failed(&self.target, &e))?;
+        let bytes = serde_json::to_vec(message).map_err(|e| failed(&self.target, e))?;
         let header = MessageHeader {
             channel_id: self.channels[at],
             sequence: self.sequence[at],
@@ -280,7 +287,7 @@ impl Writer {
         };
         self.sequence[at] = self.sequence[at].wrapping_add(1);
         let written = self.file.write_to_known_channel(&header, &bytes);
-        written.map_err(|e| failed(&self.target, &e))
+        written.map_err(|e| failed(&self.target, e))
     }
 }
 
@@ -302,11 +309,4 @@ fn to_json(cell: Cell) -> Option<Value> {
         Cell::Float(value) => Some(json!(value)),
         Cell::Text(text) => Some(json!(text)),
     }
-}
-
-fn failed(path: &Path, why: &dyn std::fmt::Display) -> UserError {
-    UserError::new(format!(
-        "cannot write {}: {why}; check the path and the free space and try again",
-        path.display()
-    ))
 }

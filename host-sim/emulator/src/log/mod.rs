@@ -5,8 +5,7 @@
 //! same [`Writer`]; in a recording the true values are absent. [`Reader`] gives the blocks back, bit for bit,
 //! which is all that a replay needs. [`mcap`] writes the same run for Foxglove, thinned.
 //!
-//! Both files stand under a passing name until [`Writer::finish`]; a run that is broken off leaves nothing
-//! under the final one.
+//! Both files have a temporary name until [`Writer::finish`]; a run that is broken off leaves neither.
 
 mod channels;
 mod columns;
@@ -25,20 +24,20 @@ use shared::settings::Settings;
 
 pub use observer::Logs;
 pub use reader::{Logged, Reader};
-pub use status::{Cell, cells, names, state_name};
+pub use status::{Cell, cells, names};
 pub use writer::Writer;
 
 /// Microseconds in a control tick.
 pub const TICK_US: i64 = 1_000_000 / shared::settings::TICK_RATE_HZ as i64;
 
-/// What a log says of its making.
+/// The header of a log: how it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
     /// Who drove the controller: "emulator", or a board's name.
     pub source: String,
     /// The settings the controller began with.
     pub settings: Settings,
-    /// What the controller was born with.
+    /// Why the controller started, and the fault record it found.
     pub birth: BootInfo,
     /// Ticks in a block.
     pub block_ticks: u32,
@@ -46,7 +45,7 @@ pub struct Header {
     pub scenario: Option<String>,
 }
 
-/// What the controller was told beside samples, in order, before a block.
+/// An input of the controller beside its samples, given before a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Input {
     /// A command.
@@ -62,10 +61,10 @@ pub enum Input {
 /// How a block's samples came to the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Samples {
-    /// In time.
+    /// They came in time.
     #[default]
     Came,
-    /// Not at all, and the controller knew: it ran without.
+    /// They did not come, and the controller ran without them.
     Blind,
     /// The controller did not run; its last set-points stood.
     Lost,
@@ -103,16 +102,16 @@ pub struct Truth {
 pub struct Tick {
     /// The samples the controller was given.
     pub frame: Frame,
-    /// What it answered; it is played out one block later.
+    /// Its set-point, which the drive gets one block later.
     pub output: Output,
     /// What was true when the samples were taken.
     pub truth: Option<Truth>,
 }
 
-/// One block: what the controller was given and what it answered.
+/// One block: the controller's inputs and outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Block {
-    /// Told before the block, in order.
+    /// Inputs before the block, in order.
     pub inputs: Vec<Input>,
     /// How the samples came to the controller.
     pub samples: Samples,

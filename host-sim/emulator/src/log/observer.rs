@@ -8,7 +8,7 @@ use shared::settings::Settings;
 
 use super::{Block, Header, Input, Samples, Tick, Truth, Writer, mcap};
 use crate::local::birth;
-use crate::record::{BlockRow, Contact, Event, Observer, TickRow, What};
+use crate::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
 use crate::under_test::Reset;
 use files::UserError;
 
@@ -28,7 +28,7 @@ impl Logs {
     /// Begins both logs in `dir`.
     ///
     /// # Errors
-    /// One line that says why a file cannot be written.
+    /// A file cannot be written there.
     pub fn create(dir: &Path, name: &str, header: &Header) -> Result<Self, UserError> {
         Ok(Self {
             parquet: Writer::create(dir.join(format!("{name}.parquet")), header)?,
@@ -44,12 +44,14 @@ impl Logs {
     /// Closes both logs and gives them their names; returns where they are.
     ///
     /// # Errors
-    /// One line: the first write that failed, during the run or now; nothing is left then.
+    /// A write failed, during the run or now; nothing is left then.
     pub fn finish(self) -> Result<[PathBuf; 2], UserError> {
-        match self.failed {
-            Some(error) => Err(error),
-            None => Ok([self.parquet.finish()?, self.mcap.finish()?]),
+        if let Some(error) = self.failed {
+            return Err(error);
         }
+        // Both are whole before the first gets its name.
+        let (parquet, mcap) = (self.parquet.close()?, self.mcap.close()?);
+        Ok([parquet.commit()?, mcap.commit()?])
     }
 
     /// A run goes on without its log when the disk refuses; [`finish`](Self::finish) says so.
@@ -70,7 +72,7 @@ impl Observer for Logs {
                 .map_or(Persisted::EMPTY, Persisted::new);
             let birth = birth(reset, &kept);
             self.inputs.push(Input::Born(*settings, birth));
-            // Should the next reset come before a block tells.
+            // For the case that the next reset comes before the next block.
             let newborn = Controller::new(settings, &birth);
             self.record = newborn.ok().and_then(|c| c.persisted().record());
         }
@@ -129,7 +131,7 @@ impl Observer for Logs {
     fn event(&mut self, event: &Event) {
         let at_s = event.time_s;
         let mut done = self.mcap.event(at_s, &event.what.to_string());
-        if let What::Fault {
+        if let EventKind::Fault {
             fault,
             origin,
             value,

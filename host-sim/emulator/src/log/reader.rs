@@ -2,27 +2,23 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use parquet::errors::{ParquetError, Result as ParquetResult};
-use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde::de::DeserializeOwned;
 use shared::io::{AdcCode, DacCode, Frame, Output};
 
-use super::columns::{COLUMNS, Col, Column, Values};
+use super::columns::{Col, FORMAT, VERSION, fields};
 use super::status::STATUS;
-use super::writer::FORMAT;
 use super::{Cell, Header, Input, Samples, Tick, Truth};
-use files::UserError;
+use files::columns::{self, Column, Field, Values};
+use files::{UserError, open_file};
 
 /// A block as it was logged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Logged {
     /// The index of its first tick since the log's start.
     pub first_tick: u64,
-    /// Told before the block, in order.
+    /// Inputs before the block, in order.
     pub inputs: Vec<Input>,
     /// How the samples came to the controller.
     pub samples: Samples,
@@ -41,62 +37,51 @@ pub struct Logged {
 /// Reads a log.
 pub struct Reader {
     path: PathBuf,
-    file: SerializedFileReader<File>,
+    file: columns::Reader,
+    fields: Vec<Field>,
     header: Header,
     group: usize,
     rows: Option<Rows>,
-    ticks: u64,
 }
 
 impl Reader {
     /// Opens the log `path`.
     ///
     /// # Errors
-    /// One line: the file cannot be read, is cut short, or is no log.
+    /// The file cannot be read, is cut short, is no log, or a log of a version that this program does not read.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, UserError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|e| {
-            UserError::new(format!(
-                "cannot read {}: {e}; check the path",
-                path.display()
-            ))
-        })?;
-        let file = guard(|| SerializedFileReader::new(file)).map_err(|e| broken(path, &e))?;
-        let header = header(path, &file)?;
-        let columns = file.metadata().file_metadata().schema_descr().columns();
-        let fits = columns.len() == COLUMNS.len()
-            && columns
-                .iter()
-                .zip(COLUMNS)
-                .all(|(column, spec)| column.name() == spec.name);
-        if !fits {
+        let file = columns::Reader::open(open_file(path)?).map_err(|e| broken(path, &e))?;
+        let pairs: HashMap<&str, &str> = file.pairs().collect();
+        let fields = fields(version(path, &pairs)?);
+        let header = header(path, &pairs)?;
+        if !file.has(&fields) {
             return Err(foreign(path, "its columns are not those of a log"));
         }
-        let ticks = file.metadata().file_metadata().num_rows();
         Ok(Self {
             path: path.to_owned(),
             file,
+            fields,
             header,
             group: 0,
             rows: None,
-            ticks: u64::try_from(ticks).unwrap_or(0),
         })
     }
 
-    /// What the log says of its making.
+    /// How the log was made.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
     /// Ticks in the log.
     pub fn ticks(&self) -> u64 {
-        self.ticks
+        self.file.rows()
     }
 
     /// The next block; none at the end.
     ///
     /// # Errors
-    /// One line when the file is damaged.
+    /// The file is damaged.
     pub fn block(&mut self) -> Result<Option<Logged>, UserError> {
         loop {
             if let Some(rows) = &mut self.rows
@@ -108,12 +93,12 @@ impl Reader {
                     None => Err(broken(path, &"its blocks do not fit its ticks")),
                 };
             }
-            if self.group >= self.file.num_row_groups() {
+            if self.group >= self.file.groups() {
                 return Ok(None);
             }
-            let (file, group) = (&self.file, self.group);
-            let rows = guard(|| Rows::read(file, group)).map_err(|e| broken(&self.path, &e))?;
-            self.rows = Some(rows);
+            let columns = self.file.group(self.group, &self.fields);
+            let columns = columns.map_err(|e| broken(&self.path, &e))?;
+            self.rows = Some(Rows::new(columns));
             self.group += 1;
         }
     }
@@ -136,10 +121,7 @@ struct Cursor {
 impl Cursor {
     /// The position of this row's value, if it has one; steps to the next row.
     fn step(&mut self) -> Option<usize> {
-        let there = match self.column.levels.get(self.row) {
-            Some(level) => *level > 0,
-            None => self.column.levels.is_empty(),
-        };
+        let there = self.column.has(self.row);
         self.row += 1;
         let at = self.value;
         self.value += usize::from(there);
@@ -148,31 +130,24 @@ impl Cursor {
 }
 
 impl Rows {
-    fn read(file: &SerializedFileReader<File>, group: usize) -> ParquetResult<Self> {
-        let reader = file.get_row_group(group)?;
-        let count = usize::try_from(reader.metadata().num_rows())
-            .map_err(|_| ParquetError::General("a negative number of rows".into()))?;
-        let mut columns = Vec::with_capacity(COLUMNS.len());
-        for (i, spec) in COLUMNS.iter().enumerate() {
-            let mut column = Column::new(spec);
-            column.read(reader.get_column_reader(i)?, count)?;
-            columns.push(Cursor {
-                column,
-                row: 0,
-                value: 0,
-            });
-        }
-        Ok(Self {
-            columns,
+    fn new(columns: Vec<Column>) -> Self {
+        let count = columns.first().map_or(0, Column::rows);
+        let cursor = |column| Cursor {
+            column,
+            row: 0,
+            value: 0,
+        };
+        Self {
+            columns: columns.into_iter().map(cursor).collect(),
             count,
             at: 0,
-        })
+        }
     }
 
     fn flag(&mut self, col: Col) -> Option<bool> {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
-        match &cursor.column.values {
+        match cursor.column.values() {
             Values::Flag(all) => all.get(at).copied(),
             _ => None,
         }
@@ -181,7 +156,7 @@ impl Rows {
     fn int(&mut self, col: Col) -> Option<i64> {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
-        match &cursor.column.values {
+        match cursor.column.values() {
             Values::Int(all) => all.get(at).map(|v| i64::from(*v)),
             Values::Long(all) => all.get(at).copied(),
             _ => None,
@@ -191,7 +166,7 @@ impl Rows {
     fn float(&mut self, col: Col) -> Option<f32> {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
-        match &cursor.column.values {
+        match cursor.column.values() {
             Values::Float(all) => all.get(at).copied(),
             _ => None,
         }
@@ -200,7 +175,7 @@ impl Rows {
     fn bytes(&mut self, col: Col) -> Option<Vec<u8>> {
         let cursor = &mut self.columns[col as usize];
         let at = cursor.step()?;
-        match &cursor.column.values {
+        match cursor.column.values() {
             Values::Bytes(all) => all.get(at).map(|v| v.data().to_vec()),
             _ => None,
         }
@@ -211,8 +186,8 @@ impl Rows {
         let Some(at) = cursor.step() else {
             return Cell::Null;
         };
-        let cell = match &cursor.column.values {
-            Values::Flag(_) => None,
+        let cell = match cursor.column.values() {
+            Values::Flag(_) | Values::Double(_) => None,
             Values::Int(all) => all.get(at).map(|v| Cell::Int(i64::from(*v))),
             Values::Long(all) => all.get(at).map(|v| Cell::Int(*v)),
             Values::Float(all) => all.get(at).map(|v| Cell::Float(*v)),
@@ -310,12 +285,6 @@ impl Rows {
     }
 }
 
-/// Reading what may be damaged: a panic of the library is one more way to say so.
-fn guard<T>(read: impl FnOnce() -> ParquetResult<T>) -> ParquetResult<T> {
-    catch_unwind(AssertUnwindSafe(read))
-        .unwrap_or_else(|_| Err(ParquetError::General("its pages are damaged".into())))
-}
-
 fn broken(path: &Path, why: &dyn std::fmt::Display) -> UserError {
     UserError::new(format!(
         "{} cannot be read as a log ({why}); it may be cut short or of another program: record or emulate it again",
@@ -330,23 +299,24 @@ fn foreign(path: &Path, why: &str) -> UserError {
     ))
 }
 
-fn header(path: &Path, file: &SerializedFileReader<File>) -> Result<Header, UserError> {
-    let metadata = file.metadata().file_metadata().key_value_metadata();
-    let pairs: HashMap<&str, &str> = metadata
-        .into_iter()
-        .flatten()
-        .filter_map(|pair| Some((pair.key.as_str(), pair.value.as_deref()?)))
-        .collect();
-    match pairs.get("format") {
-        Some(format) if *format == FORMAT => {}
-        Some(format) if format.starts_with("vibro-impact run ") => {
-            return Err(UserError::new(format!(
-                "{} is a log of another version ({format}, this program reads {FORMAT}); record or emulate it again",
-                path.display()
-            )));
-        }
-        _ => return Err(foreign(path, "it does not say so")),
+/// The version of the log's columns, if this program reads it.
+fn version(path: &Path, pairs: &HashMap<&str, &str>) -> Result<u32, UserError> {
+    let format = pairs.get("format").copied();
+    let number = format.and_then(|format| format.strip_prefix(FORMAT));
+    let Some(number) = number else {
+        return Err(foreign(path, "it does not say so"));
+    };
+    match number.parse() {
+        Ok(version @ 1..=VERSION) => Ok(version),
+        _ => Err(UserError::new(format!(
+            "{} is a log of version {number}, written by {}; this program reads versions 1 to {VERSION}: use that program, or record or emulate it again",
+            path.display(),
+            pairs.get("program").unwrap_or(&"another program")
+        ))),
     }
+}
+
+fn header(path: &Path, pairs: &HashMap<&str, &str>) -> Result<Header, UserError> {
     let key = |key: &str| {
         let value = pairs.get(key).copied();
         value.ok_or_else(|| foreign(path, &format!("`{key}` is missing")))

@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use shared::control::{State, Status};
+use shared::control::Status;
 
-use super::columns::{COLUMNS, Col};
+use super::columns::Col;
+use crate::names::{basin_name, state_name};
 
 /// One value of a status.
 #[derive(Clone, Debug)]
@@ -70,12 +71,7 @@ pub(super) const STATUS: [Col; 20] = [
 
 /// The names of the cells of a status, with units, as the log's columns are called.
 pub fn names() -> [&'static str; STATUS.len()] {
-    STATUS.map(|col| COLUMNS[col as usize].name)
-}
-
-/// A state as it stands in the log: `self-test`.
-pub fn state_name(state: State) -> String {
-    kebab(&state)
+    STATUS.map(Col::name)
 }
 
 /// The name of a variant, in lower case and with hyphens.
@@ -114,7 +110,7 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
     let of_fault =
         |f: &dyn Fn(&shared::fault::Record) -> Cell| fault.as_ref().map_or(Cell::Null, f);
     [
-        text(state_name(state)),
+        Cell::Text(Cow::Borrowed(state_name(state))),
         Cell::Int(i64::from(tick)),
         of_fault(&|record| Cell::Text(Cow::Borrowed(record.fault.name()))),
         of_fault(&|record| text(kebab(&record.origin))),
@@ -131,19 +127,8 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         Cell::Float(impulse_n_s),
         Cell::Float(target_hz),
         Cell::Float(target_n),
-        text(kebab(&basin)),
+        Cell::Text(Cow::Borrowed(basin_name(basin))),
         Cell::Int(i64::from(reseeks)),
         Cell::Int(i64::from(overruns)),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_in_lower_case() {
-        assert_eq!(state_name(State::SelfTest), "self-test");
-        assert_eq!(state_name(State::Hold), "hold");
-    }
 }

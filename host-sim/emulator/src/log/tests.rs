@@ -9,6 +9,7 @@ use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 use super::*;
+use crate::names::state_name;
 use crate::record::Contact;
 use files::UserError;
 
@@ -111,10 +112,11 @@ fn as_logged(k: usize) -> Logged {
         forecast: block.forecast,
         slices: block.slices,
         ticks: block.ticks,
-        state: match &block.status {
-            Some(status) => Some(state_name(status.state)),
-            None => block.state.map(state_name),
-        },
+        state: block
+            .status
+            .map(|status| status.state)
+            .or(block.state)
+            .map(|state| state_name(state).to_owned()),
         status: block.status.as_ref().map(|s| cells(s).to_vec()),
     }
 }
@@ -220,22 +222,57 @@ fn damage_is_an_error_or_other_data_but_no_panic() {
     assert!(refused > 0);
 }
 
+/// A log of some version: the columns of that version with the values of today's log at `path`.
+fn as_version(version: u32, columns: u32, path: &std::path::Path) -> std::path::PathBuf {
+    use files::columns::{Reader, Writer};
+    let file = Reader::open(fs::File::open(path).unwrap()).unwrap();
+    let pairs = file.pairs().map(|(key, value)| {
+        let format = format!("vibro-impact run {version}");
+        let value = if key == "format" { &format } else { value };
+        (key.to_owned(), value.to_owned())
+    });
+    let fields = columns::fields(columns::VERSION);
+    let groups = (0..file.groups()).map(|i| file.group(i, &fields).unwrap());
+    let named = columns::fields(columns);
+    let mut writer = Writer::new(Vec::new(), "run", &named, pairs.collect()).unwrap();
+    groups.for_each(|group| writer.group(&group).unwrap());
+    let other = path.with_file_name("other.parquet");
+    fs::write(&other, writer.finish().unwrap()).unwrap();
+    other
+}
+
+#[test]
+fn a_log_of_the_first_version_is_read_with_its_own_name_of_the_impulse() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("run.parquet");
+    write(&path, 40);
+    let bytes = fs::read(as_version(1, 1, &path)).unwrap();
+    let has = |name: &[u8]| bytes.windows(name.len()).any(|there| there == name);
+    assert!(has(b"impulse_ns") && !has(b"impulse_n_s"));
+    let mut reader = Reader::open(dir.path().join("other.parquet")).unwrap();
+    for k in 0..40 {
+        assert_eq!(reader.block().unwrap().unwrap(), as_logged(k), "block {k}");
+    }
+    // Neither version takes the other's columns.
+    for (version, columns) in [(1, 2), (2, 1)] {
+        let line = read_all(&as_version(version, columns, &path)).unwrap_err();
+        assert!(line.to_string().contains("its columns"), "{line}");
+    }
+}
+
 #[test]
 fn another_version_is_named() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("run.parquet");
     write(&path, 4);
-    let mut bytes = fs::read(&path).unwrap();
-    let format = b"vibro-impact run 1";
-    let found: Vec<_> = (0..bytes.len() - format.len())
-        .filter(|i| bytes[*i..].starts_with(format))
-        .collect();
-    for at in found {
-        bytes[at + format.len() - 1] = b'0';
+    for version in [0, 3, u32::MAX] {
+        let line = read_all(&as_version(version, 2, &path))
+            .unwrap_err()
+            .to_string();
+        let named = format!("a log of version {version}, written by host-sim ");
+        assert!(line.contains(&named), "{line}");
+        assert!(line.contains("reads versions 1 to 2"), "{line}");
     }
-    fs::write(&path, bytes).unwrap();
-    let line = read_all(&path).unwrap_err().to_string();
-    assert!(line.contains("another version"), "{line}");
 }
 
 #[test]
@@ -300,7 +337,7 @@ fn foxglove_gets_every_channel_and_the_peak() {
 }
 
 #[test]
-fn a_status_that_stays_is_told_ten_times_a_second() {
+fn an_unchanged_status_is_logged_ten_times_a_second() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("still.mcap");
     let mut writer = mcap::Writer::create(&path, &header()).unwrap();
@@ -316,6 +353,6 @@ fn a_status_that_stays_is_told_ten_times_a_second() {
     writer.finish().unwrap();
     let bytes = fs::read(&path).unwrap();
     let messages = ::mcap::MessageStream::new(&bytes).unwrap();
-    let told = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
-    assert_eq!(told.count(), 1 + 10);
+    let found = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
+    assert_eq!(found.count(), 1 + 10);
 }

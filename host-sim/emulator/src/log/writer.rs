@@ -1,31 +1,24 @@
 //! Writing a log, block by block, in bounded memory.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use parquet::file::metadata::KeyValue;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::parser::parse_message_type;
 use shared::settings::TICK_RATE_HZ;
 
-use super::columns::{COLUMNS, Col, Column, Value, properties, schema};
+use super::columns::{Col, FORMAT, VERSION, fields};
 use super::status::STATUS;
-use super::{Block, Cell, Header, TICK_US, Tick, cells, state_name};
+use super::{Block, Cell, Header, TICK_US, Tick, cells};
+use crate::names::state_name;
 use files::UserError;
+use files::columns::{self, Column, PROGRAM, Value};
 use files::write::Staged;
-
-/// Who writes.
-pub(super) const PROGRAM: &str = concat!("host-sim ", env!("CARGO_PKG_VERSION"));
-
-/// The value of the key `format`; a change of the columns that a reader must know of changes it.
-pub(super) const FORMAT: &str = "vibro-impact run 1";
 
 /// Rows of a row group: ten seconds. Held in memory until they are written.
 const GROUP_ROWS: usize = 200_000;
 
 /// Writes a log. Dropped before [`finish`](Self::finish), it leaves nothing.
 pub struct Writer {
-    file: SerializedFileWriter<Staged>,
+    file: columns::Writer<Staged>,
     target: PathBuf,
     columns: Vec<Column>,
     rows: usize,
@@ -36,21 +29,16 @@ impl Writer {
     /// Begins the log `path`; an older one stays until this one is whole.
     ///
     /// # Errors
-    /// One line that says why the file cannot be written.
+    /// The file cannot be written there.
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
         let target = staged.path().to_owned();
-        let broken = |e: parquet::errors::ParquetError| failed(&target, &e);
-        let schema = Arc::new(parse_message_type(&schema()).map_err(broken)?);
-        let properties = properties()
-            .set_key_value_metadata(Some(metadata(header)?))
-            .build();
-        let file =
-            SerializedFileWriter::new(staged, schema, Arc::new(properties)).map_err(broken)?;
+        let fields = fields(VERSION);
+        let file = columns::Writer::new(staged, "run", &fields, metadata(header)?);
         Ok(Self {
-            file,
+            file: file.map_err(|e| failed(&target, e))?,
             target,
-            columns: COLUMNS.iter().map(Column::new).collect(),
+            columns: fields.iter().map(Column::new).collect(),
             rows: 0,
             next: 0,
         })
@@ -59,7 +47,7 @@ impl Writer {
     /// Appends a block; the ticks follow on those of the block before.
     ///
     /// # Errors
-    /// One line when the disk refuses, or the block has no ticks.
+    /// The disk refuses, or the block has no ticks.
     pub fn block(&mut self, block: &Block) -> Result<(), UserError> {
         if block.ticks.is_empty() {
             return Err(UserError::new("a block without ticks cannot be logged"));
@@ -70,7 +58,7 @@ impl Writer {
             (None, state) => state.map(state_name),
         };
         for tick in &block.ticks {
-            self.tick(tick, state.as_deref());
+            self.tick(tick, state);
         }
         self.block_columns(block, cells.as_ref())?;
         if self.rows >= GROUP_ROWS {
@@ -87,16 +75,21 @@ impl Writer {
     /// Closes the log and gives it its name; returns where it is.
     ///
     /// # Errors
-    /// One line when the disk refuses; nothing is left then.
-    pub fn finish(mut self) -> Result<PathBuf, UserError> {
+    /// The disk refuses; nothing is left then.
+    pub fn finish(self) -> Result<PathBuf, UserError> {
+        Ok(self.close()?.commit()?)
+    }
+
+    /// Writes what is left; the file is whole then and still has its temporary name.
+    pub(super) fn close(mut self) -> Result<Staged, UserError> {
         self.flush()?;
         let target = self.target;
-        let staged = self.file.into_inner().map_err(|e| failed(&target, &e))?;
-        Ok(staged.commit()?)
+        self.file.finish().map_err(|e| failed(&target, e))
     }
 
     fn push(&mut self, col: Col, value: Option<Value>) {
-        self.columns[col as usize].push(value);
+        let pushed = self.columns[col as usize].push(value);
+        pushed.expect("a value of the column's kind");
     }
 
     fn tick(&mut self, tick: &Tick, state: Option<&str>) {
@@ -117,37 +110,37 @@ impl Writer {
         self.push(Col::TrueForce, truth(|t| t.force_n));
         self.push(Col::TrueHammer, truth(|t| t.hammer_m * 1e3));
         self.push(Col::TrueCart, truth(|t| t.cart_m * 1e3));
-        self.push(Col::State, state.map(|name| Value::Bytes(name.as_bytes())));
+        self.push(Col::State, state.map(Value::Text));
         self.next += 1;
         self.rows += 1;
     }
 
-    /// What stands at the block's first tick and nowhere else.
+    /// The columns that have a value at the block's first tick alone.
     fn block_columns(
         &mut self,
         block: &Block,
         cells: Option<&[Cell; STATUS.len()]>,
     ) -> Result<(), UserError> {
         let int = |n: usize| Value::Int(i32::try_from(n).unwrap_or(i32::MAX));
-        let told = (!block.inputs.is_empty()).then(|| format!("{:?}", block.inputs));
-        let packed = match told {
-            Some(_) => Some(to_postcard(&block.inputs)?),
-            None => None,
+        let (text, packed) = if block.inputs.is_empty() {
+            (None, None)
+        } else {
+            let text = format!("{:?}", block.inputs);
+            (Some(text), Some(to_postcard(&block.inputs)?))
         };
         self.push(Col::BlockTicks, Some(int(block.ticks.len())));
         self.push(Col::Slices, block.slices.map(|n| int(n as usize)));
-        let samples = block.samples.name().as_bytes();
-        self.push(Col::Samples, Some(Value::Bytes(samples)));
+        self.push(Col::Samples, Some(Value::Text(block.samples.name())));
         self.push(Col::Forecast, block.forecast.map(Value::Flag));
-        let told = told.as_deref().map(|text| Value::Bytes(text.as_bytes()));
-        self.push(Col::Inputs, told);
+        self.push(Col::Inputs, text.as_deref().map(Value::Text));
         self.push(Col::InputsPostcard, packed.as_deref().map(Value::Bytes));
         for (i, col) in STATUS.into_iter().enumerate().skip(1) {
             self.push(col, cells.and_then(|cells| value(&cells[i])));
         }
         let per_block = (Col::BlockTicks as usize)..=(Col::Overruns as usize);
         for column in &mut self.columns[per_block] {
-            column.absent(block.ticks.len() - 1);
+            let absent = column.absent(block.ticks.len() - 1);
+            absent.expect("what stands once a block may be absent");
         }
         Ok(())
     }
@@ -156,20 +149,9 @@ impl Writer {
         if self.rows == 0 {
             return Ok(());
         }
-        let columns = &mut self.columns;
-        let mut write = || {
-            let mut group = self.file.next_row_group()?;
-            for column in columns.iter_mut() {
-                let Some(mut writer) = group.next_column()? else {
-                    break;
-                };
-                column.write(writer.untyped())?;
-                writer.close()?;
-                column.clear();
-            }
-            group.close().map(drop)
-        };
-        write().map_err(|e| failed(&self.target, &e))?;
+        let written = self.file.group(&self.columns);
+        written.map_err(|e| failed(&self.target, e))?;
+        self.columns.iter_mut().for_each(Column::clear);
         self.rows = 0;
         Ok(())
     }
@@ -180,18 +162,19 @@ fn value(cell: &Cell) -> Option<Value<'_>> {
         Cell::Null => None,
         Cell::Int(value) => Some(Value::Long(*value)),
         Cell::Float(value) => Some(Value::Float(*value)),
-        Cell::Text(text) => Some(Value::Bytes(text.as_bytes())),
+        Cell::Text(text) => Some(Value::Text(text)),
     }
 }
 
-fn failed(path: &Path, why: &dyn std::fmt::Display) -> UserError {
+/// The log `path` could not be written.
+pub(super) fn failed(path: &Path, why: impl Display) -> UserError {
     UserError::new(format!(
         "cannot write {}: {why}; check the path and the free space and try again",
         path.display()
     ))
 }
 
-pub(super) fn to_postcard<T: serde::Serialize + ?Sized>(what: &T) -> Result<Vec<u8>, UserError> {
+fn to_postcard<T: serde::Serialize + ?Sized>(what: &T) -> Result<Vec<u8>, UserError> {
     postcard::to_stdvec(what).map_err(|e| UserError::new(format!("cannot pack for the log: {e}")))
 }
 
@@ -200,11 +183,11 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 /// The header as the file's key-value metadata: exact as postcard in hexadecimal, and as JSON to read.
-fn metadata(header: &Header) -> Result<Vec<KeyValue>, UserError> {
+fn metadata(header: &Header) -> Result<Vec<(String, String)>, UserError> {
     let settings = serde_json::to_string(&header.settings)
         .map_err(|e| UserError::new(format!("cannot write the settings as JSON: {e}")))?;
     let mut pairs = vec![
-        ("format", FORMAT.to_owned()),
+        ("format", format!("{FORMAT}{VERSION}")),
         ("program", PROGRAM.to_owned()),
         ("source", header.source.clone()),
         ("tick_rate_hz", TICK_RATE_HZ.to_string()),
@@ -216,6 +199,8 @@ fn metadata(header: &Header) -> Result<Vec<KeyValue>, UserError> {
     if let Some(scenario) = &header.scenario {
         pairs.push(("scenario", scenario.clone()));
     }
-    let pair = |(key, value): (&str, String)| KeyValue::new(key.to_owned(), value);
-    Ok(pairs.into_iter().map(pair).collect())
+    let pairs = pairs
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value));
+    Ok(pairs.collect())
 }

@@ -5,8 +5,9 @@ use shared::control;
 use shared::model::params::RigParams;
 use toml::Value;
 
-use super::file::{complaint, out_of_range};
-use super::{Change, LONGEST_S};
+use super::change::Change;
+use super::complaint::{not_understood, out_of_range};
+use super::definition::LONGEST_S;
 use crate::sensors::{Defect, Sensor};
 use crate::under_test::Reset;
 use files::UserError;
@@ -20,7 +21,7 @@ pub struct Timed {
     pub act: Act,
 }
 
-/// Whom the controller obeys after a start.
+/// How the controller runs after a start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
@@ -57,7 +58,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// As the sensors know it.
+    /// The defect of the sensor; `times` is the factor of a wrong gain.
     pub fn defect(self, times: Option<f64>) -> Defect {
         match self {
             Self::Open => Defect::Open,
@@ -73,28 +74,28 @@ fn once() -> u32 {
     1
 }
 
-/// What happens.
+/// An event of a scenario.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Act {
-    /// The controller is told to start.
+    /// The command to start.
     Start {
         /// By itself, or by hand.
         #[serde(default)]
         mode: Mode,
     },
-    /// It is told to stop.
+    /// The command to stop.
     Stop {},
-    /// It is told to clear its fault.
+    /// The command to clear the fault.
     ClearFault {},
-    /// It is told frequency and amplitude.
+    /// A set-point for manual mode.
     SetPoint {
         /// Hz.
         frequency_hz: f64,
         /// mm.
         amplitude_mm: f64,
     },
-    /// From now on the link is in command and says so twice a second.
+    /// From now on the link is in command and sends its keep-alive twice a second.
     Link {},
     /// The link falls silent.
     LinkLoss {},
@@ -128,7 +129,7 @@ pub enum Act {
         #[serde(default = "once")]
         every: u32,
     },
-    /// Blocks of samples do not come.
+    /// Blocks of samples are lost.
     LostBlock {
         /// Blocks.
         #[serde(default = "once")]
@@ -184,7 +185,7 @@ impl Act {
         }
     }
 
-    /// Numbers that must be sane: key, value, and from where to where it may be.
+    /// Numbers with a range: key, value, and the range.
     fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
         let long = |s: Option<f64>| ("for_s", s.unwrap_or(1.0), (1e-6, LONGEST_S));
         match *self {
@@ -213,7 +214,7 @@ impl Act {
         }
     }
 
-    /// Whether it can happen to `rig`.
+    /// Checks its numbers, and that a drift leaves `rig` valid.
     fn check(&self, rig: &RigParams) -> Result<(), UserError> {
         for (key, value, (from, to)) in self.numbers() {
             if !(from..=to).contains(&value) {
@@ -289,10 +290,10 @@ impl Act {
     }
 }
 
-/// An event from its table, that happens to `rig`.
+/// An event from its table, for a run of `rig`.
 ///
 /// # Errors
-/// One line.
+/// The time is missing or out of range, a key is unknown, a value out of range, or the rig cannot change so.
 pub fn timed(mut table: toml::Table, duration_s: f64, rig: &RigParams) -> Result<Timed, UserError> {
     let at_s = match table.remove("at_s") {
         Some(Value::Float(s)) => s,
@@ -304,7 +305,7 @@ pub fn timed(mut table: toml::Table, duration_s: f64, rig: &RigParams) -> Result
             "at_s is {at_s}, must be from 0 to duration_s = {duration_s}"
         )));
     }
-    let act = Act::deserialize(Value::Table(table)).map_err(|e| complaint(e.message()))?;
+    let act = Act::deserialize(Value::Table(table)).map_err(|e| not_understood(e.message()))?;
     act.check(rig)?;
     Ok(Timed { at_s, act })
 }

@@ -1,8 +1,10 @@
 //! Rigs as people write them: a preset's name, a TOML file, and single settings on the command line.
 //! Keys carry their units. A file or a setting names only what differs from what it starts from.
 
+mod keys;
 mod table;
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use numerics::NamedRig;
@@ -10,68 +12,22 @@ use shared::model::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::UserError;
-use crate::read_text;
+use crate::{line_at, read_text};
+use keys::NoRig;
+pub use keys::{KEYS, nearest};
 pub use table::Table;
 pub use table::as_number;
 use table::{from_table, overlay, to_table};
 
-/// Every key a rig file or `--set` may use, with what it means.
-pub const KEYS: [(&str, &str); 19] = [
-    (
-        "preset",
-        "rig to start from: wires, beam-170, beam-150 or beam-135",
-    ),
-    ("support", "what the hammer hangs on: wires or beams"),
-    ("mass_kg", "hammer mass m"),
-    (
-        "cart_mass_kg",
-        "cart mass M (only for what the shaker must give)",
-    ),
-    ("amplitude_mm", "cart amplitude A0"),
-    ("gap_mm", "clearance at rest; negative: pressed on"),
-    (
-        "natural_frequency_hz",
-        "natural frequency; sets the wire length on wires",
-    ),
-    (
-        "wire_length_mm",
-        "wire length l; sets the natural frequency",
-    ),
-    ("gravity_m_per_s2", "gravity g (wires)"),
-    (
-        "torque",
-        "moment of the contact force on wires: literal (F l, as printed) or cosine (F l cos)",
-    ),
-    ("damping_ratio", "damping ratio of the beams"),
-    (
-        "cubic_stiffness_n_per_m3",
-        "cubic stiffness of the beams; left out: numerically k",
-    ),
-    (
-        "contact_law",
-        "spring-dashpot, hertz, hunt-crossley or lankarani-nikravesh",
-    ),
-    (
-        "contact_stiffness_n_per_m",
-        "ki (N/m^n for the nonlinear laws)",
-    ),
-    ("contact_damping_n_s_per_m", "ci (spring-dashpot)"),
-    ("contact_exponent", "n (nonlinear laws)"),
-    (
-        "contact_damping_ratio_s_per_m",
-        "lambda = ci/ki (hunt-crossley)",
-    ),
-    ("contact_restitution", "e (lankarani-nikravesh)"),
-    ("description", "free text"),
-];
-
 /// The rig called `name`, or in the TOML file of that path, with `settings` (`key=value`) on top.
 ///
 /// # Errors
-/// One line naming the file or setting, the key and the mend.
-pub fn load(name: &str, settings: &[String]) -> Result<NamedRig, UserError> {
-    let mut rig = match preset(name) {
-        Some(params) => NamedRig {
+/// There is no such rig or file, it is not TOML, a key or setting is unknown or missing, or a value out of range.
+pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, UserError> {
+    let name = name.as_ref();
+    let known = name.to_str().and_then(|name| Some((name, preset(name)?)));
+    let mut rig = match known {
+        Some((name, params)) => NamedRig {
             name: name.to_owned(),
             params,
         },
@@ -84,20 +40,20 @@ pub fn load(name: &str, settings: &[String]) -> Result<NamedRig, UserError> {
             let (key, value) = parse_setting(setting)?;
             changes.insert(key, value);
         }
-        overlay(&mut table, changes).map_err(|e| e.at("--set"))?;
-        rig.params = from_table(&table).map_err(|e| e.at("--set"))?;
+        let changed = overlay(&mut table, changes).and_then(|()| from_table(&table));
+        rig.params = changed.map_err(|e| UserError::from(e).at("--set"))?;
     }
     Ok(rig)
 }
 
-/// Parameters with those of a table on top, keys as in a rig file: a rig that stands in another file.
+/// `params` with the `changes` of a table whose keys are those of a rig file.
 ///
 /// # Errors
 /// As [`load`].
 pub fn with_table(params: &RigParams, changes: toml::Table) -> Result<RigParams, UserError> {
     let mut table = to_table(params);
     overlay(&mut table, changes.into_iter().collect())?;
-    from_table(&table)
+    Ok(from_table(&table)?)
 }
 
 /// The lines of a rig file: every parameter with its meaning.
@@ -136,58 +92,65 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
             names.join(", ")
         )));
     }
-    let text = read_text(path)?;
-    let changes: Table = toml::from_str(&text).map_err(|e| {
-        let line = e.span().map_or(1, |s| {
-            text[..s.start.min(text.len())].lines().count().max(1)
-        });
-        let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
-        UserError::new(format!(
-            "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
-        ))
-    })?;
-    let keys: Vec<String> = changes.keys().cloned().collect();
-    let params = parameters(changes).map_err(|error| {
-        // The key that the line names, and where it stands: a longer one first, as one may begin with another.
-        let said = error.to_string();
-        let named = keys.iter().filter(|key| said.contains(key.as_str()));
-        let key = named.max_by_key(|key| key.len());
-        let sets = |line: &str, key: &str| {
-            let rest = line.trim_start().strip_prefix(key);
-            rest.is_some_and(|rest| rest.trim_start().starts_with('='))
-        };
-        let line = key.and_then(|key| text.lines().position(|line| sets(line, key)));
-        match line {
-            Some(line) => error.at(format!("{place}, line {}", line + 1)),
-            None => error.at(&place),
-        }
-    })?;
+    let params = parse(&read_text(path)?, &place)?;
     let name = path
         .file_stem()
         .map_or(place, |s| s.to_string_lossy().into_owned());
     Ok(NamedRig { name, params })
 }
 
-/// The rig that keys and values say, `preset` and `description` among them.
+/// The rig in the text of a rig file; complaints begin with `place`.
 ///
 /// # Errors
-/// One line that begins with `place`.
-pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
-    parameters(changes).map_err(|e| e.at(place))
+/// It is not TOML, a key is unknown or missing, or a value out of range.
+pub fn parse(text: &str, place: &str) -> Result<RigParams, UserError> {
+    let changes: Table = toml::from_str(text).map_err(|e| {
+        let line = line_at(text, e.span().map_or(0, |span| span.start));
+        let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
+        UserError::new(format!(
+            "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
+        ))
+    })?;
+    parameters(changes).map_err(|error| {
+        let line = line_of_key(text, &error.key);
+        let error = UserError::from(error);
+        match line {
+            Some(line) => error.at(format!("{place}, line {line}")),
+            None => error.at(place),
+        }
+    })
 }
 
-fn parameters(mut changes: Table) -> Result<RigParams, UserError> {
+/// The line that sets `key`, counted from 1; none if no line does.
+fn line_of_key(text: &str, key: &str) -> Option<usize> {
+    let sets = |line: &str| {
+        let rest = line.trim_start().strip_prefix(key);
+        rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    text.lines().position(sets).map(|above| above + 1)
+}
+
+/// The rig of keys and values, `preset` and `description` among them; complaints begin with `place`.
+///
+/// # Errors
+/// A key is unknown or missing, or a value out of range.
+pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
+    parameters(changes).map_err(|e| UserError::from(e).at(place))
+}
+
+fn parameters(mut changes: Table) -> Result<RigParams, NoRig> {
     let mut table = match changes.remove("preset") {
         None => Table::new(),
         Some(Value::String(name)) => {
             let params = preset(&name).ok_or_else(|| {
                 let hint = nearest(&name, PRESETS.iter().map(|(n, _)| *n));
-                UserError::new(format!("preset = \"{name}\" is not known{hint}"))
+                NoRig::new("preset", format!("preset = \"{name}\" is not known{hint}"))
             })?;
             to_table(&params)
         }
         Some(_) => {
-            return Err(UserError::new("preset must be a name in quotes"));
+            let line = "preset must be a name in quotes".to_owned();
+            return Err(NoRig::new("preset", line));
         }
     };
     changes.remove("description");
@@ -211,17 +174,6 @@ fn parse_setting(setting: &str) -> Result<(String, Value), UserError> {
         .parse::<f64>()
         .map_or_else(|_| Value::String(text.to_owned()), Value::Float);
     Ok((key.to_owned(), value))
-}
-
-/// `; did you mean 'x'?`, if something like `word` is there.
-pub fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> String {
-    among
-        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(String::new(), |(_, candidate)| {
-            format!(" (did you mean '{candidate}'?)")
-        })
 }
 
 #[cfg(test)]
@@ -249,6 +201,16 @@ mod tests {
                 assert_eq!(back.params, rig.params, "{name}");
             }
         }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_path_that_is_not_utf_8_is_read() {
+        use std::os::unix::ffi::OsStrExt;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(OsStr::from_bytes(b"r\xff.toml"));
+        std::fs::write(&path, "preset = \"wires\"\nmass_kg = 0.5\n").unwrap();
+        assert_eq!(load(&path, &[]).unwrap().params.mass_kg, 0.5);
     }
 
     #[test]
@@ -284,8 +246,14 @@ mod tests {
         assert!(complaint(load("wire", &[])).contains("did you mean 'wires'"));
         assert!(complaint(load("none.toml", &[])).contains("cannot read"));
         assert!(complaint(file("mass_kg = ")).contains("line 1"));
+        assert!(complaint(file("mass_kg = 1\n= 2")).contains("line 2"));
         assert!(complaint(file("mass_kg = 0.3")).contains("missing"));
         assert!(complaint(file("preset = \"wires\"\nmass_kg = \"x\"")).contains("mine.toml"));
         assert!(complaint(file("preset = \"wires\"\ngap = 1")).contains("'gap_mm'"));
+        // The line is that of the key, not of another whose name the words contain.
+        let line = complaint(file("preset = \"wires\"\ngap_mm = 1\n\ngap = 1\n"));
+        assert!(line.contains("mine.toml, line 4: "), "{line}");
+        let line = complaint(file("preset = \"wires\"\nmass_kg = 1\ncart_mass_kg = -1\n"));
+        assert!(line.contains("mine.toml, line 3: cart_mass_kg"), "{line}");
     }
 }

@@ -6,8 +6,7 @@ use shared::model::contact::Law;
 use shared::model::params::{LAWS, RigParams, SupportParams, Torque};
 use toml::Value;
 
-use super::{KEYS, nearest};
-use crate::UserError;
+use super::keys::{KEYS, NoRig, nearest};
 
 /// Keys and values of a rig.
 pub type Table = BTreeMap<String, Value>;
@@ -16,13 +15,14 @@ pub type Table = BTreeMap<String, Value>;
 ///
 /// # Errors
 /// A key or a law that does not exist.
-pub fn overlay(base: &mut Table, changes: Table) -> Result<(), UserError> {
+pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
     for key in changes.keys() {
         if !KEYS.iter().any(|(k, _)| k == key) {
             let hint = nearest(key, KEYS.iter().map(|(k, _)| *k));
-            return Err(UserError::new(format!(
+            let line = format!(
                 "there is no parameter '{key}'{hint}; `host-sim rigs wires` prints them all"
-            )));
+            );
+            return Err(NoRig::new(key, line));
         }
     }
     let has = |key: &str| changes.contains_key(key);
@@ -30,17 +30,18 @@ pub fn overlay(base: &mut Table, changes: Table) -> Result<(), UserError> {
         let law = text(&changes, "contact_law")?;
         let (_, preset) = LAWS.iter().find(|(n, _)| *n == law).ok_or_else(|| {
             let names: Vec<_> = LAWS.iter().map(|(n, _)| *n).collect();
-            UserError::new(format!(
-                "contact_law is '{law}', must be one of {}",
-                names.join(", ")
-            ))
+            let names = names.join(", ");
+            NoRig::new(
+                "contact_law",
+                format!("contact_law is '{law}', must be one of {names}"),
+            )
         })?;
         if base.get("contact_law").and_then(Value::as_str) != Some(law) {
             base.retain(|key, _| !key.starts_with("contact_"));
             law_to_table(preset, base);
         }
     }
-    // On wires, length and frequency say the same thing: the one given decides.
+    // On wires, length and frequency follow from each other: the one given decides.
     let length_given = has("wire_length_mm") || has("gravity_m_per_s2");
     match (length_given, has("natural_frequency_hz")) {
         (true, false) => {
@@ -56,7 +57,7 @@ pub fn overlay(base: &mut Table, changes: Table) -> Result<(), UserError> {
 }
 
 /// Every parameter of a rig.
-pub fn to_table(params: &RigParams) -> Table {
+pub(super) fn to_table(params: &RigParams) -> Table {
     let mut table = Table::new();
     let mut put = |key: &str, value: f64| {
         table.insert(key.to_owned(), Value::Float(value));
@@ -138,7 +139,7 @@ fn law_to_table(law: &Law<f64>, table: &mut Table) {
 ///
 /// # Errors
 /// A key that is missing, out of place or out of range.
-pub fn from_table(table: &Table) -> Result<RigParams, UserError> {
+pub(super) fn from_table(table: &Table) -> Result<RigParams, NoRig> {
     let mut left = table.clone();
     let params = RigParams {
         support: support_from(&mut left)?,
@@ -149,15 +150,16 @@ pub fn from_table(table: &Table) -> Result<RigParams, UserError> {
         contact: law_from(&mut left)?,
     };
     if let Some(key) = left.keys().next() {
-        return Err(UserError::new(format!(
+        let line = format!(
             "{key} does not apply to this rig's support or contact law; leave it out or change support or contact_law"
-        )));
+        );
+        return Err(NoRig::new(key, line));
     }
     params.check()?;
     Ok(params)
 }
 
-fn support_from(table: &mut Table) -> Result<SupportParams, UserError> {
+fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {
     let support = text(table, "support")?.to_owned();
     table.remove("support");
     match support.as_str() {
@@ -166,7 +168,10 @@ fn support_from(table: &mut Table) -> Result<SupportParams, UserError> {
             let torque = match table.remove("torque").as_ref().map(|v| v.as_str()) {
                 None | Some(Some("literal")) => Torque::Literal,
                 Some(Some("cosine")) => Torque::Cosine,
-                Some(_) => return Err(UserError::new("torque must be literal or cosine")),
+                Some(_) => {
+                    let line = "torque must be literal or cosine".to_owned();
+                    return Err(NoRig::new("torque", line));
+                }
             };
             let length = optional(table, "wire_length_mm")?.map(|mm| mm / 1e3);
             let frequency = optional(table, "natural_frequency_hz")?;
@@ -179,11 +184,12 @@ fn support_from(table: &mut Table) -> Result<SupportParams, UserError> {
                 (None, Some(frequency)) => {
                     let omega = std::f64::consts::TAU * frequency;
                     let length = gravity_m_per_s2 / (omega * omega);
-                    // A frequency that is no number is the fault to name, not the length it gives.
+                    // The complaint names the frequency that was given, not the length computed from it.
                     if !(frequency > 0.0 && frequency.is_finite()) {
-                        return Err(UserError::new(format!(
+                        let line = format!(
                             "natural_frequency_hz is {frequency}, must be a positive number"
-                        )));
+                        );
+                        return Err(NoRig::new("natural_frequency_hz", line));
                     }
                     (length, frequency)
                 }
@@ -201,13 +207,14 @@ fn support_from(table: &mut Table) -> Result<SupportParams, UserError> {
             damping_ratio: take(table, "damping_ratio")?,
             cubic_stiffness_n_per_m3: optional(table, "cubic_stiffness_n_per_m3")?,
         }),
-        other => Err(UserError::new(format!(
-            "support is '{other}', must be wires or beams"
-        ))),
+        other => Err(NoRig::new(
+            "support",
+            format!("support is '{other}', must be wires or beams"),
+        )),
     }
 }
 
-fn law_from(table: &mut Table) -> Result<Law<f64>, UserError> {
+fn law_from(table: &mut Table) -> Result<Law<f64>, NoRig> {
     let law = text(table, "contact_law")?.to_owned();
     table.remove("contact_law");
     let stiffness = take(table, "contact_stiffness_n_per_m")?;
@@ -230,29 +237,30 @@ fn law_from(table: &mut Table) -> Result<Law<f64>, UserError> {
             exponent: take(table, "contact_exponent")?,
             restitution: take(table, "contact_restitution")?,
         }),
-        other => Err(UserError::new(format!(
-            "contact_law is '{other}', which is not known"
-        ))),
+        other => Err(NoRig::new(
+            "contact_law",
+            format!("contact_law is '{other}', which is not known"),
+        )),
     }
 }
 
-fn text<'a>(table: &'a Table, key: &str) -> Result<&'a str, UserError> {
+fn text<'a>(table: &'a Table, key: &str) -> Result<&'a str, NoRig> {
     let value = table.get(key).ok_or_else(|| missing(key))?;
     value
         .as_str()
-        .ok_or_else(|| UserError::new(format!("{key} is {value}, must be a word in quotes")))
+        .ok_or_else(|| NoRig::new(key, format!("{key} is {value}, must be a word in quotes")))
 }
 
-fn take(table: &mut Table, key: &str) -> Result<f64, UserError> {
+fn take(table: &mut Table, key: &str) -> Result<f64, NoRig> {
     optional(table, key)?.ok_or_else(|| missing(key))
 }
 
-fn optional(table: &mut Table, key: &str) -> Result<Option<f64>, UserError> {
+fn optional(table: &mut Table, key: &str) -> Result<Option<f64>, NoRig> {
     table
         .remove(key)
         .map(|value| {
             as_number(&value)
-                .ok_or_else(|| UserError::new(format!("{key} is {value}, must be a number")))
+                .ok_or_else(|| NoRig::new(key, format!("{key} is {value}, must be a number")))
         })
         .transpose()
 }
@@ -264,10 +272,9 @@ pub fn as_number(value: &Value) -> Option<f64> {
         .or_else(|| value.as_integer().map(|i| i as f64))
 }
 
-fn missing(key: &str) -> UserError {
-    UserError::new(format!(
-        "{key} is missing; give it, or begin with preset = \"wires\""
-    ))
+fn missing(key: &str) -> NoRig {
+    let line = format!("{key} is missing; give it, or begin with preset = \"wires\"");
+    NoRig::new(key, line)
 }
 
 /// Millimetres, without the last-digit noise of a multiplication.

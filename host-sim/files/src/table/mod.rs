@@ -1,13 +1,13 @@
 //! Tables: rows of any kind as CSV or Parquet, and back from CSV.
 
-mod columns;
 mod parquet;
 mod read;
+mod rows;
 
 use serde::Serialize;
 
 pub use self::parquet::to_parquet;
-pub use self::read::{Line, read_columns};
+pub use self::read::{Line, Measurements};
 
 /// Rows as CSV with a header line.
 pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {

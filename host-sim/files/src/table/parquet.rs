@@ -1,17 +1,10 @@
 //! Rows as a Parquet file.
 
-use std::sync::Arc;
-
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, ByteArrayType, DataType, DoubleType, Int64Type};
-use parquet::errors::Result;
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::Type;
 use serde::Serialize;
 
-use super::columns::{Column, Values, columns};
+use super::rows::{Filled, columns};
 use crate::UserError;
+use crate::columns::{Error, Field, Writer};
 
 /// Rows as a Parquet file, one column per field: numbers as DOUBLE or INT64, truth as BOOLEAN, text as UTF-8, an
 /// `Option` as an optional column. A column without a value in any row is an optional DOUBLE; no rows make a file
@@ -24,67 +17,13 @@ pub fn to_parquet<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<Vec
     write(&columns).map_err(|e| UserError::new(format!("cannot make Parquet: {e}")))
 }
 
-fn write(columns: &[Column]) -> Result<Vec<u8>> {
-    let fields = columns.iter().map(|c| field(c).map(Arc::new));
-    let schema = Type::group_type_builder("table")
-        .with_fields(fields.collect::<Result<_>>()?)
-        .build()?;
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_statistics_enabled(EnabledStatistics::Chunk)
-        .set_created_by(concat!("host-sim ", env!("CARGO_PKG_VERSION")).to_owned())
-        .build();
-    let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
+fn write(columns: &[Filled]) -> Result<Vec<u8>, Error> {
+    let fields: Vec<Field> = columns.iter().map(Filled::field).collect();
+    let mut file = Writer::new(Vec::new(), "table", &fields, Vec::new())?;
     if !columns.is_empty() {
-        let mut group = file.next_row_group()?;
-        for column in columns {
-            if let Some(mut writer) = group.next_column()? {
-                fill(column, &mut writer)?;
-                writer.close()?;
-            }
-        }
-        group.close()?;
+        file.group(columns.iter().map(|filled| &filled.column))?;
     }
-    file.into_inner()
-}
-
-fn field(column: &Column) -> Result<Type> {
-    let (physical, logical) = match column.values {
-        Values::Flag(_) => (Physical::BOOLEAN, None),
-        Values::Long(_) => (Physical::INT64, None),
-        Values::Double(_) | Values::Empty => (Physical::DOUBLE, None),
-        Values::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-    };
-    Type::primitive_type_builder(&column.name, physical)
-        .with_logical_type(logical)
-        .with_repetition(if column.optional {
-            Repetition::OPTIONAL
-        } else {
-            Repetition::REQUIRED
-        })
-        .build()
-}
-
-fn fill(column: &Column, writer: &mut SerializedColumnWriter) -> Result<()> {
-    match &column.values {
-        Values::Flag(values) => values_in::<BoolType>(column, values, writer),
-        Values::Long(values) => values_in::<Int64Type>(column, values, writer),
-        Values::Double(values) => values_in::<DoubleType>(column, values, writer),
-        Values::Text(values) => values_in::<ByteArrayType>(column, values, writer),
-        Values::Empty => values_in::<DoubleType>(column, &[], writer),
-    }
-}
-
-fn values_in<T: DataType>(
-    column: &Column,
-    values: &[T::T],
-    writer: &mut SerializedColumnWriter,
-) -> Result<()> {
-    let levels = column.optional.then_some(column.present.as_slice());
-    writer
-        .typed::<T>()
-        .write_batch(values, levels, None)
-        .map(drop)
+    file.finish()
 }
 
 #[cfg(test)]

@@ -1,73 +1,139 @@
 //! Reading a measured table: a CSV whose first line names the columns.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use crate::UserError;
-use crate::read_text;
+use crate::{UserError, read_table};
+
+/// A measured table in memory.
+#[derive(Clone, Debug)]
+pub struct Measurements {
+    place: Arc<str>,
+    text: String,
+    columns: Vec<String>,
+}
 
 /// One line of a table: the fields asked for, and where it stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Line in the file, counted from 1.
     pub number: usize,
-    place: String,
+    place: Arc<str>,
     fields: Vec<(&'static str, String)>,
 }
 
-/// Reads the `columns` of the CSV file at `path`; others are passed over. White space around names and fields does
-/// not count, nor do blank lines.
-///
-/// # Errors
-/// One line naming file, line and mend: no such file, no UTF-8, a column that is missing, a line of another length
-/// than the first, no line at all below the first.
-pub fn read_columns(path: &Path, columns: &[&'static str]) -> Result<Vec<Line>, UserError> {
-    let place = path.display().to_string();
-    let bad = |line: usize, what: String| UserError::new(format!("{place}, line {line}: {what}"));
-    let text = read_text(path)?;
-    // A record's position is where its search began: blank lines before it are passed over.
-    let line_of = |position: Option<&csv::Position>| {
-        let from = position.map_or(0, |p| p.byte() as usize).min(text.len());
-        let blank = text[from..].bytes().take_while(|b| b"\r\n".contains(b));
-        let before = from + blank.count();
-        text[..before].matches('\n').count() + 1
-    };
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let headers = reader.headers().map_err(|e| bad(1, e.to_string()))?.clone();
-    let at = |name: &&'static str| {
-        let found = headers.iter().position(|h| h.trim() == *name);
-        let what = || {
-            let all = columns.join(",");
-            bad(
-                1,
-                format!("there is no column {name}; the first line must be {all}"),
-            )
-        };
-        found.map(|at| (*name, at)).ok_or_else(what)
-    };
-    let wanted: Vec<_> = columns.iter().map(at).collect::<Result<_, _>>()?;
-    let mut lines = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| bad(line_of(e.position()), short(&e)))?;
-        let field = |(name, at): &(&'static str, usize)| {
-            let text = record.get(*at).unwrap_or("").trim();
-            (*name, text.to_owned())
-        };
-        lines.push(Line {
-            number: line_of(record.position()),
-            place: place.clone(),
-            fields: wanted.iter().map(field).collect(),
-        });
+impl Measurements {
+    /// Reads the CSV file at `path`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or its first line is no CSV.
+    pub fn read(path: &Path) -> Result<Self, UserError> {
+        Self::new(&path.display().to_string(), read_table(path)?)
     }
-    if lines.is_empty() {
-        return Err(UserError::new(format!(
-            "{place}: there is no measurement below the first line"
-        )));
+
+    /// The table in `text`; complaints begin with `place`.
+    ///
+    /// # Errors
+    /// The first line is no CSV.
+    pub fn new(place: &str, text: String) -> Result<Self, UserError> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let names = reader.headers();
+        let names = names.map_err(|e| UserError::new(format!("{place}, line 1: {e}")))?;
+        let columns = names.iter().map(|name| name.trim().to_owned()).collect();
+        Ok(Self {
+            place: place.into(),
+            text,
+            columns,
+        })
     }
-    Ok(lines)
+
+    /// Whether the first line names this column.
+    pub fn has(&self, column: &str) -> bool {
+        self.columns.iter().any(|name| name == column)
+    }
+
+    /// A complaint about the first line.
+    pub fn complaint(&self, what: impl std::fmt::Display) -> UserError {
+        self.bad(1, what)
+    }
+
+    /// The `columns` of every line; others are passed over. White space around names and fields does not count, nor
+    /// do blank lines.
+    ///
+    /// # Errors
+    /// A column is missing, a line has another length than the first, or there is no line below the first.
+    pub fn lines(&self, columns: &[&'static str]) -> Result<Vec<Line>, UserError> {
+        let at = |name: &&'static str| {
+            let found = self.columns.iter().position(|column| column == name);
+            found.map(|at| (*name, at)).ok_or_else(|| {
+                let all = columns.join(",");
+                self.complaint(format!(
+                    "there is no column {name}; the first line must be {all}"
+                ))
+            })
+        };
+        let wanted: Vec<_> = columns.iter().map(at).collect::<Result<_, _>>()?;
+        let mut numbers = LineNumbers::new(&self.text);
+        let mut lines = Vec::new();
+        for record in csv::Reader::from_reader(self.text.as_bytes()).records() {
+            let record = record.map_err(|e| self.bad(numbers.of(e.position()), short(&e)))?;
+            let field = |(name, at): &(&'static str, usize)| {
+                let text = record.get(*at).unwrap_or("").trim();
+                (*name, text.to_owned())
+            };
+            lines.push(Line {
+                number: numbers.of(record.position()),
+                place: Arc::clone(&self.place),
+                fields: wanted.iter().map(field).collect(),
+            });
+        }
+        if lines.is_empty() {
+            return Err(UserError::new(format!(
+                "{}: there is no measurement below the first line",
+                self.place
+            )));
+        }
+        Ok(lines)
+    }
+
+    fn bad(&self, line: usize, what: impl std::fmt::Display) -> UserError {
+        UserError::new(format!("{}, line {line}: {what}", self.place))
+    }
+}
+
+/// Numbers of lines for positions that rise, each byte of the text looked at once.
+struct LineNumbers<'a> {
+    text: &'a [u8],
+    /// How far the lines are counted, and the number of the line there.
+    at: usize,
+    number: usize,
+}
+
+impl<'a> LineNumbers<'a> {
+    fn new(text: &'a str) -> Self {
+        Self {
+            text: text.as_bytes(),
+            at: 0,
+            number: 1,
+        }
+    }
+
+    /// The line of a record. Its position is where its search began: blank lines before it are passed over.
+    fn of(&mut self, position: Option<&csv::Position>) -> usize {
+        let from = position.map_or(0, |p| p.byte() as usize);
+        while let Some(byte) = self.text.get(self.at) {
+            if self.at >= from && !b"\r\n".contains(byte) {
+                break;
+            }
+            self.number += usize::from(*byte == b'\n');
+            self.at += 1;
+        }
+        self.number
+    }
 }
 
 impl Line {
-    /// The field of a column asked for; empty if it was not.
+    /// The field of a column; empty if it was not asked for.
     pub fn text(&self, column: &str) -> &str {
         let found = self.fields.iter().find(|(name, _)| *name == column);
         found.map_or("", |(_, text)| text)
@@ -76,7 +142,7 @@ impl Line {
     /// The same as a finite number.
     ///
     /// # Errors
-    /// One line when it is none.
+    /// It is no number, or infinite.
     pub fn number(&self, column: &str) -> Result<f64, UserError> {
         let text = self.text(column);
         let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
@@ -97,5 +163,39 @@ fn short(error: &csv::Error) -> String {
             format!("{len} fields where the first line has {expected_len}; give every line as many")
         }
         _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(text: &str) -> Measurements {
+        Measurements::new("m.csv", text.to_owned()).unwrap()
+    }
+
+    #[test]
+    fn lines_are_counted_with_blank_ones_and_either_line_end() {
+        let text = "a,b\n\n1,2\r\n\r\n3,\"4\n5\"\n\n\n6,7";
+        let lines = table(text).lines(&["b"]).unwrap();
+        let numbers: Vec<_> = lines.iter().map(|line| line.number).collect();
+        assert_eq!(numbers, [3, 5, 9]);
+        let line = table("a\n1\n\n2,3\n").lines(&["a"]).unwrap_err();
+        assert!(
+            line.to_string().starts_with("m.csv, line 4: 2 fields"),
+            "{line}"
+        );
+    }
+
+    /// Fails by its time, an hour and more, if finding a line's number looks at all lines before it.
+    #[test]
+    fn a_long_table_is_read_in_one_pass() {
+        const LINES: usize = 500_000;
+        let text: String = std::iter::once("a,b\n")
+            .chain(std::iter::repeat_n("0.25,0.5\n", LINES))
+            .collect();
+        let lines = table(&text).lines(&["a", "b"]).unwrap();
+        assert_eq!(lines.len(), LINES);
+        assert_eq!(lines.last().map(|line| line.number), Some(LINES + 1));
     }
 }

@@ -2,10 +2,11 @@
 
 use std::fmt::Display;
 
-use parquet::data_type::ByteArray;
 use serde::ser::{self, Impossible, Serialize, SerializeMap, SerializeStruct, Serializer};
 
-/// Why rows are no table; a fault of the program.
+use crate::columns::{Column, Field, Kind, Packing, Value};
+
+/// Why rows make no table; a fault of the program.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(super) struct NoTable(String);
@@ -16,32 +17,18 @@ impl ser::Error for NoTable {
     }
 }
 
-/// The values of a column, those that are there.
-#[derive(Debug)]
-pub(super) enum Values {
-    /// No value yet, so no kind.
-    Empty,
-    Flag(Vec<bool>),
-    Long(Vec<i64>),
-    Double(Vec<f64>),
-    Text(Vec<ByteArray>),
-}
-
 /// One field over all rows.
 #[derive(Debug)]
-pub(super) struct Column {
-    pub name: String,
-    pub values: Values,
-    /// Whether a row may lack it.
-    pub optional: bool,
-    /// 1 for each row that has it, 0 for each that lacks it.
-    pub present: Vec<i16>,
+pub(super) struct Filled {
+    name: String,
+    /// Of any kind while it has no value, then of the first value's.
+    pub column: Column,
 }
 
 /// The columns of `rows`; a row serialises as a struct or a map of plain values.
 pub(super) fn columns<T: Serialize>(
     rows: impl IntoIterator<Item = T>,
-) -> Result<Vec<Column>, NoTable> {
+) -> Result<Vec<Filled>, NoTable> {
     let mut table = Table::default();
     for row in rows {
         table.next = 0;
@@ -56,7 +43,7 @@ pub(super) fn columns<T: Serialize>(
 
 #[derive(Default)]
 struct Table {
-    columns: Vec<Column>,
+    columns: Vec<Filled>,
     /// Whole rows so far.
     rows: usize,
     /// Where the next field of a row is expected.
@@ -80,11 +67,9 @@ impl Table {
     }
 
     fn add(&mut self, name: &str) -> usize {
-        let mut column = Column {
+        let mut column = Filled {
             name: name.to_owned(),
-            values: Values::Empty,
-            optional: false,
-            present: Vec::new(),
+            column: Column::of(Kind::Double, false),
         };
         column.fill(self.rows);
         self.columns.push(column);
@@ -92,17 +77,43 @@ impl Table {
     }
 }
 
-impl Column {
-    /// Marks it as lacking in the rows up to `rows` that have not been told.
-    fn fill(&mut self, rows: usize) {
-        if self.present.len() < rows {
-            self.optional = true;
-            self.present.resize(rows, 0);
+impl Filled {
+    /// The column as a file has it.
+    pub fn field(&self) -> Field {
+        Field {
+            name: self.name.clone().into(),
+            kind: self.column.kind(),
+            optional: self.column.optional(),
+            packing: Packing::Dictionary,
         }
+    }
+
+    /// Rows up to `rows` that are not there yet get no value.
+    fn fill(&mut self, rows: usize) {
+        let missing = rows.saturating_sub(self.column.rows());
+        if missing > 0 {
+            self.absent(missing);
+        }
+    }
+
+    fn absent(&mut self, rows: usize) {
+        self.column.make_optional();
+        self.column.absent(rows).expect("it is optional now");
+    }
+
+    fn push(&mut self, value: Value) -> Result<(), NoTable> {
+        if self.column.values().is_empty() {
+            let mut column = Column::of(value.kind(), self.column.optional());
+            // Whatever rows there are lack a value.
+            let _ = column.absent(self.column.rows());
+            self.column = column;
+        }
+        let pushed = self.column.push(Some(value));
+        pushed.map_err(|_| NoTable(format!("column {} mixes kinds of values", self.name)))
     }
 }
 
-/// What no serialiser here takes: each method ends in an error.
+/// Methods for what a serialiser here refuses.
 macro_rules! refuse {
     ($what:expr; $($name:ident($($argument:ty),*) $(-> $out:ty)?;)*) => {$(
         fn $name(self $(, _: $argument)*) -> refuse!(@ $($out)?) {
@@ -116,21 +127,13 @@ macro_rules! refuse {
 macro_rules! push {
     ($($name:ident($from:ty) => $kind:ident $value:expr;)*) => {$(
         fn $name(self, value: $from) -> Result<(), NoTable> {
-            if matches!(self.values, Values::Empty) {
-                self.values = Values::$kind(Vec::new());
-            }
-            let Values::$kind(values) = &mut self.values else {
-                return Err(NoTable(format!("column {} mixes kinds of values", self.name)));
-            };
-            values.push($value(value));
-            self.present.push(1);
-            Ok(())
+            self.push(Value::$kind($value(value)))
         }
     )*};
 }
 
 /// A value enters its column.
-impl Serializer for &mut Column {
+impl Serializer for &mut Filled {
     type Ok = ();
     type Error = NoTable;
     type SerializeSeq = Impossible<(), NoTable>;
@@ -152,7 +155,7 @@ impl Serializer for &mut Column {
         serialize_u32(u32) => Long i64::from;
         serialize_f32(f32) => Double f64::from;
         serialize_f64(f64) => Double f64::from;
-        serialize_str(&str) => Text ByteArray::from;
+        serialize_str(&str) => Text std::convert::identity;
     }
 
     refuse! {
@@ -188,13 +191,12 @@ impl Serializer for &mut Column {
     }
 
     fn serialize_none(self) -> Result<(), NoTable> {
-        self.optional = true;
-        self.present.push(0);
+        self.absent(1);
         Ok(())
     }
 
     fn serialize_some<T: ?Sized + Serialize>(self, value: &T) -> Result<(), NoTable> {
-        self.optional = true;
+        self.column.make_optional();
         value.serialize(self)
     }
 

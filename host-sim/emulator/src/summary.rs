@@ -1,10 +1,10 @@
-//! What a run comes to, counted while it runs, by the true contact force.
+//! Counts and sums over a run, kept while it runs, by the true contact force.
 
 use shared::control::{State, Status};
 use shared::fault::{Fault, Origin, Record};
 use shared::model::params::RigParams;
 
-use super::record::{Contact, Event, TickRow, What};
+use super::record::{Contact, Event, EventKind, TickRow};
 use super::scenario::{Change, Scenario};
 
 /// A fault that tripped.
@@ -18,7 +18,7 @@ pub struct Tripped {
     pub tick: u64,
     /// Ticks from then to the first in which the drive was off; none: it never went off.
     pub off_after: Option<u64>,
-    /// Tick of the last thing the scenario did before.
+    /// Tick of the scenario's last event before it.
     pub injected: Option<u64>,
 }
 
@@ -31,7 +31,7 @@ pub struct Held {
     pub force_n: f64,
     /// Drive frequency of each, added up, Hz.
     pub frequency_hz: f64,
-    /// How far the rig's change had gone at each (0 to 1), added up.
+    /// Share of the rig's change that was done at each (0 to 1), added up.
     pub drifted: f64,
 }
 
@@ -46,9 +46,9 @@ pub struct Drifted {
     over_s: f64,
 }
 
-/// What a run came to.
+/// Counts and sums over a run.
 #[derive(Clone, Debug)]
-pub struct Tally {
+pub struct Summary {
     tick_s: f64,
     /// When the first start was given, s.
     pub started_s: Option<f64>,
@@ -72,7 +72,7 @@ pub struct Tally {
     pub drifted: Option<Drifted>,
     /// Ticks run.
     pub ticks: u64,
-    /// Whether everything the controller put out was a number.
+    /// Whether every set-point frequency was finite.
     pub finite: bool,
     last_on: Option<u64>,
     last_act: Option<u64>,
@@ -82,7 +82,7 @@ pub struct Tally {
     holding: bool,
 }
 
-impl Tally {
+impl Summary {
     /// Nothing yet.
     pub fn new(scenario: &Scenario) -> Self {
         Self {
@@ -191,12 +191,14 @@ impl Tally {
 
     /// Something happened.
     pub fn event(&mut self, event: &Event) {
-        if let What::Scenario { text } = &event.what {
+        if matches!(event.what, EventKind::Scenario { .. }) {
             self.last_act = Some(event.tick);
-            if text.starts_with("start") && self.started_s.is_none() {
-                self.started_s = Some(event.time_s);
-            }
         }
+    }
+
+    /// The command to start was given at `time_s`.
+    pub fn started(&mut self, time_s: f64) {
+        self.started_s.get_or_insert(time_s);
     }
 
     /// A fault tripped, its condition having been seen at `tick`.

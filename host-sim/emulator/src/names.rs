@@ -1,0 +1,41 @@
+//! States and basins by the names that scenarios, logs and verdicts use.
+
+use shared::control::{Basin, State};
+
+/// Every state.
+pub const STATES: [State; 8] = [
+    State::Idle,
+    State::SelfTest,
+    State::Ramp,
+    State::Seek,
+    State::Hold,
+    State::Stop,
+    State::Fault,
+    State::Manual,
+];
+
+/// Every basin.
+pub const BASINS: [Basin; 3] = [Basin::Impact, Basin::NoImpact, Basin::Unknown];
+
+/// The name of a state.
+pub fn state_name(state: State) -> &'static str {
+    match state {
+        State::Idle => "idle",
+        State::SelfTest => "self-test",
+        State::Ramp => "ramp",
+        State::Seek => "seek",
+        State::Hold => "hold",
+        State::Stop => "stop",
+        State::Fault => "fault",
+        State::Manual => "manual",
+    }
+}
+
+/// The name of a basin.
+pub fn basin_name(basin: Basin) -> &'static str {
+    match basin {
+        Basin::Unknown => "unknown",
+        Basin::Impact => "impact",
+        Basin::NoImpact => "no-impact",
+    }
+}

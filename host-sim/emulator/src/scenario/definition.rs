@@ -1,0 +1,78 @@
+//! A scenario that can be run.
+
+use shared::control::{Basin, State};
+use shared::fault::Fault;
+use shared::model::params::RigParams;
+use shared::settings::{Settings, TICK_S};
+
+use super::event::Timed;
+use crate::sensors::SensorParams;
+use crate::shaker::ShakerParams;
+
+/// Longest run, s: the tick counter of the controller wraps after 2.5 days.
+pub(super) const LONGEST_S: f64 = 2.0 * 86_400.0;
+
+/// A scenario, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// Its name.
+    pub name: String,
+    /// What it is for, in a sentence.
+    pub description: String,
+    /// Rig time, s.
+    pub duration_s: f64,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Control ticks per block.
+    pub block_ticks: usize,
+    /// Slices of the forecast per block.
+    pub slices_per_block: u32,
+    /// By how much a true tick is longer than the controller assumes, in millionths.
+    pub clock_ppm: f64,
+    /// The rig as it truly is at the start.
+    pub true_rig: RigParams,
+    /// The settings of the controller, with the rig it believes in.
+    pub settings: Settings,
+    /// The shaker.
+    pub shaker: ShakerParams,
+    /// Whether the cart follows its set-point whatever force that takes.
+    pub prescribed: bool,
+    /// The sensors.
+    pub sensors: SensorParams,
+    /// What happens, by rising time.
+    pub events: Vec<Timed>,
+    /// What the run must end in.
+    pub expect: Expect,
+}
+
+impl Scenario {
+    /// True length of a tick, s.
+    pub fn tick_s(&self) -> f64 {
+        TICK_S * (1.0 + 1e-6 * self.clock_ppm)
+    }
+
+    /// Blocks of the run.
+    pub fn blocks(&self) -> u64 {
+        let ticks = self.duration_s / self.tick_s();
+        (ticks / self.block_ticks as f64).round().max(1.0) as u64
+    }
+}
+
+/// What a run must end in. What is left out is not checked, except faults: those not named must not trip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Expect {
+    /// State at the end.
+    pub final_state: Option<State>,
+    /// The faults that trip, in their order.
+    pub faults: Vec<Fault>,
+    /// Smallest share of the optimum's force held.
+    pub min_force_share: Option<f64>,
+    /// Hold must be reached this soon after the first start, s.
+    pub hold_within_s: Option<f64>,
+    /// Basin at the end.
+    pub basin: Option<Basin>,
+    /// Fewest times the regime must be lost and sought again.
+    pub min_reseeks: Option<u16>,
+    /// Most ticks from a fault's condition to the drive being off.
+    pub drive_off_within_ticks: Option<u64>,
+}

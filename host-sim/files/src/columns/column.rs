@@ -1,0 +1,256 @@
+//! The values of a column.
+
+use parquet::column::reader::ColumnReader;
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::{ParquetError, Result};
+
+use super::{Field, Kind};
+
+/// Values of one kind, without the rows that lack one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// [`Kind::Flag`].
+    Flag(Vec<bool>),
+    /// [`Kind::Int`].
+    Int(Vec<i32>),
+    /// [`Kind::Long`].
+    Long(Vec<i64>),
+    /// [`Kind::Float`].
+    Float(Vec<f32>),
+    /// [`Kind::Double`].
+    Double(Vec<f64>),
+    /// [`Kind::Text`] and [`Kind::Bytes`].
+    Bytes(Vec<ByteArray>),
+}
+
+/// Does the same with the vector of whatever kind.
+macro_rules! each {
+    ($values:expr, $all:ident => $done:expr) => {
+        match $values {
+            Values::Flag($all) => $done,
+            Values::Int($all) => $done,
+            Values::Long($all) => $done,
+            Values::Float($all) => $done,
+            Values::Double($all) => $done,
+            Values::Bytes($all) => $done,
+        }
+    };
+}
+
+impl Values {
+    fn new(kind: Kind) -> Self {
+        match kind {
+            Kind::Flag => Self::Flag(Vec::new()),
+            Kind::Int => Self::Int(Vec::new()),
+            Kind::Long => Self::Long(Vec::new()),
+            Kind::Float => Self::Float(Vec::new()),
+            Kind::Double => Self::Double(Vec::new()),
+            Kind::Text | Kind::Bytes => Self::Bytes(Vec::new()),
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        each!(self, all => all.len())
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A value on its way into a column.
+#[derive(Clone, Copy, Debug)]
+pub enum Value<'a> {
+    /// For [`Kind::Flag`].
+    Flag(bool),
+    /// For [`Kind::Int`].
+    Int(i32),
+    /// For [`Kind::Long`].
+    Long(i64),
+    /// For [`Kind::Float`].
+    Float(f32),
+    /// For [`Kind::Double`].
+    Double(f64),
+    /// For [`Kind::Text`].
+    Text(&'a str),
+    /// For [`Kind::Bytes`].
+    Bytes(&'a [u8]),
+}
+
+impl Value<'_> {
+    /// The kind of column it belongs in.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Flag(_) => Kind::Flag,
+            Self::Int(_) => Kind::Int,
+            Self::Long(_) => Kind::Long,
+            Self::Float(_) => Kind::Float,
+            Self::Double(_) => Kind::Double,
+            Self::Text(_) => Kind::Text,
+            Self::Bytes(_) => Kind::Bytes,
+        }
+    }
+}
+
+/// A value of one kind was put into a column of another, or no value into one that must have it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrongKind;
+
+/// A column for the rows of one row group.
+#[derive(Clone, Debug)]
+pub struct Column {
+    kind: Kind,
+    optional: bool,
+    values: Values,
+    /// 1 for each row that has a value, 0 for each that lacks it.
+    present: Vec<i16>,
+}
+
+impl Column {
+    /// A column of `field` without rows.
+    pub fn new(field: &Field) -> Self {
+        Self::of(field.kind, field.optional)
+    }
+
+    pub(crate) fn of(kind: Kind, optional: bool) -> Self {
+        Self {
+            kind,
+            optional,
+            values: Values::new(kind),
+            present: Vec::new(),
+        }
+    }
+
+    /// What it holds.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Whether a row may lack a value.
+    pub fn optional(&self) -> bool {
+        self.optional
+    }
+
+    /// The values, without the rows that lack one.
+    pub fn values(&self) -> &Values {
+        &self.values
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        self.present.len()
+    }
+
+    /// Whether the row has a value; no row has one beyond the last.
+    pub fn has(&self, row: usize) -> bool {
+        self.present.get(row).is_some_and(|level| *level > 0)
+    }
+
+    /// From now on rows may lack a value.
+    pub(crate) fn make_optional(&mut self) {
+        self.optional = true;
+    }
+
+    /// Appends a row.
+    ///
+    /// # Errors
+    /// The value is of another kind, or absent where there must be one; nothing is appended then.
+    pub fn push(&mut self, value: Option<Value>) -> std::result::Result<(), WrongKind> {
+        let Some(value) = value else {
+            return self.absent(1);
+        };
+        if value.kind() != self.kind {
+            return Err(WrongKind);
+        }
+        match (&mut self.values, value) {
+            (Values::Flag(all), Value::Flag(one)) => all.push(one),
+            (Values::Int(all), Value::Int(one)) => all.push(one),
+            (Values::Long(all), Value::Long(one)) => all.push(one),
+            (Values::Float(all), Value::Float(one)) => all.push(one),
+            (Values::Double(all), Value::Double(one)) => all.push(one),
+            (Values::Bytes(all), Value::Text(one)) => push_bytes(all, one.as_bytes()),
+            (Values::Bytes(all), Value::Bytes(one)) => push_bytes(all, one),
+            _ => return Err(WrongKind),
+        }
+        self.present.push(1);
+        Ok(())
+    }
+
+    /// Appends `rows` rows without a value.
+    ///
+    /// # Errors
+    /// Every row must have one.
+    pub fn absent(&mut self, rows: usize) -> std::result::Result<(), WrongKind> {
+        if !self.optional && rows > 0 {
+            return Err(WrongKind);
+        }
+        self.present.resize(self.present.len() + rows, 0);
+        Ok(())
+    }
+
+    /// Removes all rows.
+    pub fn clear(&mut self) {
+        self.present.clear();
+        each!(&mut self.values, all => all.clear());
+    }
+
+    pub(super) fn write(&self, writer: &mut ColumnWriter) -> Result<()> {
+        use ColumnWriter as W;
+        let levels = self.optional.then_some(self.present.as_slice());
+        match (writer, &self.values) {
+            (W::BoolColumnWriter(w), Values::Flag(all)) => w.write_batch(all, levels, None),
+            (W::Int32ColumnWriter(w), Values::Int(all)) => w.write_batch(all, levels, None),
+            (W::Int64ColumnWriter(w), Values::Long(all)) => w.write_batch(all, levels, None),
+            (W::FloatColumnWriter(w), Values::Float(all)) => w.write_batch(all, levels, None),
+            (W::DoubleColumnWriter(w), Values::Double(all)) => w.write_batch(all, levels, None),
+            (W::ByteArrayColumnWriter(w), Values::Bytes(all)) => w.write_batch(all, levels, None),
+            _ => return Err(ParquetError::General("a column of another kind".into())),
+        }
+        .map(drop)
+    }
+
+    /// Reads `rows` rows of `field`.
+    pub(super) fn read(field: &Field, reader: ColumnReader, rows: usize) -> Result<Self> {
+        use ColumnReader as R;
+        let mut column = Self::new(field);
+        let levels = field.optional.then_some(&mut column.present);
+        macro_rules! all {
+            ($reader:ident, $values:ident) => {{
+                let mut reader = $reader;
+                let (records, ..) = reader.read_records(rows, levels, None, $values)?;
+                records
+            }};
+        }
+        let records = match (reader, &mut column.values) {
+            (R::BoolColumnReader(r), Values::Flag(v)) => all!(r, v),
+            (R::Int32ColumnReader(r), Values::Int(v)) => all!(r, v),
+            (R::Int64ColumnReader(r), Values::Long(v)) => all!(r, v),
+            (R::FloatColumnReader(r), Values::Float(v)) => all!(r, v),
+            (R::DoubleColumnReader(r), Values::Double(v)) => all!(r, v),
+            (R::ByteArrayColumnReader(r), Values::Bytes(v)) => all!(r, v),
+            _ => return Err(ParquetError::General("a column of another kind".into())),
+        };
+        if !field.optional {
+            column.present.resize(records, 1);
+        }
+        let there = column.present.iter().filter(|level| **level > 0).count();
+        if records != rows || column.present.len() != rows || column.values.len() != there {
+            return Err(ParquetError::General(format!(
+                "column {} has {records} rows of {rows}",
+                field.name
+            )));
+        }
+        Ok(column)
+    }
+}
+
+/// Text repeats from row to row: the bytes are shared with the value before.
+fn push_bytes(all: &mut Vec<ByteArray>, one: &[u8]) {
+    match all.last() {
+        Some(last) if last.data() == one => all.push(last.clone()),
+        _ => all.push(ByteArray::from(one.to_vec())),
+    }
+}

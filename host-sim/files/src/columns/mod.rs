@@ -1,0 +1,65 @@
+//! Columns of values as a Parquet file: what the tables of an answer and the log of a run both stand on.
+//!
+//! A [`Field`] is the name, kind and packing of a column; a [`Column`] holds its values for the rows of one row
+//! group. [`Writer`] writes row groups one after another, so a file may be larger than the memory; [`Reader`] gives
+//! them back and answers damage with an error, never with a panic.
+
+mod column;
+mod reader;
+#[cfg(test)]
+mod tests;
+mod writer;
+
+pub use column::{Column, Value, Values, WrongKind};
+pub use parquet::data_type::ByteArray;
+pub use parquet::errors::ParquetError as Error;
+pub use reader::Reader;
+pub use writer::Writer;
+
+use std::borrow::Cow;
+
+/// The program and its version, as every file names its writer.
+pub const PROGRAM: &str = concat!("host-sim ", env!("CARGO_PKG_VERSION"));
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// BOOLEAN.
+    Flag,
+    /// INT32.
+    Int,
+    /// INT64.
+    Long,
+    /// FLOAT.
+    Float,
+    /// DOUBLE.
+    Double,
+    /// BYTE_ARRAY that is UTF-8.
+    Text,
+    /// BYTE_ARRAY.
+    Bytes,
+}
+
+/// How the values of a column are packed, before all is compressed by snappy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    /// By dictionary: for values that repeat.
+    Dictionary,
+    /// As differences: for counters and codes, integers only.
+    Differences,
+    /// Byte by byte: for measured numbers.
+    Split,
+}
+
+/// A column of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Its name, with the unit.
+    pub name: Cow<'static, str>,
+    /// What it holds.
+    pub kind: Kind,
+    /// Whether a row may lack a value.
+    pub optional: bool,
+    /// How it is packed.
+    pub packing: Packing,
+}

@@ -1,0 +1,102 @@
+//! Reading row groups of a Parquet file that may be damaged.
+
+use std::fs::File;
+
+use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+
+use super::writer::physical;
+use super::{Column, Field};
+use crate::quiet;
+
+/// Most rows of a row group: twenty times what a log has. A damaged count must not ask for all memory.
+const MOST_ROWS: i64 = 1 << 22;
+
+/// Most bytes of a column in a row group, unpacked.
+const MOST_BYTES: i64 = 1 << 30;
+
+/// Reads a Parquet file.
+pub struct Reader {
+    file: SerializedFileReader<File>,
+    bytes: u64,
+}
+
+impl Reader {
+    /// Reads the footer of `file`.
+    ///
+    /// # Errors
+    /// It cannot be read, is cut short, damaged or no Parquet.
+    pub fn open(file: File) -> Result<Self> {
+        let bytes = file.metadata()?.len();
+        let file = guard(|| SerializedFileReader::new(file))?;
+        Ok(Self { file, bytes })
+    }
+
+    /// The keys of the footer, with their values.
+    pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
+        let pairs = self.file.metadata().file_metadata().key_value_metadata();
+        let pairs = pairs.into_iter().flatten();
+        pairs.filter_map(|pair| Some((pair.key.as_str(), pair.value.as_deref()?)))
+    }
+
+    /// How many rows the footer states.
+    pub fn rows(&self) -> u64 {
+        u64::try_from(self.file.metadata().file_metadata().num_rows()).unwrap_or(0)
+    }
+
+    /// How many row groups there are.
+    pub fn groups(&self) -> usize {
+        self.file.num_row_groups()
+    }
+
+    /// Whether the columns are those of `fields`: the same names and kinds in the same order.
+    pub fn has(&self, fields: &[Field]) -> bool {
+        let columns = self.file.metadata().file_metadata().schema_descr();
+        columns.num_columns() == fields.len()
+            && columns.columns().iter().zip(fields).all(|(column, field)| {
+                column.path().parts() == [field.name.as_ref()]
+                    && column.physical_type() == physical(field.kind)
+                    && column.max_def_level() == i16::from(field.optional)
+                    && column.max_rep_level() == 0
+            })
+    }
+
+    /// The columns of row group `index`, which must be those of `fields`.
+    ///
+    /// # Errors
+    /// The group is damaged.
+    pub fn group(&self, index: usize, fields: &[Field]) -> Result<Vec<Column>> {
+        guard(|| {
+            let reader = self.file.get_row_group(index)?;
+            let rows = self.check(reader.metadata(), fields)?;
+            let column = |(i, field)| Column::read(field, reader.get_column_reader(i)?, rows);
+            fields.iter().enumerate().map(column).collect()
+        })
+    }
+
+    /// Whether what the footer says of a group can be; how many rows it has.
+    fn check(&self, group: &RowGroupMetaData, fields: &[Field]) -> Result<usize> {
+        let damaged = |what: &str| ParquetError::General(what.to_owned());
+        let rows = group.num_rows();
+        if !(0..=MOST_ROWS).contains(&rows) || group.num_columns() != fields.len() {
+            return Err(damaged("a row group of impossible size"));
+        }
+        let fits = |chunk: &ColumnChunkMetaData| {
+            let (from, length) = chunk.byte_range();
+            let end = from.checked_add(length);
+            chunk.num_values() == rows
+                && (0..=MOST_BYTES).contains(&chunk.uncompressed_size())
+                && end.is_some_and(|end| end <= self.bytes)
+        };
+        if !group.columns().iter().all(fits) {
+            return Err(damaged("a column that is not within the file"));
+        }
+        usize::try_from(rows).map_err(|_| damaged("a negative number of rows"))
+    }
+}
+
+/// Runs the library on bytes that may be damaged: its panic is one more way to say so.
+fn guard<T>(read: impl FnOnce() -> Result<T>) -> Result<T> {
+    quiet::catch(read).unwrap_or_else(|| Err(ParquetError::General("its pages are damaged".into())))
+}

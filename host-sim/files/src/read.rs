@@ -1,0 +1,157 @@
+//! Reading files, within bounds: no file, however large, endless or strange, takes all memory or all time.
+
+use std::fs::{File, FileType, Metadata};
+use std::io::{self, Read};
+use std::path::Path;
+
+use crate::UserError;
+
+/// Most bytes of a file that a person writes: rigs, scenarios, settings. The longest that comes with the program has
+/// 4 kB.
+pub const MOST_TEXT: u64 = 16 << 20;
+
+/// Most bytes of a table: ten minutes of three sensors at 20 kHz have half of it.
+pub const MOST_TABLE: u64 = 1 << 30;
+
+/// The text of the file `path`, of at most [`MOST_TEXT`] bytes. A pipe is read to its end, which may be a shell's
+/// `<(command)`; a device is refused.
+///
+/// # Errors
+/// There is no such file, it is a folder or a device, too large, or not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, UserError> {
+    read_text_of(path, MOST_TEXT)
+}
+
+/// The same for a table, of at most [`MOST_TABLE`] bytes.
+///
+/// # Errors
+/// As [`read_text`].
+pub fn read_table(path: &Path) -> Result<String, UserError> {
+    read_text_of(path, MOST_TABLE)
+}
+
+/// Opens the ordinary file `path`, for what is not read in one go.
+///
+/// # Errors
+/// There is no such file, or it is a folder, a pipe or a device.
+pub fn open_file(path: &Path) -> Result<File, UserError> {
+    let found = path
+        .metadata()
+        .map_err(|e| cannot(path, &e, "check the path"))?;
+    if !found.is_file() {
+        let what = kind(found.file_type());
+        return Err(cannot(path, &what, "give an ordinary file"));
+    }
+    File::open(path).map_err(|e| cannot(path, &e, "check the path"))
+}
+
+/// The number, from 1, of the line of `text` in which this byte is.
+pub fn line_at(text: &str, byte: usize) -> usize {
+    let before = text.as_bytes().iter().take(byte);
+    before.filter(|byte| **byte == b'\n').count() + 1
+}
+
+fn read_text_of(path: &Path, most: u64) -> Result<String, UserError> {
+    String::from_utf8(read_bytes(path, most)?)
+        .map_err(|_| cannot(path, &"it is not UTF-8 text", "save it as UTF-8 text"))
+}
+
+/// The bytes of the file or pipe `path`, of which there may be `most`.
+///
+/// # Errors
+/// There is no such file, it is a folder or a device, or too large.
+pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, UserError> {
+    let check = |e: io::Error| cannot(path, &e, "check the path");
+    let found = path.metadata().map_err(check)?;
+    if !is_readable(&found) {
+        let what = kind(found.file_type());
+        return Err(cannot(path, &what, "give a file"));
+    }
+    let mut bytes = Vec::new();
+    // A file's length may change while it is read, and a pipe has none.
+    let mut rest = File::open(path).map_err(check)?.take(most + 1);
+    rest.read_to_end(&mut bytes).map_err(check)?;
+    if bytes.len() as u64 > most {
+        let what = format!("it has more than {} MB", most >> 20);
+        return Err(cannot(path, &what, "is it the right file?"));
+    }
+    Ok(bytes)
+}
+
+#[cfg(unix)]
+fn is_readable(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.is_file() || found.file_type().is_fifo()
+}
+
+#[cfg(not(unix))]
+fn is_readable(found: &Metadata) -> bool {
+    found.is_file()
+}
+
+fn kind(of: FileType) -> &'static str {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if of.is_fifo() {
+            return "it is a pipe";
+        }
+        if of.is_char_device() || of.is_block_device() {
+            return "it is a device";
+        }
+    }
+    if of.is_dir() {
+        "it is a folder"
+    } else {
+        "it is not an ordinary file"
+    }
+}
+
+fn cannot(path: &Path, why: &dyn std::fmt::Display, mend: &str) -> UserError {
+    UserError::new(format!("cannot read {}: {why}; {mend}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_up_to_its_limit_and_not_beyond() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.toml");
+        std::fs::write(&path, "12345").unwrap();
+        assert_eq!(read_text_of(&path, 5).unwrap(), "12345");
+        let line = read_text_of(&path, 4).unwrap_err().to_string();
+        assert!(line.contains("a.toml: it has more than"), "{line}");
+        std::fs::write(&path, b"\xff").unwrap();
+        let line = read_text(&path).unwrap_err().to_string();
+        assert!(line.contains("UTF-8"), "{line}");
+        for read in [read_text(dir.path()).err(), open_file(dir.path()).err()] {
+            assert!(read.unwrap().to_string().contains("it is a folder"));
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_refused_and_an_endless_pipe_ends_at_the_limit() {
+        for device in ["/dev/zero", "/dev/null"].map(Path::new) {
+            for read in [read_text(device).err(), open_file(device).err()] {
+                let line = read.expect("a device is refused").to_string();
+                assert!(line.contains("it is a device"), "{line}");
+            }
+        }
+        // What a shell's `<(yes)` gives.
+        let mut yes = std::process::Command::new("yes")
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let pipe = yes.stdout.take().unwrap();
+        let path = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&pipe));
+        let line = read_text(Path::new(&path)).unwrap_err().to_string();
+        assert!(line.contains("more than 16 MB"), "{line}");
+        let line = open_file(Path::new(&path)).unwrap_err().to_string();
+        assert!(line.contains("it is a pipe"), "{line}");
+        yes.kill().unwrap();
+        yes.wait().unwrap();
+    }
+}

@@ -1,0 +1,114 @@
+//! The program under limits of the system, as a shell sets them: on the size of a file and on memory. Whatever is
+//! refused, and wherever, the older files stay as they were or the new ones are whole, nothing else is left, and the
+//! program says so in one line.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_host-sim");
+
+/// A run of a twentieth of a second.
+const SCENARIO: &str =
+    "duration_s = 0.05\n[true_rig]\npreset = \"wires\"\n[shaker]\nprescribed = true\n";
+
+/// Runs the program in `folder` under a `ulimit`; none: without.
+fn run(folder: &Path, limit: Option<String>, arguments: &[&str]) -> Output {
+    let limit = limit.map_or(String::new(), |limit| format!("ulimit {limit} && "));
+    Command::new("sh")
+        .args(["-c", &format!("{limit} exec \"$0\" \"$@\""), PROGRAM])
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// Names and contents of the files in a folder.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let mut files: Vec<_> = entries
+        .map(|entry| {
+            let name = entry.file_name().into_string().unwrap();
+            (name, fs::read(entry.path()).unwrap())
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+/// What a refused run leaves, and what it says.
+fn check_refused(out: &Path, old: &[(String, Vec<u8>)], done: &Output, limit: u64) {
+    let line = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(2), "limit {limit}: {line}");
+    assert_eq!(line.lines().count(), 1, "limit {limit}: {line}");
+    assert!(line.starts_with("error: "), "limit {limit}: {line}");
+    let left = files(out);
+    let names = |files: &[(String, Vec<u8>)]| -> Vec<String> {
+        files.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names(&left), names(old), "limit {limit}");
+    assert!(left == old, "limit {limit}: a file has changed");
+}
+
+/// Runs `arguments` under `ulimit` with each of `limits`, over files that are there; how many runs were refused.
+/// The last must succeed.
+fn under(ulimit: &str, limits: impl Iterator<Item = u64>, arguments: &[&str], says: &str) -> u32 {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("short.toml"), SCENARIO).unwrap();
+    let out = folder.path().join("o");
+    let done = run(folder.path(), None, arguments);
+    assert!(done.status.success(), "{done:?}");
+    let new = files(&out);
+    assert!(!new.is_empty());
+    let mut refused = 0;
+    for limit in limits {
+        for (name, _) in &new {
+            fs::write(out.join(name), "old").unwrap();
+        }
+        let old = files(&out);
+        let done = run(folder.path(), Some(format!("{ulimit} {limit}")), arguments);
+        if done.status.success() {
+            let names = |files: Vec<(String, Vec<u8>)>| files.into_iter().map(|file| file.0);
+            assert!(names(files(&out)).eq(names(new)), "limit {limit}");
+            assert!(files(&out).iter().all(|file| file.1 != b"old"));
+            return refused;
+        }
+        // Too little for the loader: the program has not begun.
+        if done.status.code() == Some(127) {
+            continue;
+        }
+        check_refused(&out, &old, &done, limit);
+        let line = String::from_utf8_lossy(&done.stderr);
+        assert!(line.contains(says), "limit {limit}: {line}");
+        refused += 1;
+    }
+    panic!("no limit was large enough");
+}
+
+/// Limits from `from` on, each so many percent of the one before.
+fn rising(from: u64, percent: u64) -> impl Iterator<Item = u64> {
+    let next = move |n: &u64| Some((n * percent / 100).max(n + 1));
+    std::iter::successors(Some(from), next).take(200)
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_leaves_no_half_answer() {
+    let arguments = ["contact", "--out", "o"];
+    let refused = under("-f", rising(0, 150), &arguments, "cannot write");
+    assert!(refused >= 4, "{refused}");
+}
+
+#[test]
+fn a_limit_on_the_size_of_files_leaves_no_half_log() {
+    let arguments = ["emulate", "short.toml", "--out", "o"];
+    let refused = under("-f", rising(0, 150), &arguments, "cannot write");
+    assert!(refused >= 4, "{refused}");
+}
+
+#[test]
+fn too_little_memory_anywhere_is_one_line_and_leaves_nothing() {
+    let arguments = ["emulate", "short.toml", "--out", "o"];
+    let refused = under("-v", rising(8_000, 112), &arguments, "memory");
+    assert!(refused >= 2, "{refused}");
+}

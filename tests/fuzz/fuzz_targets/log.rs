@@ -1,0 +1,4 @@
+//! A log.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| tests::fuzz::log(data));

@@ -1,0 +1,4 @@
+//! A table of measurements.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| tests::fuzz::table(data));
