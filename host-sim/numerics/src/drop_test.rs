@@ -1,4 +1,4 @@
-//! A drop test as a sensor would see it, made from the model: the hammer is held out, let go at rest with no drive,
+//! A drop test as a sensor would see it, made from the model: the hammer is displaced, released at rest without drive,
 //! falls back, strikes and strikes again, ever more softly (figures 3.8 to 3.10 of the chapter, whose raw data are
 //! not public).
 
@@ -15,7 +15,7 @@ use crate::noise::Noise;
 /// How the test is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropTest {
-    /// Displacement from rest at which the hammer is let go (l sin θ or Δ), m: negative, away from the surface.
+    /// Displacement from rest at which the hammer is released (l sin θ or Δ), m: negative, away from the surface.
     pub release_m: f64,
     /// Impacts in the record.
     pub impacts: usize,
@@ -78,13 +78,13 @@ pub const RINGING_DECAY_S: f64 = 2e-3;
 /// After the last impact, s.
 const AFTER_S: f64 = 0.02;
 
-/// A hammer that has not struck so often by then is not waited for, s.
+/// The simulation ends after this time even if there were fewer impacts than asked for, s.
 const PATIENCE_S: f64 = 60.0;
 
 /// Most samples of a record.
 const MOST_SAMPLES: f64 = 5e6;
 
-/// The first `count` impacts of a hammer let go at `release_m` with no drive; fewer if the hammer comes to rest, or
+/// The first `count` impacts of a hammer released at `release_m` without drive; fewer if the hammer comes to rest, or
 /// does not reach the surface, first.
 ///
 /// # Errors

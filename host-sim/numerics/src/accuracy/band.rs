@@ -43,7 +43,7 @@ pub const ETA_BETA_N: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
 /// ε_α of the smoothing method compared, m (ε_β is 1e7 N/m times that).
 pub const EPSILON_M: [f64; 4] = [1e-6, 2.5e-7, 6.25e-8, 1.5e-8];
 
-/// What a width came to at each of [`TICKS_US`].
+/// The errors of a width at each of [`TICKS_US`].
 pub type Row = Vec<Option<Cell>>;
 
 fn rows(widths: &[f64], method: impl Fn(f64) -> Method + Sync) -> Vec<(f64, Row)> {

@@ -17,7 +17,7 @@ use crate::engine::{Engine, Machine, Plan, Precision, Recorder, Start, machine, 
 pub use crate::engine::{Method, Setting};
 use crate::error::Error;
 
-/// What a run came to over its recorded periods.
+/// What the recorded periods of a run showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Frequency really driven, Hz.

@@ -1,5 +1,5 @@
-//! Basins of attraction (figures 3.36–3.38 and 3.52–3.54): from which starts the hammer keeps striking, and on what it
-//! settles.
+//! Basins of attraction (figures 3.36–3.38 and 3.52–3.54): from which starts contact goes on for good, and on what
+//! motion the hammer settles.
 //!
 //! A grid of starts gives the picture, its entropy and shares with the mesh's own error. A random sample of
 //! starts gives shares with a confidence interval, and, run much longer, how the picture changes with the number of cycles one waits.

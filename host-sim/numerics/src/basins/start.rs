@@ -80,7 +80,7 @@ impl Window {
     }
 }
 
-/// The rig, its drive and the phase at which hammers are let go.
+/// The rig, its drive and the drive phase at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// The rig, with its gap.

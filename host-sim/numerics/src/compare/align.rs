@@ -39,7 +39,7 @@ pub fn drive(
     let slowest = (0.3 * natural / f64::from(MULTIPLES), range.1);
     let base = match (&signal.displacement_mm, &signal.force_n) {
         (Some(displacement), _) => pitch(&signal.time_s, displacement, slowest).0,
-        (None, Some(_)) => blows_per_second(signal)?,
+        (None, Some(_)) => contacts_per_second(signal)?,
         (None, None) => {
             return Err(signal.lacks(RecordError::NothingToCompare));
         }
@@ -58,8 +58,8 @@ fn moves(cart: &[f64], question: &ComparisonRequest) -> bool {
     rms > 0.1 * question.params.amplitude_m * 1e3
 }
 
-/// How often the force record is struck, Hz.
-fn blows_per_second(signal: &Signal) -> Result<f64, Error> {
+/// Contacts per second in the force record, Hz.
+fn contacts_per_second(signal: &Signal) -> Result<f64, Error> {
     let impacts = measure(signal, &EVERY_CONTACT)?.impacts;
     let (Some(first), Some(last)) = (impacts.first(), impacts.last()) else {
         return Err(signal.lacks(RecordError::NoContacts));

@@ -47,7 +47,7 @@ pub fn one_contact(rig: &Rig<f64>, speed_m_per_s: f64) -> Option<Course> {
     Undriven::new(rig, (q, speed_m_per_s), scale, 1.0).next_contact(1.0)
 }
 
-/// What one contact came to.
+/// The figures of one contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// The law's name.

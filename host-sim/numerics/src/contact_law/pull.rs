@@ -6,7 +6,7 @@ use super::undriven::Course;
 use crate::reference::Point;
 use crate::reference::flow::Field;
 
-/// A contact that is held to δ = 0 instead of being let go at F = 0.
+/// A contact that lasts to δ = 0 instead of ending at F = 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pull {
     /// Share of that longer contact in which F < 0.
@@ -25,7 +25,7 @@ const STEPS: f64 = 400.0;
 /// Below this share of its length in one step's travel, δ is zero at release already.
 const NOTHING_LEFT: f64 = 1e-3;
 
-/// Goes on from the release of `contact` with the contact's own equation of motion until δ = 0. None if it does not
+/// Continues from the release of `contact` with the contact's own equation of motion until δ = 0. None if it does not
 /// come back within ten times the contact's duration.
 pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
     let contact = &course.contact;

@@ -169,8 +169,7 @@ impl<'a> Undriven<'a> {
         };
     }
 
-    /// Goes on to the end of the next contact; none if it has not begun by `until_s`, or lasts as long as the
-    /// hammer stays.
+    /// Runs to the end of the next contact; `None` if it has not begun by `until_s`, or does not end.
     pub fn next_contact(&mut self, until_s: f64) -> Option<Course> {
         for _ in 0..MAX_STEPS {
             if self.point.t > until_s {

@@ -121,7 +121,7 @@ pub fn machine_at(
 }
 
 /// Frequencies over the natural frequency that are run at all. Below, a drive period takes minutes of rig
-/// time in which nothing but the hammer's own swing happens; above, the hammer does not feel the drive.
+/// time in which the hammer only follows its own swing; above, the drive hardly moves the hammer.
 pub const RATIOS: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
 /// Checks that a rig can be driven at `frequency_hz`.

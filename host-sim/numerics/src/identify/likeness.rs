@@ -26,7 +26,7 @@ pub struct Likeness<'a> {
 /// One impact of the model, laid over the measured one.
 #[derive(Clone, Debug)]
 pub struct Aligned {
-    /// The model's; none: it does not strike so often.
+    /// The model's contact; `None` if the model has fewer contacts.
     pub course: Option<Course>,
     /// Where its onset was put in the record, s.
     pub onset_s: f64,

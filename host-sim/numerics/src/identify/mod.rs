@@ -1,5 +1,5 @@
-//! Contact parameters from a drop test (section 3.3.2, figures 3.9 and 3.10): the hammer is let go at rest, falls
-//! back and strikes again and again; the law's parameters are sought whose impacts are most like the measured ones.
+//! Contact parameters from a drop test (section 3.3.2, figures 3.9 and 3.10): the hammer is released at rest, falls
+//! back and bounces; sought are the parameters of the law whose impacts are most similar to the measured ones.
 //!
 //! This is not [`shared::sense::identification`], which is the microcontroller's: there a spring-dashpot follows in closed form
 //! from two figures of each impact while the rig runs. Here a whole record is searched on, offline, for any law.
@@ -162,7 +162,7 @@ pub struct Fit {
     pub profiles: Vec<Profile>,
 }
 
-/// The parameters of `family` that make `params`' hammer strike as `measured`.
+/// The parameters of `family` with which the impacts of the rig `params` are most similar to `measured`.
 ///
 /// # Errors
 /// If a parameter or the release is out of range, or if the hammer released there has no contact.

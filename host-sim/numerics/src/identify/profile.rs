@@ -36,7 +36,7 @@ pub struct Estimate {
 /// The misfit over one parameter, all others at their best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// What it came to.
+    /// The parameter and its interval.
     pub estimate: Estimate,
     /// (value, rise of χ² over its least), by value.
     pub points: Vec<(f64, f64)>,

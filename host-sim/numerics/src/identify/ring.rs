@@ -1,4 +1,4 @@
-//! The surface's ringing: what the force record shows after the hammer has let go. Reported, not fitted: the model
+//! The surface's ringing: what the force record shows after the release. Reported, not fitted: the model
 //! has a rigid surface (section 3.3.2).
 
 use std::f64::consts::TAU;
@@ -98,7 +98,7 @@ fn tail(measured: &Measured, from: usize, model: &Aligned) -> Option<Tail> {
     let contact = model.course.as_ref()?.contact;
     let release = model.onset_s + contact.duration_s;
     let times = &measured.time_s[from..];
-    // The law may let go a little early or late: a tenth of the contact is left out.
+    // The release of the law may be a little early or late: a tenth of the contact is left out.
     let first = from + times.partition_point(|t| *t < release + 0.1 * contact.duration_s);
     let end = from + times.partition_point(|t| *t < release + SPAN_S);
     if end < first + 10 {

@@ -127,9 +127,9 @@ pub struct Similarity {
     pub cells: usize,
     /// Of these, same label.
     pub same: usize,
-    /// Of these, something strikes in at least one of the two.
+    /// Of these, cells with contact in at least one of the two.
     pub striking: usize,
-    /// Of the striking, same label.
+    /// Of the cells with contact, same label.
     pub same_striking: usize,
     /// Of these, both repeat with n of at most 2: the orderly part.
     pub orderly: usize,

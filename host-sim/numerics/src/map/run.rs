@@ -10,7 +10,7 @@ use super::{Map, MapCell};
 use crate::error::{Error, MapError};
 use crate::progress::{Progress, check, step};
 
-/// Where the tiles of an unfinished map are kept, so that a run that was cut off goes on and several can share one map.
+/// Keeps the tiles of an unfinished map, so that an interrupted run can continue, and several runs can share one map.
 pub trait Tiles: Sync {
     /// Makes the place for tiles ready.
     ///
@@ -29,7 +29,7 @@ pub trait Tiles: Sync {
 }
 
 /// Makes the map of `request`. Tiles that `store` has are taken from it, the others are computed and kept there.
-/// The same map comes out whatever was there before, and for any number of threads.
+/// The map is the same whatever `store` had, and for any number of threads.
 ///
 /// # Errors
 /// If the request cannot be run ([`MapRequest::check`]), if the tiles cannot be kept, or if the work is interrupted.

@@ -15,11 +15,11 @@ pub struct Summary {
     pub regimes: Vec<Share>,
     /// Cells whose section had converged.
     pub settled: usize,
-    /// Cells that strike and whose section had not converged.
+    /// Cells with contact whose section had not converged.
     pub open: usize,
     /// Cells flagged as uncertain, and run again by the reference.
     pub uncertain: usize,
-    /// Where z = 1/1 strikes hardest, if it is there.
+    /// Where z = 1/1 has the largest force, if there is one.
     pub strongest: Option<Strongest>,
 }
 
@@ -33,7 +33,7 @@ pub struct Share {
     pub cells: usize,
 }
 
-/// The hardest 1/1.
+/// The 1/1 with the largest force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Strongest {
     /// Clearance at rest, mm.

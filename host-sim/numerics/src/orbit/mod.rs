@@ -304,7 +304,7 @@ fn plausible(rig: &Rig<f64>, x: [f64; 2], units: [f64; 2]) -> bool {
     const FAR: f64 = 60.0;
     const DEEP: f64 = 0.2;
     let penetration = rig.kinematics(x[0], x[1]).delta;
-    // A comparison with a number that is none is false.
+    // Comparisons with NaN are false.
     (x[0] / units[0]).abs() < FAR
         && (x[1] / units[1]).abs() < FAR
         && penetration < DEEP * rig.amplitude()

@@ -35,13 +35,13 @@ pub struct Shaker {
     pub acceleration_m_per_s2: f64,
     /// Peak force to move cart and hammer, (M + m) A0 Ω², N.
     pub force_n: f64,
-    /// Mean power the blows and the support's damping take, W.
+    /// Mean power that contacts and the support's damping take, W.
     pub mean_power_w: f64,
     /// Peak of the reactive power, ½ (M + m) A0² Ω³, W.
     pub reactive_power_w: f64,
-    /// Energy a blow takes from the hammer, J.
+    /// Energy that a contact takes from the hammer, J.
     pub energy_per_blow_j: f64,
-    /// Blows per second.
+    /// Contacts per second.
     pub blows_per_second: f64,
 }
 

@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(high, 4.0);
     }
 
-    /// ±5 % of amplitude: the second of the two members strikes harder than the first.
+    /// ±5 % of amplitude: the second of the two members has a larger force than the first.
     fn by_amplitude() -> Vec<Member> {
         let uncertainty = Uncertainty {
             natural_frequency_percent: 0.0,

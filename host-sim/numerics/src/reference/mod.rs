@@ -299,8 +299,8 @@ impl<R: Scalar> Reference<R> {
             }
             self.next_step = tableau::next(h, step.error);
         }
-        // A motion that needs so many steps is none the model describes: say so by a state that is no
-        // number, which every reader tests for.
+        // The model does not describe a motion that needs so many steps. The state becomes NaN, which every caller
+        // tests for.
         let nowhere = R::from_f64(f64::NAN);
         self.point = Point {
             t: R::ZERO,

@@ -263,7 +263,7 @@ fn what_has_no_choice_says_why() {
     let none = made.field().choose(range_hz, limits).err().unwrap();
     let what = PickError::Limits { range_hz, limits };
     assert_eq!(none, made.rig.no_pick(what));
-    // A rig with 60 % more natural frequency does not strike once a period where the nominal one does.
+    // A rig with 60 % more natural frequency has no 1/1 where the nominal one has.
     let far = Made::new(60.0, 0.0);
     let lost = far
         .field()
