@@ -293,6 +293,12 @@ mod tests {
     }
 
     #[test]
+    fn the_width_of_the_safe_band_is_a_percentage_of_the_operating_frequency() {
+        let at = made_up(0.0, 10.0, false, 5);
+        assert_eq!(at.pick.unwrap().safe_band_percent(), 10.0);
+    }
+
+    #[test]
     fn four_fifths_of_the_largest_force_are_enough_and_weak_gaps_do_not_make_jumps_matter() {
         let at = |gaps: &[AtGap]| advised(gaps).map(|i| gaps[i].gap_mm);
         let strong = made_up(0.0, 10.0, false, 1);

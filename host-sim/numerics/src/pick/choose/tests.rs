@@ -236,6 +236,9 @@ fn a_limit_binds_if_dropping_it_alone_gives_more() {
         binding(force(2.0 * optimum.force_n)),
         [("max_force_n", false)]
     );
+    // However little it gives away.
+    let barely = force(0.9995 * optimum.force_n);
+    assert_eq!(binding(barely), [("max_force_n", true)]);
     // Two limits at the same place: neither binds by itself.
     let both = Limits {
         max_drive_force_n: by_drive.max_drive_force_n,
