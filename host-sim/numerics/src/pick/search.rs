@@ -325,6 +325,17 @@ mod tests {
     }
 
     #[test]
+    fn an_interval_is_not_searched_beyond_its_limits() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let orbits = &branch.orbits;
+        let between = |i: usize| 0.5 * (orbits[i].frequency_hz + orbits[i + 1].frequency_hz);
+        let limits = (between(1), between(orbits.len() - 3));
+        let middle = 0.5 * (limits.0 + limits.1);
+        let inside = |hz: f64| limits.0 <= hz && hz <= limits.1;
+        assert_eq!(interval_where(branch, middle, limits, inside), limits);
+    }
+
+    #[test]
     fn a_narrow_maximum_at_an_orbit_of_the_branch_is_not_passed_over_and_the_first_of_equals_counts()
      {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
