@@ -325,6 +325,59 @@ mod tests {
     }
 
     #[test]
+    fn an_interval_is_not_searched_beyond_its_limits() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let orbits = &branch.orbits;
+        let between = |i: usize| 0.5 * (orbits[i].frequency_hz + orbits[i + 1].frequency_hz);
+        let limits = (between(1), between(orbits.len() - 3));
+        let middle = 0.5 * (limits.0 + limits.1);
+        let inside = |hz: f64| limits.0 <= hz && hz <= limits.1;
+        assert_eq!(interval_where(branch, middle, limits, inside), limits);
+    }
+
+    #[test]
+    fn a_narrow_maximum_at_an_orbit_of_the_branch_is_not_passed_over_and_the_first_of_equals_counts()
+     {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let orbits = &branch.orbits;
+        let (low, high) = (branch.low.frequency_hz, branch.high.frequency_hz);
+        let (first, last) = (1, orbits.len() - 2);
+        assert!(first < last);
+        for node in [first, last].map(|i| orbits[i].frequency_hz) {
+            let value = |hz: f64| {
+                let off = (hz - node).abs();
+                let narrow = off < 1e-3;
+                Some((
+                    if narrow {
+                        1.0 - off
+                    } else {
+                        -(hz - 0.5 * (low + high)).powi(2)
+                    },
+                    (),
+                ))
+            };
+            let (found, ()) = maximise(branch, (low, high), value).unwrap();
+            assert!((found - node).abs() < 1e-6, "{found} for {node}");
+        }
+        let (found, ()) = maximise(branch, (low, high), |_| Some((1.0, ()))).unwrap();
+        assert_eq!(found, low);
+    }
+
+    #[test]
+    fn a_start_beyond_the_branch_is_tried_a_tenth_lower_and_higher() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let member = &by_amplitude()[0];
+        let (low, high) = (branch.low.frequency_hz, branch.high.frequency_hz);
+        let wide = (0.5 * low, 1.5 * high);
+        let usual = stable_interval(&WIRES, member, branch, 3.0, wide).unwrap();
+        for start in [0.95 * low, 1.05 * high] {
+            let found = stable_interval(&WIRES, member, branch, start, wide).unwrap();
+            let off = (found.0 - usual.0).abs().max((found.1 - usual.1).abs());
+            assert!(off < 1e-5, "{found:?} for {usual:?}");
+        }
+    }
+
+    #[test]
     fn an_interval_ends_above_where_its_condition_does() {
         let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
         let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz < 3.4);

@@ -145,19 +145,17 @@ fn a_bifurcation_diagram_ends_before_its_changes_are_located() {
 }
 
 #[test]
-fn a_pick_ends_with_and_without_an_uncertainty() {
+fn a_pick_ends_among_the_members_and_the_sweeps() {
     let rig = wires(0.0);
-    let two_members = Uncertainty {
+    let two_members = Some(Uncertainty {
         natural_frequency_percent: 0.0,
         contact_stiffness_percent: 0.0,
         contact_damping_percent: 0.0,
         gap_mm: 0.0,
         samples: 0,
         ..Uncertainty::default()
-    };
-    for uncertainty in [None, Some(two_members)] {
-        ends_when_asked((pick::steps(uncertainty), 1), |progress| {
-            pick::pick(&rig, uncertainty, Limits::default(), progress)
-        });
-    }
+    });
+    ends_when_asked((pick::steps(two_members), 1), |progress| {
+        pick::pick(&rig, two_members, Limits::default(), progress)
+    });
 }
