@@ -3,7 +3,7 @@
 use shared::control::State;
 
 use emulator::names::state_name;
-use emulator::record::{BlockRow, Contact, Event, Observer, TickRow, What};
+use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
 use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
 /// Time between two points of a curve at first, s.
@@ -132,8 +132,8 @@ impl Observer for Trace {
 
     fn event(&mut self, event: &Event) {
         let (text, fault) = match &event.what {
-            What::Scenario { text } => (text.clone(), false),
-            What::Fault { fault, .. } => (fault.name().to_owned(), true),
+            EventKind::Scenario { text } => (text.clone(), false),
+            EventKind::Fault { fault, .. } => (fault.name().to_owned(), true),
             _ => return,
         };
         self.marks.push((event.time_s, text, fault));
@@ -226,7 +226,7 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
             to,
             color,
             label: if named && first {
-                state_name(*state)
+                state_name(*state).to_owned()
             } else {
                 String::new()
             },
@@ -317,7 +317,7 @@ mod tests {
         trace.event(&Event {
             tick: 0,
             time_s: f64::from(seconds),
-            what: What::Fault {
+            what: EventKind::Fault {
                 fault: shared::fault::Fault::OverForce,
                 origin: shared::fault::Origin::Force,
                 value: 1.0,

@@ -53,7 +53,8 @@ impl Plant {
         }
     }
 
-    fn begin_contact(&mut self, s: f64) {
+    /// Begins a contact `s` seconds into the tick.
+    pub(super) fn begin_contact(&mut self, s: f64) {
         let approach = self.bodies.kinematics(&self.state).rate;
         let onset_s = self.time_s() + s;
         self.bodies.mode = Mode::Contact;
