@@ -56,7 +56,7 @@ pub fn scenario(data: &[u8]) {
     }
 }
 
-/// A table of measurements: every line has the number it has when the lines are counted from the start.
+/// A table of measurements: numbers of lines rise and are those of lines that are there.
 pub fn table(data: &[u8]) {
     let text = String::from_utf8_lossy(data).into_owned();
     let lines = Measurements::new("fuzz.csv", text.clone())
@@ -65,7 +65,7 @@ pub fn table(data: &[u8]) {
         Err(error) => one_line(&error),
         Ok(lines) => {
             assert!(lines.is_sorted_by(|a, b| a.number < b.number));
-            let last = text.matches('\n').count() + 1;
+            let last = text.matches(['\r', '\n']).count() + 1;
             for line in &lines {
                 assert!((1..=last).contains(&line.number));
                 if let Ok(force_n) = line.number("force_n") {

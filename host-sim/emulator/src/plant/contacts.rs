@@ -53,6 +53,7 @@ impl Plant {
         }
     }
 
+    /// Begins a contact `s` seconds into the tick.
     pub(super) fn begin_contact(&mut self, s: f64) {
         let approach = self.bodies.kinematics(&self.state).rate;
         let onset_s = self.time_s() + s;

@@ -125,7 +125,12 @@ impl<'a> LineNumbers<'a> {
             if self.at >= from && !b"\r\n".contains(byte) {
                 break;
             }
-            self.number += usize::from(*byte == b'\n');
+            // A line ends with CR, LF or both, as for the CSV reader.
+            let ends = match byte {
+                b'\n' => self.at == 0 || self.text[self.at - 1] != b'\r',
+                byte => *byte == b'\r',
+            };
+            self.number += usize::from(ends);
             self.at += 1;
         }
         self.number
@@ -180,6 +185,9 @@ mod tests {
         let lines = table(text).lines(&["b"]).unwrap();
         let numbers: Vec<_> = lines.iter().map(|line| line.number).collect();
         assert_eq!(numbers, [3, 5, 9]);
+        let lines = table("a\r1\r\r2\n").lines(&["a"]).unwrap();
+        let numbers: Vec<_> = lines.iter().map(|line| line.number).collect();
+        assert_eq!(numbers, [2, 4]);
         let line = table("a\n1\n\n2,3\n").lines(&["a"]).unwrap_err();
         assert!(
             line.to_string().starts_with("m.csv, line 4: 2 fields"),
