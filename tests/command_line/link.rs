@@ -275,7 +275,11 @@ fn what_goes_wrong_is_told_in_one_line() {
         protocol: PROTOCOL_VERSION + 1,
         ..Toy::new()
     });
-    refused(&folder, &newer.line("status"), &["protocol 2", "9.9.9"]);
+    refused(
+        &folder,
+        &newer.line("status"),
+        &[&format!("this program {PROTOCOL_VERSION}"), "9.9.9"],
+    );
 
     let board = toy(Toy::new());
     refused(&folder, &board.line("clear-fault"), &["not in this state"]);
