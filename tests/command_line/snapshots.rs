@@ -141,7 +141,6 @@ const REFUSED: &[&str] = &[
     "identify column.csv --seek-exponent",
     "scenarios feild",
     "figures --only 3.7 --out o",
-    "link /dev/no-such-port status",
 ];
 
 #[test]

@@ -143,7 +143,8 @@ fn text(modes: &[ModeAnswer], rows: &[Row], counts: &[usize]) -> String {
             row.frequency_hz,
             row.frequency_ratio,
             row.modes,
-            row.regime,
+            // A regime ignores the width of its column; a string does not.
+            row.regime.to_string(),
             row.force_n,
             row.force_ratio,
             row.swing_mm,

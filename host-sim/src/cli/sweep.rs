@@ -127,7 +127,8 @@ fn text(rows: &[Row]) -> String {
             "{:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}  {}\n",
             row.frequency_hz,
             row.frequency_ratio,
-            row.regime,
+            // A regime ignores the width of its column; a string does not.
+            row.regime.to_string(),
             row.force_ratio,
             row.force_n,
             row.approach_speed_m_per_s
