@@ -287,7 +287,7 @@ pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
                 direction: diagram.direction.name(),
                 frequency_hz: station.row.frequency_hz,
                 frequency_ratio: station.row.frequency_ratio,
-                regime: station.row.regime.clone(),
+                regime: station.row.regime,
                 displacement_mm: p.displacement_mm,
                 relative_velocity_m_per_s: p.velocity_m_per_s,
                 force_n: p.force_n,
