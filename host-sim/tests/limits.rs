@@ -66,8 +66,7 @@ fn under(ulimit: &str, limits: impl Iterator<Item = u64>, arguments: &[&str], sa
     assert!(done.status.success(), "{done:?}");
     let new = files(&out);
     assert!(!new.is_empty());
-    let mut refused = 0;
-    for limit in limits {
+    for (refused, limit) in (0..).zip(limits) {
         for (name, _) in &new {
             fs::write(out.join(name), "old").unwrap();
         }
@@ -80,7 +79,6 @@ fn under(ulimit: &str, limits: impl Iterator<Item = u64>, arguments: &[&str], sa
         check_refused(&out, [&old, &new], &done, limit);
         let line = String::from_utf8_lossy(&done.stderr);
         assert!(line.contains(says), "limit {limit}: {line}");
-        refused += 1;
     }
     panic!("no limit was large enough");
 }

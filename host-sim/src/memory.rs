@@ -1,9 +1,7 @@
-//! What the system may refuse the program anywhere: memory, and the size of a file. Either ends in one line and exit
-//! code 2, and no half-written file stays.
+//! Memory that the system refuses: one line and exit code 2, and no half-written file stays.
 //!
-//! This is the only `unsafe` of the desktop programs. Without it a program out of memory is aborted by the standard
-//! library, with its temporary files left behind, and one over its file size limit is killed by SIGXFSZ without a
-//! word; the stable standard library offers no safe way to change either.
+//! This needs `unsafe`. Without it a program out of memory is aborted by the standard library, with its temporary files left
+//! behind; the stable standard library offers no safe way to change that.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -83,13 +81,4 @@ fn exit_now() -> ! {
 #[cfg(not(unix))]
 fn exit_now() -> ! {
     std::process::exit(2)
-}
-
-/// From now on a write beyond the file size limit is an error like that of a full disk.
-pub fn report_file_size_limit() {
-    #[cfg(unix)]
-    // SAFETY: ignoring a signal installs no handler; nothing else in the program sets this signal's action.
-    unsafe {
-        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
-    }
 }
