@@ -96,7 +96,7 @@ fn ours(out: &Path) -> Result<(), Box<dyn Error>> {
     let reference = || lanes::by_engine(Engine::Event, &cells, &plan).expect("the map's cells run");
     let engines: [(&str, &str, Run); 2] = [
         ("ours", "numerics::lanes::run", &fast),
-        ("reference", "host_sim's reference (order 8, 1e-12)", &reference),
+        ("reference", "this project's reference (order 8, 1e-12)", &reference),
     ];
     for (name, title, run) in engines {
         let (outcomes, cpu_s) = one_core.install(|| timed(run));
