@@ -13,7 +13,7 @@ pub const MOST_TEXT: u64 = 16 << 20;
 /// Most bytes of a table: ten minutes of three sensors at 20 kHz have half of it.
 pub const MOST_TABLE: u64 = 1 << 30;
 
-/// The text of the file `path`, of at most [`MOST_TEXT`] bytes. A pipe is read to its end, which may be a shell's
+/// The text of the file `path`, of at most `MOST_TEXT` bytes. A pipe is read to its end, which may be a shell's
 /// `<(command)`; a device is refused.
 ///
 /// # Errors
@@ -22,7 +22,7 @@ pub fn read_text(path: &Path) -> Result<String, UserError> {
     read_text_of(path, MOST_TEXT)
 }
 
-/// The same for a table, of at most [`MOST_TABLE`] bytes.
+/// The same for a table, of at most `MOST_TABLE` bytes.
 ///
 /// # Errors
 /// As [`read_text`].
