@@ -9,7 +9,8 @@ use shared::fault::Record;
 use shared::link::ToBoard;
 use shared::settings::TICK_RATE_HZ;
 
-use super::client::{Client, state_name};
+use super::client::Client;
+use emulator::names::state_name;
 use files::UserError;
 
 /// How often the status is asked for: several times per drive period, and well within the link's timeout.

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant, SystemTime};
 
 use serialport::{ClearBuffer, SerialPort};
-use shared::control::{Command, Refused, State, Status};
+use shared::control::{Command, Refused, Status};
 use shared::link::{
     Answer, Decoder, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, Refusal, ToBoard,
     encode,
@@ -300,19 +300,5 @@ fn reason(refusal: Refusal) -> &'static str {
             "the settings are in use but could not be stored in flash; send them again, they are lost at the next reset"
         }
         Refusal::NotAvailable => "refused: this board cannot do that",
-    }
-}
-
-/// The name of a state.
-pub fn state_name(state: State) -> &'static str {
-    match state {
-        State::Idle => "idle",
-        State::SelfTest => "self-test",
-        State::Ramp => "ramp",
-        State::Seek => "seek",
-        State::Hold => "hold",
-        State::Stop => "stop",
-        State::Fault => "fault",
-        State::Manual => "manual",
     }
 }

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use shared::control::{BootInfo, Command, State};
 use shared::link::{Answer, FromBoard, Hello, RecordedBlock, ToBoard};
 
-use super::client::{Client, state_name};
+use super::client::Client;
 use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
+use emulator::names::state_name;
 use files::UserError;
 
 /// A board that streams nothing for so long is taken as stopped.
