@@ -53,6 +53,8 @@ pub(super) struct Seen {
     pub in_contact: bool,
     /// Whether the frequency stood at its goal at the last strobe.
     pub arrived: bool,
+    /// Drive phase of the last onset, turns.
+    pub onset_turns: f32,
 }
 
 impl Seen {
@@ -62,6 +64,7 @@ impl Seen {
         basin: BasinTracker::NEW,
         in_contact: false,
         arrived: false,
+        onset_turns: 0.0,
     };
 }
 

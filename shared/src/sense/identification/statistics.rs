@@ -3,18 +3,18 @@
 use super::FEWEST_WINDOWS as FEWEST;
 use super::MEMORY;
 
-/// Mean and variance that forget.
+/// Mean and variance that forget: of the last `M` values, older ones faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Average {
+pub struct Average<const M: u32 = MEMORY> {
     pub mean: f32,
     pub variance: f32,
     pub count: u32,
 }
 
-impl Average {
+impl<const M: u32> Average<M> {
     pub fn push(&mut self, value: f32) {
         self.count = self.count.saturating_add(1);
-        let weight = 1.0 / self.count.min(MEMORY) as f32;
+        let weight = 1.0 / self.count.min(M) as f32;
         let off = value - self.mean;
         self.mean += weight * off;
         self.variance = (1.0 - weight) * (self.variance + weight * off * off);
@@ -22,7 +22,7 @@ impl Average {
 
     /// Standard error of the mean.
     pub fn sigma(&self) -> f32 {
-        let count = self.count.clamp(2, MEMORY);
+        let count = self.count.clamp(2, M);
         libm::sqrtf(self.variance / (count - 1) as f32)
     }
 }
