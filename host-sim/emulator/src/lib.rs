@@ -18,6 +18,7 @@
 //! | [`in_the_loop`] | in an emulated processor and in this process, compared |
 //! | [`run`] | world and controller, block by block |
 //! | [`optimum`] | the best the true rig can do |
+//! | [`rig_path`] | how the true rig changed, and its mean optimum |
 //! | [`summary`], [`verdict`] | counts and sums over a run, and whether it did what it had to, by the true force |
 //! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
 //! | [`timeline`] | the events of a run, in words |
@@ -33,6 +34,7 @@ pub mod names;
 pub mod optimum;
 pub mod plant;
 pub mod record;
+pub mod rig_path;
 pub mod run;
 pub mod scenario;
 pub mod schedule;

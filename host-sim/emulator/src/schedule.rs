@@ -3,7 +3,7 @@
 use shared::control::Command;
 
 use super::scenario::{Act, Change, Scenario, Timed};
-use super::sensors::{Defect, Sensor};
+use super::sensors::Defect;
 use super::under_test::Reset;
 
 /// An action and when it is due.
@@ -26,8 +26,10 @@ pub enum Doing {
     Link(bool),
     /// The emergency-stop chain opens or closes.
     Emergency(bool),
-    /// A sensor goes wrong, or right again.
-    Defect(Sensor, Option<Defect>),
+    /// Sensors go wrong, in the order of their codes.
+    Defects(usize, [Option<Defect>; 3]),
+    /// The defects that this number was given to are over.
+    DefectsOver(usize),
     /// The hammer is pushed, m/s.
     Push(f64),
     /// Blocks whose control task overruns.
@@ -45,7 +47,11 @@ impl Doing {
     pub fn is_physical(&self) -> bool {
         matches!(
             self,
-            Self::Emergency(_) | Self::Defect(..) | Self::Push(_) | Self::Drift(..)
+            Self::Emergency(_)
+                | Self::Defects(..)
+                | Self::DefectsOver(_)
+                | Self::Push(_)
+                | Self::Drift(..)
         )
     }
 }
@@ -90,8 +96,8 @@ impl Spell {
 pub fn schedule(scenario: &Scenario) -> Vec<Due> {
     let tick_at = |s: f64| (s / scenario.tick_s()).round() as u64;
     let mut due = Vec::new();
-    for Timed { at_s, act } in &scenario.events {
-        let (what, end) = doing(act);
+    for (id, Timed { at_s, act }) in scenario.events.iter().enumerate() {
+        let (what, end) = doing(act, id);
         due.push(Due {
             tick: tick_at(*at_s),
             what,
@@ -109,8 +115,8 @@ pub fn schedule(scenario: &Scenario) -> Vec<Due> {
     due
 }
 
-/// The action of an act, and the one that ends it after so many seconds.
-fn doing(act: &Act) -> (Doing, Option<(f64, Doing)>) {
+/// The action of an act with this number, and the one that ends it after so many seconds.
+fn doing(act: &Act, id: usize) -> (Doing, Option<(f64, Doing)>) {
     let command = |command| (Doing::Command(command), None);
     match *act {
         Act::Start { mode } => command(Command::Start(mode.into())),
@@ -129,14 +135,9 @@ fn doing(act: &Act) -> (Doing, Option<(f64, Doing)>) {
             let end = for_s.map(|s| (s, Doing::Emergency(false)));
             (Doing::Emergency(true), end)
         }
-        Act::SensorFault {
-            sensor,
-            fault,
-            times,
-            for_s,
-        } => {
-            let end = for_s.map(|s| (s, Doing::Defect(sensor, None)));
-            (Doing::Defect(sensor, Some(fault.defect(times))), end)
+        Act::SensorFault { for_s, .. } => {
+            let end = for_s.map(|s| (s, Doing::DefectsOver(id)));
+            (Doing::Defects(id, act.defects()), end)
         }
         Act::Push { speed_m_per_s } => (Doing::Push(speed_m_per_s), None),
         Act::Overrun { blocks, every } => (Doing::Overrun(Spell::new(blocks, every)), None),

@@ -28,6 +28,7 @@ pub struct World {
     m_per_code: f64,
     rig: RigParams,
     drift: Option<Drift>,
+    powered: bool,
 }
 
 impl World {
@@ -52,6 +53,7 @@ impl World {
             m_per_code: f64::from(settings.drive.m_per_code),
             rig,
             drift: None,
+            powered: false,
         })
     }
 
@@ -65,11 +67,22 @@ impl World {
         &self.rig
     }
 
+    /// Whether the drive had power during the last tick.
+    pub fn is_powered(&self) -> bool {
+        self.powered
+    }
+
+    /// Whether something of the scenario's is wrong with sensors or chain.
+    pub fn is_faulty(&self) -> bool {
+        self.chain.0.open || self.sensors.is_defective()
+    }
+
     /// A tick with `output` at the drive; returns what the ADC reads at its end.
     #[inline]
     pub fn tick(&mut self, output: &Output) -> Frame {
         let played = if output.enable { *output } else { Output::SAFE };
         let metres = (f64::from(played.dac.0) - 2048.0) * self.m_per_code;
+        self.powered = played.enable;
         let path = self.smoother.tick(metres);
         self.plant.tick(path, played.enable);
         let [force, hammer, cart] = self.sensors.read(&self.plant);
@@ -86,9 +99,18 @@ impl World {
         self.chain.0.open = open;
     }
 
-    /// Makes a sensor defective, or whole again.
-    pub fn set_defect(&mut self, sensor: Sensor, defect: Option<Defect>) {
-        self.sensors.set_defect(sensor, defect);
+    /// Sensors get defects, in the order of their codes; `id` ends them again.
+    pub fn begin_defects(&mut self, id: usize, defects: &[Option<Defect>; 3]) {
+        for (sensor, defect) in Sensor::ALL.into_iter().zip(defects) {
+            if let Some(defect) = defect {
+                self.sensors.begin(sensor, id, *defect);
+            }
+        }
+    }
+
+    /// The defects of this `id` are over.
+    pub fn end_defects(&mut self, id: usize) {
+        self.sensors.end(id);
     }
 
     /// Pushes the hammer.

@@ -8,3 +8,4 @@ mod scenarios;
 mod sensors;
 mod stiff_limit;
 mod support;
+mod verdicts;

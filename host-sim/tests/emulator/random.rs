@@ -121,10 +121,21 @@ fn mishap() -> impl Strategy<Value = Act> {
         (-0.6..0.6).prop_map(|speed_m_per_s| Act::Push { speed_m_per_s }),
         (sensor, fault, -3.0..5.0, 1e-4..2.0).prop_map(|(sensor, fault, times, for_s)| {
             Act::SensorFault {
-                sensor,
+                sensor: sensor.into(),
                 fault,
-                times: Some(times),
+                times: (fault == Fault::Gain).then_some(times),
                 for_s: Some(for_s),
+                percent_per_s: None,
+                offset_n: None,
+                offset_um: None,
+                drift_n_per_s: None,
+                drift_um_per_s: None,
+                noise_n: None,
+                noise_um: None,
+                delay_ms: None,
+                ticks: None,
+                of: None,
+                at: None,
             }
         }),
         (1_u32..6, 1_u32..8).prop_map(|(blocks, every)| Act::Overrun { blocks, every }),

@@ -8,7 +8,8 @@ use toml::Value;
 use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::LONGEST_S;
-use crate::sensors::{Defect, Sensor};
+use super::sensor_fault::{Fault, SensorFault, Which};
+use crate::sensors::{Defect, End};
 use crate::under_test::Reset;
 use files::UserError;
 
@@ -37,35 +38,6 @@ impl From<Mode> for control::Mode {
         match mode {
             Mode::Automatic => Self::Automatic,
             Mode::Manual => Self::Manual,
-        }
-    }
-}
-
-/// What is wrong with a sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Fault {
-    /// Its wire is open.
-    Open,
-    /// It is at its upper rail.
-    Saturated,
-    /// It is at its lower rail.
-    SaturatedLow,
-    /// Its code stays.
-    Frozen,
-    /// Its gain is wrong by `times`.
-    Gain,
-}
-
-impl Fault {
-    /// The defect of the sensor; `times` is the factor of a wrong gain.
-    pub fn defect(self, times: Option<f64>) -> Defect {
-        match self {
-            Self::Open => Defect::Open,
-            Self::Saturated => Defect::Saturated,
-            Self::SaturatedLow => Defect::SaturatedLow,
-            Self::Frozen => Defect::Frozen,
-            Self::Gain => Defect::Gain(times.unwrap_or(1.0)),
         }
     }
 }
@@ -104,16 +76,38 @@ pub enum Act {
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
     },
-    /// A sensor goes wrong.
+    /// Sensors go wrong.
     SensorFault {
         /// Which.
-        sensor: Sensor,
+        sensor: Which,
         /// How.
         fault: Fault,
-        /// With `gain` and only there: how many times too large it reads.
+        /// How many times too large it reads, or its supply is.
         times: Option<f64>,
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
+        /// How fast its gain grows, %/s.
+        percent_per_s: Option<f64>,
+        /// Added to the force, N.
+        offset_n: Option<f64>,
+        /// Added to a displacement, µm.
+        offset_um: Option<f64>,
+        /// Added to the force per second, N/s.
+        drift_n_per_s: Option<f64>,
+        /// Added to a displacement per second, µm/s.
+        drift_um_per_s: Option<f64>,
+        /// Noise of a dead force sensor, N.
+        noise_n: Option<f64>,
+        /// Noise of a dead displacement sensor, µm.
+        noise_um: Option<f64>,
+        /// How late it reads, ms.
+        delay_ms: Option<f64>,
+        /// Ticks at an end.
+        ticks: Option<u32>,
+        /// Of so many.
+        of: Option<u32>,
+        /// At which end.
+        at: Option<End>,
     },
     /// The hammer is pushed.
     Push {
@@ -185,6 +179,47 @@ impl Act {
         }
     }
 
+    /// What is wrong with which sensors, of a sensor fault.
+    fn how(&self) -> Option<SensorFault> {
+        match *self {
+            Self::SensorFault {
+                sensor,
+                fault,
+                times,
+                percent_per_s,
+                offset_n,
+                offset_um,
+                drift_n_per_s,
+                drift_um_per_s,
+                noise_n,
+                noise_um,
+                delay_ms,
+                ticks,
+                of,
+                at,
+                ..
+            } => Some(SensorFault {
+                sensor,
+                fault,
+                times,
+                percent_per_s,
+                offset: [offset_n, offset_um],
+                drift: [drift_n_per_s, drift_um_per_s],
+                noise: [noise_n, noise_um],
+                delay_ms,
+                ticks,
+                of,
+                at,
+            }),
+            _ => None,
+        }
+    }
+
+    /// The defects of a sensor fault, in the order of the sensors' codes.
+    pub fn defects(&self) -> [Option<Defect>; 3] {
+        self.how().map_or([None; 3], |how| how.defects())
+    }
+
     /// Numbers with a range: key, value, and the range.
     fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
         let long = |s: Option<f64>| ("for_s", s.unwrap_or(1.0), (1e-6, LONGEST_S));
@@ -197,10 +232,11 @@ impl Act {
                 ("amplitude_mm", amplitude_mm, (0.0, 100.0)),
             ],
             Self::EmergencyStop { for_s } => vec![long(for_s)],
-            Self::SensorFault { times, for_s, .. } => vec![
-                ("times", times.unwrap_or(1.0), (-100.0, 100.0)),
-                long(for_s),
-            ],
+            Self::SensorFault { for_s, .. } => {
+                let mut numbers = self.how().map_or(vec![], |how| how.numbers());
+                numbers.push(long(for_s));
+                numbers
+            }
             Self::Push { speed_m_per_s } => vec![("speed_m_per_s", speed_m_per_s, (-10.0, 10.0))],
             Self::Overrun { blocks, every } | Self::LostBlock { blocks, every } => {
                 let most = (1.0, f64::from(u32::MAX));
@@ -222,15 +258,7 @@ impl Act {
             }
         }
         match *self {
-            Self::SensorFault { fault, times, .. } => match (fault, times) {
-                (Fault::Gain, None) => Err(UserError::new(
-                    "fault = \"gain\" needs times = N: how many times too large the sensor reads",
-                )),
-                (Fault::Gain, Some(_)) | (_, None) => Ok(()),
-                (_, Some(_)) => Err(UserError::new(
-                    "times goes with fault = \"gain\" alone; leave it out",
-                )),
-            },
+            Self::SensorFault { .. } => self.how().map_or(Ok(()), |how| how.check()),
             Self::Drift { .. } => {
                 let (change, _) = self.change().unwrap_or_default();
                 if change == Change::default() {
@@ -263,22 +291,10 @@ impl Act {
             Self::Link {} => "link in command".into(),
             Self::LinkLoss {} => "link silent".into(),
             Self::EmergencyStop { for_s } => format!("emergency stop{}", for_so_long(*for_s)),
-            Self::SensorFault {
-                sensor,
-                fault: Fault::Gain,
-                times,
-                for_s,
-            } => format!(
-                "{sensor:?} sensor reads {} times too large{}",
-                times.unwrap_or(1.0),
-                for_so_long(*for_s)
-            ),
-            Self::SensorFault {
-                sensor,
-                fault,
-                for_s,
-                ..
-            } => format!("{sensor:?} sensor {fault:?}{}", for_so_long(*for_s)).to_lowercase(),
+            Self::SensorFault { for_s, .. } => {
+                let how = self.how().map_or(String::new(), |how| how.text());
+                format!("{how}{}", for_so_long(*for_s))
+            }
             Self::Push { speed_m_per_s } => format!("push by {speed_m_per_s} m/s"),
             Self::Overrun { blocks, every } => format!("{blocks} overruns, one block in {every}"),
             Self::LostBlock { blocks, every } => {

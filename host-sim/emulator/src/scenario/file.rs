@@ -99,6 +99,18 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
     let settings = settings(&believed, &file.limits, &file.trips)
         .map_err(|e| e.at(format!("{place}, [limits] and [trips]")))?;
     let mut events = Vec::new();
+    for (i, mut table) in file.sensors.defects.clone().into_iter().enumerate() {
+        let of_an_event = [("at_s", Value::Float(0.0)), ("kind", "sensor-fault".into())];
+        for (key, value) in of_an_event {
+            if table.insert(key.into(), value).is_some() {
+                let what = format!("{key} stands in events alone; leave it out");
+                let place = format!("{place}, [[sensors.defects]] {}", i + 1);
+                return Err(UserError::new(what).at(place));
+            }
+        }
+        let timed = event::timed(table, file.duration_s, &true_rig);
+        events.push(timed.map_err(|e| e.at(format!("{place}, [[sensors.defects]] {}", i + 1)))?);
+    }
     for (i, table) in file.events.into_iter().enumerate() {
         let timed = event::timed(table, file.duration_s, &true_rig);
         events.push(timed.map_err(|e| e.at(format!("{place}, event {}", i + 1)))?);
@@ -205,6 +217,11 @@ struct Expected {
     #[serde(default)]
     faults: Vec<String>,
     min_force_share: Option<f64>,
+    max_force_share: Option<f64>,
+    min_share_from_start: Option<f64>,
+    max_true_force_n: Option<f64>,
+    max_true_cart_mm: Option<f64>,
+    max_driven_with_fault_s: Option<f64>,
     hold_within_s: Option<f64>,
     basin: Option<String>,
     min_reseeks: Option<u16>,
@@ -220,16 +237,37 @@ fn expect(file: &Expected) -> Result<Expect, UserError> {
         basin: file.basin.as_ref().map(basin).transpose()?,
         faults: file.faults.iter().map(fault).collect::<Result<_, _>>()?,
         min_force_share: file.min_force_share,
+        max_force_share: file.max_force_share,
+        min_share_from_start: file.min_share_from_start,
+        max_true_force_n: file.max_true_force_n,
+        max_true_cart_mm: file.max_true_cart_mm,
+        max_driven_with_fault_s: file.max_driven_with_fault_s,
         hold_within_s: file.hold_within_s,
         min_reseeks: file.min_reseeks,
         drive_off_within_ticks: file.drive_off_within_ticks,
     };
-    match expect.min_force_share {
-        Some(share) if !(0.0..=2.0).contains(&share) => Err(UserError::new(format!(
-            "min_force_share is {share}, must be 0 to 2"
-        ))),
-        _ => Ok(expect),
+    let share = (0.0, 2.0);
+    let anything = (0.0, 1e9);
+    for (key, value, (from, to)) in [
+        ("min_force_share", file.min_force_share, share),
+        ("max_force_share", file.max_force_share, (0.0, 100.0)),
+        ("min_share_from_start", file.min_share_from_start, share),
+        ("max_true_force_n", file.max_true_force_n, anything),
+        ("max_true_cart_mm", file.max_true_cart_mm, anything),
+        (
+            "max_driven_with_fault_s",
+            file.max_driven_with_fault_s,
+            anything,
+        ),
+        ("hold_within_s", file.hold_within_s, anything),
+    ] {
+        if let Some(value) = value
+            && !(from..=to).contains(&value)
+        {
+            return Err(out_of_range(key, value, &format!("{from} to {to}")));
+        }
     }
+    Ok(expect)
 }
 
 /// The one of `known` that is called `given`.

@@ -42,6 +42,9 @@ pub struct Sensors {
     ringing_hz: Option<f64>,
     ringing_percent: Option<f64>,
     ringing_decay_ms: Option<f64>,
+    /// What is wrong from the start: each as an event of kind `sensor-fault` without its time.
+    #[serde(default)]
+    pub defects: Vec<toml::Table>,
 }
 
 /// The value of `key` times `unit`, or `otherwise` if there is none. The range is in the key's unit.
