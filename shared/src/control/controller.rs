@@ -104,20 +104,18 @@ impl Controller {
         })
     }
 
-    /// Records the fault that the start itself is, or reports the one that was before it.
+    /// Adds the fault that the start itself is to the episode that was before it, or reports that episode.
     fn report_boot(&mut self, boot: &BootInfo) {
         if let Some(fault) = Faults::of_boot(boot) {
-            let before = boot.record.map_or(0, |record| record.fault.code());
-            self.note(Trip::system(fault, f32::from(before)));
+            // An episode that does not latch has ended with the reset.
+            if !boot.record.is_some_and(|record| record.latches()) {
+                self.life.faults.clear();
+            }
+            self.note(Trip::system(fault, 0.0));
         } else if let Some(record) = boot.record {
             self.life.push(EventKind::Fault(record));
         }
-        if self
-            .life
-            .faults
-            .record
-            .is_some_and(|record| record.fault.latches())
-        {
+        if self.life.faults.record.is_some_and(|r| r.latches()) {
             self.change(Phase::Fault);
         }
     }
@@ -127,17 +125,20 @@ impl Controller {
     /// set-point of the next is safe.
     pub fn block(&mut self, frames: &[Frame], outputs: &mut [Output]) {
         self.blocks.samples_arrived();
-        self.life.faults.condition = None;
+        self.life.faults.block_begins();
         for (frame, _) in frames.iter().zip(outputs.iter()) {
             self.pass_tick();
             self.sample(frame);
         }
+        self.life.faults.block_ends(self.guard.is_quiet());
         self.supervise(outputs.len());
         self.put_out(outputs);
     }
 
     /// A block whose samples did not arrive: the set-points go on until that trips.
     pub fn blind_block(&mut self, outputs: &mut [Output]) {
+        self.life.faults.block_begins();
+        self.life.faults.block_was_blind();
         for _ in outputs.iter() {
             self.pass_tick();
         }

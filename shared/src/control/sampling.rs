@@ -18,7 +18,6 @@ impl Controller {
         let now = self.sensed_drive.now();
         let (sample, trip) = self.guard.check(frame, now, moving, driving);
         if let Some(trip) = trip {
-            self.life.faults.condition = Some(trip.fault);
             self.trip(trip);
             return;
         }

@@ -156,25 +156,25 @@ impl Controller {
 
     pub(super) fn alive(&mut self) {
         self.life.remote.alive();
-        if self.life.is_in(State::Fault) && self.life.faults.is(Fault::LinkTimeout) {
+        if self.life.is_in(State::Fault) && self.life.faults.ends_with_the_link() {
             self.clear();
         }
     }
 
     fn clear(&mut self) {
-        self.life.faults.record = None;
+        self.life.faults.clear();
         self.blocks = BlockHealth::default();
         self.life.push(EventKind::Cleared);
         self.change(Phase::Idle);
     }
 
-    /// Switches the drive off; records the fault only then.
+    /// Switches the drive off; records the fault only then. In Fault, the fault joins the episode: the episode
+    /// latches if any of its faults does.
     pub(super) fn trip(&mut self, trip: Trip) {
-        self.life.faults.condition = Some(trip.fault);
-        if self.life.is_in(State::Fault) {
-            return;
+        self.life.faults.stands(trip.fault);
+        if !self.life.is_in(State::Fault) {
+            self.oscillator.silence();
         }
-        self.oscillator.silence();
         self.note(trip);
         self.change(Phase::Fault);
     }
@@ -185,15 +185,17 @@ impl Controller {
             origin,
             value,
         } = trip;
-        let record = Record {
-            fault,
-            origin,
-            tick: self.life.tick,
-            value,
-            frequency_hz: self.oscillator.frequency_hz(),
-        };
-        self.life.faults.record = Some(record);
-        self.life.push(EventKind::Fault(record));
+        let hz = self.oscillator.frequency_hz();
+        let record = Record::new(fault, origin, self.life.tick, value, hz);
+        if self.life.faults.add(record) {
+            let episode = self
+                .life
+                .faults
+                .record
+                .map_or(record.episode, |r| r.episode);
+            self.life
+                .push(EventKind::Fault(Record { episode, ..record }));
+        }
     }
 
     pub(super) fn change(&mut self, to: Phase) {
