@@ -343,6 +343,46 @@ fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
 }
 
 #[test]
+fn a_cart_that_moves_with_the_drive_off_is_a_fault_that_stands_until_it_rests() {
+    // Units of A0: a tenth above the threshold of an eighth, and a tenth below.
+    for (share, expected) in [(0.138, vec![Fault::NotOff]), (0.112, vec![])] {
+        let mut bench = Bench::new();
+        let moves = |bench: &mut Bench, seconds: u32| {
+            for _ in 0..seconds * 2000 {
+                let frames: [Frame; 10] = core::array::from_fn(|k| {
+                    let tick = bench.controller.status().tick + k as u32;
+                    let turns = 3.66 * f64::from(tick) / f64::from(TICK_RATE_HZ);
+                    let m = share * 0.89e-3 * (std::f64::consts::TAU * turns).sin();
+                    let codes = m / f64::from(bench.settings.cart.unit_per_code);
+                    Frame {
+                        force: AdcCode(600),
+                        hammer: AdcCode(2048),
+                        cart: AdcCode((2048.5 + codes) as u16),
+                        emergency: false,
+                    }
+                });
+                bench.controller.block(&frames, &mut bench.outputs[..10]);
+            }
+        };
+        moves(&mut bench, 3);
+        assert_eq!(episode(&bench.controller), expected, "{share}");
+        if expected.is_empty() {
+            continue;
+        }
+        let clear = |bench: &mut Bench| bench.controller.command(Command::ClearFault);
+        assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+        let settings = bench.settings;
+        bench.controller.replace_settings(&settings).unwrap();
+        moves(&mut bench, 2);
+        assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+        for _ in 0..3000 {
+            bench.block(10, &Happening::Sound { noise: 2 });
+        }
+        assert_eq!(clear(&mut bench), Ok(()));
+    }
+}
+
+#[test]
 fn new_settings_do_not_make_a_condition_go_away() {
     for happening in [
         Happening::Emergency,
@@ -511,5 +551,5 @@ fn a_silent_link_in_command_stops_the_drive_and_a_link_heard_again_releases_it()
     let start = Command::Start(Mode::Manual);
     bench.controller.command(start).unwrap();
     assert!(bench.reaches(State::Manual, 60));
-    assert!(!bench.reaches(State::Fault, 5));
+    assert!(!bench.reaches(State::Fault, 4));
 }

@@ -7,6 +7,7 @@ use super::forecast_cache::ForecastCache;
 use super::guard::{Guard, Trip};
 use super::lifetime::{Faults, Lifetime};
 use super::limits::LimitReport;
+use super::off_watch::OffWatch;
 use super::oscillator::Oscillator;
 use super::phase::Phase;
 use super::plausibility::Plausibility;
@@ -41,6 +42,7 @@ pub struct Controller {
     pub(super) blocks: BlockHealth,
     pub(super) seen: Seen,
     pub(super) limits: LimitReport,
+    pub(super) off_watch: OffWatch,
 }
 
 /// What the samples have shown last.
@@ -51,8 +53,16 @@ pub(super) struct Seen {
     pub basin: BasinTracker,
     /// Whether a contact was under way in the last tick.
     pub in_contact: bool,
+    /// Ticks since the last contact in which the hammer had to strike.
+    pub ticks_without_contact: u32,
     /// Whether the frequency stood at its goal at the last strobe.
     pub arrived: bool,
+    /// Command at the last strobe, m.
+    pub command_m: f32,
+    /// Furthest the cart was from its middle in this half of the drive period, m.
+    pub cart_peak_m: f32,
+    /// Which half that is.
+    pub half: u32,
 }
 
 impl Seen {
@@ -61,7 +71,11 @@ impl Seen {
         regime: Regime::None,
         basin: BasinTracker::NEW,
         in_contact: false,
+        ticks_without_contact: 0,
         arrived: false,
+        command_m: 0.0,
+        cart_peak_m: 0.0,
+        half: 0,
     };
 }
 
@@ -101,6 +115,7 @@ impl Controller {
             blocks: BlockHealth::default(),
             seen: Seen::NOTHING,
             limits: LimitReport::default(),
+            off_watch: OffWatch::new(settings),
         })
     }
 
@@ -130,7 +145,9 @@ impl Controller {
             self.pass_tick();
             self.sample(frame);
         }
-        self.life.faults.block_ends(self.guard.is_quiet());
+        self.life
+            .faults
+            .block_ends(self.guard.is_quiet() && !self.off_watch.is_moving());
         self.supervise(outputs.len());
         self.put_out(outputs);
     }

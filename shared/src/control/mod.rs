@@ -25,6 +25,7 @@ mod guard;
 mod lifetime;
 mod limits;
 mod lockstep;
+mod off_watch;
 mod oscillator;
 mod phase;
 mod plausibility;

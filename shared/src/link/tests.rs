@@ -390,7 +390,7 @@ fn settings_are_taken_whole_and_only_if_they_are_good() {
     let bad = Answer::Refused(Refusal::Controller(Refused::BadSettings));
     assert_eq!(pair.ask(ToBoard::SetSettings(new)), bad);
     assert_eq!((pair.device.settings, pair.device.stored), (old, None));
-    new.trips.force_n = 2.0 * old.trips.force_n;
+    new.trips.force_n = 1.1 * old.trips.force_n;
     assert_eq!(pair.ask(ToBoard::SetSettings(new)), Answer::Done);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
     pair.device.status.state = State::Hold;
