@@ -25,6 +25,7 @@ mod lifetime;
 mod limits;
 mod lock;
 mod lockstep;
+mod off_watch;
 mod oscillator;
 mod phase;
 mod plausibility;

@@ -12,6 +12,7 @@ use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
 use super::{ActiveLimits, Mode, Refused, State};
 use crate::fault::{Fault, Record};
+use crate::settings::ticks_of;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -23,6 +24,7 @@ impl Controller {
         if self.life.phase.is_driving() && self.life.remote.is_lost(timeout_s) {
             self.trip(Trip::system(Fault::LinkTimeout, timeout_s));
         }
+        self.check_contact(ticks);
         match &mut self.life.phase {
             Phase::SelfTest(start) => start.pass(ticks),
             Phase::Ramp(search) if self.oscillator.has_arrived() => {
@@ -36,8 +38,11 @@ impl Controller {
             Phase::Stop if self.oscillator.amplitude_m() <= 0.0 => self.change(Phase::Idle),
             _ => {}
         }
+        if self.life.phase.is_driving() {
+            self.meet_a_surge();
+        }
         self.limits.active = match self.state() {
-            State::Seek | State::Hold | State::Manual => {
+            State::Ramp | State::Seek | State::Hold | State::Manual => {
                 (self.limits.active & ActiveLimits::FREQUENCY) | self.trim.limits()
             }
             _ => ActiveLimits::NONE,
@@ -47,24 +52,40 @@ impl Controller {
         }
     }
 
-    /// Trips when the search has been without contact, or without 1/1, for too long.
+    /// Trips when there has been no contact for too long where the hammer must strike, by itself or by hand.
+    fn check_contact(&mut self, ticks: u32) {
+        if !self.life.phase.is_driving() || self.life.is_in(State::Stop) {
+            return;
+        }
+        let measured_m = self.seen.strobe.map_or(0.0, |strobe| strobe.amplitude_m);
+        let hz = self.oscillator.frequency_hz();
+        // A contact is sure to be detected from twice the force at which it begins.
+        let least_n = 2.0 * self.settings.detection.on_n;
+        if self.forecast.must_strike_at(hz, measured_m, least_n) {
+            let passed = self.seen.ticks_without_contact.saturating_add(ticks);
+            self.seen.ticks_without_contact = passed;
+        }
+        let limit_s = self.settings.trips.no_contact_s;
+        if self.seen.ticks_without_contact > ticks_of(limit_s) {
+            self.trip(Trip::system(Fault::NoContact, limit_s));
+        }
+    }
+
+    /// Trips when the search has been without 1/1 for too long.
     fn check_search(&mut self, ticks: u32) {
-        let trips = self.settings.trips;
-        let must_strike = self.forecast.must_strike_at(self.oscillator.frequency_hz());
+        let limit_s = self.settings.trips.regime_lost_s;
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
-        if seeking.is_without_contact(ticks, must_strike, trips.no_contact_s) {
-            self.trip(Trip::system(Fault::NoContact, trips.no_contact_s));
-        } else if seeking.is_without_one_one(ticks, trips.regime_lost_s) {
-            self.trip(Trip::system(Fault::RegimeLost, trips.regime_lost_s));
+        if seeking.is_without_one_one(ticks, limit_s) {
+            self.trip(Trip::system(Fault::RegimeLost, limit_s));
         }
     }
 
     /// The self test has found the zeros: the ramp begins, or the self test goes on until there is a forecast.
     pub(super) fn finish_self_test(&mut self, zero: Zero) {
         let rest_m = zero.relative_m.unwrap_or(0.0);
-        self.sense.set_zero(zero.force_n, rest_m);
+        self.sense.set_zero(zero.force_n, rest_m, zero.cart_m);
         self.guard.set_force_is_live(zero.force_is_live);
         let Phase::SelfTest(start) = &mut self.life.phase else {
             return;
@@ -87,6 +108,9 @@ impl Controller {
         };
         self.guard.restart(self.sensed_drive.now());
         self.plausibility.restart();
+        self.seen.command_m = 0.0;
+        self.seen.ticks_without_contact = 0;
+        self.seen.cart_peak_m = 0.0;
         self.trim = Trim::new(&self.settings);
         if let Some(search) = &search {
             self.oscillator.jump(search.goal_hz());
@@ -156,25 +180,25 @@ impl Controller {
 
     pub(super) fn alive(&mut self) {
         self.life.remote.alive();
-        if self.life.is_in(State::Fault) && self.life.faults.is(Fault::LinkTimeout) {
+        if self.life.is_in(State::Fault) && self.life.faults.ends_with_the_link() {
             self.clear();
         }
     }
 
     fn clear(&mut self) {
-        self.life.faults.record = None;
+        self.life.faults.clear();
         self.blocks = BlockHealth::default();
         self.life.push(EventKind::Cleared);
         self.change(Phase::Idle);
     }
 
-    /// Switches the drive off; records the fault only then.
+    /// Switches the drive off; records the fault only then. In Fault, the fault joins the episode: the episode
+    /// latches if any of its faults does.
     pub(super) fn trip(&mut self, trip: Trip) {
-        self.life.faults.condition = Some(trip.fault);
-        if self.life.is_in(State::Fault) {
-            return;
+        self.life.faults.stands(trip.fault);
+        if !self.life.is_in(State::Fault) {
+            self.oscillator.silence();
         }
-        self.oscillator.silence();
         self.note(trip);
         self.change(Phase::Fault);
     }
@@ -185,15 +209,17 @@ impl Controller {
             origin,
             value,
         } = trip;
-        let record = Record {
-            fault,
-            origin,
-            tick: self.life.tick,
-            value,
-            frequency_hz: self.oscillator.frequency_hz(),
-        };
-        self.life.faults.record = Some(record);
-        self.life.push(EventKind::Fault(record));
+        let hz = self.oscillator.frequency_hz();
+        let record = Record::new(fault, origin, self.life.tick, value, hz);
+        if self.life.faults.add(record) {
+            let episode = self
+                .life
+                .faults
+                .record
+                .map_or(record.episode, |r| r.episode);
+            self.life
+                .push(EventKind::Fault(Record { episode, ..record }));
+        }
     }
 
     pub(super) fn change(&mut self, to: Phase) {

@@ -4,7 +4,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, State, Status};
-use crate::fault::{Fault, Origin, Record};
+use crate::fault::{Fault, FaultSet, Origin, Record};
 use crate::forecast::{Forecast, Orbit, Row, Target};
 use crate::io::{Frame, Output};
 use crate::model::params::{LAWS, PRESETS, WIRES};
@@ -33,11 +33,8 @@ fn longest_status() -> Status {
 
 fn longest_record() -> Record {
     Record {
-        fault: Fault::Crash,
-        origin: Origin::Cart,
-        tick: LONG,
-        value: 1.0,
-        frequency_hz: 1.0,
+        episode: FaultSet::from_bits(u32::MAX),
+        ..Record::new(Fault::NotOff, Origin::Cart, LONG, 1.0, 1.0)
     }
 }
 
@@ -393,7 +390,7 @@ fn settings_are_taken_whole_and_only_if_they_are_good() {
     let bad = Answer::Refused(Refusal::Controller(Refused::BadSettings));
     assert_eq!(pair.ask(ToBoard::SetSettings(new)), bad);
     assert_eq!((pair.device.settings, pair.device.stored), (old, None));
-    new.trips.force_n = 2.0 * old.trips.force_n;
+    new.trips.force_n = 1.1 * old.trips.force_n;
     assert_eq!(pair.ask(ToBoard::SetSettings(new)), Answer::Done);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
     pair.device.status.state = State::Hold;
@@ -433,10 +430,13 @@ fn a_link_that_was_silent_and_speaks_again_is_alive_and_a_new_conversation_is_no
     let mut pair = Pair::new();
     pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
     pair.device.status.state = State::Fault;
-    pair.device.status.fault = Some(Record {
-        fault: Fault::LinkTimeout,
-        ..longest_record()
-    });
+    pair.device.status.fault = Some(Record::new(
+        Fault::LinkTimeout,
+        Origin::System,
+        LONG,
+        1.0,
+        1.0,
+    ));
     pair.device.told.clear();
     pair.ask(ToBoard::GetStatus);
     assert_eq!(pair.device.told, [Command::Alive]);
