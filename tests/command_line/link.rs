@@ -335,3 +335,94 @@ fn noise_on_the_wire_is_survived() {
     let status = board.client().status().expect("an answer all the same");
     assert_eq!(status.regime, Regime::None);
 }
+
+/// A command that runs `host-sim` as a user who is not root: nobody, if these tests run as root.
+fn as_ordinary_user(folder: &Folder, port: &str, rest: &[&str]) -> process::Command {
+    let words = [&["link", port], rest].concat();
+    let command = folder.command(&words);
+    let user = process::Command::new("id").arg("-u").output();
+    if user.is_ok_and(|id| id.stdout.trim_ascii() != b"0") {
+        return command;
+    }
+    let mut other = process::Command::new("setpriv");
+    other
+        .args(["--reuid=65534", "--regid=65534", "--clear-groups", "--"])
+        .arg(command.get_program())
+        .args(command.get_args())
+        .stdin(Stdio::null());
+    other
+}
+
+/// Lets every user use the port of an emulated board.
+fn for_everybody(port: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::set_permissions(port, std::fs::Permissions::from_mode(0o666)).expect("it is ours");
+}
+
+/// A monitor that has shown its first line.
+fn monitor(folder: &Folder, port: &str) -> Child {
+    let mut command = as_ordinary_user(folder, port, &["monitor", "--rate", "20"]);
+    let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
+    let out = child.stdout.take().expect("a pipe");
+    let mut lines = BufReader::new(out).lines();
+    lines.next().expect("a line").expect("UTF-8");
+    // Read on, so that the monitor does not end for want of a reader.
+    thread::spawn(move || lines.for_each(drop));
+    child
+}
+
+#[test]
+fn whatever_ends_a_monitor_leaves_the_port_free_for_an_ordinary_user() {
+    let board = toy(Toy::new());
+    let folder = Folder::new();
+    for_everybody(&board.path);
+    for (signal, code) in [
+        ("INT", Some(130)),
+        ("TERM", Some(130)),
+        ("HUP", Some(130)),
+        ("KILL", None),
+    ] {
+        let child = monitor(&folder, &board.path);
+        let mut kill = process::Command::new("kill");
+        kill.args([&format!("-{signal}"), &child.id().to_string()]);
+        assert_eq!(finish(kill).code, Some(0));
+        assert_eq!(wait(child).code(), code, "{signal}");
+        let ran = finish(as_ordinary_user(&folder, &board.path, &["status"]));
+        assert_eq!(ran.code, Some(0), "after {signal}: {ran:?}");
+    }
+}
+
+#[test]
+fn a_port_in_use_is_refused_to_all_but_stop() {
+    let board = toy(Toy::new());
+    let folder = Folder::new();
+    for_everybody(&board.path);
+    let line = board.line("start --manual --frequency 3");
+    let words: Vec<_> = line.split_whitespace().collect();
+    let mut steering = folder.command(&words);
+    let mut steering = steering
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut lines = BufReader::new(steering.stdout.take().expect("a pipe")).lines();
+    let mut said = || lines.next().map(|line| line.expect("UTF-8"));
+    while !said().expect("a line").contains("manual") {}
+    let busy = finish(as_ordinary_user(&folder, &board.path, &["status"]));
+    assert_eq!(busy.code, Some(2), "{busy:?}");
+    assert!(busy.err.contains("another program uses it"), "{busy:?}");
+    let stop = finish(as_ordinary_user(&folder, &board.path, &["stop"])).well();
+    assert!(
+        stop.out.contains("another program uses the port"),
+        "{stop:?}"
+    );
+    while said().is_some() {}
+    let mut complaint = String::new();
+    let mut err = steering.stderr.take().expect("a pipe");
+    std::io::Read::read_to_string(&mut err, &mut complaint).expect("UTF-8");
+    assert!(
+        complaint.contains("somebody else has stopped"),
+        "{complaint}"
+    );
+    assert_eq!(wait(steering).code(), Some(2));
+}

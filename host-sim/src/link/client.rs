@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant, SystemTime};
 
-use serialport::{ClearBuffer, SerialPort};
+use serialport::SerialPort;
 use shared::control::{Command, Refused, Status};
 use shared::link::{
     Answer, Decoder, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, Refusal, ToBoard,
@@ -12,6 +12,8 @@ use shared::link::{
 };
 
 use files::UserError;
+
+use super::port;
 
 /// How long an answer may take. The board answers within milliseconds; a computer's serial driver may not.
 const PATIENCE: Duration = Duration::from_millis(700);
@@ -21,9 +23,6 @@ const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(3);
 
 /// How often a request is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
-
-/// Longest time a read waits, so that [`PATIENCE`] is not exceeded.
-const READ_WAIT: Duration = Duration::from_millis(5);
 
 /// Streamed messages stored while waiting for an answer: a second of recording at 2000 blocks a second.
 const KEPT: usize = 2000;
@@ -45,40 +44,28 @@ pub struct Client<P> {
 /// # Errors
 /// If the port does not exist or is in use, or no board of this protocol answers.
 pub fn open(name: &str, baud: u32) -> Result<(Client<Box<dyn SerialPort>>, Hello), UserError> {
-    let port = serialport::new(name, baud).timeout(READ_WAIT).open();
-    let port =
-        port.map_err(|e| UserError::new(format!("cannot open {name}: {e}; {}", mend(&e))))?;
-    // Leftovers of an earlier conversation.
-    let _ = port.clear(ClearBuffer::Input);
+    let port = port::open_alone(name, baud)?;
     let mut client = Client::new(port, name);
     let hello = client.hello()?;
     Ok((client, hello))
 }
 
-fn mend(error: &serialport::Error) -> String {
-    let busy = "another program uses it; close that and try again";
-    match error.kind() {
-        // What the lock's failure comes as.
-        serialport::ErrorKind::NoDevice if error.description.contains("lock") => busy.to_owned(),
-        serialport::ErrorKind::Io(ErrorKind::ResourceBusy) => busy.to_owned(),
-        serialport::ErrorKind::NoDevice | serialport::ErrorKind::Io(ErrorKind::NotFound) => {
-            ports_here()
-        }
-        serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
-            "you may not use it: join its group (often dialout) and log in anew".to_owned()
-        }
-        _ => format!("it is not a serial port; {}", ports_here()),
-    }
-}
-
-fn ports_here() -> String {
-    let ports = serialport::available_ports().unwrap_or_default();
-    let names: Vec<_> = ports.into_iter().map(|port| port.port_name).collect();
-    if names.is_empty() {
-        "this computer has none now: plug the board in".to_owned()
-    } else {
-        format!("ports here: {}", names.join(", "))
-    }
+/// Sends a stop to the port `name` if another program uses it, as often as an unanswered one would be sent. The answers go
+/// to that program, so nothing says whether it came through. False, and nothing is sent, if nobody uses the port.
+///
+/// # Errors
+/// If the port may not be used, or breaks.
+pub fn stop_beside_another(name: &str, baud: u32) -> Result<bool, UserError> {
+    let mut frame = [0; MAX_FRAME];
+    let packet = Packet {
+        sequence: 0,
+        message: ToBoard::Command(Command::Stop),
+    };
+    let stop = encode(&packet, &mut frame)
+        .ok_or_else(|| UserError::new("too long").at(name))?
+        .repeat(ATTEMPTS as usize);
+    // The zero ends whatever half frame the other program has sent.
+    port::write_beside_another(name, baud, &[&[0], stop.as_slice()].concat())
 }
 
 impl<P: Read + Write> Client<P> {

@@ -162,6 +162,10 @@ fn text_or_json() -> impl TypedValueParser<Value = Format> {
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
     check(&args.what)?;
+    if matches!(args.what, What::Stop) && client::stop_beside_another(&args.port, args.baud)? {
+        print("sent; another program uses the port, and only it hears whether the drive stops\n");
+        return Ok(0);
+    }
     let (mut port, hello) = client::open(&args.port, args.baud)?;
     let port = &mut port;
     let done = match &args.what {
