@@ -173,4 +173,70 @@ mod tests {
         assert_eq!(climb(3.0, 1, |_| 1.0), 3.0, "a plain is stayed on");
         assert!(climb(3.0, 2, |_| f32::NAN).is_finite());
     }
+
+    #[test]
+    fn the_top_of_a_parabola_is_found_from_periods_that_have_settled() {
+        let (top_hz, probe) = (3.65_f32, Probe::SEEK);
+        let mut climb = Climb::new(probe, 3.6);
+        let mut advice = std::vec::Vec::new();
+        let mut since = 0;
+        for period in 1.. {
+            let hz = climb.frequency_hz();
+            // What is left of the change before is worth nothing.
+            let settled = since >= SETTLE_PERIODS;
+            let impulse = 0.04 - 0.02 * (hz - top_hz) * (hz - top_hz);
+            since += 1;
+            match climb.strobe(if settled { impulse } else { 9.0 }) {
+                Advice::Stay => {}
+                Advice::Go(hz) => {
+                    since = 0;
+                    advice.push((period, hz));
+                }
+                Advice::Top {
+                    frequency_hz,
+                    moved,
+                    impulse_n_s,
+                } => {
+                    assert!((frequency_hz - top_hz).abs() < 1e-3, "{frequency_hz}");
+                    assert!(
+                        (moved * 0.03 * 3.6 - (top_hz - 3.6)).abs() < 1e-3,
+                        "{moved}"
+                    );
+                    // The best of the three points is the middle one.
+                    assert!((impulse_n_s - (0.04 - 0.02 * 0.0025)).abs() < 1e-6);
+                    assert_eq!(period, 3 * (8 + 12));
+                    break;
+                }
+            }
+        }
+        let [(first, middle), (second, high)] = advice[..] else {
+            panic!("{advice:?}");
+        };
+        assert_eq!((first, second), (20, 40));
+        assert!((middle - 3.6).abs() < 1e-6 && (high - 3.6 * 1.03).abs() < 1e-6);
+    }
+
+    #[test]
+    fn no_move_is_longer_than_the_reach_on_a_slope_or_in_a_valley() {
+        let moved = |means: [f32; 3]| {
+            let mut climb = Climb::new(Probe::HOLD, 3.0);
+            climb.means = means;
+            climb.top()
+        };
+        for (means, expected) in [
+            ([1.0, 2.0, 3.0], 1.0),
+            ([3.0, 2.0, 1.0], -1.0),
+            ([1.0, 2.0, 2.9], 1.0),
+            ([2.9, 2.0, 1.0], -1.0),
+            ([2.0, 1.0, 3.0], 1.0),
+            ([3.0, 1.0, 2.0], -1.0),
+            ([2.0, 1.0, 2.0], 0.0),
+            ([1.0, 2.0, 1.0], 0.0),
+        ] {
+            assert_eq!(moved(means), expected, "{means:?}");
+        }
+        // y = −x² + x/2: 3/4 of a step is the top of −(x − 3/4)².
+        let at = |x: f32| -(x - 0.75) * (x - 0.75);
+        assert!((moved([at(-1.0), at(0.0), at(1.0)]) - 0.75).abs() < 1e-6);
+    }
 }
