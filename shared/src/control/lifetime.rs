@@ -174,3 +174,68 @@ impl Remote {
         timeout_s > 0.0 && self.in_command && self.silent_ticks > ticks_of(timeout_s)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_are_numbered_and_a_change_is_one_only_once() {
+        let mut life = Lifetime::default();
+        assert_eq!([(); 3].map(|()| life.forecast_id()), [0, 1, 2]);
+        let before = life.phase.state();
+        assert!(life.is_in(before) && !life.is_in(State::Stop));
+        assert!(life.change(Phase::Stop));
+        assert!(life.is_in(State::Stop) && !life.is_in(before));
+        assert!(!life.change(Phase::Stop));
+    }
+
+    #[test]
+    fn the_start_is_a_fault_after_a_watchdog_a_brown_out_or_damaged_settings() {
+        let of = |reset, settings_corrupt| {
+            Faults::of_boot(&BootInfo {
+                reset,
+                settings_corrupt,
+                ..BootInfo::default()
+            })
+        };
+        assert_eq!(of(BootInfo::default().reset, false), None);
+        assert_eq!(of(ResetCause::Watchdog, false), Some(Fault::WatchdogReset));
+        assert_eq!(of(ResetCause::BrownOut, false), Some(Fault::BrownOut));
+        for reset in [ResetCause::Watchdog, BootInfo::default().reset] {
+            assert_eq!(of(reset, true), Some(Fault::CorruptSettings));
+        }
+    }
+
+    #[test]
+    fn a_fault_is_cleared_only_when_its_cause_has_gone() {
+        let corrupt = BootInfo {
+            settings_corrupt: true,
+            ..BootInfo::default()
+        };
+        let mut faults = Faults::at_boot(&corrupt);
+        assert!(!faults.can_be_cleared());
+        faults.settings_replaced();
+        assert!(faults.can_be_cleared());
+        faults.condition = Some(Fault::BrownOut);
+        assert!(!faults.can_be_cleared());
+        assert!(!faults.is(Fault::BrownOut), "nothing is recorded");
+    }
+
+    #[test]
+    fn a_computer_that_steers_is_lost_after_the_timeout_and_not_before() {
+        let mut remote = Remote::default();
+        let half_s = crate::settings::ticks_of(0.5);
+        remote.pass(3 * half_s);
+        assert!(!remote.is_lost(0.5), "it does not steer");
+        remote.alive();
+        remote.pass(half_s - 1);
+        remote.pass(1);
+        assert!(!remote.is_lost(0.5));
+        remote.pass(1);
+        assert!(remote.is_lost(0.5));
+        assert!(!remote.is_lost(0.0), "no timeout");
+        remote.alive();
+        assert!(!remote.is_lost(0.5));
+    }
+}
