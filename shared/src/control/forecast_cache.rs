@@ -132,7 +132,7 @@ mod tests {
             let row = Row {
                 frequency_hz,
                 regime,
-                force_n: 0.0,
+                force_n: if strikes { 80.0 } else { 0.0 },
                 orbit: None,
             };
             forecast.rows.push(row).unwrap();
@@ -198,7 +198,10 @@ mod tests {
         let rows = [(2.0, false), (2.5, true), (3.0, true), (3.5, false)];
         let mut cache = ForecastCache::default();
         cache.request(0, &WIRES, (1.0, 5.0));
-        assert!(!cache.must_strike_at(2.7), "no forecast yet");
+        assert!(
+            !cache.must_strike_at(2.7, WIRES.amplitude_m as f32, 14.0),
+            "no forecast yet"
+        );
         assert!(cache.take_in(&forecast(0, &rows, 3.7), &WIRES));
         // At no gap, every free swing touches.
         for (hz, expected) in [
@@ -209,18 +212,29 @@ mod tests {
             (3.2, false),
             (3.6, false),
         ] {
-            assert_eq!(cache.must_strike_at(hz), expected, "{hz}");
+            assert_eq!(
+                cache.must_strike_at(hz, WIRES.amplitude_m as f32, 14.0),
+                expected,
+                "{hz}"
+            );
         }
         assert_eq!(cache.entered_target().unwrap().entry_hz, 3.7);
         let all = rows.map(|(hz, _)| (hz, true));
         cache.request(1, &WIRES, (1.0, 5.0));
         assert!(cache.take_in(&forecast(1, &all, 3.7), &WIRES));
-        assert!([1.9, 2.2, 3.6].iter().all(|hz| cache.must_strike_at(*hz)));
+        assert!([1.9, 2.2, 3.6].iter().all(|hz| cache.must_strike_at(
+            *hz,
+            WIRES.amplitude_m as f32,
+            14.0
+        )));
         // With a gap of 2.4 mm the free swing, A0 r²/(r² − 1), falls short of it above 1.37 natural frequencies at the latest.
         let open = WIRES.with_gap_mm(2.4).unwrap();
         cache.request(2, &open, (1.0, 5.0));
         assert!(cache.take_in(&forecast(2, &all, 3.7), &open));
-        assert!(cache.must_strike_at(2.0) && !cache.must_strike_at(2.6));
+        assert!(
+            cache.must_strike_at(2.0, WIRES.amplitude_m as f32, 14.0)
+                && !cache.must_strike_at(2.6, WIRES.amplitude_m as f32, 14.0)
+        );
         let target = cache.entered_target().unwrap();
         assert!((2.0..2.6).contains(&target.entry_hz), "{target:?}");
         assert_eq!(target.frequency_hz, 3.7);

@@ -214,12 +214,18 @@ mod tests {
             ..BootInfo::default()
         };
         let mut faults = Faults::at_boot(&corrupt);
-        assert!(!faults.can_be_cleared());
+        faults.block_ends(true);
+        assert!(!faults.can_be_cleared(), "the settings are damaged");
         faults.settings_replaced();
+        assert!(!faults.can_be_cleared(), "no samples seen under them");
+        faults.block_begins();
+        faults.block_ends(true);
         assert!(faults.can_be_cleared());
-        faults.condition = Some(Fault::BrownOut);
+        faults.block_begins();
+        faults.stands(Fault::SensorOpen);
+        faults.block_ends(true);
         assert!(!faults.can_be_cleared());
-        assert!(!faults.is(Fault::BrownOut), "nothing is recorded");
+        assert!(faults.record.is_none(), "nothing is recorded");
     }
 
     #[test]

@@ -50,7 +50,7 @@ impl Bench {
             commanded.advance();
         }
         let mut sense = Sense::new(&Settings::for_rig(&HAMMER));
-        sense.set_zero(ZERO.0, ZERO.1);
+        sense.set_zero(ZERO.0, ZERO.1, 0.0);
         Self {
             sense,
             twin: Twin::at_rest(

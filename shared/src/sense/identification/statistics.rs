@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_mean_and_its_standard_error_are_those_of_the_textbook() {
-        let mut average = Average::default();
+        let mut average = Average::<MEMORY>::default();
         for value in [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0] {
             average.push(value);
         }
@@ -83,13 +83,13 @@ mod tests {
         close(average.variance, 4.0);
         // √(32/7) of scatter over √8.
         close(average.sigma(), libm::sqrtf(32.0 / 7.0 / 8.0));
-        assert_eq!(Average::default().sigma(), 0.0);
+        assert_eq!(Average::<MEMORY>::default().sigma(), 0.0);
     }
 
     /// Once the memory is full, each new value weighs 1/[`MEMORY`], and the old ones fade by as much.
     #[test]
     fn old_values_fade() {
-        let mut average = Average::default();
+        let mut average = Average::<MEMORY>::default();
         let mut line = Line::default();
         for k in 0..MEMORY {
             average.push(3.0);
