@@ -42,6 +42,7 @@ pub mod sensors;
 pub mod shaker;
 pub mod summary;
 pub mod timeline;
+pub mod trials;
 pub mod under_test;
 pub mod verdict;
 pub mod world;
