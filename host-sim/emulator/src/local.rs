@@ -1,6 +1,8 @@
 //! The controller in this process.
 
-use shared::control::{BootInfo, Command, Event, Lockstep, Refused, ResetCause, Status};
+use shared::control::{
+    BootInfo, Command, Event, Lockstep, Refused, ResetCause, SettingsState, Status,
+};
 use shared::fault::{Fault, Origin, Persisted, Record};
 use shared::io::{Frame, Output};
 use shared::model::params::ParamError;
@@ -52,7 +54,11 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
             Reset::Crash => ResetCause::Software,
         },
         record: crashed.or_else(|| memory.record().filter(|_| !power_on)),
-        settings_corrupt: cause == Reset::CorruptSettings,
+        settings: if cause == Reset::CorruptSettings {
+            SettingsState::Damaged
+        } else {
+            SettingsState::Stored
+        },
     }
 }
 

@@ -12,8 +12,8 @@ use super::phase::Phase;
 use super::plausibility::Plausibility;
 use super::rig_estimate::RigEstimate;
 use super::trim::Trim;
-use super::{BootInfo, Command, Refused, State, Status};
-use crate::fault::{Fault, Persisted};
+use super::{BootInfo, Command, Refused, SettingsState, State, Status};
+use crate::fault::{Fault, Persisted, Record};
 use crate::forecast::{Forecast, ForecastRequest};
 use crate::io::{Frame, Output};
 use crate::model::drive::Drive;
@@ -73,6 +73,7 @@ impl Controller {
     pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
         let mut controller = Self::from_settings(settings)?;
         controller.life.faults = Faults::at_boot(boot);
+        controller.life.operator.settings = boot.settings;
         controller.request_forecast();
         controller.report_boot(boot);
         Ok(controller)
@@ -106,6 +107,14 @@ impl Controller {
 
     /// Records the fault that the start itself is, or reports the one that was before it.
     fn report_boot(&mut self, boot: &BootInfo) {
+        // An emergency stop that was not acknowledged before the reset must be after it.
+        if boot
+            .record
+            .is_some_and(|record| record.fault == Fault::EmergencyStop)
+        {
+            let required = self.settings.operator.acknowledge;
+            self.life.operator.emergency(self.life.tick, required);
+        }
         if let Some(fault) = Faults::of_boot(boot) {
             let before = boot.record.map_or(0, |record| record.fault.code());
             self.note(Trip::system(fault, f32::from(before)));
@@ -178,6 +187,8 @@ impl Controller {
                 self.alive();
                 Ok(())
             }
+            Command::Acknowledge => self.life.operator.acknowledge(self.life.tick),
+            Command::ConfirmSettings => self.confirm_settings(),
         }
     }
 
@@ -194,7 +205,7 @@ impl Controller {
         let fresh = Self::from_settings(settings).map_err(|_| Refused::BadSettings)?;
         let life = core::mem::take(&mut self.life);
         *self = Self { life, ..fresh };
-        self.life.faults.settings_replaced();
+        self.settings_came();
         self.request_forecast();
         Ok(())
     }
@@ -233,6 +244,22 @@ impl Controller {
             search.retarget(&target, range_hz);
             self.oscillator.aim(search.goal_hz());
         }
+    }
+
+    /// The present or last fault.
+    #[inline]
+    pub fn fault(&self) -> Option<&Record> {
+        self.life.faults.record.as_ref()
+    }
+
+    /// Where the settings come from.
+    pub fn settings_state(&self) -> SettingsState {
+        self.life.operator.settings
+    }
+
+    /// Whether an emergency stop must be acknowledged at the board before the fault can be cleared.
+    pub fn awaits_acknowledgement(&self) -> bool {
+        self.life.operator.is_awaited()
     }
 
     /// The state as reported.

@@ -1,6 +1,7 @@
 //! What outlives a replacement of the settings.
 
 use super::event::{EventKind, Events};
+use super::operator::Operator;
 use super::phase::Phase;
 use super::{BootInfo, ResetCause, State};
 use crate::fault::{Fault, Record};
@@ -15,6 +16,7 @@ pub(super) struct Lifetime {
     pub events: Events,
     pub faults: Faults,
     pub remote: Remote,
+    pub operator: Operator,
     /// Times 1/1 was lost and sought again.
     pub reseeks: u16,
     /// Overruns of the control task.
@@ -59,7 +61,7 @@ pub(super) struct Faults {
     pub record: Option<Record>,
     /// A condition that trips was there in the last block.
     pub condition: Option<Fault>,
-    /// The stored settings were damaged, and none have been sent since: the defaults in use fit no rig.
+    /// The settings in use are not known to be this rig's ([`super::SettingsState::can_drive`]).
     settings_corrupt: bool,
 }
 
@@ -69,14 +71,14 @@ impl Faults {
         Self {
             record: boot.record,
             condition: None,
-            settings_corrupt: boot.settings_corrupt,
+            settings_corrupt: !boot.settings.can_drive(),
         }
     }
 
     /// The fault that the start itself is, if it is one.
     pub fn of_boot(boot: &BootInfo) -> Option<Fault> {
         match boot.reset {
-            _ if boot.settings_corrupt => Some(Fault::CorruptSettings),
+            _ if !boot.settings.can_drive() => Some(Fault::CorruptSettings),
             ResetCause::Watchdog => Some(Fault::WatchdogReset),
             ResetCause::BrownOut => Some(Fault::BrownOut),
             _ => None,
@@ -108,6 +110,14 @@ pub(super) struct Remote {
 }
 
 impl Remote {
+    /// It must give signs of life from now on; `false`: nobody need be there.
+    pub fn expected(in_command: bool) -> Self {
+        Self {
+            in_command,
+            silent_ticks: 0,
+        }
+    }
+
     /// It has given a sign of life: it steers.
     pub fn alive(&mut self) {
         *self = Self {

@@ -10,7 +10,7 @@ use super::phase::{Phase, Seeking, Start};
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
-use super::{ActiveLimits, Mode, Refused, State};
+use super::{ActiveLimits, Mode, Refused, SettingsState, State};
 use crate::fault::{Fault, Record};
 
 impl Controller {
@@ -98,11 +98,12 @@ impl Controller {
     }
 
     pub(super) fn start(&mut self, mode: Mode) -> Result<(), Refused> {
+        self.settings_are_known()?;
         if !self.life.is_in(State::Idle) {
             return Err(Refused::WrongState);
         }
-        // A computer that steers says so after the start.
-        self.life.remote = Remote::default();
+        // By hand, a computer that steers says so after the start.
+        self.life.remote = Remote::expected(self.settings.operator.heartbeat);
         self.seen.basin = BasinTracker::NEW;
         self.sense.reset();
         self.rig.identification.reset();
@@ -128,6 +129,10 @@ impl Controller {
     pub(super) fn clear_fault(&mut self) -> Result<(), Refused> {
         if !self.life.is_in(State::Fault) {
             return Err(Refused::WrongState);
+        }
+        self.settings_are_known()?;
+        if self.life.operator.is_awaited() {
+            return Err(Refused::NotAcknowledged);
         }
         if !self.life.faults.can_be_cleared() {
             return Err(Refused::StillFaulty);
@@ -161,6 +166,31 @@ impl Controller {
         }
     }
 
+    /// Refuses whatever needs settings that are known to be this rig's.
+    fn settings_are_known(&self) -> Result<(), Refused> {
+        let state = self.life.operator.settings;
+        if state.can_drive() {
+            Ok(())
+        } else {
+            Err(Refused::SettingsUnknown(state))
+        }
+    }
+
+    /// The older copy of the settings is that of this rig.
+    pub(super) fn confirm_settings(&mut self) -> Result<(), Refused> {
+        if self.life.operator.settings != SettingsState::OlderCopy {
+            return Err(Refused::WrongState);
+        }
+        self.settings_came();
+        Ok(())
+    }
+
+    /// The settings in use are this rig's.
+    pub(super) fn settings_came(&mut self) {
+        self.life.operator.settings = SettingsState::Stored;
+        self.life.faults.settings_replaced();
+    }
+
     fn clear(&mut self) {
         self.life.faults.record = None;
         self.blocks = BlockHealth::default();
@@ -170,6 +200,10 @@ impl Controller {
 
     /// Switches the drive off; records the fault only then.
     pub(super) fn trip(&mut self, trip: Trip) {
+        if trip.fault == Fault::EmergencyStop {
+            let required = self.settings.operator.acknowledge;
+            self.life.operator.emergency(self.life.tick, required);
+        }
         self.life.faults.condition = Some(trip.fault);
         if self.life.is_in(State::Fault) {
             return;

@@ -42,10 +42,10 @@ pub fn settings(data: &[u8]) {
     );
 }
 
-/// `payload` as the store writes it: name, layout 1, length, sequence, CRC; payload at 64.
+/// `payload` as the store writes it: name, layout 2, length, sequence, CRC; payload at 64.
 fn stored(slot: &mut [u8], payload: &[u8], sequence: u8) {
     let payload = &payload[..payload.len().min(IMAGE_BYTES - 64)];
-    let mut header = b"VIHS\x01\x00".to_vec();
+    let mut header = b"VIHS\x02\x00".to_vec();
     header.extend((payload.len() as u16).to_le_bytes());
     // Some where numbers wrap.
     header.extend(u32::from(sequence).wrapping_sub(3).to_le_bytes());

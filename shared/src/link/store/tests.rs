@@ -251,7 +251,7 @@ fn damage_falls_back_and_says_so_or_is_corrupt() {
 fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones() {
     let other_layout = {
         let (mut image, end) = image_of(&settings(2), 2).unwrap();
-        image[4] = 2;
+        image[4] = 3;
         let check = check_of(&image[..12], &image[PAYLOAD_AT..end]);
         image[12..16].copy_from_slice(&check.to_le_bytes());
         image
