@@ -102,11 +102,8 @@ mod app {
         let mut store = board.store;
         let bench = board.bench_asked && !board.wired;
         let (stored, state) = match store.load() {
-            Some(Loaded::Settings {
-                settings,
-                other_damaged: false,
-            }) => (Some(settings), SettingsState::Stored),
-            Some(Loaded::Settings { settings, .. }) => (Some(settings), SettingsState::OlderCopy),
+            Some(Loaded::Settings(settings)) => (Some(settings), SettingsState::Stored),
+            Some(Loaded::OlderCopy(settings)) => (Some(settings), SettingsState::OlderCopy),
             // The model needs no settings of a rig.
             Some(Loaded::Default) if bench => (None, SettingsState::Model),
             Some(Loaded::Default) => (None, SettingsState::Missing),
