@@ -87,7 +87,6 @@ impl Faults {
 
     /// Good settings have come.
     pub fn settings_replaced(&mut self) {
-        self.condition = None;
         self.settings_corrupt = false;
     }
 
@@ -110,11 +109,11 @@ pub(super) struct Remote {
 }
 
 impl Remote {
-    /// It must give signs of life from now on; `false`: nobody need be there.
+    /// As a start finds it: it must be heard before the drive goes on; `false`: nobody need be there.
     pub fn expected(in_command: bool) -> Self {
         Self {
             in_command,
-            silent_ticks: 0,
+            silent_ticks: u32::MAX,
         }
     }
 
