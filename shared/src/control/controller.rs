@@ -63,6 +63,10 @@ pub(super) struct Seen {
     pub cart_peak_m: f32,
     /// Which half that is.
     pub half: u32,
+    /// Drive periods in which the cart followed the small motion at the start.
+    pub proven: u8,
+    /// Drive periods in a row with a motor drive beyond a limit.
+    pub beyond: u8,
 }
 
 impl Seen {
@@ -76,6 +80,8 @@ impl Seen {
         command_m: 0.0,
         cart_peak_m: 0.0,
         half: 0,
+        proven: 0,
+        beyond: 0,
     };
 }
 

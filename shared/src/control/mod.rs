@@ -115,6 +115,8 @@ pub enum Refused {
     StillFaulty,
     /// The settings are out of range.
     BadSettings,
+    /// A motor drive runs by hand only: its amplitude is the mechanism's, and no limit could reduce it.
+    ByHandOnly,
 }
 
 /// Which basin of attraction the hammer ended in after it was disturbed.

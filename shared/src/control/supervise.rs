@@ -12,7 +12,12 @@ use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
 use super::{ActiveLimits, Mode, Refused, State};
 use crate::fault::{Fault, Record};
-use crate::settings::ticks_of;
+use crate::settings::{DriveKind, ticks_of};
+
+/// Amplitude of the active part of the self test, in units of A0.
+const PROBE: f32 = 0.2;
+/// Drive periods in which the cart must be seen to follow it.
+const PROOFS: u8 = 2;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -25,9 +30,10 @@ impl Controller {
             self.trip(Trip::system(Fault::LinkTimeout, timeout_s));
         }
         self.check_contact(ticks);
+        let probing = self.is_probing();
         match &mut self.life.phase {
             Phase::SelfTest(start) => start.pass(ticks),
-            Phase::Ramp(search) if self.oscillator.has_arrived() => {
+            Phase::Ramp(search) if !probing && self.oscillator.has_arrived() => {
                 let next = match *search {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,
@@ -116,14 +122,48 @@ impl Controller {
             self.oscillator.jump(search.goal_hz());
             self.trim.expect(self.forecast.target_point().1);
         }
-        let amplitude_m = self.trim.command();
-        self.oscillator.aim_amplitude(amplitude_m);
+        self.seen.proven = 0;
         self.change(Phase::Ramp(search));
+        self.command_amplitude();
+    }
+
+    /// Whether the drive is a motor's.
+    pub(super) fn is_motor(&self) -> bool {
+        self.settings.drive.kind == DriveKind::Motor
+    }
+
+    /// The active part of the self test, at the beginning of the ramp: whether the motion is still kept small, until
+    /// the cart is seen to follow it in sense and size.
+    pub(super) fn is_probing(&mut self) -> bool {
+        let is_shaker = !self.is_motor();
+        matches!(self.life.phase, Phase::Ramp(_))
+            && is_shaker
+            && self.seen.proven < PROOFS
+            && self.trim.command() > self.probe_m()
+    }
+
+    /// Amplitude of the active part of the self test, m.
+    pub(super) fn probe_m(&self) -> f32 {
+        PROBE * self.wanted_amplitude_m()
+    }
+
+    /// Sets the goal of the amplitude: what loop and limits allow, and little before the sensors are proven.
+    pub(super) fn command_amplitude(&mut self) {
+        let wanted_m = self.trim.command();
+        let goal_m = if self.is_probing() {
+            wanted_m.min(self.probe_m())
+        } else {
+            wanted_m
+        };
+        self.oscillator.aim_amplitude(goal_m);
     }
 
     pub(super) fn start(&mut self, mode: Mode) -> Result<(), Refused> {
         if !self.life.is_in(State::Idle) {
             return Err(Refused::WrongState);
+        }
+        if self.is_motor() && mode == Mode::Automatic {
+            return Err(Refused::ByHandOnly);
         }
         // A computer that steers says so after the start.
         self.life.remote = Remote::default();
@@ -140,6 +180,8 @@ impl Controller {
             State::Fault => return Err(Refused::WrongState),
             State::Idle | State::Stop => {}
             State::SelfTest => self.change(Phase::Idle),
+            // There is no amplitude to ramp down.
+            _ if self.is_motor() => self.change(Phase::Idle),
             _ => {
                 self.oscillator.aim(self.oscillator.frequency_hz());
                 self.oscillator.aim_amplitude(0.0);
@@ -173,8 +215,7 @@ impl Controller {
         self.oscillator.aim(clamped_hz);
         self.trim
             .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
-        let amplitude_m = self.trim.command();
-        self.oscillator.aim_amplitude(amplitude_m);
+        self.command_amplitude();
         Ok(())
     }
 
