@@ -135,13 +135,13 @@ impl Toy {
         status.peak_n = status.frequency_hz;
         if status.state == State::Manual && status.frequency_hz > self.trips_above_hz {
             status.state = State::Fault;
-            status.fault = Some(Record {
-                fault: Fault::OverForce,
-                origin: Origin::Force,
-                tick: status.tick,
-                value: 500.0,
-                frequency_hz: status.frequency_hz,
-            });
+            status.fault = Some(Record::new(
+                Fault::OverForce,
+                Origin::Force,
+                status.tick,
+                500.0,
+                status.frequency_hz,
+            ));
         }
     }
 }

@@ -73,6 +73,10 @@ fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
         "optimum_frequency_hz",
         "optimum_force_ratio",
         "force_share",
+        "share_from_start",
+        "largest_force_n",
+        "largest_cart_mm",
+        "driven_with_fault_s",
         "faults",
         "overruns",
     ] {

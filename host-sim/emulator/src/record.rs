@@ -25,6 +25,11 @@ pub struct TickRow {
     pub hammer_m: f64,
     /// Cart displacement in the fixed frame, y, m.
     pub cart_m: f64,
+    /// Whether the drive truly had power during the tick, whatever the enable line said.
+    pub powered: bool,
+    /// Whether a fault of the scenario was present: a defective sensor, an open emergency-stop chain, a silent link,
+    /// a drive that does not obey.
+    pub faulty: bool,
 }
 
 /// A command that was given, and whether the controller obeyed it.

@@ -45,6 +45,8 @@ struct Run<'a, C, O> {
     /// Tick of the run at which the controller last started.
     born: u64,
     link: Option<u64>,
+    /// Whether the link fell silent while it was in command.
+    silent: bool,
     overruns: Spell,
     losses: Spell,
     frames: [Frame; MAX_BLOCK],
@@ -71,6 +73,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             tick: 0,
             born: 0,
             link: None,
+            silent: false,
             overruns: Spell::default(),
             losses: Spell::default(),
             frames: [Frame::default(); MAX_BLOCK],
@@ -100,6 +103,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         let ticks = self.scenario.block_ticks;
         let first = self.tick;
         self.world.drift();
+        self.summary.rig(&self.world.rig());
         for k in 0..ticks {
             self.happen();
             self.one_tick(k);
@@ -157,6 +161,8 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             true_force_n: plant.force_n(),
             hammer_m: plant.hammer_m(),
             cart_m: plant.cart_m(),
+            powered: self.world.is_powered(),
+            faulty: self.silent || self.world.is_faulty(),
         };
         for contact in plant.finished() {
             self.summary.contact(contact);
@@ -178,12 +184,16 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             self.happened(EventKind::Scenario { text: due.text });
             match due.what {
                 Doing::Emergency(open) => self.world.set_emergency(open),
-                Doing::Defect(sensor, defect) => self.world.set_defect(sensor, defect),
+                Doing::Defects(id, defects) => self.world.begin_defects(id, &defects),
+                Doing::DefectsOver(id) => self.world.end_defects(id),
                 Doing::Push(speed) => self.world.push(speed),
                 Doing::Drift(change, over_s) => {
-                    self.summary.drift(self.world.rig(), &change, over_s);
                     self.world.begin_drift(change, over_s);
                 }
+                Doing::Recede(recession) => self.world.recede(recession),
+                Doing::Stuck(how) => self.world.set_stuck(how),
+                Doing::Tilt(rad, over_s) => self.world.begin_tilt(rad, over_s),
+                Doing::Friction(friction) => self.world.set_friction(friction),
                 _ => {}
             }
         }
@@ -195,12 +205,17 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             self.happened(EventKind::Scenario { text: due.text });
             match due.what {
                 Doing::Command(command) => {
-                    if matches!(command, Command::Start(_)) {
-                        self.summary.started(self.time_s());
+                    match command {
+                        Command::Start(_) => self.summary.started(self.time_s()),
+                        Command::Stop => self.summary.stopped(),
+                        _ => {}
                     }
                     self.command(command);
                 }
-                Doing::Link(on) => self.link = on.then_some(self.tick),
+                Doing::Link(on) => {
+                    self.silent = !on && self.link.is_some();
+                    self.link = on.then_some(self.tick);
+                }
                 Doing::Overrun(spell) => self.overruns = spell,
                 Doing::Lost(spell) => self.losses = spell,
                 Doing::Reset(cause) => self.reset(cause),

@@ -3,19 +3,20 @@
 //! Force: contact force at every tenth of a tick, plus the surface's ringing, through the anti-alias filter.
 //! Displacements: through theirs. Then gain error, offset, Gaussian noise, the conditioner's rails and 12 bits.
 
+mod line;
+
 use std::f64::consts::TAU;
 
 use numerics::drop_test::{RINGING_DECAY_S, RINGING_HZ};
 use numerics::noise::Noise;
 use serde::Deserialize;
-use shared::io::{ADC_FULL_SCALE, AdcCode, Channel};
+use shared::io::AdcCode;
 use shared::settings::Settings;
 
 use super::filter::Butterworth;
 use super::plant::{Blow, INNER, Plant};
-
-/// What the conditioners give at the rails, as codes: past `LOW_RAIL` and `HIGH_RAIL`, short of an open wire.
-const RAILS: (f64, f64) = (100.0, 3995.0);
+use line::Line;
+pub use line::{Defect, End};
 
 /// Below this, N, the force signal's filter and ringing are at rest.
 const QUIET_N: f64 = 1e-6;
@@ -52,6 +53,11 @@ pub struct SensorParams {
     pub ringing_decay_s: f64,
 }
 
+impl Sensor {
+    /// All, in the order of their codes.
+    pub const ALL: [Self; 3] = [Self::Force, Self::Hammer, Self::Cart];
+}
+
 impl Default for SensorParams {
     fn default() -> Self {
         Self {
@@ -77,21 +83,6 @@ pub enum Sensor {
     Hammer,
     /// Cart displacement.
     Cart,
-}
-
-/// What is wrong with a sensor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Defect {
-    /// The wire is open: code 0.
-    Open,
-    /// At the upper rail.
-    Saturated,
-    /// At the lower rail.
-    SaturatedLow,
-    /// The code stays where it was.
-    Frozen,
-    /// The value is read this many times too large.
-    Gain(f64),
 }
 
 /// The surface's ringing: after each contact's largest force it swings about zero, falling first.
@@ -141,50 +132,6 @@ impl Ringing {
     }
 }
 
-/// One channel from value to code.
-#[derive(Clone, Debug)]
-struct Line {
-    believed: Channel,
-    errors: Errors,
-    defect: Option<Defect>,
-    code: AdcCode,
-}
-
-impl Line {
-    fn new(believed: Channel, errors: Errors) -> Self {
-        Self {
-            believed,
-            errors,
-            defect: None,
-            code: AdcCode(believed.zero_code as u16),
-        }
-    }
-
-    /// Reads `value` disturbed by `noise` standard deviations.
-    #[inline]
-    fn read(&mut self, value: f64, noise: f64) -> AdcCode {
-        let gain = match self.defect {
-            None => 1.0,
-            Some(Defect::Gain(times)) => times,
-            Some(Defect::Frozen) => return self.code,
-            Some(Defect::Open) => return AdcCode(0),
-            Some(Defect::Saturated) => return AdcCode(ADC_FULL_SCALE),
-            Some(Defect::SaturatedLow) => return AdcCode(RAILS.0 as u16),
-        };
-        let Errors {
-            offset,
-            gain_error,
-            noise: deviation,
-        } = self.errors;
-        let seen = gain * (1.0 + gain_error) * value + offset + deviation * noise;
-        let unit = f64::from(self.believed.unit_per_code);
-        let code = f64::from(self.believed.zero_code) + seen / unit;
-        // Clamped to the rails, so it fits; NaN reads as the lower one.
-        self.code = AdcCode((code + 0.5).max(RAILS.0).min(RAILS.1) as u16);
-        self.code
-    }
-}
-
 /// Force and displacement sensors.
 #[derive(Clone, Debug)]
 pub struct Sensors {
@@ -204,9 +151,9 @@ impl Sensors {
         let displacement = Butterworth::new(params.displacement_filter_hz, tick_s);
         Self {
             lines: [
-                Line::new(settings.force, params.force),
-                Line::new(settings.hammer, params.hammer),
-                Line::new(settings.cart, params.cart),
+                Line::new(settings.force, params.force, tick_s),
+                Line::new(settings.hammer, params.hammer, tick_s),
+                Line::new(settings.cart, params.cart, tick_s),
             ],
             force_filter: Butterworth::new(params.force_filter_hz, inner_s),
             filters: [displacement.clone(), displacement],
@@ -219,9 +166,20 @@ impl Sensors {
         }
     }
 
-    /// Makes a sensor defective, or whole again.
-    pub fn set_defect(&mut self, sensor: Sensor, defect: Option<Defect>) {
-        self.lines[sensor as usize].defect = defect;
+    /// A sensor gets a defect, on top of those it has; `id` ends it again.
+    pub fn begin(&mut self, sensor: Sensor, id: usize, defect: Defect) {
+        self.noisy |= matches!(defect, Defect::Dead(Some(_)));
+        self.lines[sensor as usize].begin(id, defect);
+    }
+
+    /// The defects of this `id` are over.
+    pub fn end(&mut self, id: usize) {
+        self.lines.iter_mut().for_each(|line| line.end(id));
+    }
+
+    /// Whether a sensor is defective.
+    pub fn is_defective(&self) -> bool {
+        self.lines.iter().any(Line::is_defective)
     }
 
     /// Codes of force, hammer and cart at the end of the plant's tick.

@@ -5,7 +5,9 @@ use shared::fault::{Fault, Origin, Record};
 use shared::model::params::RigParams;
 
 use super::record::{Contact, Event, EventKind, TickRow};
-use super::scenario::{Change, Scenario};
+use super::rig_path::RigPath;
+use super::scenario::Scenario;
+use super::world::levelled;
 
 /// A fault that tripped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,28 +24,26 @@ pub struct Tripped {
     pub injected: Option<u64>,
 }
 
-/// Sums over whole drive periods in Hold.
+/// Force over a stretch of time in which the controller was asked to run: from a start to a stop. While the drive
+/// is off in it, for whatever reason, the force is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Held {
-    /// Periods.
-    pub periods: u64,
-    /// Largest true force of each, added up, N.
-    pub force_n: f64,
-    /// Drive frequency of each, added up, Hz.
-    pub frequency_hz: f64,
-    /// Share of the rig's change that was done at each (0 to 1), added up.
-    pub drifted: f64,
+pub struct Span {
+    /// How long, s.
+    pub time_s: f64,
+    /// Largest true force of each drive period times its length, added up, N·s.
+    pub force_n_s: f64,
 }
 
-/// The rig before and after it changed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drifted {
-    /// Before.
-    pub from: RigParams,
-    /// After.
-    pub to: RigParams,
-    began_s: f64,
-    over_s: f64,
+impl Span {
+    fn add(&mut self, time_s: f64, force_n: f64) {
+        self.time_s += time_s;
+        self.force_n_s += force_n * time_s;
+    }
+
+    /// Mean largest force of a drive period, N; none if no time counted.
+    pub fn force_n(&self) -> Option<f64> {
+        (self.time_s > 0.0).then(|| self.force_n_s / self.time_s)
+    }
 }
 
 /// Counts and sums over a run.
@@ -64,12 +64,22 @@ pub struct Summary {
     pub largest_n: f64,
     /// Largest displacement of the hammer relative to the cart, m.
     pub largest_travel_m: f64,
-    /// Periods in Hold.
-    pub held: Held,
+    /// Largest displacement of the cart, fixed frame, m.
+    pub largest_cart_m: f64,
+    /// Longest time for which the drive stayed powered while a fault of the scenario was present, s.
+    pub driven_with_fault_s: f64,
+    /// From the first start on.
+    pub asked: Span,
+    /// From the first Hold on, whatever came after.
+    pub held: Span,
+    /// Whole drive periods in Hold.
+    pub hold_periods: u64,
+    /// Drive frequency of each, added up, Hz.
+    pub hold_hz: f64,
     /// Faults, as they tripped.
     pub faults: Vec<Tripped>,
     /// How the rig changed.
-    pub drifted: Option<Drifted>,
+    pub rigs: RigPath,
     /// Ticks run.
     pub ticks: u64,
     /// Whether every set-point frequency was finite.
@@ -77,9 +87,16 @@ pub struct Summary {
     last_on: Option<u64>,
     last_act: Option<u64>,
     turns: f64,
+    /// Whether the period began in Hold.
     whole: bool,
     period_n: f64,
+    period_s: f64,
     holding: bool,
+    /// Whether a start was given and no stop since.
+    running: bool,
+    /// Whether the period began after the first Hold.
+    counts_held: bool,
+    with_fault_s: f64,
 }
 
 impl Summary {
@@ -94,9 +111,14 @@ impl Summary {
             last_contact_s: None,
             largest_n: 0.0,
             largest_travel_m: 0.0,
-            held: Held::default(),
+            largest_cart_m: 0.0,
+            driven_with_fault_s: 0.0,
+            asked: Span::default(),
+            held: Span::default(),
+            hold_periods: 0,
+            hold_hz: 0.0,
             faults: Vec::new(),
-            drifted: None,
+            rigs: RigPath::new(&levelled(&scenario.true_rig, scenario.mounting.tilt_rad)),
             ticks: 0,
             finite: true,
             last_on: None,
@@ -104,7 +126,11 @@ impl Summary {
             turns: 0.0,
             whole: false,
             period_n: 0.0,
+            period_s: 0.0,
             holding: false,
+            running: false,
+            counts_held: false,
+            with_fault_s: 0.0,
         }
     }
 
@@ -132,34 +158,51 @@ impl Summary {
         } else {
             self.went_off(row.tick);
         }
-        if !(self.holding && row.output.enable) {
-            self.whole = false;
+        self.largest_cart_m = self.largest_cart_m.max(row.cart_m.abs());
+        if row.powered && row.faulty {
+            self.with_fault_s += self.tick_s;
+            self.driven_with_fault_s = self.driven_with_fault_s.max(self.with_fault_s);
+        } else {
+            self.with_fault_s = 0.0;
+        }
+        self.count(row.output.enable, hz);
+    }
+
+    /// Counts a tick of a drive period, or of the time in which the drive is off.
+    #[inline]
+    fn count(&mut self, on: bool, hz: f64) {
+        self.whole &= self.holding && on;
+        if !self.running {
+            self.period_s = 0.0;
+            self.period_n = 0.0;
             return;
         }
-        self.turns += hz * self.tick_s;
-        if self.turns >= 1.0 {
-            self.turns -= 1.0;
-            self.end_period(row.time_s, hz);
+        self.period_s += self.tick_s;
+        if on {
+            self.turns += hz * self.tick_s;
+        }
+        if !on || self.turns >= 1.0 {
+            self.turns = if on { self.turns - 1.0 } else { 0.0 };
+            self.end_period(hz);
         }
     }
 
-    /// A drive period ends; the first in Hold was not whole.
-    fn end_period(&mut self, time_s: f64, hz: f64) {
-        if self.whole {
-            let drifted = self.drifted.map_or(0.0, |d| {
-                let passed = (time_s - d.began_s).max(0.0);
-                if d.over_s > passed {
-                    passed / d.over_s
-                } else {
-                    1.0
-                }
-            });
-            self.held.periods += 1;
-            self.held.force_n += self.period_n;
-            self.held.frequency_hz += hz;
-            self.held.drifted += drifted;
+    /// A drive period ends, or a tick without drive.
+    fn end_period(&mut self, hz: f64) {
+        let (time_s, force_n) = (self.period_s, self.period_n);
+        self.asked.add(time_s, force_n);
+        if self.counts_held {
+            self.held.add(time_s, force_n);
         }
-        self.whole = true;
+        let held_s = if self.counts_held { time_s } else { 0.0 };
+        self.rigs.counted(time_s, held_s);
+        if self.whole {
+            self.hold_periods += 1;
+            self.hold_hz += hz;
+        }
+        self.whole = self.holding;
+        self.counts_held = self.hold_s.is_some();
+        self.period_s = 0.0;
         self.period_n = 0.0;
     }
 
@@ -199,6 +242,12 @@ impl Summary {
     /// The command to start was given at `time_s`.
     pub fn started(&mut self, time_s: f64) {
         self.started_s.get_or_insert(time_s);
+        self.running = true;
+    }
+
+    /// The command to stop was given.
+    pub fn stopped(&mut self) {
+        self.running = false;
     }
 
     /// A fault tripped, its condition having been seen at `tick`.
@@ -213,14 +262,8 @@ impl Summary {
         });
     }
 
-    /// The rig begins to change from `rig`.
-    pub fn drift(&mut self, rig: &RigParams, change: &Change, over_s: f64) {
-        let before = self.drifted;
-        self.drifted = Some(Drifted {
-            from: before.map_or(*rig, |d| d.from),
-            to: change.apply(rig, 1.0),
-            began_s: before.map_or(self.end_s(), |d| d.began_s),
-            over_s: before.map_or(0.0, |d| self.end_s() - d.began_s) + over_s,
-        });
+    /// The rig is now this one.
+    pub fn rig(&mut self, rig: &RigParams) {
+        self.rigs.is(rig, self.ticks as f64 * self.tick_s);
     }
 }

@@ -323,13 +323,18 @@ fn verdict_lines(verdict: &Verdict) -> String {
         number(verdict.optimum_frequency_hz, 4, " Hz")
     );
     text += &format!(
-        "force          {} times the weight in hold; optimum {}\n",
+        "force          {} times the weight from hold on; optimum {}\n",
         number(verdict.force_ratio_mean, 2, ""),
         number(verdict.optimum_force_ratio, 2, "")
     );
     text += &format!(
-        "force share    {}\n",
-        number(verdict.force_share.map(|share| 100.0 * share), 2, " %")
+        "force share    {} from hold on, {} from the start on\n",
+        number(verdict.force_share.map(|share| 100.0 * share), 2, " %"),
+        number(verdict.share_from_start.map(|share| 100.0 * share), 2, " %")
+    );
+    text += &format!(
+        "largest        force {:.1} N, cart {:.3} mm; longest driven with a fault present {:.4} s\n",
+        verdict.largest_force_n, verdict.largest_cart_mm, verdict.driven_with_fault_s
     );
     if verdict.faults.is_empty() {
         text += "faults         none\n";

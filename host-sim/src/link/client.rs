@@ -369,6 +369,9 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: the fault's cause is still there; remove it and clear again"
         }
         Refusal::Controller(Refused::BadSettings) => "refused: the settings are out of range",
+        Refusal::Controller(Refused::ByHandOnly) => {
+            "refused: drive.kind is motor, whose amplitude no limit can reduce; start it by hand"
+        }
         Refusal::NotStored => {
             "the settings are in use but could not be stored in flash; send them again, they are lost at the next reset"
         }

@@ -294,6 +294,8 @@ mod tests {
                 true_force_n: 0.0,
                 hammer_m: 0.0,
                 cart_m: 0.0,
+                powered: on,
+                faulty: false,
             });
             if on && k.is_multiple_of(10) {
                 trace.contact(&Contact {

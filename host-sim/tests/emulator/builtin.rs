@@ -5,7 +5,7 @@ use emulator::local::Local;
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, Scenario, load};
 use emulator::summary::Summary;
-use emulator::verdict::{Verdict, judge, judge_by};
+use emulator::verdict::{Best, Verdict, judge, judge_by};
 
 /// A run, unwatched.
 pub fn ran(scenario: &Scenario) -> Summary {
@@ -16,10 +16,10 @@ pub fn ran(scenario: &Scenario) -> Summary {
 /// The verdict, the optimum left out where nothing asks for it.
 pub fn verdict(scenario: &Scenario) -> Verdict {
     let summary = ran(scenario);
-    if scenario.expect.min_force_share.is_some() {
+    if scenario.expect.asks_for_the_optimum() {
         judge(scenario, &summary)
     } else {
-        judge_by(scenario, &summary, [None, None])
+        judge_by(scenario, &summary, Best::default())
     }
 }
 

@@ -3,8 +3,12 @@
 mod balances;
 mod builtin;
 mod faults;
+mod ground;
+mod motor;
+mod mounting;
 mod random;
 mod scenarios;
 mod sensors;
 mod stiff_limit;
 mod support;
+mod verdicts;

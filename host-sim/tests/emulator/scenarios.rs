@@ -7,7 +7,7 @@ use emulator::record::{BlockRow, Event, EventKind, Observer, TickRow};
 use emulator::run::run;
 use emulator::scenario::{BUILTIN, load, parse};
 use emulator::under_test::FixedFrequency;
-use emulator::verdict::judge_by;
+use emulator::verdict::{Best, judge_by};
 use shared::model::params::{BEAM_150, WIRES};
 
 use crate::support::TICK_S;
@@ -60,7 +60,7 @@ fn every_mistake_gets_one_line_that_names_it() {
         ))
     };
     assert!(fault("fault = \"gain\"").contains("needs times"));
-    assert!(fault("fault = \"open\"\ntimes = 2.0").contains("times goes with"));
+    assert!(fault("fault = \"open\"\ntimes = 2.0").contains("times goes with another fault"));
     let drift = |how: &str| event(&format!("kind = \"drift\"\nover_s = 1.0\n{how}"));
     assert!(drift("").contains("changes nothing"));
     assert!(drift("gap_offset_mm = nan").contains("gap_offset_mm is NaN"));
@@ -150,7 +150,7 @@ fn a_controller_that_only_drives_is_stopped_by_its_emergency_chain_a_block_later
         .collect();
     // The start comes between blocks, its block's answer with the next; the chain opens at tick 200002.
     assert_eq!(drive, [(20_010, true), (200_010, false)]);
-    let verdict = judge_by(&scenario, &summary, [None, None]);
+    let verdict = judge_by(&scenario, &summary, Best::default());
     assert_eq!(verdict.final_state, "fault");
 }
 

@@ -1,7 +1,7 @@
 //! Sensors and lines: what the controller gets to see.
 
 use emulator::plant::Plant;
-use emulator::sensors::{Defect, Errors, Sensor, SensorParams, Sensors};
+use emulator::sensors::{Defect, End, Errors, Sensor, SensorParams, Sensors};
 use emulator::shaker::{Path, ShakerParams};
 use numerics::noise::Noise;
 use shared::io::{AdcCode, Reading};
@@ -81,7 +81,10 @@ fn each_defect_shows_as_itself_and_goes() {
     };
     let mut sensors = Sensors::new(&params, &settings, TICK_S, 3);
     let mut read = |defect| {
-        sensors.set_defect(Sensor::Cart, defect);
+        sensors.end(0);
+        if let Some(defect) = defect {
+            sensors.begin(Sensor::Cart, 0, defect);
+        }
         (0..50).map(|_| sensors.read(&plant)[2]).collect::<Vec<_>>()
     };
     let moves = |codes: &[AdcCode]| codes.iter().any(|c| *c != codes[0]);
@@ -134,4 +137,141 @@ fn the_surface_rings_at_half_the_peak_and_dies_away() {
         assert!((0.2..0.5).contains(&(swing / peak)), "{swing} of {peak}");
     }
     assert!(late < 0.01 * peak, "{late} of {peak}");
+}
+
+/// Values that a hammer sensor reads of a hammer held 1 mm past rest, at each of `ticks`, noiseless.
+fn hammer_reads(defects: &[Defect], ticks: usize) -> Vec<f64> {
+    let params = RigParams {
+        gap_m: 3e-3,
+        ..WIRES
+    };
+    let settings = Settings::for_rig(&params);
+    let mut plant = Plant::new(&params, &ShakerParams::default(), TICK_S).unwrap();
+    let mut sensors = noiseless(&settings, SensorParams::default());
+    let state = on_the_sine(&params, 0.0, rest(&params) + 1e-3 / 0.075, 0.0);
+    // The filter settles before the defects come.
+    for _ in 0..200 {
+        plant.set_state(state);
+        sensors.read(&plant);
+    }
+    for (id, defect) in defects.iter().enumerate() {
+        sensors.begin(Sensor::Hammer, id, *defect);
+    }
+    let read = |_| f64::from(settings.hammer.value(sensors.read(&plant)[1]));
+    (0..ticks).map(read).collect()
+}
+
+#[test]
+fn every_defect_of_a_value_is_its_formula_and_several_add_up() {
+    let codes = 6.4e-6;
+    let close = |got: f64, want: f64| assert!((got - want).abs() < codes, "{got} against {want}");
+    let whole = hammer_reads(&[], 1)[0];
+    close(whole, 1e-3);
+    close(hammer_reads(&[Defect::Reversed], 1)[0], -whole);
+    close(hammer_reads(&[Defect::Offset(2e-3)], 1)[0], whole + 2e-3);
+    close(hammer_reads(&[Defect::Gain(0.64)], 1)[0], 0.64 * whole);
+    // After half a second.
+    let drifted = hammer_reads(&[Defect::OffsetDrift(1e-3)], 10_001)[10_000];
+    close(drifted, whole + 0.5e-3);
+    close(
+        hammer_reads(&[Defect::GainDrift(0.5)], 10_001)[10_000],
+        1.25 * whole,
+    );
+    let both = [Defect::Reversed, Defect::Offset(0.4e-3), Defect::Gain(2.0)];
+    close(hammer_reads(&both, 1)[0], 2.0 * (0.4e-3 - whole));
+    // The whole signal, from code 0 on: at half the supply the zero of 2048 reads as 1024.
+    let settings = Settings::for_rig(&WIRES);
+    let zero_m = f64::from(settings.hammer.zero_code * settings.hammer.unit_per_code);
+    close(
+        hammer_reads(&[Defect::Supply(0.5)], 1)[0],
+        0.5 * (whole - zero_m),
+    );
+}
+
+#[test]
+fn a_dead_sensor_keeps_its_noise_and_a_bad_contact_its_rhythm() {
+    let dead = hammer_reads(&[Defect::Dead(Some(50e-6))], 20_000);
+    let n = dead.len() as f64;
+    let mean = dead.iter().sum::<f64>() / n;
+    let variance = dead.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    assert!(mean.abs() < 5.0 * 50e-6 / n.sqrt() + 1e-6, "{mean}");
+    // Five standard errors of a variance, and the quantisation's twelfth.
+    assert!((variance / 2.5e-9 - 1.0).abs() < 5.0 * (2.0 / n).sqrt() + 2e-3);
+    for (at, is) in [(End::Open, 0), (End::High, 4095), (End::Low, 100)] {
+        let settings = Settings::for_rig(&WIRES);
+        let bad = Defect::Intermittent {
+            at,
+            ticks: 2,
+            of: 3,
+        };
+        let reads = hammer_reads(&[bad], 30);
+        let end = f64::from(settings.hammer.value(AdcCode(is)));
+        for (k, value) in reads.iter().enumerate() {
+            assert_eq!(k % 3 < 2, (value - end).abs() < 1e-9, "{at:?} {k} {value}");
+        }
+    }
+}
+
+#[test]
+fn a_late_sensor_reads_what_was_so_many_ticks_before() {
+    let settings = Settings::for_rig(&WIRES);
+    let hz = 2.0 * WIRES.natural_frequency_hz();
+    let run = |late: Option<u32>| {
+        let mut plant = Plant::prescribed(&WIRES, TICK_S).unwrap();
+        plant.set_state(on_the_sine(&WIRES, hz, rest(&WIRES), 0.0));
+        let mut sensors = noiseless(&settings, SensorParams::default());
+        if let Some(ticks) = late {
+            sensors.begin(Sensor::Cart, 7, Defect::Delayed(ticks));
+        }
+        let mut codes = Vec::new();
+        for k in 0..5000 {
+            plant.tick(sine(&WIRES, hz, TICK_S, k), true);
+            codes.push(sensors.read(&plant)[2]);
+        }
+        codes
+    };
+    let (now, late) = (run(None), run(Some(40)));
+    assert_eq!(late[40..], now[..4960]);
+    assert!(now[1000] != late[1000]);
+}
+
+#[test]
+fn scenarios_name_sensors_alone_together_and_from_the_start() {
+    use emulator::scenario::parse;
+    let parsed = |more: &str| {
+        let text = format!("duration_s = 9.0\n[true_rig]\npreset = \"wires\"\n{more}");
+        parse("mine", &text, "mine.toml")
+    };
+    let supply = "[[sensors.defects]]\nsensor = \"displacements\"\nfault = \"supply\"\ntimes = 0.5\n[[events]]\nat_s = 2.0\nkind = \"sensor-fault\"\nsensor = \"all\"\nfault = \"offset\"\noffset_n = 3.0\noffset_um = -20\nfor_s = 1.0\n";
+    let scenario = parsed(supply).unwrap();
+    let defects: Vec<_> = scenario.events.iter().map(|e| e.act.defects()).collect();
+    let half = Some(Defect::Supply(0.5));
+    assert_eq!(defects[0], [None, half, half]);
+    let length = Some(Defect::Offset(-20.0 * 1e-6));
+    assert_eq!(defects[1], [Some(Defect::Offset(3.0)), length, length]);
+    assert_eq!(scenario.events[0].at_s, 0.0);
+    for (how, complaint) in [
+        (
+            "fault = \"offset\"\noffset_n = 1.0",
+            "offset_n goes with another fault",
+        ),
+        ("fault = \"offset\"", "needs offset_um"),
+        ("fault = \"reversed\"\ntimes = 2.0", "takes no number"),
+        (
+            "fault = \"intermittent\"\nticks = 3\nof = 2",
+            "ticks is 3, must be 1 to 2",
+        ),
+        ("fault = \"intermittent\"\nticks = 3", "needs of"),
+        ("fault = \"delayed\"\ndelay_ms = -1.0", "delay_ms is -1"),
+        ("fault = \"open\"\nat = \"high\"", "at goes with"),
+        (
+            "fault = \"dead\"\nat_s = 2.0",
+            "at_s stands in events alone",
+        ),
+    ] {
+        let text = format!("[[sensors.defects]]\nsensor = \"hammer\"\n{how}\n");
+        let line = parsed(&text).unwrap_err().to_string();
+        assert!(line.contains(complaint), "{line}");
+        assert!(line.contains("[[sensors.defects]] 1"), "{line}");
+    }
 }

@@ -9,6 +9,9 @@ use crate::model::regime::Regime;
 /// every gap of the chapter's map.
 const FORECAST_RANGE: (f32, f32) = (0.8, 3.0);
 
+/// Below this share of A0 the forecast, made for A0, says nothing of contacts.
+const LEAST_SHARE: f32 = 0.4;
+
 /// The last forecast and the request for the next.
 #[derive(Clone, Debug, Default)]
 pub struct ForecastCache {
@@ -22,8 +25,8 @@ pub struct ForecastCache {
     has_come: bool,
     /// The swing of a hammer that does not touch.
     free: FreeSwing,
-    /// Frequency and whether a start from rest strikes there.
-    strikes: heapless::Vec<(f32, bool), MAX_ROWS>,
+    /// Frequency, and the force, N, with which a start from rest strikes there; 0 if it does not.
+    strikes: heapless::Vec<(f32, f32), MAX_ROWS>,
 }
 
 impl ForecastCache {
@@ -59,9 +62,9 @@ impl ForecastCache {
         self.strikes.clear();
         for row in &forecast.rows {
             // As many rows as fit: both have room for the same number.
-            let _ = self
-                .strikes
-                .push((row.frequency_hz, row.regime != Regime::None));
+            let strikes = row.regime != Regime::None;
+            let force_n = if strikes { row.force_n } else { 0.0 };
+            let _ = self.strikes.push((row.frequency_hz, force_n));
         }
         true
     }
@@ -77,20 +80,23 @@ impl ForecastCache {
         target.map_or((0.0, 0.0), |t| (t.frequency_hz, t.orbit.force_n))
     }
 
-    /// Whether there must be contact at `hz`: the forecast has it from rest on both sides, and a free swing
-    /// would touch.
-    pub fn must_strike_at(&self, hz: f32) -> bool {
-        if !self.free.must_touch(hz) {
+    /// Whether there must be a contact of more than `force_n` at `hz` with a cart amplitude of `amplitude_m`: the
+    /// forecast has it from rest on both sides, with force in proportion to the amplitude, and a free swing would
+    /// touch.
+    pub fn must_strike_at(&self, hz: f32, amplitude_m: f32, force_n: f32) -> bool {
+        let share = self.free.share_of_full(amplitude_m);
+        if share < LEAST_SHARE || !self.free.must_touch(hz, amplitude_m) {
             return false;
         }
+        let strikes = |row_n: f32| row_n * share > force_n;
         let mut below = None;
-        for &(row_hz, strikes) in &self.strikes {
+        for &(row_hz, row_n) in &self.strikes {
             if row_hz > hz {
-                return strikes && below.unwrap_or(strikes);
+                return strikes(row_n) && strikes(below.unwrap_or(row_n));
             }
-            below = Some(strikes);
+            below = Some(row_n);
         }
-        below.unwrap_or(false)
+        below.is_some_and(strikes)
     }
 
     /// The target, entered where the hammer must strike. (The forecast starts from rest at full amplitude; the

@@ -4,7 +4,7 @@ use super::event::{EventKind, Events};
 use super::operator::Operator;
 use super::phase::Phase;
 use super::{BootInfo, ResetCause, State};
-use crate::fault::{Fault, Record};
+use crate::fault::{Fault, FaultSet, Record};
 use crate::settings::ticks_of;
 
 /// What lives as long as the controller: everything else is made from the settings.
@@ -55,12 +55,17 @@ impl Lifetime {
     }
 }
 
-/// The fault that is or was, and what keeps it from being cleared.
+/// The faults of the present episode, and what keeps them from being cleared.
+///
+/// Nothing takes a fault out of an episode but [`Self::clear`], which is for `ClearFault` with every cause gone, and
+/// for a link that is heard again after nothing but a link timeout.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Faults {
     pub record: Option<Record>,
-    /// A condition that trips was there in the last block.
-    pub condition: Option<Fault>,
+    /// Conditions that tripped in the last block.
+    standing: FaultSet,
+    /// Whether a whole block of samples has shown no condition since the last one.
+    seen_clean: bool,
     /// The settings in use are not known to be this rig's ([`super::SettingsState::can_drive`]).
     settings_corrupt: bool,
 }
@@ -70,8 +75,8 @@ impl Faults {
     pub fn at_boot(boot: &BootInfo) -> Self {
         Self {
             record: boot.record,
-            condition: None,
             settings_corrupt: !boot.settings.can_drive(),
+            ..Self::default()
         }
     }
 
@@ -85,19 +90,63 @@ impl Faults {
         }
     }
 
-    /// Good settings have come.
+    /// A block begins, with samples or without: what stood in the last is not known to stand any more.
+    pub fn block_begins(&mut self) {
+        self.standing = FaultSet::NONE;
+    }
+
+    /// A condition trips in this block.
+    pub fn stands(&mut self, fault: Fault) {
+        self.standing = self.standing.and(FaultSet::of(fault));
+    }
+
+    /// A block of samples has ended; `quiet`: nothing in it was on the way to a trip.
+    pub fn block_ends(&mut self, quiet: bool) {
+        self.seen_clean = quiet && self.standing.is_empty();
+    }
+
+    /// A block had no samples: nothing is known of the conditions.
+    pub fn block_was_blind(&mut self) {
+        self.seen_clean = false;
+    }
+
+    /// Good settings have come. What the samples show under them is not known yet.
     pub fn settings_replaced(&mut self) {
+        self.seen_clean = false;
         self.settings_corrupt = false;
     }
 
-    /// Whether the cause of the fault has gone.
-    pub fn can_be_cleared(&self) -> bool {
-        self.condition.is_none() && !self.settings_corrupt
+    /// Adds a fault to the episode, or begins one. Whether it is the first of its number in it.
+    pub fn add(&mut self, new: Record) -> bool {
+        let known = self.record.is_some_and(|record| {
+            // A sensor that went beyond its trip level and on to its rail has said one thing, not two.
+            let beyond = matches!(record.fault, Fault::OverForce | Fault::OverTravel);
+            let same = new.fault == Fault::SensorSaturated && new.origin == record.origin;
+            record.episode.contains(new.fault) || (beyond && same)
+        });
+        if !known {
+            self.record = Some(new.after(self.record));
+        }
+        !known
     }
 
-    /// Whether the recorded fault is `fault`.
-    pub fn is(&self, fault: Fault) -> bool {
-        self.record.is_some_and(|record| record.fault == fault)
+    /// Whether every cause has gone.
+    pub fn can_be_cleared(&self) -> bool {
+        self.seen_clean && self.standing.is_empty() && !self.settings_corrupt
+    }
+
+    /// Whether a link that is heard again ends the episode: it is of a link timeout alone, and nothing else stands.
+    pub fn ends_with_the_link(&self) -> bool {
+        let alone = FaultSet::of(Fault::LinkTimeout);
+        self.record.is_some_and(|record| record.episode == alone)
+            && self.seen_clean
+            && self.standing.without(Fault::LinkTimeout).is_empty()
+            && !self.settings_corrupt
+    }
+
+    /// The episode is over.
+    pub fn clear(&mut self) {
+        self.record = None;
     }
 }
 

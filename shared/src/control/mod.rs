@@ -25,6 +25,7 @@ mod guard;
 mod lifetime;
 mod limits;
 mod lockstep;
+mod off_watch;
 mod operator;
 mod oscillator;
 mod phase;
@@ -123,6 +124,8 @@ pub enum Refused {
     SettingsUnknown(SettingsState),
     /// The emergency stop must be acknowledged at the board first.
     NotAcknowledged,
+    /// A motor drive runs by hand only: its amplitude is the mechanism's, and no limit could reduce it.
+    ByHandOnly,
 }
 
 /// Which basin of attraction the hammer ended in after it was disturbed.

@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, SettingsState, State, Status};
-use crate::fault::{Fault, Origin, Record};
+use crate::fault::{Fault, FaultSet, Origin, Record};
 use crate::forecast::{Forecast, Orbit, Row, Target};
 use crate::io::{Frame, Output};
 use crate::model::params::{LAWS, PRESETS, WIRES};
@@ -35,11 +35,8 @@ fn longest_status() -> Status {
 
 fn longest_record() -> Record {
     Record {
-        fault: Fault::Crash,
-        origin: Origin::Cart,
-        tick: LONG,
-        value: 1.0,
-        frequency_hz: 1.0,
+        episode: FaultSet::from_bits(u32::MAX),
+        ..Record::new(Fault::NotOff, Origin::Cart, LONG, 1.0, 1.0)
     }
 }
 
@@ -464,7 +461,7 @@ fn settings_are_taken_whole_and_only_if_they_are_good() {
     let bad = Answer::Refused(Refusal::Controller(Refused::BadSettings));
     assert_eq!(set(&mut pair, new), bad);
     assert_eq!((pair.device.settings, pair.device.stored), (old, None));
-    new.trips.force_n = 2.0 * old.trips.force_n;
+    new.trips.force_n = 1.1 * old.trips.force_n;
     assert_eq!(set(&mut pair, new), Answer::Done);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
     pair.device.status.state = State::Hold;

@@ -82,6 +82,12 @@ impl Harmonic {
         self.offset_m
     }
 
+    /// Sets the mean of the cart's displacement, m, and discards the period under way.
+    pub fn set_offset(&mut self, offset_m: f32) {
+        self.offset_m = offset_m;
+        self.restart();
+    }
+
     /// Discards the period under way.
     pub fn restart(&mut self) {
         self.begin(false);

@@ -171,8 +171,9 @@ impl Sense {
         self.section.restart();
     }
 
-    /// Sets the readings at rest: force, N, and x − y, m. Both are subtracted from now on.
-    pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32) {
+    /// Sets the readings at rest: force, N, x − y, m, and y, m. They are subtracted from now on.
+    pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32, cart_m: f32) {
+        self.harmonic.set_offset(cart_m);
         self.force_offset_n = force_offset_n;
         self.rest_relative_m = rest_relative_m;
     }
@@ -322,6 +323,12 @@ impl Sense {
     pub fn cart(&self) -> (f32, f32) {
         let cart = self.harmonic.last();
         (cart.amplitude_m(), cart.lag_rad())
+    }
+
+    /// Middle of the cart's motion, m.
+    #[inline]
+    pub fn cart_offset_m(&self) -> f32 {
+        self.harmonic.offset_m()
     }
 
     /// Whether a contact is under way (its refractory time included).

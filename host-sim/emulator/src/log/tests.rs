@@ -38,13 +38,7 @@ fn status(k: usize) -> Status {
     Status {
         tick: (k * BLOCK) as u32,
         state: if k < 7 { State::Idle } else { State::Hold },
-        fault: (k > 20).then_some(Record {
-            fault: Fault::OverForce,
-            origin: Origin::Force,
-            tick: 77,
-            value: 401.5,
-            frequency_hz: 3.5,
-        }),
+        fault: (k > 20).then_some(Record::new(Fault::OverForce, Origin::Force, 77, 401.5, 3.5)),
         limits: ActiveLimits::FORCE | ActiveLimits::TRAVEL,
         frequency_hz: 3.0 + 0.1 * k as f32,
         amplitude_m: -0.0,

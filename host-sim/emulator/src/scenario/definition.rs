@@ -6,6 +6,9 @@ use shared::model::params::RigParams;
 use shared::settings::{Settings, TICK_S};
 
 use super::event::Timed;
+use crate::cart::Mounting;
+use crate::motor::MotorParams;
+use crate::plant::Drive;
 use crate::sensors::SensorParams;
 use crate::shaker::ShakerParams;
 
@@ -37,6 +40,10 @@ pub struct Scenario {
     pub shaker: ShakerParams,
     /// Whether the cart follows its set-point whatever force that takes.
     pub prescribed: bool,
+    /// The motor that moves the cart in the shaker's place.
+    pub motor: Option<MotorParams>,
+    /// How the cart is mounted.
+    pub mounting: Mounting,
     /// The sensors.
     pub sensors: SensorParams,
     /// What happens, by rising time.
@@ -51,6 +58,15 @@ impl Scenario {
         TICK_S * (1.0 + 1e-6 * self.clock_ppm)
     }
 
+    /// What moves the cart.
+    pub fn drive(&self) -> Drive {
+        match self.motor {
+            Some(motor) => Drive::Motor(motor),
+            None if self.prescribed => Drive::Prescribed,
+            None => Drive::Shaker(self.shaker),
+        }
+    }
+
     /// Blocks of the run.
     pub fn blocks(&self) -> u64 {
         let ticks = self.duration_s / self.tick_s();
@@ -58,15 +74,26 @@ impl Scenario {
     }
 }
 
-/// What a run must end in. What is left out is not checked, except faults: those not named must not trip.
+/// What a run must end in. What is left out is not checked, except faults (those not named must not trip) and the
+/// upper bound of the force share.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Expect {
     /// State at the end.
     pub final_state: Option<State>,
     /// The faults that trip, in their order.
     pub faults: Vec<Fault>,
-    /// Smallest share of the optimum's force held.
+    /// Smallest share of the optimum's force from the first Hold on.
     pub min_force_share: Option<f64>,
+    /// Largest; if left out, a little more than the whole.
+    pub max_force_share: Option<f64>,
+    /// Smallest share of the optimum's force from the first start on.
+    pub min_share_from_start: Option<f64>,
+    /// Largest true contact force, N.
+    pub max_true_force_n: Option<f64>,
+    /// Largest true cart displacement, mm.
+    pub max_true_cart_mm: Option<f64>,
+    /// Longest time for which the drive may stay powered while a fault of the scenario is present, s.
+    pub max_driven_with_fault_s: Option<f64>,
     /// Hold must be reached this soon after the first start, s.
     pub hold_within_s: Option<f64>,
     /// Basin at the end.
@@ -75,4 +102,16 @@ pub struct Expect {
     pub min_reseeks: Option<u16>,
     /// Most ticks from a fault's condition to the drive being off.
     pub drive_off_within_ticks: Option<u64>,
+}
+
+impl Expect {
+    /// Whether the verdict needs the true rig's optimum.
+    pub fn asks_for_the_optimum(&self) -> bool {
+        let shares = [
+            self.min_force_share,
+            self.max_force_share,
+            self.min_share_from_start,
+        ];
+        shares.iter().any(Option::is_some)
+    }
 }

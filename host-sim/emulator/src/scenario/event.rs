@@ -8,7 +8,10 @@ use toml::Value;
 use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::LONGEST_S;
-use crate::sensors::{Defect, Sensor};
+use super::hardware::{TILT_DEG, friction};
+use super::sensor_fault::{Fault, SensorFault, Which};
+use crate::cart::Friction;
+use crate::sensors::{Defect, End};
 use crate::under_test::Reset;
 use files::UserError;
 
@@ -41,33 +44,15 @@ impl From<Mode> for control::Mode {
     }
 }
 
-/// What is wrong with a sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+/// What a drive does that does not obey its enable line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Fault {
-    /// Its wire is open.
-    Open,
-    /// It is at its upper rail.
-    Saturated,
-    /// It is at its lower rail.
-    SaturatedLow,
-    /// Its code stays.
-    Frozen,
-    /// Its gain is wrong by `times`.
-    Gain,
-}
-
-impl Fault {
-    /// The defect of the sensor; `times` is the factor of a wrong gain.
-    pub fn defect(self, times: Option<f64>) -> Defect {
-        match self {
-            Self::Open => Defect::Open,
-            Self::Saturated => Defect::Saturated,
-            Self::SaturatedLow => Defect::SaturatedLow,
-            Self::Frozen => Defect::Frozen,
-            Self::Gain => Defect::Gain(times.unwrap_or(1.0)),
-        }
-    }
+pub enum Stuck {
+    /// It goes on with the motion that it had.
+    #[default]
+    RunsOn,
+    /// It keeps its power and follows its set-point.
+    Powered,
 }
 
 fn once() -> u32 {
@@ -104,16 +89,38 @@ pub enum Act {
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
     },
-    /// A sensor goes wrong.
+    /// Sensors go wrong.
     SensorFault {
         /// Which.
-        sensor: Sensor,
+        sensor: Which,
         /// How.
         fault: Fault,
-        /// With `gain` and only there: how many times too large it reads.
+        /// How many times too large it reads, or its supply is.
         times: Option<f64>,
         /// For so long, s; left out: to the end.
         for_s: Option<f64>,
+        /// How fast its gain grows, %/s.
+        percent_per_s: Option<f64>,
+        /// Added to the force, N.
+        offset_n: Option<f64>,
+        /// Added to a displacement, µm.
+        offset_um: Option<f64>,
+        /// Added to the force per second, N/s.
+        drift_n_per_s: Option<f64>,
+        /// Added to a displacement per second, µm/s.
+        drift_um_per_s: Option<f64>,
+        /// Noise of a dead force sensor, N.
+        noise_n: Option<f64>,
+        /// Noise of a dead displacement sensor, µm.
+        noise_um: Option<f64>,
+        /// How late it reads, ms.
+        delay_ms: Option<f64>,
+        /// Ticks at an end.
+        ticks: Option<u32>,
+        /// Of so many.
+        of: Option<u32>,
+        /// At which end.
+        at: Option<End>,
     },
     /// The hammer is pushed.
     Push {
@@ -154,6 +161,48 @@ pub enum Act {
         /// Clearance, mm more.
         #[serde(default)]
         gap_offset_mm: f64,
+        /// Restitution that the surface comes to have.
+        restitution: Option<f64>,
+    },
+    /// The impact surface recedes from the hammer.
+    Recede {
+        /// By the energy that each blow leaves in it, mm/J.
+        #[serde(default)]
+        mm_per_j: f64,
+        /// All the time, mm/s.
+        #[serde(default)]
+        mm_per_s: f64,
+        /// At most so far, mm.
+        up_to_mm: Option<f64>,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
+    },
+    /// The drive no longer obeys its enable line.
+    StuckDrive {
+        /// What it does while the line is low.
+        #[serde(default)]
+        how: Stuck,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
+    },
+    /// The whole rig tilts.
+    Tilt {
+        /// To so many degrees.
+        degrees: f64,
+        /// In so long, s.
+        #[serde(default)]
+        over_s: f64,
+    },
+    /// The friction of the cart's guide changes.
+    CartFriction {
+        /// While it slides, N.
+        coulomb_n: Option<f64>,
+        /// Before it slides, N.
+        static_n: Option<f64>,
+        /// Per speed, N·s/m.
+        viscous_n_s_per_m: Option<f64>,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
     },
     /// The controller is reset.
     Reset {
@@ -172,17 +221,60 @@ impl Act {
                 contact_stiffness_percent,
                 contact_damping_percent,
                 gap_offset_mm,
+                restitution,
             } => Some((
                 Change {
                     natural_frequency_percent,
                     contact_stiffness_percent,
                     contact_damping_percent,
                     gap_offset_mm,
+                    restitution,
                 },
                 over_s,
             )),
             _ => None,
         }
+    }
+
+    /// What is wrong with which sensors, of a sensor fault.
+    fn how(&self) -> Option<SensorFault> {
+        match *self {
+            Self::SensorFault {
+                sensor,
+                fault,
+                times,
+                percent_per_s,
+                offset_n,
+                offset_um,
+                drift_n_per_s,
+                drift_um_per_s,
+                noise_n,
+                noise_um,
+                delay_ms,
+                ticks,
+                of,
+                at,
+                ..
+            } => Some(SensorFault {
+                sensor,
+                fault,
+                times,
+                percent_per_s,
+                offset: [offset_n, offset_um],
+                drift: [drift_n_per_s, drift_um_per_s],
+                noise: [noise_n, noise_um],
+                delay_ms,
+                ticks,
+                of,
+                at,
+            }),
+            _ => None,
+        }
+    }
+
+    /// The defects of a sensor fault, in the order of the sensors' codes.
+    pub fn defects(&self) -> [Option<Defect>; 3] {
+        self.how().map_or([None; 3], |how| how.defects())
     }
 
     /// Numbers with a range: key, value, and the range.
@@ -197,10 +289,11 @@ impl Act {
                 ("amplitude_mm", amplitude_mm, (0.0, 100.0)),
             ],
             Self::EmergencyStop { for_s } => vec![long(for_s)],
-            Self::SensorFault { times, for_s, .. } => vec![
-                ("times", times.unwrap_or(1.0), (-100.0, 100.0)),
-                long(for_s),
-            ],
+            Self::SensorFault { for_s, .. } => {
+                let mut numbers = self.how().map_or(vec![], |how| how.numbers());
+                numbers.push(long(for_s));
+                numbers
+            }
             Self::Push { speed_m_per_s } => vec![("speed_m_per_s", speed_m_per_s, (-10.0, 10.0))],
             Self::Overrun { blocks, every } | Self::LostBlock { blocks, every } => {
                 let most = (1.0, f64::from(u32::MAX));
@@ -210,6 +303,22 @@ impl Act {
                 ]
             }
             Self::Drift { over_s, .. } => vec![("over_s", over_s, (0.0, LONGEST_S))],
+            Self::Recede {
+                mm_per_j,
+                mm_per_s,
+                up_to_mm,
+                for_s,
+            } => vec![
+                ("mm_per_j", mm_per_j, (0.0, 1e4)),
+                ("mm_per_s", mm_per_s, (0.0, 100.0)),
+                ("up_to_mm", up_to_mm.unwrap_or(1.0), (0.0, 50.0)),
+                long(for_s),
+            ],
+            Self::StuckDrive { for_s, .. } | Self::CartFriction { for_s, .. } => vec![long(for_s)],
+            Self::Tilt { degrees, over_s } => vec![
+                ("degrees", degrees, TILT_DEG),
+                ("over_s", over_s, (0.0, LONGEST_S)),
+            ],
             _ => vec![],
         }
     }
@@ -222,15 +331,7 @@ impl Act {
             }
         }
         match *self {
-            Self::SensorFault { fault, times, .. } => match (fault, times) {
-                (Fault::Gain, None) => Err(UserError::new(
-                    "fault = \"gain\" needs times = N: how many times too large the sensor reads",
-                )),
-                (Fault::Gain, Some(_)) | (_, None) => Ok(()),
-                (_, Some(_)) => Err(UserError::new(
-                    "times goes with fault = \"gain\" alone; leave it out",
-                )),
-            },
+            Self::SensorFault { .. } => self.how().map_or(Ok(()), |how| how.check()),
             Self::Drift { .. } => {
                 let (change, _) = self.change().unwrap_or_default();
                 if change == Change::default() {
@@ -240,9 +341,32 @@ impl Act {
                     )));
                 }
                 change.check()?;
+                change.fits(rig)?;
                 Ok(change.apply(rig, 1.0).check()?)
             }
+            Self::Recede {
+                mm_per_j, mm_per_s, ..
+            } if mm_per_j == 0.0 && mm_per_s == 0.0 => Err(UserError::new(
+                "a surface that does not recede; give mm_per_j or mm_per_s",
+            )),
+            Self::CartFriction { .. } => self.friction().map(drop),
             _ => Ok(()),
+        }
+    }
+
+    /// The friction of a change of friction.
+    ///
+    /// # Errors
+    /// A number is out of its range.
+    pub fn friction(&self) -> Result<Option<Friction>, UserError> {
+        match *self {
+            Self::CartFriction {
+                coulomb_n,
+                static_n,
+                viscous_n_s_per_m,
+                ..
+            } => friction(coulomb_n, static_n, viscous_n_s_per_m),
+            _ => Ok(None),
         }
     }
 
@@ -263,28 +387,42 @@ impl Act {
             Self::Link {} => "link in command".into(),
             Self::LinkLoss {} => "link silent".into(),
             Self::EmergencyStop { for_s } => format!("emergency stop{}", for_so_long(*for_s)),
-            Self::SensorFault {
-                sensor,
-                fault: Fault::Gain,
-                times,
-                for_s,
-            } => format!(
-                "{sensor:?} sensor reads {} times too large{}",
-                times.unwrap_or(1.0),
-                for_so_long(*for_s)
-            ),
-            Self::SensorFault {
-                sensor,
-                fault,
-                for_s,
-                ..
-            } => format!("{sensor:?} sensor {fault:?}{}", for_so_long(*for_s)).to_lowercase(),
+            Self::SensorFault { for_s, .. } => {
+                let how = self.how().map_or(String::new(), |how| how.text());
+                format!("{how}{}", for_so_long(*for_s))
+            }
             Self::Push { speed_m_per_s } => format!("push by {speed_m_per_s} m/s"),
             Self::Overrun { blocks, every } => format!("{blocks} overruns, one block in {every}"),
             Self::LostBlock { blocks, every } => {
                 format!("{blocks} blocks of samples lost, one in {every}")
             }
             Self::Drift { over_s, .. } => format!("the rig drifts for {over_s} s"),
+            Self::Recede {
+                mm_per_j,
+                mm_per_s,
+                for_s,
+                ..
+            } => format!(
+                "the surface recedes by {mm_per_j} mm/J and {mm_per_s} mm/s{}",
+                for_so_long(*for_s)
+            ),
+            Self::StuckDrive { how, for_s } => {
+                let how = match how {
+                    Stuck::RunsOn => "runs on",
+                    Stuck::Powered => "stays powered",
+                };
+                format!("the drive {how} without enable{}", for_so_long(*for_s))
+            }
+            Self::Tilt { degrees, over_s } => {
+                format!("the rig tilts to {degrees} degrees in {over_s} s")
+            }
+            Self::CartFriction {
+                coulomb_n, for_s, ..
+            } => format!(
+                "the cart's friction is {} N{}",
+                coulomb_n.unwrap_or(0.0),
+                for_so_long(*for_s)
+            ),
             Self::Reset { cause } => format!("reset: {cause:?}").to_lowercase(),
         }
     }

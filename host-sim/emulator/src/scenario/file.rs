@@ -5,14 +5,15 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use shared::fault::Fault;
 use shared::model::params::{ParamError, RigParams};
-use shared::settings::Settings;
+use shared::settings::{DriveKind, Settings};
 use toml::Value;
 
 use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::{Expect, LONGEST_S, Scenario};
 use super::event;
-use super::hardware::{Sensors, Shaker, sensors, shaker};
+use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
+use crate::cart::Mounting;
 use crate::names::{BASINS, STATES, basin_name, state_name};
 use files::rigfile;
 use files::{UserError, line_at};
@@ -44,6 +45,9 @@ struct File {
     shaker: Shaker,
     #[serde(default)]
     sensors: Sensors,
+    #[serde(default)]
+    cart: Cart,
+    motor: Option<MotorTable>,
     #[serde(default)]
     events: Vec<toml::Table>,
     #[serde(default)]
@@ -96,9 +100,32 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         Some(keys) => rigfile::from_keys(keys, &format!("{place}, [believed]"))?,
         None => plain,
     };
-    let settings = settings(&believed, &file.limits, &file.trips)
+    let kind = match file.motor {
+        Some(_) => DriveKind::Motor,
+        None => DriveKind::Shaker,
+    };
+    let settings = settings(&believed, kind, &file.limits, &file.trips)
         .map_err(|e| e.at(format!("{place}, [limits] and [trips]")))?;
+    let motor = file.motor.as_ref().map(|keys| motor(keys, &true_rig));
+    let motor = motor
+        .transpose()
+        .map_err(|e| e.at(format!("{place}, [motor]")))?;
+    let mounting = mounting(&file.cart).map_err(|e| e.at(format!("{place}, [cart]")))?;
+    let prescribed = file.shaker.prescribed.unwrap_or(false);
+    one_drive(prescribed, motor.is_some(), &mounting).map_err(|e| e.at(place))?;
     let mut events = Vec::new();
+    for (i, mut table) in file.sensors.defects.clone().into_iter().enumerate() {
+        let of_an_event = [("at_s", Value::Float(0.0)), ("kind", "sensor-fault".into())];
+        for (key, value) in of_an_event {
+            if table.insert(key.into(), value).is_some() {
+                let what = format!("{key} stands in events alone; leave it out");
+                let place = format!("{place}, [[sensors.defects]] {}", i + 1);
+                return Err(UserError::new(what).at(place));
+            }
+        }
+        let timed = event::timed(table, file.duration_s, &true_rig);
+        events.push(timed.map_err(|e| e.at(format!("{place}, [[sensors.defects]] {}", i + 1)))?);
+    }
     for (i, table) in file.events.into_iter().enumerate() {
         let timed = event::timed(table, file.duration_s, &true_rig);
         events.push(timed.map_err(|e| e.at(format!("{place}, event {}", i + 1)))?);
@@ -115,7 +142,9 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         true_rig,
         settings,
         shaker: shaker(&file.shaker).map_err(|e| e.at(format!("{place}, [shaker]")))?,
-        prescribed: file.shaker.prescribed.unwrap_or(false),
+        prescribed,
+        motor,
+        mounting,
         sensors: sensors(&file.sensors, &settings)
             .map_err(|e| e.at(format!("{place}, [sensors]")))?,
         events,
@@ -156,13 +185,35 @@ fn true_rig(
         .map_err(|e| not_understood(e.message()).at(&place))?;
     change.check().map_err(|e| e.at(&place))?;
     let plain = rigfile::from_keys(keys, &place)?;
+    change.fits(&plain).map_err(|e| e.at(&place))?;
     let rig = change.apply(&plain, 1.0);
     rig.check().map_err(|e| UserError::from(e).at(&place))?;
     Ok((rig, plain))
 }
 
-fn settings(believed: &RigParams, limits: &Limits, trips: &Trips) -> Result<Settings, UserError> {
+/// Whether what moves the cart is said once, and leaves the mounting something to do.
+fn one_drive(prescribed: bool, motor: bool, mounting: &Mounting) -> Result<(), UserError> {
+    if prescribed && motor {
+        return Err(UserError::new(
+            "prescribed = true and [motor] both move the cart; leave one out",
+        ));
+    }
+    if prescribed && (mounting.friction.is_some() || mounting.stops.is_some()) {
+        return Err(UserError::new(
+            "with prescribed = true the cart knows no friction and no end stops; leave them out of [cart]",
+        ));
+    }
+    Ok(())
+}
+
+fn settings(
+    believed: &RigParams,
+    kind: DriveKind,
+    limits: &Limits,
+    trips: &Trips,
+) -> Result<Settings, UserError> {
     let mut settings = Settings::for_rig(believed);
+    settings.drive.kind = kind;
     let put = |to: &mut f32, value: Option<f64>, unit: f64| {
         if let Some(value) = value {
             *to = (value * unit) as f32;
@@ -205,6 +256,11 @@ struct Expected {
     #[serde(default)]
     faults: Vec<String>,
     min_force_share: Option<f64>,
+    max_force_share: Option<f64>,
+    min_share_from_start: Option<f64>,
+    max_true_force_n: Option<f64>,
+    max_true_cart_mm: Option<f64>,
+    max_driven_with_fault_s: Option<f64>,
     hold_within_s: Option<f64>,
     basin: Option<String>,
     min_reseeks: Option<u16>,
@@ -220,16 +276,37 @@ fn expect(file: &Expected) -> Result<Expect, UserError> {
         basin: file.basin.as_ref().map(basin).transpose()?,
         faults: file.faults.iter().map(fault).collect::<Result<_, _>>()?,
         min_force_share: file.min_force_share,
+        max_force_share: file.max_force_share,
+        min_share_from_start: file.min_share_from_start,
+        max_true_force_n: file.max_true_force_n,
+        max_true_cart_mm: file.max_true_cart_mm,
+        max_driven_with_fault_s: file.max_driven_with_fault_s,
         hold_within_s: file.hold_within_s,
         min_reseeks: file.min_reseeks,
         drive_off_within_ticks: file.drive_off_within_ticks,
     };
-    match expect.min_force_share {
-        Some(share) if !(0.0..=2.0).contains(&share) => Err(UserError::new(format!(
-            "min_force_share is {share}, must be 0 to 2"
-        ))),
-        _ => Ok(expect),
+    let share = (0.0, 2.0);
+    let anything = (0.0, 1e9);
+    for (key, value, (from, to)) in [
+        ("min_force_share", file.min_force_share, share),
+        ("max_force_share", file.max_force_share, (0.0, 100.0)),
+        ("min_share_from_start", file.min_share_from_start, share),
+        ("max_true_force_n", file.max_true_force_n, anything),
+        ("max_true_cart_mm", file.max_true_cart_mm, anything),
+        (
+            "max_driven_with_fault_s",
+            file.max_driven_with_fault_s,
+            anything,
+        ),
+        ("hold_within_s", file.hold_within_s, anything),
+    ] {
+        if let Some(value) = value
+            && !(from..=to).contains(&value)
+        {
+            return Err(out_of_range(key, value, &format!("{from} to {to}")));
+        }
     }
+    Ok(expect)
 }
 
 /// The one of `known` that is called `given`.

@@ -7,6 +7,7 @@ mod definition;
 mod event;
 mod file;
 mod hardware;
+mod sensor_fault;
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -18,8 +19,9 @@ use files::rigfile::nearest;
 pub use builtin::BUILTIN;
 pub use change::Change;
 pub use definition::{Expect, Scenario};
-pub use event::{Act, Fault, Mode, Timed};
+pub use event::{Act, Mode, Stuck, Timed};
 pub use file::parse;
+pub use sensor_fault::{Fault, Which};
 
 /// The built-in scenario called `name`, or the one in the file of that path.
 ///

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use shared::control::{SettingsState, Status};
-use shared::fault::Record;
+use shared::fault::{Fault, Record};
 use shared::link::{Answer, BoardState, ForecastPage, FromBoard, Hello, ToBoard};
 use shared::settings::TICK_RATE_HZ;
 
@@ -42,8 +42,15 @@ pub fn line(status: &Status) -> String {
 }
 
 fn fault(record: &Record) -> String {
+    let others = record.episode.without(record.fault);
+    let others: Vec<_> = others.faults().map(Fault::name).collect();
+    let others = if others.is_empty() {
+        String::new()
+    } else {
+        format!(", with {}", others.join(", "))
+    };
     format!(
-        "{} {} (value {:.4}, at tick {}, {:.3} Hz)",
+        "{} {} (value {:.4}, at tick {}, {:.3} Hz){others}",
         record.fault.code(),
         record.fault.name(),
         record.value,
@@ -59,6 +66,8 @@ struct FaultAnswer {
     value: f32,
     tick: u32,
     frequency_hz: f32,
+    /// Every fault since the last was cleared, by number.
+    episode: Vec<&'static str>,
 }
 
 pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), UserError> {
@@ -73,6 +82,7 @@ pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), User
             value: record.value,
             tick: record.tick,
             frequency_hz: record.frequency_hz,
+            episode: record.episode.faults().map(Fault::name).collect(),
         });
         answer["board"] = hello.board.as_str().into();
         answer["firmware"] = hello.firmware.as_str().into();

@@ -1,0 +1,246 @@
+//! A sensor fault as a scenario writes it: which sensors, what is wrong, and the numbers that go with it.
+
+use serde::Deserialize;
+use shared::settings::TICK_S;
+
+use crate::sensors::{Defect, End, Sensor};
+use files::UserError;
+
+/// Which sensors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Which {
+    /// Contact force.
+    Force,
+    /// Hammer displacement.
+    Hammer,
+    /// Cart displacement.
+    Cart,
+    /// Both displacements.
+    Displacements,
+    /// All three.
+    All,
+}
+
+impl From<Sensor> for Which {
+    fn from(sensor: Sensor) -> Self {
+        match sensor {
+            Sensor::Force => Self::Force,
+            Sensor::Hammer => Self::Hammer,
+            Sensor::Cart => Self::Cart,
+        }
+    }
+}
+
+impl Which {
+    fn has(self, sensor: Sensor) -> bool {
+        match self {
+            Self::All => true,
+            Self::Displacements => sensor != Sensor::Force,
+            one => one == sensor.into(),
+        }
+    }
+}
+
+/// What is wrong with a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fault {
+    /// Its wire is open.
+    Open,
+    /// It is at its upper rail.
+    Saturated,
+    /// It is at its lower rail.
+    SaturatedLow,
+    /// Its code stays.
+    Frozen,
+    /// Its gain is wrong by `times`.
+    Gain,
+    /// Its supply is wrong by `times`: the signal at zero too.
+    Supply,
+    /// Its gain grows by `percent_per_s`.
+    GainDrift,
+    /// Its sign is reversed.
+    Reversed,
+    /// It is off by `offset_n` or `offset_um`.
+    Offset,
+    /// It goes off by `drift_n_per_s` or `drift_um_per_s`.
+    OffsetDrift,
+    /// It measures nothing, but has noise: its own, or `noise_n` or `noise_um`.
+    Dead,
+    /// It reads `delay_ms` late.
+    Delayed,
+    /// It is at an end (`at`) in so many `ticks` `of` so many.
+    Intermittent,
+}
+
+/// A sensor fault with the keys it may have; those of two units as (N, µm).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SensorFault {
+    pub(super) sensor: Which,
+    pub(super) fault: Fault,
+    pub(super) times: Option<f64>,
+    pub(super) percent_per_s: Option<f64>,
+    pub(super) offset: [Option<f64>; 2],
+    pub(super) drift: [Option<f64>; 2],
+    pub(super) noise: [Option<f64>; 2],
+    pub(super) delay_ms: Option<f64>,
+    pub(super) ticks: Option<u32>,
+    pub(super) of: Option<u32>,
+    pub(super) at: Option<End>,
+}
+
+/// Keys in N and µm of offset, drift and noise.
+const OFFSET: [&str; 2] = ["offset_n", "offset_um"];
+const DRIFT: [&str; 2] = ["drift_n_per_s", "drift_um_per_s"];
+const NOISE: [&str; 2] = ["noise_n", "noise_um"];
+
+impl SensorFault {
+    /// Every number that was given: key, value and range.
+    pub(super) fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
+        const REACH: (f64, f64) = (-1e5, 1e5);
+        let count = |n: Option<u32>| n.map(f64::from);
+        let of = f64::from(self.of.unwrap_or(u32::MAX));
+        [
+            ("times", self.times, (-100.0, 100.0)),
+            ("percent_per_s", self.percent_per_s, (-1e4, 1e4)),
+            (OFFSET[0], self.offset[0], REACH),
+            (OFFSET[1], self.offset[1], REACH),
+            (DRIFT[0], self.drift[0], REACH),
+            (DRIFT[1], self.drift[1], REACH),
+            (NOISE[0], self.noise[0], (0.0, REACH.1)),
+            (NOISE[1], self.noise[1], (0.0, REACH.1)),
+            ("delay_ms", self.delay_ms, (0.05, 10_000.0)),
+            ("of", count(self.of), (1.0, 1e9)),
+            ("ticks", count(self.ticks), (1.0, of)),
+        ]
+        .into_iter()
+        .filter_map(|(key, value, range)| Some((key, value?, range)))
+        .collect()
+    }
+
+    /// The keys that the fault takes, and whether it needs them.
+    fn takes(&self) -> (Vec<&'static str>, bool) {
+        // Of a key in N and in µm, those that the sensors have.
+        let units = |keys: [&'static str; 2]| {
+            let force = self.sensor.has(Sensor::Force);
+            let length = self.sensor.has(Sensor::Hammer) || self.sensor.has(Sensor::Cart);
+            let keys = keys.into_iter().zip([force, length]);
+            keys.filter_map(|(key, has)| has.then_some(key)).collect()
+        };
+        match self.fault {
+            Fault::Gain | Fault::Supply => (vec!["times"], true),
+            Fault::GainDrift => (vec!["percent_per_s"], true),
+            Fault::Offset => (units(OFFSET), true),
+            Fault::OffsetDrift => (units(DRIFT), true),
+            Fault::Dead => (units(NOISE), false),
+            Fault::Delayed => (vec!["delay_ms"], true),
+            Fault::Intermittent => (vec!["ticks", "of"], true),
+            Fault::Open
+            | Fault::Saturated
+            | Fault::SaturatedLow
+            | Fault::Frozen
+            | Fault::Reversed => (vec![], false),
+        }
+    }
+
+    /// Whether the keys are those of the fault.
+    pub(super) fn check(&self) -> Result<(), UserError> {
+        let (takes, needed) = self.takes();
+        let given: Vec<_> = self.numbers().iter().map(|(key, ..)| *key).collect();
+        let name = format!("{:?}", self.fault).to_lowercase();
+        if let Some(key) = given.iter().find(|key| !takes.contains(key)) {
+            let list = if takes.is_empty() {
+                "no number".to_owned()
+            } else {
+                takes.join(" and ")
+            };
+            return Err(UserError::new(format!(
+                "{key} goes with another fault; this one ({name}) takes {list}"
+            )));
+        }
+        if self.at.is_some() && self.fault != Fault::Intermittent {
+            return Err(UserError::new(
+                "at goes with fault = \"intermittent\" alone; leave it out",
+            ));
+        }
+        match takes.iter().find(|key| needed && !given.contains(key)) {
+            None => Ok(()),
+            Some(key) => Err(UserError::new(format!(
+                "this fault ({name}) needs {key} = N"
+            ))),
+        }
+    }
+
+    /// The defect of each sensor, in the order of their codes.
+    pub(super) fn defects(&self) -> [Option<Defect>; 3] {
+        Sensor::ALL.map(|sensor| self.sensor.has(sensor).then(|| self.defect(sensor)))
+    }
+
+    fn defect(&self, sensor: Sensor) -> Defect {
+        let of = |[newtons, micrometres]: [Option<f64>; 2]| match sensor {
+            Sensor::Force => newtons,
+            _ => micrometres.map(|um| 1e-6 * um),
+        };
+        let times = self.times.unwrap_or(1.0);
+        match self.fault {
+            Fault::Open => Defect::Open,
+            Fault::Saturated => Defect::Saturated,
+            Fault::SaturatedLow => Defect::SaturatedLow,
+            Fault::Frozen => Defect::Frozen,
+            Fault::Gain => Defect::Gain(times),
+            Fault::Supply => Defect::Supply(times),
+            Fault::GainDrift => Defect::GainDrift(0.01 * self.percent_per_s.unwrap_or(0.0)),
+            Fault::Reversed => Defect::Reversed,
+            Fault::Offset => Defect::Offset(of(self.offset).unwrap_or(0.0)),
+            Fault::OffsetDrift => Defect::OffsetDrift(of(self.drift).unwrap_or(0.0)),
+            Fault::Dead => Defect::Dead(of(self.noise)),
+            Fault::Delayed => {
+                let ticks = 1e-3 * self.delay_ms.unwrap_or(0.0) / TICK_S;
+                Defect::Delayed(ticks.round() as u32)
+            }
+            Fault::Intermittent => Defect::Intermittent {
+                at: self.at.unwrap_or_default(),
+                ticks: self.ticks.unwrap_or(1),
+                of: self.of.unwrap_or(1),
+            },
+        }
+    }
+
+    /// In words, for the timeline.
+    pub(super) fn text(&self) -> String {
+        let who = match self.sensor {
+            Which::Displacements => "displacement sensors".to_owned(),
+            Which::All => "all sensors".to_owned(),
+            one => format!("{one:?} sensor").to_lowercase(),
+        };
+        let number = |value: Option<f64>| value.unwrap_or(0.0);
+        let both = |[newtons, um]: [Option<f64>; 2], rest: &str| {
+            let force = newtons.map(|n| format!("{n} N{rest}"));
+            let length = um.map(|um| format!("{um} µm{rest}"));
+            let all: Vec<_> = force.into_iter().chain(length).collect();
+            all.join(", ")
+        };
+        let what = match self.fault {
+            Fault::Gain => format!("reads {} times too large", number(self.times)),
+            Fault::Supply => format!("has {} times its supply", number(self.times)),
+            Fault::GainDrift => {
+                format!("reads {} % more each second", number(self.percent_per_s))
+            }
+            Fault::Reversed => "reads with its sign reversed".to_owned(),
+            Fault::Offset => format!("is off by {}", both(self.offset, "")),
+            Fault::OffsetDrift => format!("drifts by {}", both(self.drift, "/s")),
+            Fault::Dead => "is dead but noisy".to_owned(),
+            Fault::Delayed => format!("is {} ms late", number(self.delay_ms)),
+            Fault::Intermittent => {
+                let at = format!("{:?}", self.at.unwrap_or_default()).to_lowercase();
+                let (ticks, of) = (self.ticks.unwrap_or(1), self.of.unwrap_or(1));
+                format!("is {at} in {ticks} ticks of {of}")
+            }
+            Fault::Open | Fault::Saturated | Fault::SaturatedLow | Fault::Frozen => {
+                format!("{:?}", self.fault).to_lowercase()
+            }
+        };
+        format!("{who} {what}")
+    }
+}
