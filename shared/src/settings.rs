@@ -86,6 +86,16 @@ pub struct Detection {
     pub refractory_s: f32,
 }
 
+/// Who must be there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OperatorSettings {
+    /// In automatic mode, too, a program on the link must keep giving signs of life; without them the drive goes off
+    /// after [`Trips::link_timeout_s`].
+    pub heartbeat: bool,
+    /// After an emergency stop, somebody must press the board's button before the fault can be cleared.
+    pub acknowledge: bool,
+}
+
 /// The controller's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -105,6 +115,8 @@ pub struct Settings {
     pub trips: Trips,
     /// Contact detection.
     pub detection: Detection,
+    /// Who must be there.
+    pub operator: OperatorSettings,
 }
 
 /// Peak force of a strong 1/1 at a gap of 0.0 mm in units of A0 ω √(ki m): 96 N on the wires of Tables
@@ -162,6 +174,7 @@ impl Settings {
                 off_n: 0.08 * strong_n,
                 refractory_s: 1.5e-3,
             },
+            operator: OperatorSettings::default(),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The controller against whatever may come: spoilt samples, senseless commands, any order of them.
 
 use proptest::prelude::*;
-use shared::control::{BootInfo, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, State};
+use shared::control::{
+    BootInfo, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, SettingsState, State,
+};
 use shared::fault::{Fault, Record};
 use shared::forecast::{Forecast, Orbit, Row, Target};
 use shared::io::{AdcCode, Frame, Output};
@@ -74,6 +76,8 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Stop),
         3 => Just(Command::ClearFault),
         1 => Just(Command::Alive),
+        1 => Just(Command::Acknowledge),
+        1 => Just(Command::ConfirmSettings),
         3 => (any_f32.clone(), any_f32.prop_map(|x| x * 1e-3)).prop_map(
             |(frequency_hz, amplitude_m)| Command::SetPoint { frequency_hz, amplitude_m }
         ),
@@ -280,7 +284,7 @@ fn why_the_board_started_is_taken_account_of() {
     let kept = |reset, record| BootInfo {
         reset,
         record,
-        settings_corrupt: false,
+        settings: SettingsState::Stored,
     };
     assert_eq!(born(BootInfo::default()), (State::Idle, None));
     let after = |cause| born(kept(cause, Some(record)));
@@ -312,7 +316,7 @@ fn why_the_board_started_is_taken_account_of() {
         assert_eq!(born(watchdog), (State::Fault, Some(Fault::WatchdogReset)));
     }
     let corrupt = BootInfo {
-        settings_corrupt: true,
+        settings: SettingsState::Damaged,
         ..BootInfo::default()
     };
     assert_eq!(born(corrupt), (State::Fault, Some(Fault::CorruptSettings)));
@@ -322,12 +326,13 @@ fn why_the_board_started_is_taken_account_of() {
 fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
     let settings = Settings::for_rig(&WIRES);
     let boot = BootInfo {
-        settings_corrupt: true,
+        settings: SettingsState::Damaged,
         ..BootInfo::default()
     };
     let mut controller = Controller::new(&settings, &boot).unwrap();
     let clear = Command::ClearFault;
-    assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
+    let refused = Err(Refused::SettingsUnknown(SettingsState::Damaged));
+    assert_eq!(controller.command(clear), refused);
     controller.replace_settings(&settings).unwrap();
     assert_eq!(controller.state(), State::Fault);
     // Under the new settings the samples have to show that nothing stands.

@@ -14,7 +14,8 @@ use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Statu
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, Frame, Output};
 use shared::link::{
-    BAUD, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+    BAUD, Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock,
+    Refusal,
 };
 use shared::model::params::WIRES;
 use shared::settings::Settings;
@@ -193,6 +194,9 @@ impl Device for Toy {
     }
     fn take_block(&mut self) -> Option<RecordedBlock> {
         None
+    }
+    fn boot(&mut self) -> Boot {
+        Boot::default()
     }
 }
 

@@ -11,7 +11,7 @@ use emulator::log::Reader;
 use serialport::{SerialPort, TTYPort};
 use shared::control::State;
 use shared::io::AdcCode;
-use shared::link::{BAUD, PROTOCOL_VERSION, ToBoard};
+use shared::link::{Act, BAUD, PROTOCOL_VERSION, ToBoard};
 use shared::model::params::{BEAM_150, WIRES};
 use shared::model::regime::Regime;
 use shared::settings::Settings;
@@ -425,4 +425,56 @@ fn a_port_in_use_is_refused_to_all_but_stop() {
         "{complaint}"
     );
     assert_eq!(wait(steering).code(), Some(2));
+}
+
+#[test]
+fn a_program_that_steers_is_in_the_way_of_others_until_they_take_over() {
+    let board = still();
+    let folder = Folder::new();
+    let ask = |rest: &str| folder.run(&board.line(rest));
+    assert_eq!(ask("status --format json").well().json()["held"], false);
+    // One whose session outlives it for long.
+    let mut first = board.client();
+    first.open_session(false).expect("a session");
+    let mut patient = Settings::for_rig(&WIRES);
+    patient.trips.link_timeout_s = 3600.0;
+    first.steer(Act::SetSettings(patient)).expect("in idle");
+    drop(first);
+    assert_eq!(ask("status --format json").well().json()["held"], true);
+    let steers = ["another program steers", "--take-over"];
+    refused(&folder, &board.line("set --rig beam-150"), &steers);
+    refused(&folder, &board.line("start"), &steers);
+    ask("stop").well();
+    ask("set --rig wires --take-over").well();
+    // It is over with the command.
+    assert_eq!(ask("status --format json").well().json()["held"], false);
+    ask("set --rig wires").well();
+    refused(&folder, &board.line("confirm"), &["not in this state"]);
+}
+
+#[test]
+fn a_start_with_a_heartbeat_stays_and_its_end_switches_the_drive_off() {
+    let folder = Folder::new().with("alive.toml", "[operator]\nheartbeat = true\n");
+    let emulator = Emulator::start(&folder, "field");
+    let ask = |rest: &str| folder.run(&format!("link {} {rest}", emulator.1));
+    ask("set alive.toml --rig wires").well();
+    assert!(ask("get").well().out.contains("heartbeat = true"));
+    let mut start = folder.command(&["link", &emulator.1, "start"]);
+    let mut start = start.stdout(Stdio::piped()).spawn().expect("it starts");
+    let out = start.stdout.take().expect("a pipe");
+    // Longer on than the timeout of 2 s.
+    let lines = BufReader::new(out).lines().map(|line| line.expect("UTF-8"));
+    let driving = lines.filter(|line| line.contains("ramp") || line.contains("seek"));
+    assert_eq!(driving.take(15).count(), 15);
+    start.kill().expect("it is still there");
+    wait(start);
+    // Whoever looks does not keep it on.
+    let began = Instant::now();
+    loop {
+        let status = ask("status --format json").well().json();
+        if status["fault"]["name"] == "link-timeout" {
+            break;
+        }
+        assert!(began.elapsed() < Duration::from_secs(60), "{status}");
+    }
 }

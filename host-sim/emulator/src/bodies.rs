@@ -2,11 +2,14 @@
 //!
 //! The hammer's equation is [`shared::model::rig`]'s, relative to the cart. It is affine in the cart's acceleration
 //! ÿ, which enters as the inertial acceleration −ÿ: δ̈ = d0 − d1 ÿ. With the shaker's force Fs on the cart,
-//! M ÿ = Fs − m (ÿ + δ̈), so ÿ = (Fs − m d0)/(M + m (1 − d1)).
+//! M ÿ = Fs − m (ÿ + δ̈), so ÿ = (Fs − m d0)/(M + m (1 − d1)). On a tilted rig gravity g sin α acts along the travel on
+//! both: on the hammer as an inertial acceleration does.
 
 use shared::model::rig::{Kinematics, Mode, Rig};
 
-use super::shaker::{Loop, Path};
+use super::cart::Mounting;
+use super::motor::Motor;
+use super::shaker::{Gains, Loop, Path};
 
 /// Where both bodies are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +22,28 @@ pub struct State {
     pub y: f64,
     /// Cart speed ẏ, m/s.
     pub w: f64,
+    /// Position of the armature (m) or angle of the crank (rad), where there is one.
+    pub z: f64,
+    /// Its rate.
+    pub u: f64,
+    /// Bend of the friction's bristles, m.
+    pub p: f64,
+}
+
+impl State {
+    /// `weight` times `other` on top.
+    #[inline]
+    fn plus(&self, other: &Self, weight: f64) -> Self {
+        Self {
+            q: self.q + weight * other.q,
+            v: self.v + weight * other.v,
+            y: self.y + weight * other.y,
+            w: self.w + weight * other.w,
+            z: self.z + weight * other.z,
+            u: self.u + weight * other.u,
+            p: self.p + weight * other.p,
+        }
+    }
 }
 
 /// Integrated beside the motion: where energy and momentum went.
@@ -34,6 +59,8 @@ pub struct Totals {
     pub shaker_work: f64,
     /// Energy the support's damping took, J.
     pub damping_work: f64,
+    /// Energy that friction, end stops and the armature's joint took, J.
+    pub cart_work: f64,
 }
 
 impl Totals {
@@ -45,6 +72,7 @@ impl Totals {
         self.shaker_impulse += weight * other.shaker_impulse;
         self.shaker_work += weight * other.shaker_work;
         self.damping_work += weight * other.damping_work;
+        self.cart_work += weight * other.cart_work;
     }
 }
 
@@ -57,6 +85,12 @@ pub struct Bodies {
     pub cart_mass_kg: f64,
     /// How the cart is moved.
     pub shaker: Loop,
+    /// How it is mounted.
+    pub mounting: Mounting,
+    /// Gravity along the cart's travel, m/s²: of a rig that is tilted.
+    pub along: f64,
+    /// Speed that the motor is to have, rad/s.
+    pub wanted_rad_s: f64,
     /// The set-point over the tick.
     pub path: Path,
     /// Whether the drive is enabled.
@@ -94,38 +128,126 @@ impl Bodies {
             Mode::Flight => 0.0,
             Mode::Contact => rig.force(&at, self.approach),
         };
-        let want = self.path.at(s);
-        let (m, cart) = (rig.mass(), self.cart_mass_kg);
-        let still = rig.acceleration(&at, v, 0.0, force);
+        let m = rig.mass();
+        // The hammer relative to the cart as a function of the cart's acceleration.
+        let still = rig.acceleration(&at, v, self.along, force);
         let still_surface = rig.penetration_acceleration(&at, v, still);
-        let per_drive = rig.acceleration(&at, v, 1.0, force) - still;
+        let per_drive = rig.acceleration(&at, v, self.along + 1.0, force) - still;
         let surface_per_drive = at.slope * per_drive;
-        let (shaker_n, cart_acceleration) = match &self.shaker {
-            Loop::Force(gains) => {
-                let shaker_n = gains.force(self.on, want, state.y, state.w);
-                let moved = cart + m * (1.0 - surface_per_drive);
-                (shaker_n, (shaker_n - m * still_surface) / moved)
-            }
-            Loop::Prescribed => {
-                let surface = still_surface - surface_per_drive * want.2;
-                ((cart + m) * want.2 + m * surface, want.2)
-            }
+        let hammer = Hammer {
+            pull: m * still_surface - (self.cart_mass_kg + m) * self.along,
+            moved: self.cart_mass_kg + m * (1.0 - surface_per_drive),
+        };
+        let want = self.path.at(s);
+        let cart = match &self.shaker {
+            Loop::Force(gains) => self.pushed(gains, state, want, &hammer),
+            Loop::Prescribed => self.prescribed(state, want.2, &hammer),
+            Loop::Crank(motor) => self.cranked(motor, state, &hammer),
         };
         Rates {
             state: State {
                 q: v,
-                v: still - per_drive * cart_acceleration,
-                y: state.w,
-                w: cart_acceleration,
+                v: still - per_drive * cart.acceleration,
+                y: cart.speed,
+                w: cart.acceleration,
+                z: state.u,
+                u: cart.inner_acceleration,
+                p: cart.bend_rate,
             },
             force,
             powers: Totals {
                 impulse: force,
                 contact_work: rig.contact_power(&at, v, force),
-                shaker_impulse: shaker_n,
-                shaker_work: shaker_n * state.w,
+                shaker_impulse: cart.drive_n,
+                shaker_work: cart.drive_w,
                 damping_work: rig.damping_power(v),
+                cart_work: cart.lost_w,
             },
+        }
+    }
+
+    /// What the mounting does to a cart at a position and a speed: force (N), rate of the bristles (m/s), power lost (W).
+    #[inline]
+    fn mounted(&self, position: f64, speed: f64, bend_m: f64) -> (f64, f64, f64) {
+        let (mut force, mut bend_rate, mut lost) = (0.0, 0.0, 0.0);
+        if let Some(friction) = &self.mounting.friction {
+            let (against, rate, taken) = friction.at(bend_m, speed);
+            force -= against;
+            bend_rate = rate;
+            lost += taken;
+        }
+        if let Some(stops) = &self.mounting.stops {
+            let (pushed, taken) = stops.at(position, speed);
+            force += pushed;
+            lost += taken;
+        }
+        (force, bend_rate, lost)
+    }
+
+    /// The cart under a shaker.
+    #[inline]
+    fn pushed(&self, gains: &Gains, state: &State, want: (f64, f64, f64), hammer: &Hammer) -> Cart {
+        let (mounted_n, bend_rate, mut lost_w) = self.mounted(state.y, state.w, state.p);
+        let (drive_n, drive_speed, on_cart, inner_acceleration) = match &gains.armature {
+            None => {
+                let force = gains.force(self.on, want, state.y, state.w);
+                (force, state.w, force, 0.0)
+            }
+            Some(armature) => {
+                let force = gains.force(self.on, want, state.z, state.u);
+                let closing = state.u - state.w;
+                let damper = armature.damping * closing;
+                let joint = armature.stiffness * (state.z - state.y) + damper;
+                lost_w += damper * closing;
+                let inner = (force - joint) / armature.mass_kg + self.along;
+                (force, state.u, joint, inner)
+            }
+        };
+        Cart {
+            speed: state.w,
+            acceleration: (on_cart + mounted_n - hammer.pull) / hammer.moved,
+            inner_acceleration,
+            bend_rate,
+            drive_n,
+            drive_w: drive_n * drive_speed,
+            lost_w,
+        }
+    }
+
+    /// The cart on its prescribed course.
+    #[inline]
+    fn prescribed(&self, state: &State, acceleration: f64, hammer: &Hammer) -> Cart {
+        let drive_n = hammer.moved * acceleration + hammer.pull;
+        Cart {
+            speed: state.w,
+            acceleration,
+            drive_n,
+            drive_w: drive_n * state.w,
+            ..Cart::default()
+        }
+    }
+
+    /// The cart on its crank.
+    #[inline]
+    fn cranked(&self, motor: &Motor, state: &State, hammer: &Hammer) -> Cart {
+        let (position, slope, bend) = motor.crank(state.z);
+        let speed = slope * state.u;
+        let (mounted_n, bend_rate, lost_w) = self.mounted(position, speed, state.p);
+        let torque = motor.torque(self.on, self.wanted_rad_s, state.u);
+        // The rod's force is what cart and hammer need: moved (y′ φ̈ + y″ φ̇²) + pull − mounted.
+        let turning = bend * state.u * state.u;
+        let held_back = hammer.moved * turning + hammer.pull - mounted_n;
+        let inertia = motor.inertia + hammer.moved * slope * slope;
+        let inner_acceleration = (torque - slope * held_back) / inertia;
+        let acceleration = slope * inner_acceleration + turning;
+        Cart {
+            speed,
+            acceleration,
+            inner_acceleration,
+            bend_rate,
+            drive_n: hammer.moved * acceleration + hammer.pull - mounted_n,
+            drive_w: torque * state.u,
+            lost_w,
         }
     }
 
@@ -134,9 +256,9 @@ impl Bodies {
     pub fn step(&self, from: &State, s: f64, h: f64, totals: &mut Totals) -> State {
         let half = 0.5 * h;
         let a = self.rates(from, s);
-        let b = self.rates(&moved(from, &a.state, half), s + half);
-        let c = self.rates(&moved(from, &b.state, half), s + half);
-        let d = self.rates(&moved(from, &c.state, h), s + h);
+        let b = self.rates(&from.plus(&a.state, half), s + half);
+        let c = self.rates(&from.plus(&b.state, half), s + half);
+        let d = self.rates(&from.plus(&c.state, h), s + h);
         let (outer, inner) = (h / 6.0, h / 3.0);
         totals.add(&a.powers, outer);
         totals.add(&b.powers, inner);
@@ -145,12 +267,21 @@ impl Bodies {
         let sum = |f: fn(&State) -> f64| {
             f(from) + outer * (f(&a.state) + f(&d.state)) + inner * (f(&b.state) + f(&c.state))
         };
-        State {
+        let mut state = State {
             q: sum(|x| x.q),
             v: sum(|x| x.v),
             y: sum(|x| x.y),
             w: sum(|x| x.w),
+            z: sum(|x| x.z),
+            u: sum(|x| x.u),
+            p: sum(|x| x.p),
+        };
+        if let Loop::Crank(motor) = &self.shaker {
+            let (position, slope, _) = motor.crank(state.z);
+            state.y = position;
+            state.w = slope * state.u;
         }
+        state
     }
 
     /// > 0 in contact, < 0 in flight; what the switch is located by.
@@ -177,12 +308,32 @@ impl Bodies {
         (rates.force, by_delta * at.rate + by_rate * change)
     }
 
-    /// Mechanical energy of both bodies and the support, fixed frame, without the surface's, J.
+    /// Mechanical energy of both bodies, the support, armature or crank and mounting, fixed frame, without the
+    /// surface's, J.
     pub fn energy_j(&self, state: &State) -> f64 {
         let at = self.kinematics(state);
         let (m, w) = (self.rig.mass(), state.w);
+        let both = self.cart_mass_kg + m;
         let relative = self.rig.energy(&at, state.v);
-        relative + m * w * at.rate + 0.5 * (self.cart_mass_kg + m) * w * w
+        let mut energy = relative + m * w * at.rate + 0.5 * both * w * w;
+        energy -= self.along * (both * state.y + m * at.delta);
+        match &self.shaker {
+            Loop::Force(gains) => {
+                if let Some(armature) = &gains.armature {
+                    let stretch = state.z - state.y;
+                    energy += 0.5 * armature.mass_kg * state.u * state.u;
+                    energy += 0.5 * armature.stiffness * stretch * stretch;
+                    energy -= self.along * armature.mass_kg * state.z;
+                }
+            }
+            Loop::Crank(motor) => energy += 0.5 * motor.inertia * state.u * state.u,
+            Loop::Prescribed => {}
+        }
+        let Mounting {
+            friction, stops, ..
+        } = &self.mounting;
+        energy += friction.map_or(0.0, |f| f.energy_j(state.p));
+        energy + stops.map_or(0.0, |s| s.energy_j(state.y))
     }
 
     /// Horizontal momentum of both bodies, fixed frame, kg·m/s.
@@ -193,12 +344,22 @@ impl Bodies {
     }
 }
 
-#[inline]
-fn moved(from: &State, rate: &State, h: f64) -> State {
-    State {
-        q: from.q + h * rate.q,
-        v: from.v + h * rate.v,
-        y: from.y + h * rate.y,
-        w: from.w + h * rate.w,
-    }
+/// How the hammer loads the cart: the force that moves the cart is `moved` ÿ + `pull`.
+struct Hammer {
+    pull: f64,
+    moved: f64,
+}
+
+/// The cart and what drives it, at a point.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cart {
+    speed: f64,
+    acceleration: f64,
+    /// Of the armature or the crank.
+    inner_acceleration: f64,
+    bend_rate: f64,
+    /// Force of the drive, N, and its power, W.
+    drive_n: f64,
+    drive_w: f64,
+    lost_w: f64,
 }

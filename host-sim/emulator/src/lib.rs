@@ -7,12 +7,15 @@
 //! | module | what |
 //! |---|---|
 //! | [`shaker`] | from a set-point code to a force on the cart |
+//! | [`motor`] | the other drive: a motor with a crank |
+//! | [`cart`] | friction, end stops and tilt |
 //! | [`bodies`] | the equations of cart and hammer, and a step of them |
 //! | [`plant`] | a tick of true motion, switches located |
 //! | [`filter`], [`sensors`] | from what is true to codes |
 //! | [`mock`] | the pin of the emergency-stop chain |
 //! | [`names`] | states and basins by name |
 //! | [`scenario`], [`schedule`] | what happens when; TOML |
+//! | [`stuck`] | the motion of a drive that does not obey |
 //! | [`world`] | everything outside the controller: plant, sensors, shaker |
 //! | [`under_test`], [`local`] | the controller under test, wherever it runs; the one in this process |
 //! | [`in_the_loop`] | in an emulated processor and in this process, compared |
@@ -25,11 +28,13 @@
 //! | [`record`] | what an observer of a run gets |
 
 pub mod bodies;
+pub mod cart;
 pub mod filter;
 pub mod in_the_loop;
 pub mod local;
 pub mod log;
 pub mod mock;
+pub mod motor;
 pub mod names;
 pub mod optimum;
 pub mod plant;
@@ -40,6 +45,7 @@ pub mod scenario;
 pub mod schedule;
 pub mod sensors;
 pub mod shaker;
+pub mod stuck;
 pub mod summary;
 pub mod timeline;
 pub mod trials;

@@ -1,6 +1,8 @@
 //! The controller in this process.
 
-use shared::control::{BootInfo, Command, Event, Lockstep, Refused, ResetCause, Status};
+use shared::control::{
+    BootInfo, Command, Event, Lockstep, Refused, ResetCause, SettingsState, Status,
+};
 use shared::fault::{Persisted, Record};
 use shared::io::{Frame, Output};
 use shared::model::params::ParamError;
@@ -51,7 +53,11 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
             Reset::Crash => ResetCause::Software,
         },
         record,
-        settings_corrupt: cause == Reset::CorruptSettings,
+        settings: if cause == Reset::CorruptSettings {
+            SettingsState::Damaged
+        } else {
+            SettingsState::Stored
+        },
     }
 }
 

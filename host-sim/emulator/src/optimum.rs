@@ -13,8 +13,9 @@ use shared::model::params::RigParams;
 use shared::settings::TICK_S;
 
 use super::bodies::State;
-use super::plant::Plant;
-use super::shaker::{Path, ShakerParams};
+use super::cart::Mounting;
+use super::plant::{Drive, Plant};
+use super::shaker::Path;
 use numerics::branch::{Branch, one_one_branches};
 use numerics::orbit::Orbit;
 use numerics::pick::search::maximise;
@@ -49,12 +50,13 @@ pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
     Some((branch, orbit))
 }
 
-/// The strongest 1/1 of `rig` with a cart that recoils under `shaker`, near the one under prescribed motion.
-pub fn two_bodies(rig: &RigParams, shaker: &ShakerParams) -> Option<Optimum> {
+/// The strongest 1/1 of `rig` with a cart that recoils on its `drive` and `mounting`, near the one under prescribed
+/// motion.
+pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option<Optimum> {
     let (branch, top) = prescribed(rig)?;
     let at = |frequency_hz: f64| {
         let section = branch.at(rig, frequency_hz)?.section;
-        let plant = Plant::new(rig, shaker, TICK_S).ok()?;
+        let plant = Plant::mounted(rig, drive, mounting, TICK_S).ok()?;
         let force_n = held_force(plant, rig, frequency_hz, section)?;
         Some(Optimum {
             frequency_hz,
@@ -104,6 +106,7 @@ pub fn held_force(
         v: section[1],
         y: 0.0,
         w: rig.amplitude_m * omega,
+        ..State::default()
     });
     let mut last = None;
     for settle in SETTLED {

@@ -6,10 +6,14 @@
 
 mod contacts;
 
-use shared::model::params::{ParamError, RigParams};
+use std::f64::consts::TAU;
+
+use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams, SupportParams};
 use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::bodies::{Bodies, State, Totals};
+use super::cart::{Friction, Mounting};
+use super::motor::{Motor, MotorParams};
 use super::record::Contact;
 use super::shaker::{Gains, Loop, Path, ShakerParams};
 
@@ -33,6 +37,17 @@ pub struct Blow {
     pub at_s: f64,
     /// How large, N.
     pub peak_n: f64,
+}
+
+/// What moves the cart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// A shaker of finite force.
+    Shaker(ShakerParams),
+    /// Something that follows the set-point whatever force that takes.
+    Prescribed,
+    /// A motor with a crank.
+    Motor(MotorParams),
 }
 
 /// Hammer, cart and shaker.
@@ -60,8 +75,12 @@ impl Plant {
     /// # Errors
     /// The first parameter out of range.
     pub fn new(params: &RigParams, shaker: &ShakerParams, tick_s: f64) -> Result<Self, ParamError> {
-        let gains = Gains::new(shaker, params.cart_mass_kg);
-        Self::with_loop(params, Loop::Force(gains), tick_s)
+        Self::mounted(
+            params,
+            &Drive::Shaker(*shaker),
+            &Mounting::default(),
+            tick_s,
+        )
     }
 
     /// At rest, the cart moved along the set-point whatever force that takes.
@@ -69,20 +88,35 @@ impl Plant {
     /// # Errors
     /// The first parameter out of range.
     pub fn prescribed(params: &RigParams, tick_s: f64) -> Result<Self, ParamError> {
-        Self::with_loop(params, Loop::Prescribed, tick_s)
+        Self::mounted(params, &Drive::Prescribed, &Mounting::default(), tick_s)
     }
 
-    fn with_loop(params: &RigParams, shaker: Loop, tick_s: f64) -> Result<Self, ParamError> {
-        let rig = Rig::new(params)?;
-        let state = State {
-            q: rig.rest(),
-            ..State::default()
+    /// At rest, moved by `drive`, with its cart mounted so.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn mounted(
+        params: &RigParams,
+        drive: &Drive,
+        mounting: &Mounting,
+        tick_s: f64,
+    ) -> Result<Self, ParamError> {
+        let shaker = match drive {
+            Drive::Shaker(shaker) => Loop::Force(Gains::new(shaker, params.cart_mass_kg)),
+            Drive::Prescribed => Loop::Prescribed,
+            Drive::Motor(motor) => Loop::Crank(Motor::new(motor)),
         };
+        let rig = Rig::new(&upright(params, mounting.tilt_rad))?;
+        let along = GRAVITY_M_PER_S2 * mounting.tilt_rad.sin();
+        let state = rest(&rig, &shaker, params, along);
         let mut plant = Self {
             bodies: Bodies {
                 rig,
                 cart_mass_kg: params.cart_mass_kg,
                 shaker,
+                mounting: *mounting,
+                along,
+                wanted_rad_s: 0.0,
                 path: Path::default(),
                 on: false,
                 mode: Mode::Flight,
@@ -196,7 +230,8 @@ impl Plant {
         if self.bodies.mode == Mode::Contact {
             return Ok(false);
         }
-        let rig = Rig::<f64>::new(params)?;
+        let tilt_rad = self.bodies.mounting.tilt_rad;
+        let rig = Rig::<f64>::new(&upright(params, tilt_rad))?;
         let old = &self.bodies.rig;
         let relative_m = old.relative_displacement(self.state.q);
         let rate = self.bodies.kinematics(&self.state).rate;
@@ -206,6 +241,23 @@ impl Plant {
         self.at = self.bodies.kinematics(&self.state);
         self.gap_m = params.gap_m;
         Ok(true)
+    }
+
+    /// Tilts the whole rig; [`set_rig`](Self::set_rig) turns the hammer's own gravity after it.
+    pub fn set_tilt(&mut self, tilt_rad: f64) {
+        self.bodies.mounting.tilt_rad = tilt_rad;
+        self.bodies.along = GRAVITY_M_PER_S2 * tilt_rad.sin();
+    }
+
+    /// Changes the friction of the cart's guide; it holds the cart where it is.
+    pub fn set_friction(&mut self, friction: Option<Friction>) {
+        self.bodies.mounting.friction = friction;
+        self.state.p = 0.0;
+    }
+
+    /// The speed that the motor is to have from now on, Hz.
+    pub fn set_motor_hz(&mut self, hz: f64) {
+        self.bodies.wanted_rad_s = TAU * hz;
     }
 
     /// One tick along `path` with the drive enabled or not.
@@ -333,6 +385,56 @@ impl Plant {
             self.keep(&before, s, h, &totals);
         }
     }
+}
+
+/// `params` with the part of gravity that a tilted rig's hammer hangs in.
+fn upright(params: &RigParams, tilt_rad: f64) -> RigParams {
+    let mut params = *params;
+    if let SupportParams::Wires {
+        gravity_m_per_s2, ..
+    } = &mut params.support
+    {
+        *gravity_m_per_s2 *= tilt_rad.cos();
+    }
+    params
+}
+
+/// Hammer and cart at rest while the drive is off and gravity pulls with `along`.
+fn rest(rig: &Rig<f64>, shaker: &Loop, params: &RigParams, along: f64) -> State {
+    let mut state = State {
+        q: rig.rest(),
+        ..State::default()
+    };
+    if along == 0.0 {
+        return state;
+    }
+    // The hammer's acceleration falls along its travel, and steeply where it touches.
+    let pulled = |q: f64| {
+        let at = rig.kinematics(q, 0.0);
+        let force = if at.delta > 0.0 {
+            rig.force(&at, 0.0)
+        } else {
+            0.0
+        };
+        rig.acceleration(&at, 0.0, along, force)
+    };
+    let (mut low, mut high) = (rig.coordinate_at(-0.05), rig.coordinate_at(0.05));
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if pulled(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    state.q = 0.5 * (low + high);
+    if let Loop::Force(gains) = shaker {
+        let cart_n = along * (params.cart_mass_kg + params.mass_kg);
+        let armature_n = gains.armature.map_or(0.0, |a| along * a.mass_kg);
+        state.z = gains.compliance() * (cart_n + armature_n);
+        state.y = state.z + gains.armature.map_or(0.0, |a| cart_n / a.stiffness);
+    }
+    state
 }
 
 /// The first place in 0 … `h` at which `beyond` holds, given that it holds at `h` and has not before; never

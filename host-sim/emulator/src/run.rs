@@ -103,7 +103,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         let ticks = self.scenario.block_ticks;
         let first = self.tick;
         self.world.drift();
-        self.summary.rig(self.world.rig());
+        self.summary.rig(&self.world.rig());
         for k in 0..ticks {
             self.happen();
             self.one_tick(k);
@@ -190,6 +190,10 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
                 Doing::Drift(change, over_s) => {
                     self.world.begin_drift(change, over_s);
                 }
+                Doing::Recede(recession) => self.world.recede(recession),
+                Doing::Stuck(how) => self.world.set_stuck(how),
+                Doing::Tilt(rad, over_s) => self.world.begin_tilt(rad, over_s),
+                Doing::Friction(friction) => self.world.set_friction(friction),
                 _ => {}
             }
         }

@@ -2,9 +2,11 @@
 
 use shared::control::Command;
 
-use super::scenario::{Act, Change, Scenario, Timed};
+use super::cart::Friction;
+use super::scenario::{Act, Change, Scenario, Stuck, Timed};
 use super::sensors::Defect;
 use super::under_test::Reset;
+use super::world::Recession;
 
 /// An action and when it is due.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +40,14 @@ pub enum Doing {
     Lost(Spell),
     /// The rig changes, over so many seconds.
     Drift(Change, f64),
+    /// The surface recedes; none: no more.
+    Recede(Option<Recession>),
+    /// The drive no longer obeys its enable line, or does again.
+    Stuck(Option<Stuck>),
+    /// The rig tilts to an angle (rad), over so many seconds.
+    Tilt(f64, f64),
+    /// The cart's friction changes.
+    Friction(Option<Friction>),
     /// The controller is reset.
     Reset(Reset),
 }
@@ -52,6 +62,10 @@ impl Doing {
                 | Self::DefectsOver(_)
                 | Self::Push(_)
                 | Self::Drift(..)
+                | Self::Recede(_)
+                | Self::Stuck(_)
+                | Self::Tilt(..)
+                | Self::Friction(_)
         )
     }
 }
@@ -97,7 +111,7 @@ pub fn schedule(scenario: &Scenario) -> Vec<Due> {
     let tick_at = |s: f64| (s / scenario.tick_s()).round() as u64;
     let mut due = Vec::new();
     for (id, Timed { at_s, act }) in scenario.events.iter().enumerate() {
-        let (what, end) = doing(act, id);
+        let (what, end) = doing(act, id, scenario);
         due.push(Due {
             tick: tick_at(*at_s),
             what,
@@ -116,7 +130,7 @@ pub fn schedule(scenario: &Scenario) -> Vec<Due> {
 }
 
 /// The action of an act with this number, and the one that ends it after so many seconds.
-fn doing(act: &Act, id: usize) -> (Doing, Option<(f64, Doing)>) {
+fn doing(act: &Act, id: usize, scenario: &Scenario) -> (Doing, Option<(f64, Doing)>) {
     let command = |command| (Doing::Command(command), None);
     match *act {
         Act::Start { mode } => command(Command::Start(mode.into())),
@@ -145,6 +159,31 @@ fn doing(act: &Act, id: usize) -> (Doing, Option<(f64, Doing)>) {
         Act::Drift { .. } => {
             let (change, over_s) = act.change().unwrap_or_default();
             (Doing::Drift(change, over_s), None)
+        }
+        Act::Recede {
+            mm_per_j,
+            mm_per_s,
+            up_to_mm,
+            for_s,
+        } => {
+            let recession = Recession {
+                m_per_j: 1e-3 * mm_per_j,
+                m_per_s: 1e-3 * mm_per_s,
+                left_m: up_to_mm.map_or(f64::INFINITY, |mm| 1e-3 * mm),
+            };
+            let end = for_s.map(|s| (s, Doing::Recede(None)));
+            (Doing::Recede(Some(recession)), end)
+        }
+        Act::StuckDrive { how, for_s } => {
+            let end = for_s.map(|s| (s, Doing::Stuck(None)));
+            (Doing::Stuck(Some(how)), end)
+        }
+        Act::Tilt { degrees, over_s } => (Doing::Tilt(degrees.to_radians(), over_s), None),
+        Act::CartFriction { for_s, .. } => {
+            let before = scenario.mounting.friction;
+            let end = for_s.map(|s| (s, Doing::Friction(before)));
+            // Its numbers were checked when it was read.
+            (Doing::Friction(act.friction().unwrap_or_default()), end)
         }
         Act::Reset { cause } => (Doing::Reset(cause), None),
     }

@@ -4,8 +4,12 @@
 //! the droop of its amplitude with frequency), and followed by a position loop of finite force:
 //! F = kp (y* − y) + kd (ẏ* − ẏ) + share · M ÿ*, at most ±F_max. Disabled, the shaker gives no force of its
 //! own; its suspension and its shorted coil bring the cart to rest in the middle.
+//!
+//! The armature is one with the cart, or has a mode of its own ([`ArmatureParams`]).
 
 use std::f64::consts::TAU;
+
+use super::motor::Motor;
 
 /// A shaker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +30,44 @@ pub struct ShakerParams {
     pub suspension_hz: f64,
     /// Damping ratio of the cart when the drive is off.
     pub suspension_damping_ratio: f64,
+    /// Force lost per speed, N·s/m: the shaker's mechanical impedance.
+    pub impedance_n_s_per_m: f64,
+    /// An armature that is not rigidly joined to the cart.
+    pub armature: Option<ArmatureParams>,
+}
+
+/// An armature with a mode of its own: the shaker's force acts on it, the position loop measures it, and a spring with a
+/// damper joins it to the cart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmatureParams {
+    /// Its mass, kg.
+    pub mass_kg: f64,
+    /// Natural frequency of the cart on the joint while the armature is held, Hz.
+    pub hz: f64,
+    /// Damping ratio of the same.
+    pub damping_ratio: f64,
+}
+
+/// An armature in the equations of motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Armature {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Of the joint, N/m.
+    pub stiffness: f64,
+    /// Of the joint, N·s/m.
+    pub damping: f64,
+}
+
+impl Armature {
+    fn new(params: &ArmatureParams, cart_mass_kg: f64) -> Self {
+        let omega = TAU * params.hz;
+        Self {
+            mass_kg: params.mass_kg,
+            stiffness: cart_mass_kg * omega * omega,
+            damping: 2.0 * params.damping_ratio * cart_mass_kg * omega,
+        }
+    }
 }
 
 impl Default for ShakerParams {
@@ -40,6 +82,8 @@ impl Default for ShakerParams {
             droop_hz: 80.0,
             suspension_hz: 5.0,
             suspension_damping_ratio: 0.5,
+            impedance_n_s_per_m: 0.0,
+            armature: None,
         }
     }
 }
@@ -138,6 +182,8 @@ pub enum Loop {
     Force(Gains),
     /// Exactly along the set-point, whatever force that takes.
     Prescribed,
+    /// By a crank that a motor turns.
+    Crank(Motor),
 }
 
 /// The loop's gains for a cart.
@@ -149,30 +195,42 @@ pub struct Gains {
     limit_n: f64,
     spring: f64,
     damper: f64,
+    impedance: f64,
+    /// The armature, where it is not one with the cart.
+    pub armature: Option<Armature>,
 }
 
 impl Gains {
     /// Gains of `shaker` with a cart of `cart_mass_kg`.
     pub fn new(shaker: &ShakerParams, cart_mass_kg: f64) -> Self {
         let (omega, rest) = (TAU * shaker.loop_hz, TAU * shaker.suspension_hz);
+        let mass_kg = cart_mass_kg + shaker.armature.map_or(0.0, |a| a.mass_kg);
         Self {
-            position: cart_mass_kg * omega * omega,
-            rate: 2.0 * shaker.loop_damping_ratio * cart_mass_kg * omega,
-            acceleration: shaker.feed_forward * cart_mass_kg,
+            position: mass_kg * omega * omega,
+            rate: 2.0 * shaker.loop_damping_ratio * mass_kg * omega,
+            acceleration: shaker.feed_forward * mass_kg,
             limit_n: shaker.force_n,
-            spring: cart_mass_kg * rest * rest,
-            damper: 2.0 * shaker.suspension_damping_ratio * cart_mass_kg * rest,
+            spring: mass_kg * rest * rest,
+            damper: 2.0 * shaker.suspension_damping_ratio * mass_kg * rest,
+            impedance: shaker.impedance_n_s_per_m,
+            armature: shaker.armature.map(|a| Armature::new(&a, cart_mass_kg)),
         }
     }
 
-    /// Force on the cart, N, for a set-point (position, rate, acceleration) and a cart at `y`, `rate`.
+    /// How far a force displaces the cart while the drive is off, m/N.
+    pub fn compliance(&self) -> f64 {
+        1.0 / self.spring
+    }
+
+    /// Force of the shaker, N, for a set-point (position, rate, acceleration) and what it moves at `y`, `rate`.
     #[inline]
     pub fn force(&self, on: bool, want: (f64, f64, f64), y: f64, rate: f64) -> f64 {
         if !on {
             return -self.spring * y - self.damper * rate;
         }
         let loop_n = self.position * (want.0 - y) + self.rate * (want.1 - rate);
-        (loop_n + self.acceleration * want.2).clamp(-self.limit_n, self.limit_n)
+        let wanted_n = loop_n + self.acceleration * want.2;
+        wanted_n.clamp(-self.limit_n, self.limit_n) - self.impedance * rate
     }
 }
 

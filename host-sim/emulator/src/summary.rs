@@ -7,6 +7,7 @@ use shared::model::params::RigParams;
 use super::record::{Contact, Event, EventKind, TickRow};
 use super::rig_path::RigPath;
 use super::scenario::Scenario;
+use super::world::levelled;
 
 /// A fault that tripped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +118,7 @@ impl Summary {
             hold_periods: 0,
             hold_hz: 0.0,
             faults: Vec::new(),
-            rigs: RigPath::new(&scenario.true_rig),
+            rigs: RigPath::new(&levelled(&scenario.true_rig, scenario.mounting.tilt_rad)),
             ticks: 0,
             finite: true,
             last_on: None,

@@ -6,8 +6,10 @@ use serde::Serialize;
 use shared::control::Basin;
 use shared::model::params::RigParams;
 
+use super::cart::Mounting;
 use super::names::{basin_name, state_name};
 use super::optimum::{Optimum, prescribed, two_bodies};
+use super::plant::Drive;
 use super::scenario::{Expect, Scenario};
 use super::summary::Summary;
 use numerics::row::tidy;
@@ -107,15 +109,24 @@ fn best_of_run(scenario: &Scenario, summary: &Summary) -> Best {
             force_n: orbit.force_n,
         })
     };
+    // The rigs are level already.
+    let level = Mounting {
+        tilt_rad: 0.0,
+        ..scenario.mounting
+    };
     // Both means ask for the same rigs.
     let full = |rig: &RigParams| {
         if let Some((_, best)) = known.borrow().iter().find(|(known, _)| known == rig) {
             return *best;
         }
-        let best = if scenario.prescribed {
-            plain(rig)
-        } else {
-            two_bodies(rig, &scenario.shaker)
+        let best = match scenario.drive() {
+            Drive::Shaker(shaker) => two_bodies(rig, &Drive::Shaker(shaker), &level),
+            Drive::Prescribed => plain(rig),
+            // A stiff crank prescribes the motion.
+            Drive::Motor(motor) => plain(&RigParams {
+                amplitude_m: motor.crank_m,
+                ..*rig
+            }),
         };
         known.borrow_mut().push((*rig, best));
         best

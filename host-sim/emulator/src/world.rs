@@ -1,21 +1,44 @@
-//! Everything outside the controller: DAC, shaker, rig, sensors, ADC. One tick at a time.
+//! Everything outside the controller: DAC, drive, rig, sensors, ADC. One tick at a time.
 
 use shared::io::{Frame, NormallyClosed, Output};
-use shared::model::params::{ParamError, RigParams};
+use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams, SupportParams};
 
+use super::cart::Friction;
 use super::mock::ChainPin;
 use super::plant::Plant;
-use super::scenario::{Change, Scenario};
+use super::scenario::{Change, Scenario, Stuck};
 use super::sensors::{Defect, Sensor, Sensors};
 use super::shaker::Smoother;
+use super::stuck::Habit;
 
 /// A change under way.
 #[derive(Clone, Copy, Debug)]
-struct Drift {
-    from: RigParams,
-    change: Change,
+struct Drift<T> {
+    change: T,
     since_s: f64,
     over_s: f64,
+}
+
+impl<T> Drift<T> {
+    /// How much of it is done, 0 to 1.
+    fn share(&self, now_s: f64) -> f64 {
+        if self.over_s > 0.0 {
+            ((now_s - self.since_s) / self.over_s).min(1.0)
+        } else {
+            1.0
+        }
+    }
+}
+
+/// A surface that recedes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recession {
+    /// By the energy that each blow leaves in it, m/J.
+    pub m_per_j: f64,
+    /// All the time, m/s.
+    pub m_per_s: f64,
+    /// How far it still may, m.
+    pub left_m: f64,
 }
 
 /// The world of a scenario.
@@ -26,8 +49,21 @@ pub struct World {
     sensors: Sensors,
     chain: NormallyClosed<ChainPin>,
     m_per_code: f64,
+    tick_s: f64,
+    /// The rig without what has receded, and as it is.
+    ground: RigParams,
     rig: RigParams,
-    drift: Option<Drift>,
+    drift: Option<Drift<(RigParams, Change)>>,
+    recession: Option<Recession>,
+    receded_m: f64,
+    tilt_rad: f64,
+    tilt: Option<Drift<(f64, f64)>>,
+    tilted: bool,
+    /// Share of the way that a motor's converter goes to its set-point in a tick, and where it is, Hz.
+    follow: Option<f64>,
+    converter_hz: f64,
+    stuck: Option<Stuck>,
+    habit: Habit,
     powered: bool,
 }
 
@@ -39,11 +75,7 @@ impl World {
     pub fn new(scenario: &Scenario) -> Result<Self, ParamError> {
         let tick_s = scenario.tick_s();
         let rig = scenario.true_rig;
-        let plant = if scenario.prescribed {
-            Plant::prescribed(&rig, tick_s)?
-        } else {
-            Plant::new(&rig, &scenario.shaker, tick_s)?
-        };
+        let plant = Plant::mounted(&rig, &scenario.drive(), &scenario.mounting, tick_s)?;
         let settings = &scenario.settings;
         Ok(Self {
             plant,
@@ -51,8 +83,19 @@ impl World {
             sensors: Sensors::new(&scenario.sensors, settings, tick_s, scenario.seed),
             chain: NormallyClosed(ChainPin::default()),
             m_per_code: f64::from(settings.drive.m_per_code),
+            tick_s,
+            ground: rig,
             rig,
             drift: None,
+            recession: None,
+            receded_m: 0.0,
+            tilt_rad: scenario.mounting.tilt_rad,
+            tilt: None,
+            tilted: false,
+            follow: scenario.motor.map(|m| 1.0 - (-tick_s / m.lag_s).exp()),
+            converter_hz: 0.0,
+            stuck: None,
+            habit: Habit::default(),
             powered: false,
         })
     }
@@ -62,9 +105,9 @@ impl World {
         &self.plant
     }
 
-    /// The rig as it is now.
-    pub fn rig(&self) -> &RigParams {
-        &self.rig
+    /// The rig as it is now; a tilt shows in its gap.
+    pub fn rig(&self) -> RigParams {
+        levelled(&self.rig, self.tilt_rad)
     }
 
     /// Whether the drive had power during the last tick.
@@ -72,19 +115,26 @@ impl World {
         self.powered
     }
 
-    /// Whether something of the scenario's is wrong with sensors or chain.
+    /// Whether something of the scenario's is wrong with sensors, chain or drive.
     pub fn is_faulty(&self) -> bool {
-        self.chain.0.open || self.sensors.is_defective()
+        self.chain.0.open || self.stuck.is_some() || self.sensors.is_defective()
     }
 
     /// A tick with `output` at the drive; returns what the ADC reads at its end.
     #[inline]
     pub fn tick(&mut self, output: &Output) -> Frame {
-        let played = if output.enable { *output } else { Output::SAFE };
-        let metres = (f64::from(played.dac.0) - 2048.0) * self.m_per_code;
-        self.powered = played.enable;
+        let asked = if output.enable { *output } else { Output::SAFE };
+        let metres = (f64::from(asked.dac.0) - 2048.0) * self.m_per_code;
+        let (metres, hz) = self.obeyed(output, metres);
         let path = self.smoother.tick(metres);
-        self.plant.tick(path, played.enable);
+        if let Some(follow) = self.follow {
+            self.converter_hz += follow * (hz - self.converter_hz);
+            self.plant.set_motor_hz(self.converter_hz);
+        }
+        self.plant.tick(path, self.powered);
+        if self.recession.is_some() {
+            self.wear();
+        }
         let [force, hammer, cart] = self.sensors.read(&self.plant);
         Frame {
             force,
@@ -92,6 +142,34 @@ impl World {
             cart,
             emergency: self.chain.is_open(),
         }
+    }
+
+    /// What the drive does with a set-point in m: it obeys, or is stuck. Sets whether it has power; gives its set-point
+    /// and frequency.
+    #[inline]
+    fn obeyed(&mut self, output: &Output, metres: f64) -> (f64, f64) {
+        let hz = f64::from(output.frequency_hz);
+        self.powered = output.enable || self.stuck.is_some();
+        if output.enable {
+            self.habit.sees(metres, hz, self.tick_s);
+            return (metres, hz);
+        }
+        match self.stuck {
+            Some(Stuck::RunsOn) => self.habit.goes_on(self.tick_s),
+            Some(Stuck::Powered) | None => (metres, 0.0),
+        }
+    }
+
+    /// The surface gives way.
+    fn wear(&mut self) {
+        let Some(recession) = &mut self.recession else {
+            return;
+        };
+        let energy: f64 = self.plant.finished().iter().map(|c| c.energy_lost_j).sum();
+        let by = recession.m_per_j * energy + recession.m_per_s * self.tick_s;
+        let by = by.min(recession.left_m);
+        recession.left_m -= by;
+        self.receded_m += by;
     }
 
     /// Opens or closes the emergency-stop chain.
@@ -113,43 +191,102 @@ impl World {
         self.sensors.end(id);
     }
 
+    /// The drive no longer obeys its enable line, or does again.
+    pub fn set_stuck(&mut self, how: Option<Stuck>) {
+        self.stuck = how;
+    }
+
+    /// Changes the friction of the cart's guide.
+    pub fn set_friction(&mut self, friction: Option<Friction>) {
+        self.plant.set_friction(friction);
+    }
+
     /// Pushes the hammer.
     pub fn push(&mut self, speed_m_per_s: f64) {
         self.plant.push(speed_m_per_s);
     }
 
+    /// The surface begins to recede, or ends.
+    pub fn recede(&mut self, recession: Option<Recession>) {
+        self.recession = recession;
+    }
+
     /// Begins a change of the rig; an earlier one stops where it is.
     pub fn begin_drift(&mut self, change: Change, over_s: f64) {
         self.drift = Some(Drift {
-            from: self.rig,
-            change,
+            change: (self.ground, change),
             since_s: self.plant.time_s(),
             over_s,
         });
     }
 
-    /// Goes on with the change under way. It ends where the rig would become invalid.
+    /// Begins to tilt the rig to an angle, rad.
+    pub fn begin_tilt(&mut self, to_rad: f64, over_s: f64) {
+        self.tilt = Some(Drift {
+            change: (self.tilt_rad, to_rad),
+            since_s: self.plant.time_s(),
+            over_s,
+        });
+    }
+
+    /// Goes on with the changes under way. One ends where the rig would become invalid.
     pub fn drift(&mut self) {
-        let Some(drift) = self.drift else {
+        let now_s = self.plant.time_s();
+        if let Some(tilt) = self.tilt {
+            let (from, to) = tilt.change;
+            let share = tilt.share(now_s);
+            self.tilt_rad = from + share * (to - from);
+            self.plant.set_tilt(self.tilt_rad);
+            self.tilted = true;
+            if share >= 1.0 {
+                self.tilt = None;
+            }
+        }
+        let (ground, share) = match &self.drift {
+            Some(drift) => {
+                let share = drift.share(now_s);
+                (drift.change.1.apply(&drift.change.0, share), share)
+            }
+            None => (self.ground, 0.0),
+        };
+        let mut rig = ground;
+        rig.gap_m += self.receded_m;
+        if rig == self.rig && !self.tilted {
+            self.drift = self.drift.filter(|_| share < 1.0);
             return;
-        };
-        let passed = self.plant.time_s() - drift.since_s;
-        let share = if drift.over_s > 0.0 {
-            (passed / drift.over_s).min(1.0)
-        } else {
-            1.0
-        };
-        let rig = drift.change.apply(&drift.from, share);
+        }
         match self.plant.set_rig(&rig) {
             // In contact: tried again after the next block.
             Ok(false) => {}
             Ok(true) => {
                 self.rig = rig;
-                if share >= 1.0 {
-                    self.drift = None;
-                }
+                self.ground = ground;
+                self.tilted = false;
+                self.drift = self.drift.filter(|_| share < 1.0);
             }
-            Err(_) => self.drift = None,
+            Err(_) => {
+                self.drift = None;
+                self.recession = None;
+            }
         }
     }
+}
+
+/// The rig that stands level and has the same clearance as `rig` tilted by `tilt_rad`.
+pub fn levelled(rig: &RigParams, tilt_rad: f64) -> RigParams {
+    if tilt_rad == 0.0 {
+        return *rig;
+    }
+    let mut level = *rig;
+    level.gap_m -= match rig.support {
+        SupportParams::Wires { length_m, .. } => length_m * tilt_rad.sin(),
+        SupportParams::Beams {
+            natural_frequency_hz,
+            ..
+        } => {
+            let omega = std::f64::consts::TAU * natural_frequency_hz;
+            GRAVITY_M_PER_S2 * tilt_rad.sin() / (omega * omega)
+        }
+    };
+    level
 }

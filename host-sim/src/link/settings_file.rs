@@ -37,7 +37,19 @@ const NUMBERS: [(&str, &str, &str); 23] = [
     ("detection", "refractory_s", "having stayed there so long"),
 ];
 
-const SECTIONS: [&str; 8] = [
+/// Every switch: key, meaning. They stand in the section [operator].
+const SWITCHES: [(&str, &str); 2] = [
+    (
+        "heartbeat",
+        "automatic mode, too, needs a program that stays on the link",
+    ),
+    (
+        "acknowledge",
+        "an emergency stop must be acknowledged with the board's button",
+    ),
+];
+
+const SECTIONS: [&str; 9] = [
     "rig",
     "force",
     "hammer",
@@ -46,6 +58,7 @@ const SECTIONS: [&str; 8] = [
     "limits",
     "trips",
     "detection",
+    "operator",
 ];
 
 fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut f32> {
@@ -58,6 +71,7 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         limits,
         trips,
         detection,
+        operator: _,
     } = settings;
     Some(match (section, key) {
         ("force", "zero_code") => &mut force.zero_code,
@@ -87,6 +101,14 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
     })
 }
 
+fn switch<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut bool> {
+    match (section, key) {
+        ("operator", "heartbeat") => Some(&mut settings.operator.heartbeat),
+        ("operator", "acknowledge") => Some(&mut settings.operator.acknowledge),
+        _ => None,
+    }
+}
+
 /// Settings as a file, every value with its meaning.
 pub fn to_toml(settings: &Settings) -> String {
     let mut settings = *settings;
@@ -102,6 +124,11 @@ pub fn to_toml(settings: &Settings) -> String {
                 text.push_str(&format!("kind = \"{kind}\"  # shaker or motor\n"));
             }
             _ => {}
+        }
+        for (key, meaning) in SWITCHES {
+            if let Some(value) = switch(&mut settings, section, key) {
+                text.push_str(&format!("{key} = {value}  # {meaning}\n"));
+            }
         }
         for (_, key, meaning) in NUMBERS.iter().filter(|(s, _, _)| *s == section) {
             if let Some(value) = number(&mut settings, section, key) {
@@ -170,9 +197,17 @@ fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Resu
         })?;
         return Ok(());
     }
+    if let Some(place) = switch(settings, section, key) {
+        *place = value.as_bool().ok_or_else(|| {
+            UserError::new(format!("{section}.{key} is {value}, must be true or false"))
+        })?;
+        return Ok(());
+    }
     let Some(place) = number(settings, section, key) else {
         let keys = NUMBERS.iter().filter(|(s, _, _)| *s == section);
-        let hint = nearest(key, keys.map(|(_, key, _)| *key));
+        let keys = keys.map(|(_, key, _)| *key);
+        let switches = SWITCHES.iter().filter(|_| section == "operator");
+        let hint = nearest(key, keys.chain(switches.map(|(key, _)| *key)));
         return Err(UserError::new(format!(
             "there is no setting {section}.{key}{hint}; `host-sim link PORT get` prints them all"
         )));
@@ -200,7 +235,8 @@ mod tests {
     fn what_is_written_reads_back_the_same_onto_any_base() {
         let base = Settings::for_rig(&BEAM_150);
         for (name, rig) in PRESETS {
-            let settings = Settings::for_rig(&rig);
+            let mut settings = Settings::for_rig(&rig);
+            settings.operator.acknowledge = true;
             let text = to_toml(&settings);
             // The support of the file replaces the support of the base.
             let onto_its_kind = Settings { rig, ..base };
@@ -238,5 +274,9 @@ mod tests {
         assert!(complaint("[trips]\nforce_n = \"x\"\n").contains("must be a number"));
         assert!(complaint("[drive]\nkind = \"hand\"\n").contains("must be \"shaker\""));
         assert!(complaint("[trips\n").contains("line 1"));
+        let new = overlay(&base, "[operator]\nheartbeat = true\n").unwrap();
+        assert!(new.operator.heartbeat && !new.operator.acknowledge);
+        assert!(complaint("[operator]\nheartbeat = 1\n").contains("must be true or false"));
+        assert!(complaint("[operator]\nheart = true\n").contains("did you mean 'heartbeat'"));
     }
 }

@@ -120,14 +120,14 @@ fn sensor_frozen() {
 
 #[test]
 fn sensor_out_of_family() {
-    // Eight contacts in a row.
+    // Six contacts in a row, read as less than 0.4 of themselves.
     trips("sensor-out-of-family", Some(9 * 5500 + BLOCKS));
-    // m v (1 + e) is read as 0.72 of itself: 1.3 becomes 0.9, above the 0.6 that trips.
+    // 0.75 of the momentum trips.
     does_not_trip(
         "sensor-out-of-family",
         each(|act| {
             if let Act::SensorFault { times, .. } = act {
-                *times = Some(0.72);
+                *times = Some(0.8);
             }
             true
         }),

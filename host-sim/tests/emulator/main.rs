@@ -3,6 +3,9 @@
 mod balances;
 mod builtin;
 mod faults;
+mod ground;
+mod motor;
+mod mounting;
 mod random;
 mod scenarios;
 mod sensors;

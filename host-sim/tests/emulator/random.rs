@@ -147,6 +147,7 @@ fn mishap() -> impl Strategy<Value = Act> {
             contact_stiffness_percent: 0.0,
             contact_damping_percent: 0.0,
             gap_offset_mm: gap_mm,
+            restitution: None,
         }),
         cause.prop_map(|cause| Act::Reset { cause }),
         Just(Act::ClearFault {}),

@@ -30,6 +30,7 @@ pub fn on_the_sine(params: &RigParams, frequency_hz: f64, q: f64, v: f64) -> Sta
         v,
         y: 0.0,
         w: params.amplitude_m * TAU * frequency_hz,
+        ..State::default()
     }
 }
 

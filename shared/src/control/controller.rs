@@ -13,8 +13,8 @@ use super::phase::Phase;
 use super::plausibility::Plausibility;
 use super::rig_estimate::RigEstimate;
 use super::trim::Trim;
-use super::{BootInfo, Command, Refused, State, Status};
-use crate::fault::{Fault, Persisted};
+use super::{BootInfo, Command, Refused, SettingsState, State, Status};
+use crate::fault::{Fault, Persisted, Record};
 use crate::forecast::{Forecast, ForecastRequest};
 use crate::io::{Frame, Output};
 use crate::model::drive::Drive;
@@ -65,6 +65,10 @@ pub(super) struct Seen {
     pub cart_peak_m: f32,
     /// Which half that is.
     pub half: u32,
+    /// Drive periods in which the cart followed the small motion at the start.
+    pub proven: u8,
+    /// Drive periods in a row with a motor drive beyond a limit.
+    pub beyond: u8,
 }
 
 impl Seen {
@@ -79,6 +83,8 @@ impl Seen {
         command_m: 0.0,
         cart_peak_m: 0.0,
         half: 0,
+        proven: 0,
+        beyond: 0,
     };
 }
 
@@ -90,6 +96,7 @@ impl Controller {
     pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
         let mut controller = Self::from_settings(settings)?;
         controller.life.faults = Faults::at_boot(boot);
+        controller.life.operator.settings = boot.settings;
         controller.request_forecast();
         controller.report_boot(boot);
         Ok(controller)
@@ -124,6 +131,14 @@ impl Controller {
 
     /// Adds the fault that the start itself is to the episode that was before it, or reports that episode.
     fn report_boot(&mut self, boot: &BootInfo) {
+        // An emergency stop that was not acknowledged before the reset must be after it.
+        if boot
+            .record
+            .is_some_and(|record| record.episode.contains(Fault::EmergencyStop))
+        {
+            let required = self.settings.operator.acknowledge;
+            self.life.operator.emergency(self.life.tick, required);
+        }
         if let Some(fault) = Faults::of_boot(boot) {
             // An episode that does not latch has ended with the reset.
             if !boot.record.is_some_and(|record| record.latches()) {
@@ -199,6 +214,8 @@ impl Controller {
                 self.alive();
                 Ok(())
             }
+            Command::Acknowledge => self.life.operator.acknowledge(self.life.tick),
+            Command::ConfirmSettings => self.confirm_settings(),
         }
     }
 
@@ -215,7 +232,7 @@ impl Controller {
         let fresh = Self::from_settings(settings).map_err(|_| Refused::BadSettings)?;
         let life = core::mem::take(&mut self.life);
         *self = Self { life, ..fresh };
-        self.life.faults.settings_replaced();
+        self.settings_came();
         self.request_forecast();
         Ok(())
     }
@@ -254,6 +271,22 @@ impl Controller {
             search.retarget(&target, range_hz);
             self.oscillator.aim(search.goal_hz());
         }
+    }
+
+    /// The present or last fault.
+    #[inline]
+    pub fn fault(&self) -> Option<&Record> {
+        self.life.faults.record.as_ref()
+    }
+
+    /// Where the settings come from.
+    pub fn settings_state(&self) -> SettingsState {
+        self.life.operator.settings
+    }
+
+    /// Whether an emergency stop must be acknowledged at the board before the fault can be cleared.
+    pub fn awaits_acknowledgement(&self) -> bool {
+        self.life.operator.is_awaited()
     }
 
     /// The state as reported.

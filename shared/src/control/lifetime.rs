@@ -1,6 +1,7 @@
 //! What outlives a replacement of the settings.
 
 use super::event::{EventKind, Events};
+use super::operator::Operator;
 use super::phase::Phase;
 use super::{BootInfo, ResetCause, State};
 use crate::fault::{Fault, FaultSet, Record};
@@ -15,6 +16,7 @@ pub(super) struct Lifetime {
     pub events: Events,
     pub faults: Faults,
     pub remote: Remote,
+    pub operator: Operator,
     /// Times 1/1 was lost and sought again.
     pub reseeks: u16,
     /// Overruns of the control task.
@@ -64,7 +66,7 @@ pub(super) struct Faults {
     standing: FaultSet,
     /// Whether a whole block of samples has shown no condition since the last one.
     seen_clean: bool,
-    /// The stored settings were damaged, and none have been sent since: the defaults in use fit no rig.
+    /// The settings in use are not known to be this rig's ([`super::SettingsState::can_drive`]).
     settings_corrupt: bool,
 }
 
@@ -73,7 +75,7 @@ impl Faults {
     pub fn at_boot(boot: &BootInfo) -> Self {
         Self {
             record: boot.record,
-            settings_corrupt: boot.settings_corrupt,
+            settings_corrupt: !boot.settings.can_drive(),
             ..Self::default()
         }
     }
@@ -81,7 +83,7 @@ impl Faults {
     /// The fault that the start itself is, if it is one.
     pub fn of_boot(boot: &BootInfo) -> Option<Fault> {
         match boot.reset {
-            _ if boot.settings_corrupt => Some(Fault::CorruptSettings),
+            _ if !boot.settings.can_drive() => Some(Fault::CorruptSettings),
             ResetCause::Watchdog => Some(Fault::WatchdogReset),
             ResetCause::BrownOut => Some(Fault::BrownOut),
             _ => None,
@@ -156,6 +158,14 @@ pub(super) struct Remote {
 }
 
 impl Remote {
+    /// As a start finds it: it must be heard before the drive goes on; `false`: nobody need be there.
+    pub fn expected(in_command: bool) -> Self {
+        Self {
+            in_command,
+            silent_ticks: u32::MAX,
+        }
+    }
+
     /// It has given a sign of life: it steers.
     pub fn alive(&mut self) {
         *self = Self {

@@ -4,10 +4,13 @@
 //! frequency the drive can have. A cart that is let go comes to rest on its suspension within the grace time;
 //! the blows of a hammer that still swings move it by less than the threshold.
 
-use crate::settings::{Settings, TICK_RATE_HZ};
+use crate::settings::{DriveKind, Settings, TICK_RATE_HZ};
 
 /// Samples averaged, 3.2 ms.
 const GROUP: u8 = 64;
+/// Windows after the drive has been on in which the cart may come to rest: on a shaker's suspension, and with a motor
+/// that runs out.
+const GRACE: (u8, u8) = (1, 10);
 /// Spread of the cart's displacement that counts as motion, in units of A0: an amplitude of an eighth of A0.
 const MOVES: f32 = 0.25;
 /// Windows in a row with motion that trip.
@@ -16,11 +19,13 @@ pub const MOVING_WINDOWS: u8 = 2;
 /// Watches a drive that is off.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OffWatch {
-    /// Ticks of a window, and of the grace time before the first: one natural period, at least 0.5 s.
+    /// Ticks of a window: one natural period, at least 0.5 s.
     window: u32,
     spread_m: f32,
     ticks: u32,
-    grace: bool,
+    /// Windows of grace, and those of it that are left.
+    full_grace: u8,
+    grace: u8,
     sum_m: f32,
     grouped: u8,
     lowest_m: f32,
@@ -32,11 +37,16 @@ impl OffWatch {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
         let natural_hz = (settings.rig.natural_frequency_hz() as f32).clamp(0.1, 2.0);
+        let grace = match settings.drive.kind {
+            DriveKind::Shaker => GRACE.0,
+            DriveKind::Motor => GRACE.1,
+        };
         Self {
             window: (TICK_RATE_HZ as f32 / natural_hz) as u32,
             spread_m: MOVES * settings.rig.amplitude_m as f32,
             ticks: 0,
-            grace: true,
+            full_grace: grace,
+            grace,
             sum_m: 0.0,
             grouped: 0,
             lowest_m: f32::MAX,
@@ -49,7 +59,7 @@ impl OffWatch {
     #[inline]
     pub fn driving(&mut self) {
         self.ticks = 0;
-        self.grace = true;
+        self.grace = self.full_grace;
         self.moving = 0;
         self.begin();
     }
@@ -73,8 +83,8 @@ impl OffWatch {
         }
         self.ticks = 0;
         let spread_m = self.highest_m - self.lowest_m;
-        let moves = spread_m > self.spread_m && !self.grace;
-        self.grace = false;
+        let moves = spread_m > self.spread_m && self.grace == 0;
+        self.grace = self.grace.saturating_sub(1);
         self.moving = if moves {
             self.moving.saturating_add(1)
         } else {

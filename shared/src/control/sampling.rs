@@ -9,7 +9,9 @@ use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
 use crate::io::Frame;
 use crate::sense::{Pulse, Sample, Strobe};
-use crate::settings::DriveKind;
+
+/// Drive periods in a row beyond a limit after which a motor is switched off.
+const BEYOND_PERIODS: u8 = 2;
 
 impl Controller {
     /// One tick's samples.
@@ -124,8 +126,8 @@ impl Controller {
         let now_m = self.oscillator.amplitude_m();
         let command_m = 0.5 * (now_m + self.seen.command_m);
         self.seen.command_m = now_m;
-        if self.settings.drive.kind != DriveKind::Shaker {
-            return false;
+        if self.is_motor() {
+            return self.stop_a_motor_beyond_its_limits(strobe);
         }
         let hz = self.oscillator.frequency_hz();
         let rising = matches!(self.life.phase, Phase::Ramp(_));
@@ -134,12 +136,32 @@ impl Controller {
             return true;
         }
         let closed = !self.plausibility.doubts_the_cart();
+        if closed && command_m > 0.9 * self.probe_m() {
+            self.seen.proven = self.seen.proven.saturating_add(1);
+        }
         self.trim.strobe(strobe, command_m, closed);
         if !matches!(self.life.phase, Phase::Stop) {
-            let amplitude_m = self.trim.command();
-            self.oscillator.aim_amplitude(amplitude_m);
+            self.command_amplitude();
         }
         false
+    }
+
+    /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.
+    fn stop_a_motor_beyond_its_limits(&mut self, strobe: &Strobe) -> bool {
+        let limits = &self.settings.limits;
+        let beyond = ActiveLimits::FORCE.when(strobe.peak_n > limits.force_n)
+            | ActiveLimits::TRAVEL.when(strobe.travel_m > limits.travel_m);
+        if beyond.is_empty() {
+            self.seen.beyond = 0;
+            return false;
+        }
+        self.seen.beyond = self.seen.beyond.saturating_add(1);
+        if self.seen.beyond < BEYOND_PERIODS {
+            return false;
+        }
+        self.life.push(EventKind::Limits(beyond));
+        self.change(Phase::Idle);
+        true
     }
 
     /// Once per block: a cart that goes further than wanted is met before the drive period is over.

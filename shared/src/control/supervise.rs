@@ -10,9 +10,14 @@ use super::phase::{Phase, Seeking, Start};
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
-use super::{ActiveLimits, Mode, Refused, State};
+use super::{ActiveLimits, Mode, Refused, SettingsState, State};
 use crate::fault::{Fault, Record};
-use crate::settings::ticks_of;
+use crate::settings::{DriveKind, ticks_of};
+
+/// Amplitude of the active part of the self test, in units of A0.
+const PROBE: f32 = 0.2;
+/// Drive periods in which the cart must be seen to follow it.
+const PROOFS: u8 = 2;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -25,9 +30,10 @@ impl Controller {
             self.trip(Trip::system(Fault::LinkTimeout, timeout_s));
         }
         self.check_contact(ticks);
+        let probing = self.is_probing();
         match &mut self.life.phase {
             Phase::SelfTest(start) => start.pass(ticks),
-            Phase::Ramp(search) if self.oscillator.has_arrived() => {
+            Phase::Ramp(search) if !probing && self.oscillator.has_arrived() => {
                 let next = match *search {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,
@@ -116,17 +122,52 @@ impl Controller {
             self.oscillator.jump(search.goal_hz());
             self.trim.expect(self.forecast.target_point().1);
         }
-        let amplitude_m = self.trim.command();
-        self.oscillator.aim_amplitude(amplitude_m);
+        self.seen.proven = 0;
         self.change(Phase::Ramp(search));
+        self.command_amplitude();
+    }
+
+    /// Whether the drive is a motor's.
+    pub(super) fn is_motor(&self) -> bool {
+        self.settings.drive.kind == DriveKind::Motor
+    }
+
+    /// The active part of the self test, at the beginning of the ramp: whether the motion is still kept small, until
+    /// the cart is seen to follow it in sense and size.
+    pub(super) fn is_probing(&mut self) -> bool {
+        let is_shaker = !self.is_motor();
+        matches!(self.life.phase, Phase::Ramp(_))
+            && is_shaker
+            && self.seen.proven < PROOFS
+            && self.trim.command() > self.probe_m()
+    }
+
+    /// Amplitude of the active part of the self test, m.
+    pub(super) fn probe_m(&self) -> f32 {
+        PROBE * self.wanted_amplitude_m()
+    }
+
+    /// Sets the goal of the amplitude: what loop and limits allow, and little before the sensors are proven.
+    pub(super) fn command_amplitude(&mut self) {
+        let wanted_m = self.trim.command();
+        let goal_m = if self.is_probing() {
+            wanted_m.min(self.probe_m())
+        } else {
+            wanted_m
+        };
+        self.oscillator.aim_amplitude(goal_m);
     }
 
     pub(super) fn start(&mut self, mode: Mode) -> Result<(), Refused> {
+        self.settings_are_known()?;
         if !self.life.is_in(State::Idle) {
             return Err(Refused::WrongState);
         }
-        // A computer that steers says so after the start.
-        self.life.remote = Remote::default();
+        if self.is_motor() && mode == Mode::Automatic {
+            return Err(Refused::ByHandOnly);
+        }
+        // By hand, a computer that steers says so after the start.
+        self.life.remote = Remote::expected(self.settings.operator.heartbeat);
         self.seen.basin = BasinTracker::NEW;
         self.sense.reset();
         self.rig.identification.reset();
@@ -140,6 +181,8 @@ impl Controller {
             State::Fault => return Err(Refused::WrongState),
             State::Idle | State::Stop => {}
             State::SelfTest => self.change(Phase::Idle),
+            // There is no amplitude to ramp down.
+            _ if self.is_motor() => self.change(Phase::Idle),
             _ => {
                 self.oscillator.aim(self.oscillator.frequency_hz());
                 self.oscillator.aim_amplitude(0.0);
@@ -152,6 +195,10 @@ impl Controller {
     pub(super) fn clear_fault(&mut self) -> Result<(), Refused> {
         if !self.life.is_in(State::Fault) {
             return Err(Refused::WrongState);
+        }
+        self.settings_are_known()?;
+        if self.life.operator.is_awaited() {
+            return Err(Refused::NotAcknowledged);
         }
         if !self.life.faults.can_be_cleared() {
             return Err(Refused::StillFaulty);
@@ -173,8 +220,7 @@ impl Controller {
         self.oscillator.aim(clamped_hz);
         self.trim
             .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
-        let amplitude_m = self.trim.command();
-        self.oscillator.aim_amplitude(amplitude_m);
+        self.command_amplitude();
         Ok(())
     }
 
@@ -183,6 +229,31 @@ impl Controller {
         if self.life.is_in(State::Fault) && self.life.faults.ends_with_the_link() {
             self.clear();
         }
+    }
+
+    /// Refuses whatever needs settings that are known to be this rig's.
+    fn settings_are_known(&self) -> Result<(), Refused> {
+        let state = self.life.operator.settings;
+        if state.can_drive() {
+            Ok(())
+        } else {
+            Err(Refused::SettingsUnknown(state))
+        }
+    }
+
+    /// The older copy of the settings is that of this rig.
+    pub(super) fn confirm_settings(&mut self) -> Result<(), Refused> {
+        if self.life.operator.settings != SettingsState::OlderCopy {
+            return Err(Refused::WrongState);
+        }
+        self.settings_came();
+        Ok(())
+    }
+
+    /// The settings in use are this rig's.
+    pub(super) fn settings_came(&mut self) {
+        self.life.operator.settings = SettingsState::Stored;
+        self.life.faults.settings_replaced();
     }
 
     fn clear(&mut self) {
@@ -195,6 +266,10 @@ impl Controller {
     /// Switches the drive off; records the fault only then. In Fault, the fault joins the episode: the episode
     /// latches if any of its faults does.
     pub(super) fn trip(&mut self, trip: Trip) {
+        if trip.fault == Fault::EmergencyStop {
+            let required = self.settings.operator.acknowledge;
+            self.life.operator.emergency(self.life.tick, required);
+        }
         self.life.faults.stands(trip.fault);
         if !self.life.is_in(State::Fault) {
             self.oscillator.silence();

@@ -100,6 +100,14 @@ impl Settings {
             regime_lost_s,
             link_timeout_s,
         } = self.trips;
+        let silence = if self.operator.heartbeat {
+            (
+                (TINY, 3600.0),
+                "above 0 with operator.heartbeat, at most 3600",
+            )
+        } else {
+            ((0.0, 3600.0), "0 to 3600")
+        };
         let limits = &self.limits;
         let range = |limit: f32, reach: f32| (limit, reach.min(TRIP_OVER_LIMIT * limit));
         let force = range(limits.force_n, REACHED * self.force.reach().1);
@@ -138,12 +146,7 @@ impl Settings {
                 (1.0, 3600.0),
                 "1 to 3600",
             ),
-            (
-                "trips.link_timeout_s",
-                link_timeout_s,
-                (0.0, 3600.0),
-                "0 to 3600",
-            ),
+            ("trips.link_timeout_s", link_timeout_s, silence.0, silence.1),
         ])
     }
 
@@ -233,6 +236,17 @@ mod tests {
         let mut settings = Settings::for_rig(&PRESETS[0].1);
         settings.rig.mass_kg = -1.0;
         assert!(settings.check().unwrap_err().key.starts_with("mass"));
+    }
+
+    #[test]
+    fn a_heartbeat_needs_a_timeout() {
+        let mut settings = Settings::for_rig(&PRESETS[0].1);
+        settings.trips.link_timeout_s = 0.0;
+        assert_eq!(settings.check(), Ok(()));
+        settings.operator.heartbeat = true;
+        assert_eq!(settings.check().unwrap_err().key, "trips.link_timeout_s");
+        settings.trips.link_timeout_s = 0.1;
+        assert_eq!(settings.check(), Ok(()));
     }
 
     #[test]

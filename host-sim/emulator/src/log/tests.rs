@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use shared::control::{ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, State, Status};
+use shared::control::{
+    ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, SettingsState, State, Status,
+};
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, DacCode, Frame, Output};
 use shared::model::params::PRESETS;
@@ -25,7 +27,7 @@ fn header() -> Header {
         birth: BootInfo {
             reset: ResetCause::Watchdog,
             record: status(21).fault,
-            settings_corrupt: true,
+            settings: SettingsState::Damaged,
         },
         block_ticks: BLOCK as u32,
         scenario: Some("name = \"a test\"\n".into()),

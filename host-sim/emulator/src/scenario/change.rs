@@ -6,6 +6,7 @@ use shared::model::params::RigParams;
 
 use super::complaint::out_of_range;
 use files::UserError;
+use numerics::pick::sensitivity::{contact_damping_ratio, restitution};
 
 /// A change of a rig: what the true one has more than its keys state, or what it drifts to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -19,15 +20,18 @@ pub struct Change {
     pub contact_damping_percent: f64,
     /// Clearance, mm more.
     pub gap_offset_mm: f64,
+    /// Newton's coefficient of restitution that the surface comes to have: of the hammer against a wall.
+    pub restitution: Option<f64>,
 }
 
 impl Change {
     /// The keys, as `[true_rig]` may use them beside a rig's own.
-    pub const KEYS: [&str; 4] = [
+    pub const KEYS: [&str; 5] = [
         "natural_frequency_percent",
         "contact_stiffness_percent",
         "contact_damping_percent",
         "gap_offset_mm",
+        "restitution",
     ];
 
     /// Checks each number.
@@ -40,11 +44,25 @@ impl Change {
             (self.contact_stiffness_percent, (-99.0, 1e6)),
             (self.contact_damping_percent, (-100.0, 1e6)),
             (self.gap_offset_mm, (-100.0, 100.0)),
+            (self.restitution.unwrap_or(0.5), (0.14, 0.999)),
         ];
         for (key, (value, (from, to))) in Self::KEYS.iter().zip(values) {
             if !(from..=to).contains(&value) {
                 return Err(out_of_range(key, value, &format!("{from} to {to}")));
             }
+        }
+        Ok(())
+    }
+
+    /// Checks that the surface of `rig` can change so.
+    ///
+    /// # Errors
+    /// Its law has no restitution of its own.
+    pub fn fits(&self, rig: &RigParams) -> Result<(), UserError> {
+        if self.restitution.is_some() && restitution_of(rig).is_none() {
+            return Err(UserError::new(
+                "restitution goes with the spring-dashpot (underdamped) and the Lankarani-Nikravesh law; change contact_damping_percent instead",
+            ));
         }
         Ok(())
     }
@@ -74,6 +92,41 @@ impl Change {
                 *damping_ratio *= damped;
             }
         }
+        if let Some((wanted, now)) = self.restitution.zip(restitution_of(&changed)) {
+            set_restitution(&mut changed, now + share * (wanted - now));
+        }
         changed
+    }
+}
+
+/// Restitution of the hammer against the surface held still; none where the law has none that is the same at every
+/// speed.
+fn restitution_of(rig: &RigParams) -> Option<f64> {
+    match rig.contact {
+        Law::LankaraniNikravesh { restitution, .. } => Some(restitution),
+        _ => {
+            let zeta = contact_damping_ratio(rig)?;
+            (zeta > 0.0 && zeta < 1.0).then(|| restitution(zeta))
+        }
+    }
+}
+
+fn set_restitution(rig: &mut RigParams, wanted: f64) {
+    match &mut rig.contact {
+        Law::LankaraniNikravesh { restitution, .. } => *restitution = wanted,
+        Law::SpringDashpot { stiffness, damping } => {
+            // Falls with the damping ratio: by bisection.
+            let (mut low, mut high) = (1e-9, 1.0 - 1e-9);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if restitution(middle) > wanted {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            *damping = 2.0 * high * (*stiffness * rig.mass_kg).sqrt();
+        }
+        _ => {}
     }
 }

@@ -6,6 +6,9 @@ use shared::model::params::RigParams;
 use shared::settings::{Settings, TICK_S};
 
 use super::event::Timed;
+use crate::cart::Mounting;
+use crate::motor::MotorParams;
+use crate::plant::Drive;
 use crate::sensors::SensorParams;
 use crate::shaker::ShakerParams;
 
@@ -37,6 +40,10 @@ pub struct Scenario {
     pub shaker: ShakerParams,
     /// Whether the cart follows its set-point whatever force that takes.
     pub prescribed: bool,
+    /// The motor that moves the cart in the shaker's place.
+    pub motor: Option<MotorParams>,
+    /// How the cart is mounted.
+    pub mounting: Mounting,
     /// The sensors.
     pub sensors: SensorParams,
     /// What happens, by rising time.
@@ -49,6 +56,15 @@ impl Scenario {
     /// True length of a tick, s.
     pub fn tick_s(&self) -> f64 {
         TICK_S * (1.0 + 1e-6 * self.clock_ppm)
+    }
+
+    /// What moves the cart.
+    pub fn drive(&self) -> Drive {
+        match self.motor {
+            Some(motor) => Drive::Motor(motor),
+            None if self.prescribed => Drive::Prescribed,
+            None => Drive::Shaker(self.shaker),
+        }
     }
 
     /// Blocks of the run.

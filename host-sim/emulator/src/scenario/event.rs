@@ -8,7 +8,9 @@ use toml::Value;
 use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::LONGEST_S;
+use super::hardware::{TILT_DEG, friction};
 use super::sensor_fault::{Fault, SensorFault, Which};
+use crate::cart::Friction;
 use crate::sensors::{Defect, End};
 use crate::under_test::Reset;
 use files::UserError;
@@ -40,6 +42,17 @@ impl From<Mode> for control::Mode {
             Mode::Manual => Self::Manual,
         }
     }
+}
+
+/// What a drive does that does not obey its enable line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stuck {
+    /// It goes on with the motion that it had.
+    #[default]
+    RunsOn,
+    /// It keeps its power and follows its set-point.
+    Powered,
 }
 
 fn once() -> u32 {
@@ -148,6 +161,48 @@ pub enum Act {
         /// Clearance, mm more.
         #[serde(default)]
         gap_offset_mm: f64,
+        /// Restitution that the surface comes to have.
+        restitution: Option<f64>,
+    },
+    /// The impact surface recedes from the hammer.
+    Recede {
+        /// By the energy that each blow leaves in it, mm/J.
+        #[serde(default)]
+        mm_per_j: f64,
+        /// All the time, mm/s.
+        #[serde(default)]
+        mm_per_s: f64,
+        /// At most so far, mm.
+        up_to_mm: Option<f64>,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
+    },
+    /// The drive no longer obeys its enable line.
+    StuckDrive {
+        /// What it does while the line is low.
+        #[serde(default)]
+        how: Stuck,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
+    },
+    /// The whole rig tilts.
+    Tilt {
+        /// To so many degrees.
+        degrees: f64,
+        /// In so long, s.
+        #[serde(default)]
+        over_s: f64,
+    },
+    /// The friction of the cart's guide changes.
+    CartFriction {
+        /// While it slides, N.
+        coulomb_n: Option<f64>,
+        /// Before it slides, N.
+        static_n: Option<f64>,
+        /// Per speed, N·s/m.
+        viscous_n_s_per_m: Option<f64>,
+        /// For so long, s; left out: to the end.
+        for_s: Option<f64>,
     },
     /// The controller is reset.
     Reset {
@@ -166,12 +221,14 @@ impl Act {
                 contact_stiffness_percent,
                 contact_damping_percent,
                 gap_offset_mm,
+                restitution,
             } => Some((
                 Change {
                     natural_frequency_percent,
                     contact_stiffness_percent,
                     contact_damping_percent,
                     gap_offset_mm,
+                    restitution,
                 },
                 over_s,
             )),
@@ -246,6 +303,22 @@ impl Act {
                 ]
             }
             Self::Drift { over_s, .. } => vec![("over_s", over_s, (0.0, LONGEST_S))],
+            Self::Recede {
+                mm_per_j,
+                mm_per_s,
+                up_to_mm,
+                for_s,
+            } => vec![
+                ("mm_per_j", mm_per_j, (0.0, 1e4)),
+                ("mm_per_s", mm_per_s, (0.0, 100.0)),
+                ("up_to_mm", up_to_mm.unwrap_or(1.0), (0.0, 50.0)),
+                long(for_s),
+            ],
+            Self::StuckDrive { for_s, .. } | Self::CartFriction { for_s, .. } => vec![long(for_s)],
+            Self::Tilt { degrees, over_s } => vec![
+                ("degrees", degrees, TILT_DEG),
+                ("over_s", over_s, (0.0, LONGEST_S)),
+            ],
             _ => vec![],
         }
     }
@@ -268,9 +341,32 @@ impl Act {
                     )));
                 }
                 change.check()?;
+                change.fits(rig)?;
                 Ok(change.apply(rig, 1.0).check()?)
             }
+            Self::Recede {
+                mm_per_j, mm_per_s, ..
+            } if mm_per_j == 0.0 && mm_per_s == 0.0 => Err(UserError::new(
+                "a surface that does not recede; give mm_per_j or mm_per_s",
+            )),
+            Self::CartFriction { .. } => self.friction().map(drop),
             _ => Ok(()),
+        }
+    }
+
+    /// The friction of a change of friction.
+    ///
+    /// # Errors
+    /// A number is out of its range.
+    pub fn friction(&self) -> Result<Option<Friction>, UserError> {
+        match *self {
+            Self::CartFriction {
+                coulomb_n,
+                static_n,
+                viscous_n_s_per_m,
+                ..
+            } => friction(coulomb_n, static_n, viscous_n_s_per_m),
+            _ => Ok(None),
         }
     }
 
@@ -301,6 +397,32 @@ impl Act {
                 format!("{blocks} blocks of samples lost, one in {every}")
             }
             Self::Drift { over_s, .. } => format!("the rig drifts for {over_s} s"),
+            Self::Recede {
+                mm_per_j,
+                mm_per_s,
+                for_s,
+                ..
+            } => format!(
+                "the surface recedes by {mm_per_j} mm/J and {mm_per_s} mm/s{}",
+                for_so_long(*for_s)
+            ),
+            Self::StuckDrive { how, for_s } => {
+                let how = match how {
+                    Stuck::RunsOn => "runs on",
+                    Stuck::Powered => "stays powered",
+                };
+                format!("the drive {how} without enable{}", for_so_long(*for_s))
+            }
+            Self::Tilt { degrees, over_s } => {
+                format!("the rig tilts to {degrees} degrees in {over_s} s")
+            }
+            Self::CartFriction {
+                coulomb_n, for_s, ..
+            } => format!(
+                "the cart's friction is {} N{}",
+                coulomb_n.unwrap_or(0.0),
+                for_so_long(*for_s)
+            ),
             Self::Reset { cause } => format!("reset: {cause:?}").to_lowercase(),
         }
     }

@@ -5,14 +5,15 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use shared::fault::Fault;
 use shared::model::params::{ParamError, RigParams};
-use shared::settings::Settings;
+use shared::settings::{DriveKind, Settings};
 use toml::Value;
 
 use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::{Expect, LONGEST_S, Scenario};
 use super::event;
-use super::hardware::{Sensors, Shaker, sensors, shaker};
+use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
+use crate::cart::Mounting;
 use crate::names::{BASINS, STATES, basin_name, state_name};
 use files::rigfile;
 use files::{UserError, line_at};
@@ -44,6 +45,9 @@ struct File {
     shaker: Shaker,
     #[serde(default)]
     sensors: Sensors,
+    #[serde(default)]
+    cart: Cart,
+    motor: Option<MotorTable>,
     #[serde(default)]
     events: Vec<toml::Table>,
     #[serde(default)]
@@ -96,8 +100,19 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         Some(keys) => rigfile::from_keys(keys, &format!("{place}, [believed]"))?,
         None => plain,
     };
-    let settings = settings(&believed, &file.limits, &file.trips)
+    let kind = match file.motor {
+        Some(_) => DriveKind::Motor,
+        None => DriveKind::Shaker,
+    };
+    let settings = settings(&believed, kind, &file.limits, &file.trips)
         .map_err(|e| e.at(format!("{place}, [limits] and [trips]")))?;
+    let motor = file.motor.as_ref().map(|keys| motor(keys, &true_rig));
+    let motor = motor
+        .transpose()
+        .map_err(|e| e.at(format!("{place}, [motor]")))?;
+    let mounting = mounting(&file.cart).map_err(|e| e.at(format!("{place}, [cart]")))?;
+    let prescribed = file.shaker.prescribed.unwrap_or(false);
+    one_drive(prescribed, motor.is_some(), &mounting).map_err(|e| e.at(place))?;
     let mut events = Vec::new();
     for (i, mut table) in file.sensors.defects.clone().into_iter().enumerate() {
         let of_an_event = [("at_s", Value::Float(0.0)), ("kind", "sensor-fault".into())];
@@ -127,7 +142,9 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         true_rig,
         settings,
         shaker: shaker(&file.shaker).map_err(|e| e.at(format!("{place}, [shaker]")))?,
-        prescribed: file.shaker.prescribed.unwrap_or(false),
+        prescribed,
+        motor,
+        mounting,
         sensors: sensors(&file.sensors, &settings)
             .map_err(|e| e.at(format!("{place}, [sensors]")))?,
         events,
@@ -168,13 +185,35 @@ fn true_rig(
         .map_err(|e| not_understood(e.message()).at(&place))?;
     change.check().map_err(|e| e.at(&place))?;
     let plain = rigfile::from_keys(keys, &place)?;
+    change.fits(&plain).map_err(|e| e.at(&place))?;
     let rig = change.apply(&plain, 1.0);
     rig.check().map_err(|e| UserError::from(e).at(&place))?;
     Ok((rig, plain))
 }
 
-fn settings(believed: &RigParams, limits: &Limits, trips: &Trips) -> Result<Settings, UserError> {
+/// Whether what moves the cart is said once, and leaves the mounting something to do.
+fn one_drive(prescribed: bool, motor: bool, mounting: &Mounting) -> Result<(), UserError> {
+    if prescribed && motor {
+        return Err(UserError::new(
+            "prescribed = true and [motor] both move the cart; leave one out",
+        ));
+    }
+    if prescribed && (mounting.friction.is_some() || mounting.stops.is_some()) {
+        return Err(UserError::new(
+            "with prescribed = true the cart knows no friction and no end stops; leave them out of [cart]",
+        ));
+    }
+    Ok(())
+}
+
+fn settings(
+    believed: &RigParams,
+    kind: DriveKind,
+    limits: &Limits,
+    trips: &Trips,
+) -> Result<Settings, UserError> {
     let mut settings = Settings::for_rig(believed);
+    settings.drive.kind = kind;
     let put = |to: &mut f32, value: Option<f64>, unit: f64| {
         if let Some(value) = value {
             *to = (value * unit) as f32;

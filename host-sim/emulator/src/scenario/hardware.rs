@@ -1,12 +1,18 @@
 //! Shaker and sensors as a scenario writes them.
 
 use serde::Deserialize;
+use shared::model::params::RigParams;
 use shared::settings::Settings;
 
 use super::complaint::out_of_range;
+use crate::cart::{Friction, Mounting, Stops};
+use crate::motor::MotorParams;
 use crate::sensors::{Errors, SensorParams};
-use crate::shaker::ShakerParams;
+use crate::shaker::{ArmatureParams, ShakerParams};
 use files::UserError;
+
+/// How far a rig may be tilted, degrees.
+pub const TILT_DEG: (f64, f64) = (-10.0, 10.0);
 
 /// The table `[shaker]`.
 #[derive(Default, Deserialize)]
@@ -21,6 +27,36 @@ pub struct Shaker {
     droop_hz: Option<f64>,
     suspension_hz: Option<f64>,
     suspension_damping_ratio: Option<f64>,
+    impedance_n_s_per_m: Option<f64>,
+    armature_kg: Option<f64>,
+    armature_hz: Option<f64>,
+    armature_damping_ratio: Option<f64>,
+}
+
+/// The table `[cart]`.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cart {
+    coulomb_n: Option<f64>,
+    static_n: Option<f64>,
+    viscous_n_s_per_m: Option<f64>,
+    stop_mm: Option<f64>,
+    stop_stiffness_n_per_m: Option<f64>,
+    stop_damping_s_per_m: Option<f64>,
+    tilt_deg: Option<f64>,
+}
+
+/// The table `[motor]`.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotorTable {
+    crank_mm: Option<f64>,
+    rod_ratio: Option<f64>,
+    inertia_kg_m2: Option<f64>,
+    slip_hz_per_n_m: Option<f64>,
+    torque_n_m: Option<f64>,
+    lag_ms: Option<f64>,
+    coast_s: Option<f64>,
 }
 
 /// The table `[sensors]`.
@@ -100,6 +136,124 @@ pub fn shaker(file: &Shaker) -> Result<ShakerParams, UserError> {
             1.0,
             d.suspension_damping_ratio,
         )?,
+        impedance_n_s_per_m: pick(
+            "impedance_n_s_per_m",
+            file.impedance_n_s_per_m,
+            (0.0, 1e4),
+            1.0,
+            d.impedance_n_s_per_m,
+        )?,
+        armature: armature(file)?,
+    })
+}
+
+/// The armature, if it has a mode of its own.
+fn armature(file: &Shaker) -> Result<Option<ArmatureParams>, UserError> {
+    let Some(mass_kg) = file.armature_kg else {
+        let orphan = [
+            ("armature_hz", file.armature_hz),
+            ("armature_damping_ratio", file.armature_damping_ratio),
+        ];
+        return match orphan.iter().find(|(_, value)| value.is_some()) {
+            Some((key, _)) => Err(UserError::new(format!("{key} needs armature_kg = MASS"))),
+            None => Ok(None),
+        };
+    };
+    // The joint's own mode must stay slow against a tick.
+    Ok(Some(ArmatureParams {
+        mass_kg: pick("armature_kg", Some(mass_kg), (0.05, 1000.0), 1.0, 0.0)?,
+        hz: pick("armature_hz", file.armature_hz, (0.5, 300.0), 1.0, 100.0)?,
+        damping_ratio: pick(
+            "armature_damping_ratio",
+            file.armature_damping_ratio,
+            (0.0, 2.0),
+            1.0,
+            0.02,
+        )?,
+    }))
+}
+
+/// Friction of the cart's guide; none where there is none.
+pub fn friction(
+    coulomb_n: Option<f64>,
+    static_n: Option<f64>,
+    viscous: Option<f64>,
+) -> Result<Option<Friction>, UserError> {
+    let coulomb_n = pick("coulomb_n", coulomb_n, (0.0, 1000.0), 1.0, 0.0)?;
+    let range = (coulomb_n, 3.0 * coulomb_n);
+    let friction = Friction {
+        coulomb_n,
+        static_n: pick("static_n", static_n, range, 1.0, coulomb_n)?,
+        viscous_n_s_per_m: pick("viscous_n_s_per_m", viscous, (0.0, 1e4), 1.0, 0.0)?,
+    };
+    let none = friction.coulomb_n == 0.0 && friction.viscous_n_s_per_m == 0.0;
+    Ok((!none).then_some(friction))
+}
+
+/// How the cart is mounted.
+pub fn mounting(file: &Cart) -> Result<Mounting, UserError> {
+    let stiffness = pick(
+        "stop_stiffness_n_per_m",
+        file.stop_stiffness_n_per_m,
+        (1e3, 1e7),
+        1.0,
+        1e6,
+    )?;
+    let damping = pick(
+        "stop_damping_s_per_m",
+        file.stop_damping_s_per_m,
+        (0.0, 100.0),
+        1.0,
+        1.0,
+    )?;
+    let stop = file.stop_mm.map(|mm| {
+        let at_m = pick("stop_mm", Some(mm), (0.01, 1000.0), 1e-3, 0.0)?;
+        Ok::<_, UserError>(Stops {
+            at_m,
+            stiffness_n_per_m: stiffness,
+            damping_s_per_m: damping,
+        })
+    });
+    let tilt = pick("tilt_deg", file.tilt_deg, TILT_DEG, 1.0, 0.0)?;
+    Ok(Mounting {
+        friction: friction(file.coulomb_n, file.static_n, file.viscous_n_s_per_m)?,
+        stops: stop.transpose()?,
+        tilt_rad: tilt.to_radians(),
+    })
+}
+
+/// The motor that moves the cart of `rig`.
+pub fn motor(file: &MotorTable, rig: &RigParams) -> Result<MotorParams, UserError> {
+    let whole_mm = 1e3 * rig.amplitude_m;
+    let crank_m = pick(
+        "crank_mm",
+        file.crank_mm,
+        (0.01, 100.0),
+        1e-3,
+        1e-3 * whole_mm,
+    )?;
+    let d = MotorParams::for_cart(crank_m, rig.cart_mass_kg + rig.mass_kg);
+    let positive = (1e-12, 1e6);
+    Ok(MotorParams {
+        crank_m,
+        rod_ratio: pick("rod_ratio", file.rod_ratio, (0.0, 0.9), 1.0, d.rod_ratio)?,
+        inertia_kg_m2: pick(
+            "inertia_kg_m2",
+            file.inertia_kg_m2,
+            positive,
+            1.0,
+            d.inertia_kg_m2,
+        )?,
+        slip_hz_per_n_m: pick(
+            "slip_hz_per_n_m",
+            file.slip_hz_per_n_m,
+            positive,
+            1.0,
+            d.slip_hz_per_n_m,
+        )?,
+        torque_n_m: pick("torque_n_m", file.torque_n_m, positive, 1.0, d.torque_n_m)?,
+        lag_s: pick("lag_ms", file.lag_ms, (0.05, 10_000.0), 1e-3, d.lag_s)?,
+        coast_s: pick("coast_s", file.coast_s, (1e-3, 1e3), 1.0, d.coast_s)?,
     })
 }
 

@@ -19,7 +19,7 @@ use files::rigfile::nearest;
 pub use builtin::BUILTIN;
 pub use change::Change;
 pub use definition::{Expect, Scenario};
-pub use event::{Act, Mode, Timed};
+pub use event::{Act, Mode, Stuck, Timed};
 pub use file::parse;
 pub use sensor_fault::{Fault, Which};
 

@@ -11,6 +11,10 @@ use crate::sense::Pulse;
 pub const BAD_PULSES: u8 = 4;
 /// Impulse over momentum of the last contacts.
 pub const MOMENTUM_RANGE: (f32, f32) = (0.75, 1.33);
+/// The same of a single contact, beyond which nothing needs to be averaged.
+pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
+/// Contacts in a row outside that trip.
+pub const GROSS_PULSES: u8 = 6;
 /// Contacts in the sums.
 const MEMORY: f32 = 16.0;
 /// Contacts before the sums are judged.
@@ -24,6 +28,7 @@ pub(super) struct Momentum {
     speed_m_per_s: f32,
     pulses: u8,
     bad: u8,
+    gross: u8,
 }
 
 impl Momentum {
@@ -34,6 +39,7 @@ impl Momentum {
             speed_m_per_s: 0.0,
             pulses: 0,
             bad: 0,
+            gross: 0,
         }
     }
 
@@ -42,6 +48,7 @@ impl Momentum {
         self.speed_m_per_s = 0.0;
         self.pulses = 0;
         self.bad = 0;
+        self.gross = 0;
     }
 
     /// A contact has ended; the ratio of the sums if it trips.
@@ -55,19 +62,28 @@ impl Momentum {
         self.impulse_n_s = KEPT * self.impulse_n_s + pulse.impulse_n_s;
         self.speed_m_per_s = KEPT * self.speed_m_per_s + speed;
         self.pulses = self.pulses.saturating_add(1);
+        let one = self.reduced_kg * speed;
+        let gross = !is_within(pulse.impulse_n_s, one, GROSS_RANGE);
+        if super::run(&mut self.gross, gross, GROSS_PULSES) {
+            return Some(quotient(pulse.impulse_n_s, one));
+        }
         if self.pulses <= FEWEST {
             return None;
         }
-        let momentum = self.reduced_kg * self.speed_m_per_s;
-        let (low, high) = MOMENTUM_RANGE;
-        // Written without a quotient: a momentum of 0 or less is outside, and so is NaN.
-        let inside = momentum > 0.0
-            && self.impulse_n_s >= low * momentum
-            && self.impulse_n_s <= high * momentum;
-        let trips = super::run(&mut self.bad, !inside, BAD_PULSES);
-        trips.then(|| {
-            let ratio = self.impulse_n_s / momentum;
-            if ratio.is_finite() { ratio } else { 0.0 }
-        })
+        let sum = self.reduced_kg * self.speed_m_per_s;
+        let outside = !is_within(self.impulse_n_s, sum, MOMENTUM_RANGE);
+        let trips = super::run(&mut self.bad, outside, BAD_PULSES);
+        trips.then(|| quotient(self.impulse_n_s, sum))
     }
+}
+
+/// Whether `impulse` over `momentum` is within `range`: never for a momentum of 0 or less, nor for NaN.
+fn is_within(impulse: f32, momentum: f32, (low, high): (f32, f32)) -> bool {
+    momentum > 0.0 && impulse >= low * momentum && impulse <= high * momentum
+}
+
+/// The quotient, 0 if there is none.
+fn quotient(impulse: f32, momentum: f32) -> f32 {
+    let ratio = impulse / momentum;
+    if ratio.is_finite() { ratio } else { 0.0 }
 }
