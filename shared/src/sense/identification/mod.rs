@@ -37,6 +37,7 @@
 //! test.
 
 pub mod contact;
+mod ratio;
 mod statistics;
 
 use crate::model::contact::Law;
@@ -44,6 +45,7 @@ use crate::model::params::SupportParams;
 use crate::sense::{Pulse, Sample};
 use crate::settings::{Settings, TICK_S};
 use contact::{Above, spring_dashpot};
+use ratio::Ratio;
 use statistics::{Average, Line};
 
 /// Largest number of windows or contacts in an estimate: older ones fade.
@@ -137,6 +139,7 @@ pub struct Identification {
     duration: Average,
     gap: Average,
     refused: u32,
+    ratio: Ratio,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,12 +195,20 @@ impl Identification {
             duration: Average::default(),
             gap: Average::default(),
             refused: 0,
+            ratio: Ratio::default(),
         }
+    }
+
+    /// Gain of the hammer's sensor over the cart's, with its sign, if the flights tell it, and from how many windows.
+    pub fn hammer_over_cart(&self) -> Option<(f32, u32)> {
+        Some((self.ratio.gain()?, self.ratio.windows()))
     }
 
     /// One tick's samples, and whether a contact is under way ([`crate::sense::Sense::in_contact`]).
     #[inline]
     pub fn flight(&mut self, sample: &Sample, in_contact: bool) {
+        self.ratio
+            .flight(sample, in_contact, self.window_ticks, SETTLE);
         if in_contact {
             self.settle = SETTLE;
             self.window.ticks = 0;
@@ -316,6 +327,7 @@ impl Identification {
         self.restitution = Average::default();
         self.duration = Average::default();
         self.gap = Average::default();
+        self.ratio.reset();
     }
 
     fn natural(&self) -> Option<Estimate> {
