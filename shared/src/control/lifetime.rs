@@ -140,6 +140,13 @@ mod tests {
         assert!(life.change(Phase::Stop));
         assert!(life.is_in(State::Stop) && !life.is_in(before));
         assert!(!life.change(Phase::Stop));
+        let event = life.events.take().unwrap();
+        let change = EventKind::State {
+            from: before,
+            to: State::Stop,
+        };
+        assert_eq!(event.kind, change);
+        assert!(life.events.take().is_none());
     }
 
     #[test]
@@ -172,6 +179,14 @@ mod tests {
         faults.condition = Some(Fault::BrownOut);
         assert!(!faults.can_be_cleared());
         assert!(!faults.is(Fault::BrownOut), "nothing is recorded");
+        faults.record = Some(Record {
+            fault: Fault::BrownOut,
+            origin: crate::fault::Origin::Force,
+            tick: 0,
+            value: 0.0,
+            frequency_hz: 0.0,
+        });
+        assert!(faults.is(Fault::BrownOut) && !faults.is(Fault::WatchdogReset));
     }
 
     #[test]
