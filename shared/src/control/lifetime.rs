@@ -188,6 +188,7 @@ impl Remote {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control::SettingsState;
 
     #[test]
     fn requests_are_numbered_and_a_change_is_one_only_once() {
@@ -198,29 +199,44 @@ mod tests {
         assert!(life.change(Phase::Stop));
         assert!(life.is_in(State::Stop) && !life.is_in(before));
         assert!(!life.change(Phase::Stop));
+        let event = life.events.take().unwrap();
+        let change = EventKind::State {
+            from: before,
+            to: State::Stop,
+        };
+        assert_eq!(event.kind, change);
+        assert!(life.events.take().is_none());
     }
 
     #[test]
     fn the_start_is_a_fault_after_a_watchdog_a_brown_out_or_damaged_settings() {
-        let of = |reset, settings_corrupt| {
+        let of = |reset, settings| {
             Faults::of_boot(&BootInfo {
                 reset,
-                settings_corrupt,
+                settings,
                 ..BootInfo::default()
             })
         };
-        assert_eq!(of(BootInfo::default().reset, false), None);
-        assert_eq!(of(ResetCause::Watchdog, false), Some(Fault::WatchdogReset));
-        assert_eq!(of(ResetCause::BrownOut, false), Some(Fault::BrownOut));
-        for reset in [ResetCause::Watchdog, BootInfo::default().reset] {
-            assert_eq!(of(reset, true), Some(Fault::CorruptSettings));
+        for good in [SettingsState::Stored, SettingsState::Model] {
+            assert_eq!(of(ResetCause::PowerOn, good), None);
+            assert_eq!(of(ResetCause::Watchdog, good), Some(Fault::WatchdogReset));
+            assert_eq!(of(ResetCause::BrownOut, good), Some(Fault::BrownOut));
+        }
+        for bad in [
+            SettingsState::Damaged,
+            SettingsState::Missing,
+            SettingsState::OlderCopy,
+        ] {
+            for reset in [ResetCause::Watchdog, ResetCause::PowerOn] {
+                assert_eq!(of(reset, bad), Some(Fault::CorruptSettings));
+            }
         }
     }
 
     #[test]
     fn a_fault_is_cleared_only_when_its_cause_has_gone() {
         let corrupt = BootInfo {
-            settings_corrupt: true,
+            settings: SettingsState::Damaged,
             ..BootInfo::default()
         };
         let mut faults = Faults::at_boot(&corrupt);
