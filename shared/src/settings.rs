@@ -96,6 +96,17 @@ pub struct OperatorSettings {
     pub acknowledge: bool,
 }
 
+/// What the controller aims at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Aim {
+    /// Mean peak force wanted, N: the amplitude is drawn up or down until it is there. 0: as it comes at the rig's
+    /// amplitude.
+    pub force_n: f32,
+    /// The most impact power (energy per contact times contacts per second) instead of the strongest contact: the frequency
+    /// is some 1 % higher.
+    pub power: bool,
+}
+
 /// The controller's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -117,6 +128,8 @@ pub struct Settings {
     pub detection: Detection,
     /// Who must be there.
     pub operator: OperatorSettings,
+    /// What it aims at.
+    pub aim: Aim,
 }
 
 /// Peak force of a strong 1/1 at a gap of 0.0 mm in units of A0 ω √(ki m): 96 N on the wires of Tables
@@ -175,6 +188,7 @@ impl Settings {
                 refractory_s: 1.5e-3,
             },
             operator: OperatorSettings::default(),
+            aim: Aim::default(),
         }
     }
 }

@@ -7,7 +7,7 @@ use files::UserError;
 use files::rigfile::{self, nearest};
 
 /// Every number: section, key, meaning.
-const NUMBERS: [(&str, &str, &str); 23] = [
+const NUMBERS: [(&str, &str, &str); 24] = [
     ("force", "zero_code", "ADC code at 0 N"),
     ("force", "n_per_code", "newtons per ADC code"),
     ("hammer", "zero_code", "ADC code at rest"),
@@ -35,21 +35,29 @@ const NUMBERS: [(&str, &str, &str); 23] = [
     ("detection", "on_n", "a contact begins above"),
     ("detection", "off_n", "and may end below"),
     ("detection", "refractory_s", "having stayed there so long"),
+    ("aim", "force_n", "mean peak force wanted; 0: as it comes"),
 ];
 
-/// Every switch: key, meaning. They stand in the section [operator].
-const SWITCHES: [(&str, &str); 2] = [
+/// Every switch: section, key, meaning.
+const SWITCHES: [(&str, &str, &str); 3] = [
     (
+        "operator",
         "heartbeat",
         "automatic mode, too, needs a program that stays on the link",
     ),
     (
+        "operator",
         "acknowledge",
         "an emergency stop must be acknowledged with the board's button",
     ),
+    (
+        "aim",
+        "power",
+        "the most impact power instead of the strongest contact",
+    ),
 ];
 
-const SECTIONS: [&str; 9] = [
+const SECTIONS: [&str; 10] = [
     "rig",
     "force",
     "hammer",
@@ -59,6 +67,7 @@ const SECTIONS: [&str; 9] = [
     "trips",
     "detection",
     "operator",
+    "aim",
 ];
 
 fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut f32> {
@@ -72,6 +81,7 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         trips,
         detection,
         operator: _,
+        aim,
     } = settings;
     Some(match (section, key) {
         ("force", "zero_code") => &mut force.zero_code,
@@ -97,6 +107,7 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         ("detection", "on_n") => &mut detection.on_n,
         ("detection", "off_n") => &mut detection.off_n,
         ("detection", "refractory_s") => &mut detection.refractory_s,
+        ("aim", "force_n") => &mut aim.force_n,
         _ => return None,
     })
 }
@@ -105,6 +116,7 @@ fn switch<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
     match (section, key) {
         ("operator", "heartbeat") => Some(&mut settings.operator.heartbeat),
         ("operator", "acknowledge") => Some(&mut settings.operator.acknowledge),
+        ("aim", "power") => Some(&mut settings.aim.power),
         _ => None,
     }
 }
@@ -125,7 +137,7 @@ pub fn to_toml(settings: &Settings) -> String {
             }
             _ => {}
         }
-        for (key, meaning) in SWITCHES {
+        for (_, key, meaning) in SWITCHES.iter().filter(|(s, _, _)| *s == section) {
             if let Some(value) = switch(&mut settings, section, key) {
                 text.push_str(&format!("{key} = {value}  # {meaning}\n"));
             }
@@ -206,8 +218,8 @@ fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Resu
     let Some(place) = number(settings, section, key) else {
         let keys = NUMBERS.iter().filter(|(s, _, _)| *s == section);
         let keys = keys.map(|(_, key, _)| *key);
-        let switches = SWITCHES.iter().filter(|_| section == "operator");
-        let hint = nearest(key, keys.chain(switches.map(|(key, _)| *key)));
+        let switches = SWITCHES.iter().filter(|(s, _, _)| *s == section);
+        let hint = nearest(key, keys.chain(switches.map(|(_, key, _)| *key)));
         return Err(UserError::new(format!(
             "there is no setting {section}.{key}{hint}; `host-sim link PORT get` prints them all"
         )));

@@ -3,6 +3,7 @@
 use super::basin::BasinTracker;
 use super::block_health::BlockHealth;
 use super::event::{Event, EventKind};
+use super::force::ForceLoop;
 use super::forecast_cache::ForecastCache;
 use super::guard::{Guard, Trip};
 use super::lifetime::{Faults, Lifetime};
@@ -37,6 +38,7 @@ pub struct Controller {
     pub(super) guard: Guard,
     pub(super) plausibility: Plausibility,
     pub(super) trim: Trim,
+    pub(super) force: ForceLoop,
     pub(super) rig: RigEstimate,
     pub(super) forecast: ForecastCache,
     pub(super) blocks: BlockHealth,
@@ -120,6 +122,7 @@ impl Controller {
             guard: Guard::new(settings),
             plausibility: Plausibility::new(settings),
             trim: Trim::new(settings),
+            force: ForceLoop::of(settings),
             rig: RigEstimate::new(settings),
             forecast: ForecastCache::default(),
             blocks: BlockHealth::default(),

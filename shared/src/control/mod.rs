@@ -18,6 +18,7 @@ mod basin;
 mod block_health;
 mod controller;
 mod event;
+mod force;
 mod forecast_cache;
 mod free;
 mod guard;

@@ -15,6 +15,12 @@ const NATURAL_SIGMA: f32 = 0.003;
 /// Largest standard error of a gap that is used, m.
 const GAP_SIGMA_M: f32 = 1.5e-5;
 
+/// A gap beyond this many A0 is to be closed by feeding the tool: at 2.7 A0 (2.4 mm on the wires) the best 1/1 lies beside
+/// a swing without contact, and a hammer that has lost the surface does not find it again by itself.
+const FEED_GAP: f64 = 2.5;
+/// The same for a gap that has grown from a large one that was set, A0.
+const FEED_GROWTH: f64 = 0.5;
+
 /// The rig that forecasts are made of, and its online identification.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RigEstimate {
@@ -38,6 +44,16 @@ impl RigEstimate {
     /// The rig that forecasts are made of.
     pub fn rig(&self) -> &RigParams {
         &self.believed
+    }
+
+    /// Whether the surface is so far away that the tool is to be fed: the gap has grown beyond what forecasts are made
+    /// for, and beyond what was set.
+    pub fn is_out_of_reach(&self) -> bool {
+        let reach_m = (FEED_GAP * self.set.amplitude_m)
+            .max(self.set.gap_m + FEED_GROWTH * self.set.amplitude_m);
+        self.identification
+            .gap_m()
+            .is_some_and(|gap_m| f64::from(gap_m) > reach_m)
     }
 
     /// A drive period of the search has ended. Once every [`COMPARE_PERIODS`], the rig if it has changed

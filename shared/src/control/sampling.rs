@@ -112,6 +112,7 @@ impl Controller {
         };
         seeking.strobe(strobe.contacts);
         self.seek(strobe, arrived);
+        self.make_the_force(strobe);
         if let Some(rig) = self.rig.strobe() {
             let (natural_hz, gap_m) = (rig.natural_frequency_hz() as f32, rig.gap_m as f32);
             self.life.push(EventKind::Identified { natural_hz, gap_m });
@@ -182,6 +183,21 @@ impl Controller {
         self.seen.half = half;
     }
 
+    /// Moves the amplitude towards the force wanted, while 1/1 is held at its phase.
+    fn make_the_force(&mut self, strobe: &Strobe) {
+        let resting = self.life.phase.seeking_mut();
+        if strobe.contacts != 1 || !resting.is_some_and(|seeking| seeking.search.is_resting()) {
+            self.force.interrupt();
+            return;
+        }
+        let clamped = !self.trim.limits().is_empty();
+        if self.force.strobe(strobe.peak_n, clamped) {
+            let wanted_m = self.wanted_amplitude_m() * self.force.factor();
+            self.trim.set_wanted_amplitude(wanted_m);
+            self.command_amplitude();
+        }
+    }
+
     /// One drive period of the search.
     fn seek(&mut self, strobe: &Strobe, arrived: bool) {
         let regime = self.sense.measured().regime;
@@ -195,7 +211,8 @@ impl Controller {
         self.oscillator.aim(search.goal_hz());
         let at_bound = search.is_at_bound();
         let seeking = *seeking;
-        self.limits.active = self.trim.limits() | ActiveLimits::FREQUENCY.when(at_bound);
+        let feed = ActiveLimits::FEED.when(self.rig.is_out_of_reach());
+        self.limits.active = self.trim.limits() | ActiveLimits::FREQUENCY.when(at_bound) | feed;
         match step {
             Step::On => {}
             Step::Best {

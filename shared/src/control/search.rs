@@ -131,11 +131,11 @@ pub struct Search {
 }
 
 impl Search {
-    /// A search for `target` between the limits `range_hz`.
-    pub fn new(target: &Target, range_hz: (f32, f32)) -> Self {
+    /// A search for `target` between the limits `range_hz`; `power`: for the most impact power.
+    pub fn new(target: &Target, range_hz: (f32, f32), power: bool) -> Self {
         let mut search = Self {
             leg: SearchLeg::ENTRY,
-            lock: PhaseLock::new(target.orbit.onset_turns),
+            lock: PhaseLock::new(target.orbit.onset_turns, power),
             entry_hz: target.entry_hz,
             floor_hz: range_hz.0,
             ceiling_hz: range_hz.1,
@@ -153,6 +153,11 @@ impl Search {
     /// The goal of the frequency, Hz.
     pub fn goal_hz(&self) -> f32 {
         self.goal_hz
+    }
+
+    /// Whether the frequency follows the phase and has found it.
+    pub fn is_resting(&self) -> bool {
+        matches!(self.leg, SearchLeg::Rest { .. })
     }
 
     /// Whether a bound holds the goal.
@@ -257,8 +262,8 @@ impl Search {
         match &mut self.leg {
             SearchLeg::Climb(probe) => {
                 offset = probe.offset_turns();
-                if let Some(moved) = probe.strobe(beat.impulse_n_s) {
-                    self.lock.correct(moved);
+                if let Some(distance) = probe.strobe(beat.impulse_n_s) {
+                    self.lock.correct(distance);
                     self.leg = SearchLeg::Rest {
                         periods: CLIMB_EVERY,
                     };

@@ -4,6 +4,7 @@ use super::basin::BasinTracker;
 use super::block_health::BlockHealth;
 use super::controller::Controller;
 use super::event::EventKind;
+use super::force::ForceLoop;
 use super::guard::Trip;
 use super::lifetime::Remote;
 use super::phase::{Phase, Seeking, Start};
@@ -49,7 +50,8 @@ impl Controller {
         }
         self.limits.active = match self.state() {
             State::Ramp | State::Seek | State::Hold | State::Manual => {
-                (self.limits.active & ActiveLimits::FREQUENCY) | self.trim.limits()
+                let kept = ActiveLimits::FREQUENCY | ActiveLimits::FEED;
+                (self.limits.active & kept) | self.trim.limits()
             }
             _ => ActiveLimits::NONE,
         };
@@ -109,7 +111,11 @@ impl Controller {
                     self.change(Phase::Idle);
                     return;
                 };
-                Some(Search::new(&target, self.range_hz()))
+                Some(Search::new(
+                    &target,
+                    self.range_hz(),
+                    self.settings.aim.power,
+                ))
             }
         };
         self.guard.restart(self.sensed_drive.now());
@@ -120,7 +126,12 @@ impl Controller {
         self.trim = Trim::new(&self.settings);
         if let Some(search) = &search {
             self.oscillator.jump(search.goal_hz());
-            self.trim.expect(self.forecast.target_point().1);
+            let (_, force_n) = self.forecast.target_point();
+            self.force = ForceLoop::of(&self.settings);
+            self.force.expect(force_n);
+            let wanted_m = self.wanted_amplitude_m() * self.force.factor();
+            self.trim.set_wanted_amplitude(wanted_m);
+            self.trim.expect(force_n * self.force.factor());
         }
         self.seen.proven = 0;
         self.change(Phase::Ramp(search));

@@ -15,7 +15,10 @@ impl Settings {
         self.check_drive()?;
         self.check_limits()?;
         self.check_trips()?;
-        self.check_detection()
+        self.check_detection()?;
+        let force = (0.0, self.limits.force_n);
+        let least = "0 or positive, at most limits.force_n";
+        all_within(&[("aim.force_n", self.aim.force_n, force, least)])
     }
 
     fn check_sensors(&self) -> Result<(), ParamError> {
@@ -347,7 +350,7 @@ mod tests {
     fn every_setting_has_a_range_and_is_named_outside_it() {
         type Field = fn(&mut Settings) -> &mut f32;
         // Just outside on either side; the ends that are other settings are those of the wires' defaults.
-        let cases: [(&str, Field, f32, f32); 23] = [
+        let cases: [(&str, Field, f32, f32); 24] = [
             (
                 "force.unit_per_code",
                 |s| &mut s.force.unit_per_code,
@@ -436,6 +439,7 @@ mod tests {
                 1.9e-4,
                 2.1e-2,
             ),
+            ("aim.force_n", |s| &mut s.aim.force_n, -1.0, 300.0),
         ];
         for (key, field, below, above) in cases {
             for value in [below, above, f32::NAN] {

@@ -37,7 +37,7 @@ struct Rig {
 impl Rig {
     fn new(best_hz: f32) -> Self {
         Self {
-            search: Search::new(&TARGET, RANGE_HZ),
+            search: Search::new(&TARGET, RANGE_HZ, false),
             frequency_hz: TARGET.entry_hz,
             best_hz,
             best_turns: TARGET.orbit.onset_turns,
@@ -119,7 +119,7 @@ fn an_entry_without_one_one_is_left_towards_it_from_either_side() {
     for (one_one, best_hz) in [((0.6, 0.95), 3.3), ((1.04, 1.3), 3.9)] {
         let mut rig = Rig::new(best_hz);
         rig.one_one = one_one;
-        rig.search.lock = PhaseLock::new(rig.best_turns + 0.97 * (one_one.1 - 1.15));
+        rig.search.lock = PhaseLock::new(rig.best_turns + 0.97 * (one_one.1 - 1.15), false);
         assert!(rig.hold() < 120, "{best_hz}");
     }
 }
@@ -222,7 +222,7 @@ fn a_doubling_must_last_and_then_the_phase_retreats() {
 fn climbs_bring_a_phase_that_was_forecast_wrong_to_the_best() {
     for error in [-3.0, 3.0] {
         let mut rig = Rig::new(3.664);
-        rig.search.lock = PhaseLock::new(TARGET.orbit.onset_turns + error / 360.0);
+        rig.search.lock = PhaseLock::new(TARGET.orbit.onset_turns + error / 360.0, false);
         rig.hold();
         rig.run(40);
         let before = rig.off();

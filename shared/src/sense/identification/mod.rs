@@ -311,6 +311,11 @@ impl Identification {
         self.duration.push(duration);
     }
 
+    /// The mean gap of the last contacts, m; none before there are enough.
+    pub fn gap_m(&self) -> Option<f32> {
+        (self.gap.count >= FEWEST_CONTACTS).then_some(self.gap.mean)
+    }
+
     /// Takes in the gap of a contact. Contacts that agree on another gap than those before begin the mean anew: the
     /// surface has moved.
     fn push_gap(&mut self, gap_m: f32) {
