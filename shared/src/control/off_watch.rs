@@ -23,6 +23,8 @@ pub(super) struct OffWatch {
     /// Groups in a window of two natural periods.
     window: u32,
     largest_m: f32,
+    /// No reading counts for more than this, m: it is beyond the rails.
+    reach_m: f32,
     /// Windows of grace, and those of it that are left.
     full_grace: u8,
     grace: u8,
@@ -50,6 +52,7 @@ impl OffWatch {
         Self {
             window: (window_s * TICK_RATE_HZ as f32 / f32::from(GROUP)) as u32,
             largest_m: MOVES * settings.rig.amplitude_m as f32,
+            reach_m: 2.0 * settings.trips.cart_m,
             full_grace: grace,
             grace,
             sum_m: 0.0,
@@ -75,7 +78,7 @@ impl OffWatch {
     /// The drive is off and the cart at `cart_m`. The amplitude of its motion, m, when that trips.
     #[inline]
     pub fn tick(&mut self, cart_m: f32) -> Option<f32> {
-        self.sum_m += cart_m;
+        self.sum_m += cart_m.max(-self.reach_m).min(self.reach_m);
         self.grouped += 1;
         if self.grouped < GROUP {
             return None;
