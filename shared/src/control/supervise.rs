@@ -168,6 +168,8 @@ impl Controller {
         // A computer that steers says so after the start.
         self.life.remote = Remote::default();
         self.seen.basin = BasinTracker::NEW;
+        // A goal of the last run is none of this one.
+        self.oscillator.aim(self.oscillator.frequency_hz());
         self.sense.reset();
         self.rig.identification.reset();
         self.change(Phase::SelfTest(Start::new(mode, &self.settings)));
