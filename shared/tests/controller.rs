@@ -358,11 +358,12 @@ fn a_cart_that_moves_with_the_drive_off_is_a_fault_that_stands_until_it_rests() 
                     let tick = bench.controller.status().tick + k as u32;
                     let turns = 3.66 * f64::from(tick) / f64::from(TICK_RATE_HZ);
                     let m = share * 0.89e-3 * (std::f64::consts::TAU * turns).sin();
-                    let codes = m / f64::from(bench.settings.cart.unit_per_code);
+                    let code = |unit: f32| AdcCode((2048.5 + m / f64::from(unit)).floor() as u16);
+                    // The hammer goes along.
                     Frame {
                         force: AdcCode(600),
-                        hammer: AdcCode(2048),
-                        cart: AdcCode((2048.5 + codes) as u16),
+                        hammer: code(bench.settings.hammer.unit_per_code),
+                        cart: code(bench.settings.cart.unit_per_code),
                         emergency: false,
                     }
                 });

@@ -4,6 +4,7 @@ use emulator::local::Local;
 use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
 use emulator::run::run;
 use emulator::scenario::parse;
+use rayon::prelude::*;
 use shared::control::{ActiveLimits, State};
 use shared::fault::Fault;
 
@@ -184,6 +185,36 @@ fn two_sensors_that_lie_alike_are_found() {
         assert_eq!(faults(&truth), expected, "{pair:?} {times}");
         assert!(truth.force_n < 1.1 * 120.0 && truth.cart_mm < 1.1 * 1.335);
     }
+}
+
+#[test]
+fn sensors_that_are_off_by_five_percent_trip_nothing() {
+    // Either sign for each sensor, every rig, gaps to 1 mm, natural frequencies 8 % off, 2 % noise.
+    let rigs = ["wires", "beam-170", "beam-150", "beam-135"];
+    let cases: Vec<(usize, u32)> = (0..4)
+        .flat_map(|rig| (0..8).map(move |k| (rig, k)))
+        .collect();
+    let wrong: Vec<String> = cases
+        .par_iter()
+        .filter_map(|&(rig, k)| {
+            let sign = |bit: u32| if k >> bit & 1 == 1 { 5.0 } else { -5.0 };
+            let text = format!(
+                "duration_s = 60.0\nseed = {k}\n[true_rig]\npreset = \"{}\"\ngap_mm = {:?}\nnatural_frequency_percent = {:?}\n[sensors]\nnoise_percent = 2.0\nforce_gain_percent = {:?}\nhammer_gain_percent = {:?}\ncart_gain_percent = {:?}\n{}",
+                rigs[rig],
+                f64::from(k % 3) * 0.5,
+                f64::from(k % 5) * 4.0 - 8.0,
+                sign(0),
+                sign(1),
+                sign(2),
+                start()
+            );
+            let scenario = parse("honest", &text, "honest").unwrap();
+            let mut truth = Truth::default();
+            run(&scenario, &mut Local::new(&scenario.settings).unwrap(), &mut truth).unwrap();
+            (!truth.faults.is_empty()).then(|| format!("{} {k}: {:?}", rigs[rig], truth.faults))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]

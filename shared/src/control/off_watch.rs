@@ -2,8 +2,8 @@
 //!
 //! The mean of each [`GROUP`] samples is nearly free of noise. Over a window of two natural periods, the mean distance of
 //! these from the mean of the window before shows a motion at any frequency the drive can have; spoilt samples
-//! now and then do not show. A cart that is let go comes to rest on its suspension within the grace time; the blows of
-//! a hammer that still swings move it by less than the threshold.
+//! now and then do not show. A hammer that swings shakes a cart that is free, by m/M of its own motion and some more
+//! near the resonance of the suspension ([`SHAKEN`]); that is no motion of the drive's.
 
 use crate::settings::{DriveKind, Settings, TICK_RATE_HZ};
 
@@ -14,6 +14,8 @@ const GROUP: u8 = 64;
 const GRACE: (u8, u8) = (1, 5);
 /// Amplitude of the cart that counts as motion, in units of A0.
 const MOVES: f32 = 0.125;
+/// How far a free cart may move for a swinging hammer, in units of m/M times the hammer's motion.
+const SHAKEN: f32 = 2.5;
 /// Amplitude of a sine over its mean distance from the middle.
 const AMPLITUDE: f32 = core::f32::consts::FRAC_PI_2;
 
@@ -23,18 +25,18 @@ pub(super) struct OffWatch {
     /// Groups in a window of two natural periods.
     window: u32,
     largest_m: f32,
+    /// No reading counts for more than this, m: it is beyond the rails.
+    reach_m: f32,
     /// Windows of grace, and those of it that are left.
     full_grace: u8,
     grace: u8,
-    /// The group under way.
-    sum_m: f32,
+    /// SHAKEN m/M.
+    shaken: f32,
     grouped: u8,
-    /// The window under way: groups, their sum, and that of their distances from the middle.
+    /// Groups in the window under way.
     groups: u32,
-    means_m: f32,
-    distances_m: f32,
-    /// Mean of the window before.
-    middle_m: f32,
+    cart: Spread,
+    relative: Spread,
     moving: bool,
 }
 
@@ -50,14 +52,14 @@ impl OffWatch {
         Self {
             window: (window_s * TICK_RATE_HZ as f32 / f32::from(GROUP)) as u32,
             largest_m: MOVES * settings.rig.amplitude_m as f32,
+            reach_m: 2.0 * settings.trips.cart_m,
             full_grace: grace,
             grace,
-            sum_m: 0.0,
+            shaken: SHAKEN * (settings.rig.mass_kg / settings.rig.cart_mass_kg) as f32,
             grouped: 0,
             groups: 0,
-            means_m: 0.0,
-            distances_m: 0.0,
-            middle_m: 0.0,
+            cart: Spread::default(),
+            relative: Spread::default(),
             moving: false,
         }
     }
@@ -67,34 +69,36 @@ impl OffWatch {
     pub fn driving(&mut self) {
         self.grace = self.full_grace;
         self.moving = false;
-        self.sum_m = 0.0;
         self.grouped = 0;
-        self.begin();
+        self.groups = 0;
+        self.cart = Spread::default();
+        self.relative = Spread::default();
     }
 
-    /// The drive is off and the cart at `cart_m`. The amplitude of its motion, m, when that trips.
+    /// The drive is off, the cart at `cart_m` and the hammer `relative_m` from it. The amplitude of the cart's
+    /// motion, m, when that trips.
     #[inline]
-    pub fn tick(&mut self, cart_m: f32) -> Option<f32> {
-        self.sum_m += cart_m;
+    pub fn tick(&mut self, cart_m: f32, relative_m: f32) -> Option<f32> {
+        self.cart.sum_m += cart_m.max(-self.reach_m).min(self.reach_m);
+        self.relative.sum_m += relative_m;
         self.grouped += 1;
         if self.grouped < GROUP {
             return None;
         }
-        let mean_m = self.sum_m * (1.0 / GROUP as f32);
-        self.sum_m = 0.0;
         self.grouped = 0;
-        self.means_m += mean_m;
-        self.distances_m += libm::fabsf(mean_m - self.middle_m);
+        self.cart.group();
+        self.relative.group();
         self.groups += 1;
         if self.groups < self.window {
             return None;
         }
         let share = 1.0 / self.groups as f32;
-        let amplitude_m = AMPLITUDE * share * self.distances_m;
-        self.middle_m = share * self.means_m;
-        self.moving = amplitude_m > self.largest_m && self.grace == 0;
+        self.groups = 0;
+        let amplitude_m = self.cart.window(share);
+        let swing_m = self.relative.window(share);
+        let free_m = self.largest_m + self.shaken * swing_m;
+        self.moving = amplitude_m > free_m && self.grace == 0;
         self.grace = self.grace.saturating_sub(1);
-        self.begin();
         self.moving.then_some(amplitude_m)
     }
 
@@ -102,11 +106,35 @@ impl OffWatch {
     pub fn is_moving(&self) -> bool {
         self.moving
     }
+}
 
-    fn begin(&mut self) {
-        self.groups = 0;
+/// The spread of a signal about its middle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    /// Sum of the group under way.
+    sum_m: f32,
+    /// Sums over the groups of the window under way: of their means, and of their distances from the middle.
+    means_m: f32,
+    distances_m: f32,
+    /// Mean of the window before.
+    middle_m: f32,
+}
+
+impl Spread {
+    fn group(&mut self) {
+        let mean_m = self.sum_m * (1.0 / GROUP as f32);
+        self.sum_m = 0.0;
+        self.means_m += mean_m;
+        self.distances_m += libm::fabsf(mean_m - self.middle_m);
+    }
+
+    /// The window of 1/`share` groups ends: the amplitude of a sine of that spread.
+    fn window(&mut self, share: f32) -> f32 {
+        let amplitude_m = AMPLITUDE * share * self.distances_m;
+        self.middle_m = share * self.means_m;
         self.means_m = 0.0;
         self.distances_m = 0.0;
+        amplitude_m
     }
 }
 
@@ -125,7 +153,7 @@ mod tests {
             let noise = (seed >> 8) as f32 / 8_388_608.0 - 1.0;
             let size = share * libm::expf(-t / decay_s);
             let motion = size * libm::sinf(core::f32::consts::TAU * hz * t) + 0.05 * noise;
-            let moved = watch.tick(0.3e-3 + 0.89e-3 * motion);
+            let moved = watch.tick(0.3e-3 + 0.89e-3 * motion, 1e-3);
             moved.map(|_| t)
         })
     }
@@ -144,8 +172,21 @@ mod tests {
         let mut watch = OffWatch::new(&Settings::for_rig(&WIRES));
         for tick in 0..200_000_u32 {
             let spoilt = if tick % 4000 < 32 { 2.4e-3 } else { 0.0 };
-            assert_eq!(watch.tick(spoilt), None);
+            assert_eq!(watch.tick(spoilt, 0.0), None);
         }
+    }
+
+    #[test]
+    fn a_cart_shaken_by_a_swinging_hammer_is_no_drive_and_one_that_moves_more_is() {
+        let moves = |share: f32| {
+            let mut watch = OffWatch::new(&Settings::for_rig(&WIRES));
+            (0..200_000_u32).any(|tick| {
+                let sin = libm::sinf(core::f32::consts::TAU * 4.3e-5 * tick as f32 * 5.0);
+                // 3 mm of swing: 0.111 mm and 2.5 m/M of that are 0.526 mm.
+                watch.tick(share * 0.526e-3 * sin, 3e-3 * sin).is_some()
+            })
+        };
+        assert!(moves(1.1) && !moves(0.9));
     }
 
     #[test]

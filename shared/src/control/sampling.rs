@@ -21,7 +21,7 @@ impl Controller {
         let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.wanted_amplitude_m();
         let now = self.sensed_drive.now();
         let (sample, trip) = self.guard.check(frame, now, moving, driving);
-        self.watch_the_cart(sample.cart_m, driving);
+        self.watch_the_cart(&sample, driving);
         if let Some(trip) = trip {
             self.trip(trip);
             return;
@@ -39,16 +39,17 @@ impl Controller {
 
     /// The cart must not move with the drive off, and no further than wanted with the drive on.
     #[inline]
-    fn watch_the_cart(&mut self, cart_m: f32, driving: bool) {
+    fn watch_the_cart(&mut self, sample: &Sample, driving: bool) {
+        let cart_m = sample.cart_m;
         if driving {
             self.off_watch.driving();
             let out_m = libm::fabsf(cart_m - self.sense.cart_offset_m());
             self.seen.cart_peak_m = self.seen.cart_peak_m.max(out_m);
-        } else if let Some(spread_m) = self.off_watch.tick(cart_m) {
+        } else if let Some(amplitude_m) = self.off_watch.tick(cart_m, sample.hammer_m - cart_m) {
             self.trip(Trip {
                 fault: Fault::NotOff,
                 origin: Origin::Cart,
-                value: spread_m,
+                value: amplitude_m,
             });
         }
     }

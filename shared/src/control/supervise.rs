@@ -180,6 +180,8 @@ impl Controller {
         // By hand, a computer that steers says so after the start.
         self.life.remote = Remote::expected(self.settings.operator.heartbeat);
         self.seen.basin = BasinTracker::NEW;
+        // A goal of the last run is none of this one.
+        self.oscillator.aim(self.oscillator.frequency_hz());
         self.sense.reset();
         self.rig.identification.reset();
         self.change(Phase::SelfTest(Start::new(mode, &self.settings)));

@@ -215,7 +215,8 @@ impl Identification {
 
     /// Gain of the hammer's sensor over the cart's, with its sign, if the flights tell it, and from how many windows.
     pub fn hammer_over_cart(&self) -> Option<(f32, u32)> {
-        Some((self.ratio.gain()?, self.ratio.windows()))
+        let gain = self.ratio.gain(self.believed.amplitude_m)?;
+        Some((gain, self.ratio.windows()))
     }
 
     /// One tick's samples, and whether a contact is under way ([`crate::sense::Sense::in_contact`]).

@@ -18,8 +18,11 @@ const STAGGER: u32 = 8;
 const MEMORY: u32 = 48;
 /// Windows before the plane says anything.
 const FEWEST: u32 = 32;
-/// Least share of the variance of H and of C that the other does not explain.
-const LEAST_SPREAD: f32 = 0.02;
+/// Least spread of the part of H, and of C, that the other does not explain, in units of A0. A hammer that swings
+/// without touching at one frequency shows none.
+const LEAST_SPREAD: f32 = 0.05;
+/// Largest standard error of either slope, relative to that of H.
+const LARGEST_ERROR: f32 = 0.05;
 /// Share of the variance of Y that the plane may leave unexplained.
 const SCATTER: f32 = 0.1;
 
@@ -82,9 +85,10 @@ impl Ratio {
         }
     }
 
-    /// Gain of the hammer's sensor over the cart's, if the flights tell it.
-    pub fn gain(&self) -> Option<f32> {
-        self.plane.ratio()
+    /// Gain of the hammer's sensor over the cart's, if the flights of a rig with A0 = `amplitude_m` tell it.
+    pub fn gain(&self, amplitude_m: f32) -> Option<f32> {
+        let spread_m = LEAST_SPREAD * amplitude_m;
+        self.plane.ratio(spread_m * spread_m)
     }
 
     /// Points in the plane so far.
@@ -137,17 +141,21 @@ impl Plane {
         }
     }
 
-    fn ratio(&self) -> Option<f32> {
+    fn ratio(&self, least: f32) -> Option<f32> {
         let (hh, hc, cc) = (self.hh, self.hc, self.cc);
         let determinant = hh * cc - hc * hc;
-        let known = self.count >= FEWEST && determinant > LEAST_SPREAD * hh * cc && hh * cc > 0.0;
-        if !known {
+        let known = determinant > least * hh && determinant > least * cc && least > 0.0;
+        if self.count < FEWEST || !known {
             return None;
         }
         let by_hammer = (self.hy * cc - self.cy * hc) / determinant;
         let by_cart = (self.cy * hh - self.hy * hc) / determinant;
         let left = self.yy - by_hammer * self.hy - by_cart * self.cy;
-        let plain = left <= SCATTER * self.yy && by_hammer != 0.0;
+        // The standard errors of both slopes, squared, against the first: with sensors alike they are of one size.
+        let per_point = left / (determinant * (self.count.min(MEMORY) - 3) as f32);
+        let largest = LARGEST_ERROR * LARGEST_ERROR * by_hammer * by_hammer;
+        let sure = per_point * cc <= largest && per_point * hh <= largest;
+        let plain = left <= SCATTER * self.yy && sure && by_hammer != 0.0;
         let ratio = -by_cart / by_hammer;
         (plain && ratio.is_finite()).then_some(ratio)
     }
