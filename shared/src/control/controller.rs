@@ -57,6 +57,8 @@ pub(super) struct Seen {
     pub ticks_without_contact: u32,
     /// Whether the frequency stood at its goal at the last strobe.
     pub arrived: bool,
+    /// Drive phase of the last onset, turns.
+    pub onset_turns: f32,
     /// Command at the last strobe, m.
     pub command_m: f32,
     /// Furthest the cart was from its middle in this half of the drive period, m.
@@ -77,6 +79,7 @@ impl Seen {
         in_contact: false,
         ticks_without_contact: 0,
         arrived: false,
+        onset_turns: 0.0,
         command_m: 0.0,
         cart_peak_m: 0.0,
         half: 0,

@@ -184,3 +184,79 @@ impl Remote {
         timeout_s > 0.0 && self.in_command && self.silent_ticks > ticks_of(timeout_s)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::SettingsState;
+    use super::*;
+
+    #[test]
+    fn requests_are_numbered_and_a_change_is_one_only_once() {
+        let mut life = Lifetime::default();
+        assert_eq!([(); 3].map(|()| life.forecast_id()), [0, 1, 2]);
+        let before = life.phase.state();
+        assert!(life.is_in(before) && !life.is_in(State::Stop));
+        assert!(life.change(Phase::Stop));
+        assert!(life.is_in(State::Stop) && !life.is_in(before));
+        assert!(!life.change(Phase::Stop));
+    }
+
+    #[test]
+    fn the_start_is_a_fault_after_a_watchdog_a_brown_out_or_damaged_settings() {
+        use SettingsState::{Damaged, Missing, Model, OlderCopy, Stored};
+        let of = |reset, settings| {
+            Faults::of_boot(&BootInfo {
+                reset,
+                settings,
+                ..BootInfo::default()
+            })
+        };
+        assert_eq!(of(BootInfo::default().reset, Stored), None);
+        assert_eq!(of(BootInfo::default().reset, Model), None);
+        assert_eq!(of(ResetCause::Watchdog, Stored), Some(Fault::WatchdogReset));
+        assert_eq!(of(ResetCause::BrownOut, Stored), Some(Fault::BrownOut));
+        for reset in [ResetCause::Watchdog, BootInfo::default().reset] {
+            for settings in [Damaged, Missing, OlderCopy] {
+                assert_eq!(of(reset, settings), Some(Fault::CorruptSettings));
+            }
+        }
+    }
+
+    #[test]
+    fn a_fault_is_cleared_only_when_its_cause_has_gone() {
+        let corrupt = BootInfo {
+            settings: SettingsState::Damaged,
+            ..BootInfo::default()
+        };
+        let mut faults = Faults::at_boot(&corrupt);
+        faults.block_ends(true);
+        assert!(!faults.can_be_cleared(), "the settings are damaged");
+        faults.settings_replaced();
+        assert!(!faults.can_be_cleared(), "no samples seen under them");
+        faults.block_begins();
+        faults.block_ends(true);
+        assert!(faults.can_be_cleared());
+        faults.block_begins();
+        faults.stands(Fault::SensorOpen);
+        faults.block_ends(true);
+        assert!(!faults.can_be_cleared());
+        assert!(faults.record.is_none(), "nothing is recorded");
+    }
+
+    #[test]
+    fn a_computer_that_steers_is_lost_after_the_timeout_and_not_before() {
+        let mut remote = Remote::default();
+        let half_s = crate::settings::ticks_of(0.5);
+        remote.pass(3 * half_s);
+        assert!(!remote.is_lost(0.5), "it does not steer");
+        remote.alive();
+        remote.pass(half_s - 1);
+        remote.pass(1);
+        assert!(!remote.is_lost(0.5));
+        remote.pass(1);
+        assert!(remote.is_lost(0.5));
+        assert!(!remote.is_lost(0.0), "no timeout");
+        remote.alive();
+        assert!(!remote.is_lost(0.5));
+    }
+}

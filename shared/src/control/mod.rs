@@ -16,7 +16,6 @@
 
 mod basin;
 mod block_health;
-mod climb;
 mod controller;
 mod event;
 mod forecast_cache;
@@ -24,12 +23,14 @@ mod free;
 mod guard;
 mod lifetime;
 mod limits;
+mod lock;
 mod lockstep;
 mod off_watch;
 mod operator;
 mod oscillator;
 mod phase;
 mod plausibility;
+mod probe;
 mod rig_estimate;
 mod sampling;
 mod search;
@@ -63,9 +64,9 @@ pub enum State {
     SelfTest = 1,
     /// Drive on, amplitude rising at the frequency the search starts from.
     Ramp = 2,
-    /// Going to the forecast's target, then climbing on measured force.
+    /// Looking for 1/1, then going to the phase of the forecast's target.
     Seek = 3,
-    /// Holding the maximum.
+    /// Holding that phase.
     Hold = 4,
     /// Amplitude falling, then the drive goes off.
     Stop = 5,

@@ -13,7 +13,7 @@ const GAP_STEP_M: f64 = 3e-5;
 /// Largest relative standard error of a natural frequency that is used.
 const NATURAL_SIGMA: f32 = 0.003;
 /// Largest standard error of a gap that is used, m.
-const GAP_SIGMA_M: f32 = 1e-5;
+const GAP_SIGMA_M: f32 = 1.5e-5;
 
 /// The rig that forecasts are made of, and its online identification.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +108,7 @@ mod tests {
             &WIRES,
             &found(
                 Some((1.05 * natural_hz, 0.002 * natural_hz)),
-                Some((2e-4, 9e-6)),
+                Some((2e-4, 14e-6)),
             ),
         );
         let ratio = sure.natural_frequency_hz() / WIRES.natural_frequency_hz();
@@ -119,7 +119,7 @@ mod tests {
             &WIRES,
             &found(
                 Some((1.05 * natural_hz, 0.004 * natural_hz)),
-                Some((2e-4, 11e-6)),
+                Some((2e-4, 16e-6)),
             ),
         );
         assert_eq!(unsure, WIRES);
@@ -130,5 +130,50 @@ mod tests {
         let mut estimate = RigEstimate::new(&Settings::for_rig(&WIRES));
         assert!((0..100).all(|_| estimate.strobe().is_none()));
         assert_eq!(*estimate.rig(), WIRES);
+    }
+
+    #[test]
+    fn a_gap_or_natural_frequency_that_has_moved_far_enough_asks_for_a_new_forecast() {
+        let after = |gap_m: f32, natural: f64| {
+            let mut estimate = RigEstimate::new(&Settings::for_rig(&WIRES));
+            for _ in 0..100 {
+                estimate.identification.pulse(&crate::sense::Pulse {
+                    relative_m: gap_m,
+                    ..Default::default()
+                });
+            }
+            let omega = core::f64::consts::TAU * natural * WIRES.natural_frequency_hz();
+            let (mut x, mut v, h) = (2e-3, 0.0, crate::settings::TICK_S);
+            for k in 0..200_000 {
+                let y = 0.9e-3 * libm::sin(17.0 * h * f64::from(k));
+                v -= h * omega * omega * (x - y);
+                x += h * v;
+                let sample = crate::sense::Sample {
+                    hammer_m: x as f32,
+                    cart_m: y as f32,
+                    ..Default::default()
+                };
+                estimate.identification.flight(&sample, false);
+            }
+            let early = (1..COMPARE_PERIODS).find_map(|_| estimate.strobe().copied());
+            assert_eq!(early, None);
+            let moved = estimate.strobe().copied();
+            // What is believed then needs no other forecast.
+            let again = (0..2 * COMPARE_PERIODS).find_map(|_| estimate.strobe().copied());
+            assert_eq!(again, None);
+            moved.inspect(|rig| assert_eq!(rig, estimate.rig()))
+        };
+        assert_eq!(after(2.5e-5, 1.0), None);
+        assert_eq!(after(-2.5e-5, 1.0), None);
+        let gap = after(3.5e-5, 1.0).unwrap().gap_m;
+        assert!((gap - 3.5e-5).abs() < 1e-9, "{gap}");
+        assert!(after(-3.5e-5, 1.0).is_some());
+        assert_eq!(after(0.0, 1.009), None);
+        assert_eq!(after(0.0, 0.991), None);
+        for factor in [0.985, 1.015] {
+            let hz = after(0.0, factor).unwrap().natural_frequency_hz();
+            let wanted = factor * WIRES.natural_frequency_hz();
+            assert!((hz / wanted - 1.0).abs() < 1e-3, "{hz} {wanted}");
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::controller::Controller;
 use super::event::EventKind;
 use super::guard::Trip;
 use super::phase::Phase;
-use super::search::Step;
+use super::search::{Beat, Step};
 use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
 use crate::io::Frame;
@@ -87,6 +87,7 @@ impl Controller {
     }
 
     fn pulse(&mut self, pulse: &Pulse) {
+        self.seen.onset_turns = pulse.onset_turns;
         self.rig.identification.pulse(pulse);
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
@@ -182,12 +183,13 @@ impl Controller {
     /// One drive period of the search.
     fn seek(&mut self, strobe: &Strobe, arrived: bool) {
         let regime = self.sense.measured().regime;
+        let beat = Beat::new(strobe, self.seen.onset_turns, regime);
         let frequency_hz = self.oscillator.frequency_hz();
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
         let search = &mut seeking.search;
-        let step = search.strobe(strobe, regime, frequency_hz, arrived);
+        let step = search.strobe(&beat, frequency_hz, arrived);
         self.oscillator.aim(search.goal_hz());
         let at_bound = search.is_at_bound();
         let seeking = *seeking;

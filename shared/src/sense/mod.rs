@@ -350,3 +350,6 @@ fn largest(so_far: f32, value: f32) -> f32 {
     let size = if value < 0.0 { -value } else { value };
     if size > so_far { size } else { so_far }
 }
+
+#[cfg(test)]
+mod tests;
