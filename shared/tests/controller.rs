@@ -350,7 +350,7 @@ fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
 #[test]
 fn a_cart_that_moves_with_the_drive_off_is_a_fault_that_stands_until_it_rests() {
     // Units of A0: a tenth above the threshold of an eighth, and a tenth below.
-    for (share, expected) in [(0.138, vec![Fault::NotOff]), (0.112, vec![])] {
+    for (share, expected) in [(0.137, vec![Fault::NotOff]), (0.113, vec![])] {
         let mut bench = Bench::new();
         let moves = |bench: &mut Bench, seconds: u32| {
             for _ in 0..seconds * 2000 {
@@ -369,7 +369,7 @@ fn a_cart_that_moves_with_the_drive_off_is_a_fault_that_stands_until_it_rests() 
                 bench.controller.block(&frames, &mut bench.outputs[..10]);
             }
         };
-        moves(&mut bench, 3);
+        moves(&mut bench, 4);
         assert_eq!(episode(&bench.controller), expected, "{share}");
         if expected.is_empty() {
             continue;
@@ -378,9 +378,9 @@ fn a_cart_that_moves_with_the_drive_off_is_a_fault_that_stands_until_it_rests() 
         assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
         let settings = bench.settings;
         bench.controller.replace_settings(&settings).unwrap();
-        moves(&mut bench, 2);
+        moves(&mut bench, 3);
         assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
-        for _ in 0..3000 {
+        for _ in 0..6000 {
             bench.block(10, &Happening::Sound { noise: 2 });
         }
         assert_eq!(clear(&mut bench), Ok(()));

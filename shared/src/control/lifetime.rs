@@ -187,8 +187,8 @@ impl Remote {
 
 #[cfg(test)]
 mod tests {
-    use super::super::SettingsState;
     use super::*;
+    use crate::control::SettingsState;
 
     #[test]
     fn requests_are_numbered_and_a_change_is_one_only_once() {
@@ -199,11 +199,17 @@ mod tests {
         assert!(life.change(Phase::Stop));
         assert!(life.is_in(State::Stop) && !life.is_in(before));
         assert!(!life.change(Phase::Stop));
+        let event = life.events.take().unwrap();
+        let change = EventKind::State {
+            from: before,
+            to: State::Stop,
+        };
+        assert_eq!(event.kind, change);
+        assert!(life.events.take().is_none());
     }
 
     #[test]
     fn the_start_is_a_fault_after_a_watchdog_a_brown_out_or_damaged_settings() {
-        use SettingsState::{Damaged, Missing, Model, OlderCopy, Stored};
         let of = |reset, settings| {
             Faults::of_boot(&BootInfo {
                 reset,
@@ -211,13 +217,18 @@ mod tests {
                 ..BootInfo::default()
             })
         };
-        assert_eq!(of(BootInfo::default().reset, Stored), None);
-        assert_eq!(of(BootInfo::default().reset, Model), None);
-        assert_eq!(of(ResetCause::Watchdog, Stored), Some(Fault::WatchdogReset));
-        assert_eq!(of(ResetCause::BrownOut, Stored), Some(Fault::BrownOut));
-        for reset in [ResetCause::Watchdog, BootInfo::default().reset] {
-            for settings in [Damaged, Missing, OlderCopy] {
-                assert_eq!(of(reset, settings), Some(Fault::CorruptSettings));
+        for good in [SettingsState::Stored, SettingsState::Model] {
+            assert_eq!(of(ResetCause::PowerOn, good), None);
+            assert_eq!(of(ResetCause::Watchdog, good), Some(Fault::WatchdogReset));
+            assert_eq!(of(ResetCause::BrownOut, good), Some(Fault::BrownOut));
+        }
+        for bad in [
+            SettingsState::Damaged,
+            SettingsState::Missing,
+            SettingsState::OlderCopy,
+        ] {
+            for reset in [ResetCause::Watchdog, ResetCause::PowerOn] {
+                assert_eq!(of(reset, bad), Some(Fault::CorruptSettings));
             }
         }
     }

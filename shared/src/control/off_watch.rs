@@ -1,8 +1,9 @@
 //! Whether off is off: the cart's motion while the drive is not enabled.
 //!
-//! The mean of each [`GROUP`] samples is free of noise. Their spread over a natural period shows a motion at any
-//! frequency the drive can have. A cart that is let go comes to rest on its suspension within the grace time;
-//! the blows of a hammer that still swings move it by less than the threshold.
+//! The mean of each [`GROUP`] samples is nearly free of noise. Over a window of two natural periods, the mean distance of
+//! these from the mean of the window before shows a motion at any frequency the drive can have; spoilt samples
+//! now and then do not show. A cart that is let go comes to rest on its suspension within the grace time; the blows of
+//! a hammer that still swings move it by less than the threshold.
 
 use crate::settings::{DriveKind, Settings, TICK_RATE_HZ};
 
@@ -10,100 +11,102 @@ use crate::settings::{DriveKind, Settings, TICK_RATE_HZ};
 const GROUP: u8 = 64;
 /// Windows after the drive has been on in which the cart may come to rest: on a shaker's suspension, and with a motor
 /// that runs out.
-const GRACE: (u8, u8) = (1, 10);
-/// Spread of the cart's displacement that counts as motion, in units of A0: an amplitude of an eighth of A0.
-const MOVES: f32 = 0.25;
-/// Windows in a row with motion that trip.
-pub const MOVING_WINDOWS: u8 = 2;
+const GRACE: (u8, u8) = (1, 5);
+/// Amplitude of the cart that counts as motion, in units of A0.
+const MOVES: f32 = 0.125;
+/// Amplitude of a sine over its mean distance from the middle.
+const AMPLITUDE: f32 = core::f32::consts::FRAC_PI_2;
 
 /// Watches a drive that is off.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OffWatch {
-    /// Ticks of a window: one natural period, at least 0.5 s.
+    /// Groups in a window of two natural periods.
     window: u32,
-    spread_m: f32,
-    ticks: u32,
+    largest_m: f32,
     /// Windows of grace, and those of it that are left.
     full_grace: u8,
     grace: u8,
+    /// The group under way.
     sum_m: f32,
     grouped: u8,
-    lowest_m: f32,
-    highest_m: f32,
-    moving: u8,
+    /// The window under way: groups, their sum, and that of their distances from the middle.
+    groups: u32,
+    means_m: f32,
+    distances_m: f32,
+    /// Mean of the window before.
+    middle_m: f32,
+    moving: bool,
 }
 
 impl OffWatch {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
-        let natural_hz = (settings.rig.natural_frequency_hz() as f32).clamp(0.1, 2.0);
+        let natural_hz = (settings.rig.natural_frequency_hz() as f32).clamp(0.1, 4.0);
         let grace = match settings.drive.kind {
             DriveKind::Shaker => GRACE.0,
             DriveKind::Motor => GRACE.1,
         };
+        let window_s = 2.0 / natural_hz;
         Self {
-            window: (TICK_RATE_HZ as f32 / natural_hz) as u32,
-            spread_m: MOVES * settings.rig.amplitude_m as f32,
-            ticks: 0,
+            window: (window_s * TICK_RATE_HZ as f32 / f32::from(GROUP)) as u32,
+            largest_m: MOVES * settings.rig.amplitude_m as f32,
             full_grace: grace,
             grace,
             sum_m: 0.0,
             grouped: 0,
-            lowest_m: f32::MAX,
-            highest_m: f32::MIN,
-            moving: 0,
+            groups: 0,
+            means_m: 0.0,
+            distances_m: 0.0,
+            middle_m: 0.0,
+            moving: false,
         }
     }
 
     /// The drive is on.
     #[inline]
     pub fn driving(&mut self) {
-        self.ticks = 0;
         self.grace = self.full_grace;
-        self.moving = 0;
+        self.moving = false;
+        self.sum_m = 0.0;
+        self.grouped = 0;
         self.begin();
     }
 
-    /// The drive is off and the cart at `cart_m`. The spread of its motion, m, when that trips.
+    /// The drive is off and the cart at `cart_m`. The amplitude of its motion, m, when that trips.
     #[inline]
     pub fn tick(&mut self, cart_m: f32) -> Option<f32> {
         self.sum_m += cart_m;
         self.grouped += 1;
-        self.ticks += 1;
         if self.grouped < GROUP {
             return None;
         }
         let mean_m = self.sum_m * (1.0 / GROUP as f32);
         self.sum_m = 0.0;
         self.grouped = 0;
-        self.lowest_m = self.lowest_m.min(mean_m);
-        self.highest_m = self.highest_m.max(mean_m);
-        if self.ticks < self.window {
+        self.means_m += mean_m;
+        self.distances_m += libm::fabsf(mean_m - self.middle_m);
+        self.groups += 1;
+        if self.groups < self.window {
             return None;
         }
-        self.ticks = 0;
-        let spread_m = self.highest_m - self.lowest_m;
-        let moves = spread_m > self.spread_m && self.grace == 0;
+        let share = 1.0 / self.groups as f32;
+        let amplitude_m = AMPLITUDE * share * self.distances_m;
+        self.middle_m = share * self.means_m;
+        self.moving = amplitude_m > self.largest_m && self.grace == 0;
         self.grace = self.grace.saturating_sub(1);
-        self.moving = if moves {
-            self.moving.saturating_add(1)
-        } else {
-            0
-        };
         self.begin();
-        self.is_moving().then_some(spread_m)
+        self.moving.then_some(amplitude_m)
     }
 
     /// Whether the cart moves with the drive off.
     pub fn is_moving(&self) -> bool {
-        self.moving >= MOVING_WINDOWS
+        self.moving
     }
 
     fn begin(&mut self) {
-        self.sum_m = 0.0;
-        self.grouped = 0;
-        self.lowest_m = f32::MAX;
-        self.highest_m = f32::MIN;
+        self.groups = 0;
+        self.means_m = 0.0;
+        self.distances_m = 0.0;
     }
 }
 
@@ -130,9 +133,18 @@ mod tests {
     #[test]
     fn a_cart_that_moves_with_the_drive_off_is_found_and_one_below_the_threshold_is_not() {
         for hz in [1.4, 3.66, 7.3] {
-            let seconds = trips_after(0.135, hz, 1e9).unwrap();
-            assert!(seconds < 1.8, "{hz}: {seconds}");
-            assert_eq!(trips_after(0.115, hz, 1e9), None, "{hz}");
+            let seconds = trips_after(0.137, hz, 1e9).unwrap();
+            assert!(seconds < 2.3, "{hz}: {seconds}");
+            assert_eq!(trips_after(0.113, hz, 1e9), None, "{hz}");
+        }
+    }
+
+    #[test]
+    fn spoilt_samples_now_and_then_are_no_motion() {
+        let mut watch = OffWatch::new(&Settings::for_rig(&WIRES));
+        for tick in 0..200_000_u32 {
+            let spoilt = if tick % 4000 < 32 { 2.4e-3 } else { 0.0 };
+            assert_eq!(watch.tick(spoilt), None);
         }
     }
 

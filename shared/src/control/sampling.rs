@@ -131,7 +131,9 @@ impl Controller {
         }
         let hz = self.oscillator.frequency_hz();
         let rising = matches!(self.life.phase, Phase::Ramp(_));
-        if let Some(trip) = self.plausibility.strobe(strobe, command_m, hz, rising) {
+        let ratio = self.rig.identification.hammer_over_cart();
+        let followed = self.plausibility.strobe(strobe, command_m, hz, rising);
+        if let Some(trip) = followed.or_else(|| self.plausibility.ratio(ratio)) {
             self.trip(trip);
             return true;
         }

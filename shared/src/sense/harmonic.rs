@@ -189,6 +189,16 @@ mod tests {
         });
         let worst = worst.fold(0.0, f64::max);
         assert!(worst < 0.005, "{worst}");
+        use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+        for (sine, cosine, lag) in [
+            (1.0, -1.0, FRAC_PI_4),
+            (0.0, -1.0, FRAC_PI_2),
+            (0.0, 1.0, -FRAC_PI_2),
+            (-1.0, -0.0, PI),
+        ] {
+            let found = Fundamental { sine, cosine }.lag_rad();
+            assert!((found.abs() - lag.abs()).abs() < 0.005, "{found} {lag}");
+        }
     }
 
     #[test]

@@ -15,7 +15,10 @@ const ZERO: (f32, f32) = (3.0, 0.4e-3);
 /// The cart's offset, m.
 const CART_OFFSET_M: f64 = 0.2e-3;
 
-const HAMMER: RigParams = BEAM_170;
+const HAMMER: RigParams = RigParams {
+    gap_m: 0.1e-3,
+    ..BEAM_170
+};
 
 /// The hammer on beams at 1.5 times its natural frequency, where it ends in a 1/1, with perfect sensors and a cart that
 /// lags.
@@ -127,7 +130,7 @@ fn each_contact_is_measured_as_it_was() {
             contact.impulse,
             1e-3 * contact.impulse,
         );
-        near("place", pulse.relative_m, 0.0, 5e-6);
+        near("place", pulse.relative_m, HAMMER.gap_m, 5e-6);
         let speed = contact.approach_speed;
         near("approach", pulse.approach_m_per_s, speed, 1e-3 * speed);
         near(
@@ -178,7 +181,12 @@ fn each_strobe_is_measured_as_it_was() {
     assert!(sense.measured().regime.is(1, 1));
     assert_eq!(sense.measured().periods, 16);
     // Sensors without noise and a true model.
-    assert!(sense.health() < 0.1, "{}", sense.health());
+    assert!((1e-4..0.1).contains(&sense.health()), "{}", sense.health());
+    let state = bench.twin.state();
+    let (relative_m, rate) = sense.relative();
+    let truth = bench.twin.rig().relative_displacement(state.q.hi);
+    near("displacement", relative_m, truth, 5e-6);
+    near("rate", rate, state.v.hi, 2e-4);
 }
 
 #[test]
@@ -192,7 +200,7 @@ fn after_a_reset_everything_but_the_offsets_is_measured_anew() {
     assert!(!bench.sense.in_contact());
     let seen = bench.run(12);
     let (pulse, _) = seen.pulses.last().unwrap();
-    near("place", pulse.relative_m, 0.0, 5e-6);
+    near("place", pulse.relative_m, HAMMER.gap_m, 5e-6);
     assert!(bench.sense.measured().regime.is(1, 1));
     bench.sense.frequency_changed();
     assert_eq!(bench.sense.measured().periods, 0);
@@ -224,7 +232,8 @@ fn a_contact_is_given_out_when_the_next_one_begins() {
     let mut drive = Drive::new(2.73, TICK_S).unwrap();
     let mut given_out = Vec::new();
     for tick in 0..2_000_u32 {
-        let pressed = (100..110).contains(&tick) || (250..260).contains(&tick);
+        let lone = tick == 1_500;
+        let pressed = lone || (100..110).contains(&tick) || (250..260).contains(&tick);
         let sample = Sample {
             force_n: if pressed { 50.0 } else { 0.0 },
             ..Sample::default()
@@ -234,6 +243,7 @@ fn a_contact_is_given_out_when_the_next_one_begins() {
         given_out.extend(seen.pulse.map(|pulse| (pulse, tick)));
         drive.advance();
     }
+    assert_eq!(sense.glitches(), 1, "the lone sample is no contact");
     let [(first, at_first), (second, at_second)] = given_out[..] else {
         panic!("{given_out:?}");
     };
@@ -244,5 +254,38 @@ fn a_contact_is_given_out_when_the_next_one_begins() {
     for pulse in [first, second] {
         near("impulse", pulse.impulse_n_s, 50.0 * 10.0 * TICK_S, 1e-7);
         assert_eq!(pulse.peak_n, 50.0);
+    }
+}
+
+/// The regime of a hammer that is struck alike in every period, while its displacement swings at half the drive frequency by
+/// these shares of A0, as a cosine and as a sine.
+fn doubled_by(cosine: f64, sine: f64) -> Regime {
+    let hz = 10.0;
+    let mut sense = Sense::new(&Settings::for_rig(&BEAM_170));
+    let mut drive = Drive::new(hz, TICK_S).unwrap();
+    let ticks = (1.0 / (hz * TICK_S)) as u32;
+    for tick in 0..30 * ticks {
+        let (sin, cos) = libm::sincos(0.5 * TAU * hz * TICK_S * f64::from(tick));
+        let relative = BEAM_170.amplitude_m * (cosine * cos + sine * sin);
+        let cart = BEAM_170.amplitude_m * f64::from(drive.sin());
+        let struck = (600..610).contains(&(tick % ticks));
+        let sample = Sample {
+            force_n: if struck { 60.0 } else { 0.0 },
+            hammer_m: (relative + cart) as f32,
+            cart_m: cart as f32,
+        };
+        sense.tick(sample, tick, &drive);
+        drive.advance();
+    }
+    sense.measured().regime
+}
+
+#[test]
+fn a_doubling_shows_in_displacement_and_in_rate_at_the_section() {
+    let single = doubled_by(0.01, 0.01);
+    assert!(single.is(1, 1), "{single:?}");
+    for (cosine, sine) in [(0.5, 0.0), (0.0, 1.0)] {
+        let doubled = doubled_by(cosine, sine);
+        assert!(doubled.is(2, 2), "{cosine} {sine}: {doubled:?}");
     }
 }

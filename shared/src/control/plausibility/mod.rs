@@ -7,10 +7,11 @@
 //! | gross | the same of a single contact | outside [`momentum::GROSS_RANGE`] | [`momentum::GROSS_PULSES`] contacts in a row | force |
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
+//! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
 //! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
 //!
-//! What they cannot tell apart: a gain of the force sensor that is wrong by as much as that of the hammer's; a
-//! cart's sensor and a shaker that both were wrong before the start.
+//! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
+//! wrong gain from the start on, within what `follow` allows.
 
 mod follow;
 mod momentum;
@@ -29,6 +30,13 @@ use momentum::MOMENTUM_RANGE;
 pub use follow::BAD_PERIODS;
 pub use momentum::BAD_PULSES;
 
+/// Gain of the hammer's sensor over the cart's.
+pub const RATIO_RANGE: (f32, f32) = (0.8, 1.2);
+/// Drive periods in a row outside that trip.
+pub const RATIO_PERIODS: u8 = 16;
+/// Windows in flight before the ratio is judged: in the first, the amplitude still rises.
+pub const RATIO_WINDOWS: u32 = 80;
+
 /// Pulses in a row, with the hammer away from the surface, that trip.
 pub const FAR_PULSES: u8 = 3;
 /// Distance of the hammer from the surface at a contact, m.
@@ -39,6 +47,7 @@ pub const FAR_M: f32 = 1.5e-3;
 pub struct Plausibility {
     gap_m: f32,
     far_pulses: u8,
+    bad_ratios: u8,
     momentum: Momentum,
     follow: Follow,
 }
@@ -49,6 +58,7 @@ impl Plausibility {
         Self {
             gap_m: settings.rig.gap_m as f32,
             far_pulses: 0,
+            bad_ratios: 0,
             momentum: Momentum::new(&settings.rig),
             follow: Follow::new(settings.rig.amplitude_m as f32),
         }
@@ -57,6 +67,7 @@ impl Plausibility {
     /// The drive starts anew.
     pub fn restart(&mut self) {
         self.far_pulses = 0;
+        self.bad_ratios = 0;
         self.momentum.restart();
         self.follow.restart();
     }
@@ -90,6 +101,16 @@ impl Plausibility {
             .follow
             .strobe(strobe, command_m, frequency_hz, rising)?;
         trip(Origin::Cart, ratio)
+    }
+
+    /// A drive period has ended with this gain of the hammer's sensor over the cart's, from so many windows.
+    pub fn ratio(&mut self, found: Option<(f32, u32)>) -> Option<Trip> {
+        let (ratio, windows) = found?;
+        let (low, high) = RATIO_RANGE;
+        let outside = !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
+        let trips = run(&mut self.bad_ratios, outside, RATIO_PERIODS);
+        trips.then_some(())?;
+        trip(Origin::Hammer, ratio)
     }
 
     /// Whether the cart is under suspicion: nothing may be made good by its measured amplitude meanwhile.
@@ -154,6 +175,23 @@ mod tests {
         };
         assert_eq!(trips_after(|p| p.pulse(&at(-1.6e-3))), Some(3));
         assert_eq!(trips_after(|p| p.pulse(&at(-1.4e-3))), None);
+    }
+
+    #[test]
+    fn a_hammer_that_reads_more_or_less_than_the_cart_trips() {
+        for (ratio, windows, expected) in [
+            (0.79, 80, Some(16)),
+            (0.81, 80, None),
+            (1.19, 80, None),
+            (1.21, 80, Some(16)),
+            (-1.0, 80, Some(16)),
+            (f32::NAN, 80, Some(16)),
+            (-1.0, 79, None),
+        ] {
+            let tripped = trips_after(|p| p.ratio(Some((ratio, windows))));
+            assert_eq!(tripped, expected, "{ratio} {windows}");
+        }
+        assert_eq!(trips_after(|p| p.ratio(None)), None);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::*;
 use crate::model::contact::Law;
 use crate::model::contacts::Contact;
 use crate::model::drive::TURN;
-use crate::model::params::{BEAM_170, RigParams, SupportParams, TABLE_3_1, WIRES};
+use crate::model::params::{BEAM_170, LAWS, RigParams, SupportParams, TABLE_3_1, WIRES};
 use crate::model::switch::Band;
 use core::f64::consts::TAU;
 
@@ -183,7 +183,20 @@ fn a_hammer_at_rest_stays_there() {
 /// The free hammer meets the surface at 0.08 m/s, `ticks` ticks after the start: its contact as recorded, and when it
 /// began, in ticks.
 fn contact(stepper: impl Stepper<f64>, tick_s: f64, ticks: f64) -> (f64, Contact<f64>) {
-    let rig = Rig::<f64>::new(&free()).unwrap();
+    contact_of(TABLE_3_1, stepper, tick_s, ticks)
+}
+
+fn contact_of(
+    law: Law<f64>,
+    stepper: impl Stepper<f64>,
+    tick_s: f64,
+    ticks: f64,
+) -> (f64, Contact<f64>) {
+    let rig = Rig::<f64>::new(&RigParams {
+        contact: law,
+        ..free()
+    })
+    .unwrap();
     let mut drive = Drive::<f64>::new(100.0, tick_s).unwrap();
     let mut state = State::new(&rig, -0.08 * tick_s * ticks, 0.08);
     let mut ledger = Ledger::default();
@@ -288,4 +301,50 @@ fn the_smoothed_force_rises_by_arctangents_of_penetration_and_force() {
     let state = State::new(&rig, 2e-6, 0.01);
     let law = 2e-6 * 5.5e6 + 0.01 * 1.2e3;
     close(smoothed.force(&rig, &state), smoothed.blended(2e-6, law));
+}
+
+#[test]
+fn with_every_law_the_steppers_agree_and_the_corrected_one_finds_the_onset() {
+    for (name, law) in LAWS {
+        let mut onsets = [1.05, 1.5, 1.95].map(|ticks| {
+            let (onset, _) = contact_of(law, Corrected, 50e-6, ticks);
+            (onset - ticks).abs()
+        });
+        onsets.sort_by(f64::total_cmp);
+        assert!(onsets[2] < 1e-6, "{name}: {onsets:?}");
+        let tick_s = 0.05e-6;
+        let (_, wanted) = contact_of(law, Corrected, tick_s, 1.5);
+        let band = Band::new(1e-11, 1e-6);
+        let smoothed = Smoothed {
+            epsilon_alpha: 1e-10,
+            epsilon_beta: 1e-3,
+        };
+        for (_, found) in [
+            contact_of(law, Banded { band }, tick_s, 1.5),
+            contact_of(law, smoothed, tick_s, 1.5),
+        ] {
+            for (found, wanted) in [
+                (found.impulse, wanted.impulse),
+                (found.rebound_speed, wanted.rebound_speed),
+                (found.peak_force, wanted.peak_force),
+            ] {
+                assert!(
+                    (found / wanted - 1.0).abs() < 5e-3,
+                    "{name}: {found}, {wanted}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_force_of_the_band_s_model_is_that_of_its_subspace() {
+    let rig = Rig::<f64>::new(&free()).unwrap();
+    let banded = Banded {
+        band: Band::new(1e-6, 0.0),
+    };
+    let force = |q, v| banded.force(&rig, &State::new(&rig, q, v));
+    assert_eq!(force(2e-6, 0.01), 2e-6 * 5.5e6 + 0.01 * 1.2e3);
+    assert_eq!(force(0.0, 0.08), 96.0);
+    assert_eq!(force(-2e-6, 0.08), 0.0);
 }

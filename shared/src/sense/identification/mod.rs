@@ -37,6 +37,7 @@
 //! test.
 
 pub mod contact;
+mod ratio;
 mod statistics;
 
 use crate::model::contact::Law;
@@ -44,6 +45,7 @@ use crate::model::params::SupportParams;
 use crate::sense::{Pulse, Sample};
 use crate::settings::{Settings, TICK_S};
 use contact::{Above, spring_dashpot};
+use ratio::Ratio;
 use statistics::{Average, Line};
 
 /// Largest number of windows or contacts in an estimate: older ones fade.
@@ -149,6 +151,7 @@ pub struct Identification {
     /// Square of a gap's least spread, m²: 1 % of A0.
     gap_grain_m2: f32,
     refused: u32,
+    ratio: Ratio,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,12 +209,20 @@ impl Identification {
             moved: 0,
             gap_grain_m2: 1e-4 * amplitude_m * amplitude_m,
             refused: 0,
+            ratio: Ratio::default(),
         }
+    }
+
+    /// Gain of the hammer's sensor over the cart's, with its sign, if the flights tell it, and from how many windows.
+    pub fn hammer_over_cart(&self) -> Option<(f32, u32)> {
+        Some((self.ratio.gain()?, self.ratio.windows()))
     }
 
     /// One tick's samples, and whether a contact is under way ([`crate::sense::Sense::in_contact`]).
     #[inline]
     pub fn flight(&mut self, sample: &Sample, in_contact: bool) {
+        self.ratio
+            .flight(sample, in_contact, self.window_ticks, SETTLE);
         if in_contact {
             self.settle = SETTLE;
             self.window.ticks = 0;
@@ -347,6 +358,7 @@ impl Identification {
         self.duration = Average::default();
         self.gap = Average::default();
         self.moved = 0;
+        self.ratio.reset();
     }
 
     fn natural(&self) -> Option<Estimate> {

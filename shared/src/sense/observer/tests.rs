@@ -1,6 +1,7 @@
 //! The observer against hammers whose motion is known.
 
 use super::*;
+use crate::model::contact::Law;
 use crate::model::params::{BEAM_170, WIRES};
 use crate::settings::TICK_S;
 use core::f64::consts::TAU;
@@ -179,6 +180,20 @@ fn samples_during_a_contact_are_ignored_and_the_flight_is_timed_from_its_end() {
     assert_eq!((observer.rebound().1, observer.seen), (5, 0));
     observer.tick(0.0, 0.0);
     assert_eq!((observer.rebound().1, observer.seen), (6, 1));
+}
+
+#[test]
+fn it_looks_away_for_as_long_as_the_believed_contact_lasts() {
+    let ticks = |stiffness: f64| {
+        let mut rig = BEAM_170;
+        rig.contact = Law::SpringDashpot {
+            stiffness,
+            damping: 1.2e3,
+        };
+        Observer::new(&Settings::for_rig(&rig), TICK_S as f32).hold_ticks - MARGIN
+    };
+    // 11.4 ticks in Table 3.1; a sixteenth of the stiffness makes it four times as long.
+    assert_eq!([5.5e6, 5.5e6 / 16.0].map(ticks), [11, 45]);
 }
 
 #[test]

@@ -154,15 +154,20 @@ fn the_first_answer_after_a_change_of_frequency_needs_five_or_six_periods() {
 
 #[test]
 fn silence_is_reported_once_it_is_three_periods_longer_than_any_before() {
-    let mut section = Section::default();
-    let mut dice = Dice(3);
-    let pattern: [&[(f32, f32)]; 3] = [&[(0.3, 1.0)], &[], &[]];
-    let answers = run(&mut section, 0, noisy(&pattern, 30, &mut dice));
-    assert!(answers[29].regime.is(1, 3));
-    // Two periods are silent already. An answer comes a period after what it rests on.
-    let answers = run(&mut section, 30, noisy(&[&[]], 10, &mut dice));
-    let first = answers.iter().position(|a| a.regime == Regime::None);
-    assert_eq!(first, Some(3));
+    for n in [2, 3, 4] {
+        let mut section = Section::default();
+        let mut dice = Dice(3);
+        let mut pattern: [&[(f32, f32)]; 4] = [&[]; 4];
+        pattern[0] = &[(0.3, 1.0)];
+        let count = 10 * n;
+        let answers = run(&mut section, 0, noisy(&pattern[..n], count, &mut dice));
+        assert!(answers[count - 1].regime.is(1, n as u8));
+        // n − 1 periods are silent already. An answer comes a period after what it rests on.
+        let silence = noisy(&[&[]], 10, &mut dice);
+        let answers = run(&mut section, count as u32, silence);
+        let first = answers.iter().position(|a| a.regime == Regime::None);
+        assert_eq!(first, Some(3), "1/{n}");
+    }
 }
 
 #[test]
@@ -204,4 +209,67 @@ fn an_onset_and_its_impulse_belong_to_the_period_of_the_onset() {
         window.close(0);
         assert_eq!(window.near_cut(), near, "{turns}");
     }
+}
+
+#[test]
+fn only_whole_periods_are_entered_wherever_in_a_period_it_starts() {
+    // One contact per period, at 0.3 turns; the first period is cut short at its beginning.
+    for from in [0.01, 0.2, 0.26, 0.4, 0.51, 0.6, 0.74, 0.76, 0.9] {
+        let entered = |section: &mut Section| {
+            for cycle in 10..16 {
+                for tick in 0..TICKS {
+                    if cycle == 10 && f64::from(tick) < from * f64::from(TICKS) {
+                        continue;
+                    }
+                    section.tick(cycle, tick * (u32::MAX / TICKS));
+                    if tick == 3 * TICKS / 10 {
+                        section.onset(cycle, (0.3 * 4_294_967_296.0) as u32);
+                    }
+                }
+            }
+            [&section.at_zero, &section.at_half].map(|window| {
+                let entries = &window.entries[..window.count];
+                assert!(
+                    entries.iter().all(|e| e.contacts == 1),
+                    "{from}: {entries:?}"
+                );
+                window.count
+            })
+        };
+        // Period 15 is still open. Cut at 0, periods 11 to 14 are whole; cut at a half, one more if the start lies before it.
+        let before_half = usize::from(from < 0.5);
+        let mut started_anew = Section::default();
+        started_anew.restart();
+        assert_eq!(entered(&mut started_anew), [4, 4 + before_half], "{from}");
+        // After a start, the observer does not know the cart for one period more.
+        assert_eq!(
+            entered(&mut Section::default()),
+            [3, 3 + before_half],
+            "{from}"
+        );
+    }
+}
+
+#[test]
+fn the_work_on_a_period_is_spread_over_many_ticks() {
+    let mut section = Section::default();
+    section.at_zero.close(0);
+    section.at_half.close(0);
+    section.tick(0, 0);
+    let (mut parts, mut last, mut pauses) = (0, 0, std::vec::Vec::new());
+    for tick in 1..2_000_u32 {
+        let before = (section.at_zero.next, section.at_half.next);
+        section.tick(0, 0);
+        if (section.at_zero.next, section.at_half.next) != before {
+            parts += 1;
+            pauses.push(tick - last);
+            last = tick;
+        }
+    }
+    // An answer takes 17 parts, and there are two windows.
+    assert_eq!(parts, 2 * 17);
+    assert!(
+        pauses[1..].iter().all(|p| *p == u32::from(PAUSE) + 1),
+        "{pauses:?}"
+    );
 }
