@@ -132,7 +132,7 @@ impl Trial {
         let scenario = self.scenario(duration_s)?;
         let mut control = Local::new(&scenario.settings)?;
         let summary = run(&scenario, &mut control, &mut ())?;
-        let best = two_bodies(&scenario.true_rig, &scenario.shaker);
+        let best = two_bodies(&scenario.true_rig, &scenario.drive(), &scenario.mounting);
         let verdict = judge_by(
             &scenario,
             &summary,
@@ -145,7 +145,7 @@ impl Trial {
         // The controller holds the amplitude that the cart's sensor reads.
         let mut as_read = scenario.true_rig;
         as_read.amplitude_m /= 1.0 + 0.01 * self.cart_gain_percent;
-        let best_as_read = two_bodies(&as_read, &scenario.shaker);
+        let best_as_read = two_bodies(&as_read, &scenario.drive(), &scenario.mounting);
         let held_n = verdict
             .force_ratio_mean
             .map(|ratio| ratio * scenario.true_rig.weight_n());

@@ -114,7 +114,7 @@ mod tests {
         let mut line = Line::default();
         assert_eq!(line.fit(), None);
         // Off the line y = 5 − 2x by +1 and −1 in turn, at pairs of equal x.
-        let off = |k: u32| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let off = |k: u32| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         for k in 0..FEWEST {
             assert_eq!(line.fit(), None, "{k} points");
             let x = (k / 2) as f32;
