@@ -42,6 +42,8 @@ struct File {
     #[serde(default)]
     trips: Trips,
     #[serde(default)]
+    operator: Operator,
+    #[serde(default)]
     shaker: Shaker,
     #[serde(default)]
     sensors: Sensors,
@@ -84,6 +86,14 @@ numbers!(Trips {
     link_timeout_s,
 });
 
+/// Who must be there, as the controller's settings say it.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Operator {
+    heartbeat: bool,
+    acknowledge: bool,
+}
+
 /// The scenario in `text`, called `name` unless it says otherwise; `place` begins complaints.
 ///
 /// # Errors
@@ -104,7 +114,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         Some(_) => DriveKind::Motor,
         None => DriveKind::Shaker,
     };
-    let settings = settings(&believed, kind, &file.limits, &file.trips)
+    let settings = settings(&believed, kind, &file.limits, &file.trips, &file.operator)
         .map_err(|e| e.at(format!("{place}, [limits] and [trips]")))?;
     let motor = file.motor.as_ref().map(|keys| motor(keys, &true_rig));
     let motor = motor
@@ -211,9 +221,12 @@ fn settings(
     kind: DriveKind,
     limits: &Limits,
     trips: &Trips,
+    operator: &Operator,
 ) -> Result<Settings, UserError> {
     let mut settings = Settings::for_rig(believed);
     settings.drive.kind = kind;
+    settings.operator.heartbeat = operator.heartbeat;
+    settings.operator.acknowledge = operator.acknowledge;
     let put = |to: &mut f32, value: Option<f64>, unit: f64| {
         if let Some(value) = value {
             *to = (value * unit) as f32;
