@@ -44,6 +44,8 @@ struct File {
     #[serde(default)]
     aim: Aim,
     #[serde(default)]
+    operator: Operator,
+    #[serde(default)]
     shaker: Shaker,
     #[serde(default)]
     sensors: Sensors,
@@ -111,6 +113,14 @@ impl Aim {
     }
 }
 
+/// Who must be there, as the controller's settings say it.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Operator {
+    heartbeat: bool,
+    acknowledge: bool,
+}
+
 /// The scenario in `text`, called `name` unless it says otherwise; `place` begins complaints.
 ///
 /// # Errors
@@ -132,8 +142,15 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         None => DriveKind::Shaker,
     };
     let aim = file.aim.of(&believed).map_err(|e| e.at(place))?;
-    let settings = settings(&believed, kind, aim, &file.limits, &file.trips)
-        .map_err(|e| e.at(format!("{place}, [limits], [trips] and [aim]")))?;
+    let settings = settings(
+        &believed,
+        kind,
+        aim,
+        &file.limits,
+        &file.trips,
+        &file.operator,
+    )
+    .map_err(|e| e.at(format!("{place}, [limits], [trips] and [aim]")))?;
     let motor = file.motor.as_ref().map(|keys| motor(keys, &true_rig));
     let motor = motor
         .transpose()
@@ -240,10 +257,13 @@ fn settings(
     aim: shared::settings::Aim,
     limits: &Limits,
     trips: &Trips,
+    operator: &Operator,
 ) -> Result<Settings, UserError> {
     let mut settings = Settings::for_rig(believed);
     settings.drive.kind = kind;
     settings.aim = aim;
+    settings.operator.heartbeat = operator.heartbeat;
+    settings.operator.acknowledge = operator.acknowledge;
     let put = |to: &mut f32, value: Option<f64>, unit: f64| {
         if let Some(value) = value {
             *to = (value * unit) as f32;
