@@ -34,8 +34,8 @@ pub use momentum::BAD_PULSES;
 pub const RATIO_RANGE: (f32, f32) = (0.8, 1.2);
 /// Drive periods in a row outside that trip.
 pub const RATIO_PERIODS: u8 = 16;
-/// Windows in flight before the ratio is judged: in the first, the amplitude still rises.
-pub const RATIO_WINDOWS: u32 = 80;
+/// Windows in flight at full amplitude before the ratio is judged.
+pub const RATIO_WINDOWS: u32 = 48;
 
 /// Pulses in a row, with the hammer away from the surface, that trip.
 pub const FAR_PULSES: u8 = 3;
@@ -180,13 +180,13 @@ mod tests {
     #[test]
     fn a_hammer_that_reads_more_or_less_than_the_cart_trips() {
         for (ratio, windows, expected) in [
-            (0.79, 80, Some(16)),
-            (0.81, 80, None),
-            (1.19, 80, None),
-            (1.21, 80, Some(16)),
-            (-1.0, 80, Some(16)),
-            (f32::NAN, 80, Some(16)),
-            (-1.0, 79, None),
+            (0.79, 48, Some(16)),
+            (0.81, 48, None),
+            (1.19, 48, None),
+            (1.21, 48, Some(16)),
+            (-1.0, 48, Some(16)),
+            (f32::NAN, 48, Some(16)),
+            (-1.0, 47, None),
         ] {
             let tripped = trips_after(|p| p.ratio(Some((ratio, windows))));
             assert_eq!(tripped, expected, "{ratio} {windows}");
