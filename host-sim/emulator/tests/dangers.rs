@@ -234,14 +234,14 @@ fn a_zero_of_the_force_that_drifts_is_found_before_it_matters() {
         );
         let found = truth(60.0, &(start() + &drift));
         assert_eq!(faults(&found), [Fault::SensorOutOfFamily]);
-        // 12 N trip.
+        // 12 N trip; before that, the impulse that the zero adds to a contact may.
         assert!(
-            (30.0..36.0).contains(&found.faults[0].1),
+            (22.0..36.0).contains(&found.faults[0].1),
             "{:?}",
             found.faults
         );
     }
-    let twin = lie(20.0, "force", "fault = \"offset\"\noffset_n = -11.3");
+    let twin = lie(20.0, "force", "fault = \"offset\"\noffset_n = -3.0");
     assert_eq!(faults(&truth(40.0, &(start() + &twin))), []);
 }
 
