@@ -42,6 +42,7 @@ impl Controller {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,
                 };
+                self.rig.identification.at_amplitude();
                 self.change(next);
             }
             Phase::Seek(_) | Phase::Hold(_) => self.check_search(ticks),

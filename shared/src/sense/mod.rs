@@ -325,6 +325,12 @@ impl Sense {
         (cart.amplitude_m(), cart.lag_rad())
     }
 
+    /// What the force sensor read at zero in the self test, N.
+    #[inline]
+    pub fn force_offset_n(&self) -> f32 {
+        self.force_offset_n
+    }
+
     /// Middle of the cart's motion, m.
     #[inline]
     pub fn cart_offset_m(&self) -> f32 {
