@@ -15,9 +15,11 @@ const MOST_POINTS: usize = 20_000;
 /// How often the largest force is shown while there is no drive, Hz.
 const OFF_HZ: f64 = 4.0;
 
-/// Most bands and most marks of a panel; a run with more shows as many of each, evenly over it.
+/// Most bands of states, and most marks, of a panel. A run with more shows as many, evenly over it; faults are all shown.
 const MOST_BANDS: usize = 600;
-const MOST_MARKS: usize = 600;
+const MOST_MARKS: usize = 60;
+/// Most marks of faults.
+const MOST_FAULTS: usize = 200;
 
 /// Most marks with a name; more names would overlap.
 const NAMED_MARKS: usize = 8;
@@ -238,8 +240,15 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
         });
     }
     let every = trace.marks.len().div_ceil(MOST_MARKS).max(1);
-    let shown = |i: &usize| i.is_multiple_of(every) || *i <= NAMED_MARKS;
-    for (i, (at, text, fault)) in trace.marks.iter().enumerate().filter(|(i, _)| shown(i)) {
+    let mut faults = 0;
+    let mut shown = |i: usize, fault: bool| {
+        faults += usize::from(fault);
+        i.is_multiple_of(every) || i <= NAMED_MARKS || fault && faults <= MOST_FAULTS
+    };
+    for (i, (at, text, fault)) in trace.marks.iter().enumerate() {
+        if !shown(i, *fault) {
+            continue;
+        }
         let label = match i {
             _ if !named || i > NAMED_MARKS => String::new(),
             NAMED_MARKS => format!("{} more", trace.marks.len() - i),
