@@ -1,4 +1,4 @@
-//! The one button: start, stop, clear a fault.
+//! The one button: start, stop, acknowledge an emergency stop, clear a fault.
 
 use shared::control::{Command, Mode, State};
 
@@ -33,10 +33,12 @@ impl Button {
     }
 }
 
-/// The command of a press: start from Idle, clear a fault, stop anything else.
-pub fn meaning(state: State) -> Command {
+/// The command of a press: start from Idle, acknowledge an emergency stop that must be (`awaited`), clear a fault, stop
+/// anything else. So after such a stop a fault is cleared by the second press, or over the link.
+pub fn meaning(state: State, awaited: bool) -> Command {
     match state {
         State::Idle => Command::Start(Mode::Automatic),
+        State::Fault if awaited => Command::Acknowledge,
         State::Fault => Command::ClearFault,
         _ => Command::Stop,
     }
@@ -54,6 +56,13 @@ mod tests {
         assert_eq!(presses.count(), 1);
         let again = [1, 1, 1].iter().filter(|level| button.step(**level == 1));
         assert_eq!(again.count(), 1);
+    }
+
+    #[test]
+    fn an_emergency_stop_is_acknowledged_before_its_fault_is_cleared() {
+        assert_eq!(meaning(State::Fault, true), Command::Acknowledge);
+        assert_eq!(meaning(State::Fault, false), Command::ClearFault);
+        assert_eq!(meaning(State::Hold, true), Command::Stop);
     }
 
     #[test]

@@ -18,6 +18,7 @@ pub mod led;
 pub mod link_device;
 pub mod liveness;
 pub mod model;
+pub mod record_keeper;
 pub mod recorder;
 pub mod reset;
 

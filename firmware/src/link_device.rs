@@ -6,7 +6,7 @@ use shared::control::{Command, Refused, Status};
 use shared::fault::Record;
 use shared::forecast::Forecast;
 use shared::link::{
-    Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+    Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
 };
 use shared::settings::{Settings, TICK_RATE_HZ};
 
@@ -29,6 +29,8 @@ pub struct BoardLink<'a, D, F, K> {
     pub settings_store: &'a mut K,
     /// The board's name.
     pub board: &'static str,
+    /// A number that no other start is likely to have.
+    pub boot: u32,
 }
 
 impl<D, F, K> Device for BoardLink<'_, D, F, K>
@@ -97,5 +99,14 @@ where
 
     fn take_block(&mut self) -> Option<RecordedBlock> {
         self.recorder.lock(Recorder::take_block)
+    }
+
+    fn boot(&mut self) -> Boot {
+        let number = self.boot;
+        self.recorder.lock(|recorder| Boot {
+            number,
+            settings: recorder.controller().settings_state(),
+            awaits_acknowledgement: recorder.controller().awaits_acknowledgement(),
+        })
     }
 }

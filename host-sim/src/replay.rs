@@ -145,7 +145,7 @@ fn differs(block: &Logged, outputs: Option<&[Output]>, twin: &Lockstep) -> Optio
 mod tests {
     use std::path::Path;
 
-    use shared::control::{Command, Mode, ResetCause};
+    use shared::control::{Command, Mode, ResetCause, SettingsState};
     use shared::io::{AdcCode, Frame};
     use shared::model::params::PRESETS;
 
@@ -198,7 +198,7 @@ mod tests {
                     BootInfo {
                         reset: ResetCause::Watchdog,
                         record: None,
-                        settings_corrupt: false,
+                        settings: SettingsState::Stored,
                     },
                 )],
                 2550 => vec![Input::Command(Command::ClearFault)],

@@ -43,11 +43,13 @@ pub enum Fault {
     BrownOut = 15,
     /// The program panicked or the processor faulted.
     Crash = 16,
+    /// The cart moves although the drive is off.
+    NotOff = 17,
 }
 
 impl Fault {
     /// Every fault, in the order of its number.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::EmergencyStop,
         Self::OverForce,
         Self::OverTravel,
@@ -64,6 +66,7 @@ impl Fault {
         Self::WatchdogReset,
         Self::BrownOut,
         Self::Crash,
+        Self::NotOff,
     ];
 
     /// The stable number.
@@ -96,6 +99,7 @@ impl Fault {
             Self::WatchdogReset => "watchdog-reset",
             Self::BrownOut => "brown-out",
             Self::Crash => "crash",
+            Self::NotOff => "not-off",
         }
     }
 }
@@ -105,6 +109,65 @@ impl Fault {
     /// and after a brown-out the controller waits in Idle anyway.
     pub const fn latches(self) -> bool {
         !matches!(self, Self::LinkTimeout | Self::BrownOut)
+    }
+}
+
+/// Faults as a set: bit n stands for the fault with number n.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct FaultSet(u32);
+
+impl FaultSet {
+    /// No fault.
+    pub const NONE: Self = Self(0);
+
+    /// One fault.
+    pub const fn of(fault: Fault) -> Self {
+        Self(1 << fault.code())
+    }
+
+    /// The faults of either set.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The set without `fault`.
+    #[must_use]
+    pub const fn without(self, fault: Fault) -> Self {
+        Self(self.0 & !Self::of(fault).0)
+    }
+
+    /// Whether `fault` is in the set.
+    pub const fn contains(self, fault: Fault) -> bool {
+        self.0 & Self::of(fault).0 != 0
+    }
+
+    /// Whether no fault is in the set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The faults in the set, by number.
+    pub fn faults(self) -> impl Iterator<Item = Fault> {
+        let all = Fault::ALL.into_iter();
+        all.filter(move |fault| self.contains(*fault))
+    }
+
+    /// Whether the drive stays off until the set is cleared by hand: one fault that latches is enough.
+    pub fn latches(self) -> bool {
+        self.faults().any(Fault::latches)
+    }
+
+    /// The set as a word.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The set of a word; bits that stand for no fault are left out.
+    pub fn from_bits(bits: u32) -> Self {
+        let known = Fault::ALL.into_iter().map(Self::of);
+        Self(bits & known.fold(0, |all, one| all | one.0))
     }
 }
 
@@ -123,7 +186,9 @@ pub enum Origin {
     Cart = 3,
 }
 
-/// The record of a fault: written when it trips, retained over a reset, reported after it.
+/// The record of an episode of faults: from the first fault to the moment it is cleared. Written when a fault
+/// trips, retained over a reset, reported after it. It describes the first fault of the episode, or the first that
+/// latches if there is one; the others are in [`Record::episode`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// The fault.
@@ -136,7 +201,58 @@ pub struct Record {
     pub value: f32,
     /// Drive frequency then, Hz.
     pub frequency_hz: f32,
+    /// Every fault of the episode, this one included.
+    pub episode: FaultSet,
 }
+
+impl Record {
+    /// The first record of an episode.
+    pub const fn new(
+        fault: Fault,
+        origin: Origin,
+        tick: u32,
+        value: f32,
+        frequency_hz: f32,
+    ) -> Self {
+        Self {
+            fault,
+            origin,
+            tick,
+            value,
+            frequency_hz,
+            episode: FaultSet::of(fault),
+        }
+    }
+
+    /// A crash. Nothing else is known when it is written.
+    pub const CRASH: Self = Self::new(Fault::Crash, Origin::System, 0, 0.0, 0.0);
+
+    /// Whether the drive stays off until the episode is cleared by hand.
+    pub fn latches(&self) -> bool {
+        self.episode.latches()
+    }
+
+    /// The record of the episode of `before`, if there is one, that this fault belongs to as well. It keeps every
+    /// fault of both.
+    #[must_use]
+    pub fn after(self, before: Option<Self>) -> Self {
+        let Some(before) = before else {
+            return self;
+        };
+        let first = if self.fault.latches() && !before.fault.latches() {
+            self
+        } else {
+            before
+        };
+        Self {
+            episode: self.episode.and(before.episode),
+            ..first
+        }
+    }
+}
+
+/// Version of the layout of [`Persisted::words`]. A record of another layout is none.
+const LAYOUT: u32 = 2;
 
 /// A record as it lies in memory that survives a reset (no-init RAM or backup registers): words with a
 /// check, so that the random contents after power-up are not taken for a record.
@@ -144,7 +260,7 @@ pub struct Record {
 #[repr(C)]
 pub struct Persisted {
     /// The record, packed.
-    pub words: [u32; 4],
+    pub words: [u32; 5],
     /// [`Persisted::check_of`] the words.
     pub check: u32,
 }
@@ -152,17 +268,18 @@ pub struct Persisted {
 impl Persisted {
     /// No record.
     pub const EMPTY: Self = Self {
-        words: [0; 4],
+        words: [0; 5],
         check: 0,
     };
 
     /// Packs a record.
     pub fn new(record: &Record) -> Self {
         let words = [
-            u32::from(record.fault.code()) | (record.origin as u32) << 8,
+            u32::from(record.fault.code()) | (record.origin as u32) << 8 | LAYOUT << 16,
             record.tick,
             record.value.to_bits(),
             record.frequency_hz.to_bits(),
+            record.episode.bits(),
         ];
         Self {
             words,
@@ -175,7 +292,10 @@ impl Persisted {
         if self.check != Self::check_of(&self.words) {
             return None;
         }
-        let [head, tick, value, frequency_hz] = self.words;
+        let [head, tick, value, frequency_hz, episode] = self.words;
+        if head >> 16 != LAYOUT {
+            return None;
+        }
         let origin = match (head >> 8) & 0xff {
             0 => Origin::System,
             1 => Origin::Force,
@@ -183,17 +303,19 @@ impl Persisted {
             3 => Origin::Cart,
             _ => return None,
         };
+        let fault = Fault::from_code((head & 0xff) as u8)?;
         Some(Record {
-            fault: Fault::from_code((head & 0xff) as u8)?,
+            fault,
             origin,
             tick,
             value: f32::from_bits(value),
             frequency_hz: f32::from_bits(frequency_hz),
+            episode: FaultSet::from_bits(episode).and(FaultSet::of(fault)),
         })
     }
 
     /// A check over the words that neither all zeros nor all ones satisfy.
-    pub fn check_of(words: &[u32; 4]) -> u32 {
+    pub fn check_of(words: &[u32; 5]) -> u32 {
         let mut digest = CRC_32.digest();
         for word in words {
             digest.update(&word.to_le_bytes());
@@ -218,24 +340,53 @@ mod tests {
     }
 
     #[test]
+    fn an_episode_latches_if_one_of_its_faults_does_and_shows_that_one() {
+        let record = |fault| Record::new(fault, Origin::System, 1, 2.0, 3.0);
+        let pure = record(Fault::LinkTimeout);
+        assert!(!pure.latches());
+        let both = record(Fault::EmergencyStop).after(Some(pure));
+        assert!(both.latches());
+        assert_eq!(both.fault, Fault::EmergencyStop);
+        assert!(both.episode.contains(Fault::LinkTimeout));
+        assert_eq!(pure.after(Some(both)).fault, Fault::EmergencyStop);
+        assert_eq!(
+            FaultSet::from_bits(u32::MAX).faults().count(),
+            Fault::ALL.len()
+        );
+    }
+
+    #[test]
+    fn a_record_of_an_older_layout_is_none() {
+        let record = Record::new(Fault::OverForce, Origin::Force, 1, 2.0, 3.0);
+        let mut old = Persisted::new(&record);
+        old.words[0] &= 0xffff;
+        old.check = Persisted::check_of(&old.words);
+        assert_eq!(old.record(), None);
+    }
+
+    #[test]
     fn a_record_survives_and_a_damaged_one_is_none() {
-        let record = Record {
-            fault: Fault::OverForce,
-            origin: Origin::Force,
-            tick: 123_456,
-            value: 401.5,
-            frequency_hz: 3.66,
-        };
+        let second = Record::new(Fault::BrownOut, Origin::System, 0, 0.0, 0.0);
+        let record = second.after(Some(Record::new(
+            Fault::OverForce,
+            Origin::Force,
+            123_456,
+            401.5,
+            3.66,
+        )));
+        assert_eq!(record.fault, Fault::OverForce);
+        let both = FaultSet::of(Fault::OverForce).and(FaultSet::of(Fault::BrownOut));
+        assert_eq!(record.episode, both);
         let kept = Persisted::new(&record);
         assert_eq!(kept.record(), Some(record));
-        for word in 0..4 {
+        for word in 0..5 {
             let mut damaged = kept;
             damaged.words[word] ^= 1 << 7;
             assert_eq!(damaged.record(), None);
         }
         for fill in [0, u32::MAX] {
             let blank = Persisted {
-                words: [fill; 4],
+                words: [fill; 5],
                 check: fill,
             };
             assert_eq!(blank.record(), None);

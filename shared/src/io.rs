@@ -43,7 +43,7 @@ pub const HIGH_RAIL: AdcCode = AdcCode(3971);
 pub struct Channel {
     /// Code at 0 N or 0 m.
     pub zero_code: f32,
-    /// N or m per code; may be negative (a sensor mounted the other way round).
+    /// N or m per code; for a displacement it may be negative (a sensor mounted the other way round).
     pub unit_per_code: f32,
 }
 
@@ -63,6 +63,13 @@ impl Channel {
     #[inline]
     pub fn value(&self, code: AdcCode) -> f32 {
         (f32::from(code.0) - self.zero_code) * self.unit_per_code
+    }
+
+    /// The lowest and the highest value that can be measured, N or m: those next to the rails.
+    pub fn reach(&self) -> (f32, f32) {
+        let low = self.value(AdcCode(LOW_RAIL.0 + 1));
+        let high = self.value(AdcCode(HIGH_RAIL.0 - 1));
+        (low.min(high), low.max(high))
     }
 
     /// The value of a code, or that it is a rail or an open wire.

@@ -86,6 +86,27 @@ pub struct Detection {
     pub refractory_s: f32,
 }
 
+/// Who must be there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OperatorSettings {
+    /// In automatic mode, too, a program on the link must keep giving signs of life; without them the drive goes off
+    /// after [`Trips::link_timeout_s`].
+    pub heartbeat: bool,
+    /// After an emergency stop, somebody must press the board's button before the fault can be cleared.
+    pub acknowledge: bool,
+}
+
+/// What the controller aims at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Aim {
+    /// Mean peak force wanted, N: the amplitude is drawn up or down until it is there. 0: as it comes at the rig's
+    /// amplitude.
+    pub force_n: f32,
+    /// The most impact power (energy per contact times contacts per second) instead of the strongest contact: the frequency
+    /// is some 1 % higher.
+    pub power: bool,
+}
+
 /// The controller's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
@@ -105,6 +126,10 @@ pub struct Settings {
     pub trips: Trips,
     /// Contact detection.
     pub detection: Detection,
+    /// Who must be there.
+    pub operator: OperatorSettings,
+    /// What it aims at.
+    pub aim: Aim,
 }
 
 /// Peak force of a strong 1/1 at a gap of 0.0 mm in units of A0 ω √(ki m): 96 N on the wires of Tables
@@ -139,7 +164,7 @@ impl Settings {
             drive: DriveSettings {
                 kind: DriveKind::Shaker,
                 m_per_code: 2.5e-3 / 2047.0,
-                frequency_slew_hz_per_s: 0.05 * natural_hz,
+                frequency_slew_hz_per_s: 0.1 * natural_hz,
                 amplitude_slew_m_per_s: amplitude_m,
             },
             limits: Limits {
@@ -162,6 +187,8 @@ impl Settings {
                 off_n: 0.08 * strong_n,
                 refractory_s: 1.5e-3,
             },
+            operator: OperatorSettings::default(),
+            aim: Aim::default(),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The controller against whatever may come: spoilt samples, senseless commands, any order of them.
 
 use proptest::prelude::*;
-use shared::control::{BootInfo, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, State};
+use shared::control::{
+    BootInfo, Command, Controller, MAX_BLOCK, Mode, Refused, ResetCause, SettingsState, State,
+};
 use shared::fault::{Fault, Record};
 use shared::forecast::{Forecast, Orbit, Row, Target};
 use shared::io::{AdcCode, Frame, Output};
@@ -74,6 +76,8 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Stop),
         3 => Just(Command::ClearFault),
         1 => Just(Command::Alive),
+        1 => Just(Command::Acknowledge),
+        1 => Just(Command::ConfirmSettings),
         3 => (any_f32.clone(), any_f32.prop_map(|x| x * 1e-3)).prop_map(
             |(frequency_hz, amplitude_m)| Command::SetPoint { frequency_hz, amplitude_m }
         ),
@@ -260,16 +264,16 @@ proptest! {
     }
 }
 
+/// The faults of the present episode.
+fn episode(controller: &Controller) -> Vec<Fault> {
+    let record = controller.status().fault;
+    record.map_or(vec![], |record| record.episode.faults().collect())
+}
+
 #[test]
 fn why_the_board_started_is_taken_account_of() {
     let settings = Settings::for_rig(&WIRES);
-    let record = Record {
-        fault: Fault::OverForce,
-        origin: Default::default(),
-        tick: 7,
-        value: 400.0,
-        frequency_hz: 3.6,
-    };
+    let record = Record::new(Fault::OverForce, Default::default(), 7, 400.0, 3.6);
     let born = |boot: BootInfo| {
         let controller = Controller::new(&settings, &boot).unwrap();
         (
@@ -280,7 +284,7 @@ fn why_the_board_started_is_taken_account_of() {
     let kept = |reset, record| BootInfo {
         reset,
         record,
-        settings_corrupt: false,
+        settings: SettingsState::Stored,
     };
     assert_eq!(born(BootInfo::default()), (State::Idle, None));
     let after = |cause| born(kept(cause, Some(record)));
@@ -288,16 +292,31 @@ fn why_the_board_started_is_taken_account_of() {
         after(ResetCause::Pin),
         (State::Fault, Some(Fault::OverForce))
     );
-    assert_eq!(
-        after(ResetCause::Watchdog),
-        (State::Fault, Some(Fault::WatchdogReset))
-    );
-    assert_eq!(
-        after(ResetCause::BrownOut),
-        (State::Idle, Some(Fault::BrownOut))
-    );
+    // What the start itself is joins the episode and weakens nothing.
+    for (cause, fault) in [
+        (ResetCause::Watchdog, Fault::WatchdogReset),
+        (ResetCause::BrownOut, Fault::BrownOut),
+    ] {
+        assert_eq!(after(cause), (State::Fault, Some(Fault::OverForce)));
+        let boot = kept(cause, Some(record));
+        let mut controller = Controller::new(&settings, &boot).unwrap();
+        assert_eq!(episode(&controller), [Fault::OverForce, fault]);
+        assert!(controller.command(Command::Start(Mode::Manual)).is_err());
+        let again = kept(ResetCause::Pin, controller.persisted().record());
+        let again = Controller::new(&settings, &again).unwrap();
+        assert_eq!(episode(&again), [Fault::OverForce, fault]);
+        assert_eq!(again.state(), State::Fault);
+    }
+    // Without an episode that latches, the start is all there is.
+    let silent = Record::new(Fault::LinkTimeout, Default::default(), 7, 2.0, 3.6);
+    for record in [None, Some(silent)] {
+        let brown_out = kept(ResetCause::BrownOut, record);
+        assert_eq!(born(brown_out), (State::Idle, Some(Fault::BrownOut)));
+        let watchdog = kept(ResetCause::Watchdog, record);
+        assert_eq!(born(watchdog), (State::Fault, Some(Fault::WatchdogReset)));
+    }
     let corrupt = BootInfo {
-        settings_corrupt: true,
+        settings: SettingsState::Damaged,
         ..BootInfo::default()
     };
     assert_eq!(born(corrupt), (State::Fault, Some(Fault::CorruptSettings)));
@@ -307,15 +326,141 @@ fn why_the_board_started_is_taken_account_of() {
 fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
     let settings = Settings::for_rig(&WIRES);
     let boot = BootInfo {
-        settings_corrupt: true,
+        settings: SettingsState::Damaged,
         ..BootInfo::default()
     };
     let mut controller = Controller::new(&settings, &boot).unwrap();
     let clear = Command::ClearFault;
-    assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
+    let refused = Err(Refused::SettingsUnknown(SettingsState::Damaged));
+    assert_eq!(controller.command(clear), refused);
     controller.replace_settings(&settings).unwrap();
     assert_eq!(controller.state(), State::Fault);
+    // Under the new settings the samples have to show that nothing stands.
+    assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
+    let quiet = Frame {
+        force: AdcCode(600),
+        hammer: AdcCode(2048),
+        cart: AdcCode(2048),
+        emergency: false,
+    };
+    controller.block(&[quiet; 10], &mut [Output::SAFE; 10]);
     assert_eq!(controller.command(clear), Ok(()));
+}
+
+#[test]
+fn a_cart_that_moves_with_the_drive_off_is_a_fault_that_stands_until_it_rests() {
+    // Units of A0: a tenth above the threshold of an eighth, and a tenth below.
+    for (share, expected) in [(0.137, vec![Fault::NotOff]), (0.113, vec![])] {
+        let mut bench = Bench::new();
+        let moves = |bench: &mut Bench, seconds: u32| {
+            for _ in 0..seconds * 2000 {
+                let frames: [Frame; 10] = core::array::from_fn(|k| {
+                    let tick = bench.controller.status().tick + k as u32;
+                    let turns = 3.66 * f64::from(tick) / f64::from(TICK_RATE_HZ);
+                    let m = share * 0.89e-3 * (std::f64::consts::TAU * turns).sin();
+                    let code = |unit: f32| AdcCode((2048.5 + m / f64::from(unit)).floor() as u16);
+                    // The hammer goes along.
+                    Frame {
+                        force: AdcCode(600),
+                        hammer: code(bench.settings.hammer.unit_per_code),
+                        cart: code(bench.settings.cart.unit_per_code),
+                        emergency: false,
+                    }
+                });
+                bench.controller.block(&frames, &mut bench.outputs[..10]);
+            }
+        };
+        moves(&mut bench, 4);
+        assert_eq!(episode(&bench.controller), expected, "{share}");
+        if expected.is_empty() {
+            continue;
+        }
+        let clear = |bench: &mut Bench| bench.controller.command(Command::ClearFault);
+        assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+        let settings = bench.settings;
+        bench.controller.replace_settings(&settings).unwrap();
+        moves(&mut bench, 3);
+        assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+        for _ in 0..6000 {
+            bench.block(10, &Happening::Sound { noise: 2 });
+        }
+        assert_eq!(clear(&mut bench), Ok(()));
+    }
+}
+
+#[test]
+fn new_settings_do_not_make_a_condition_go_away() {
+    for happening in [
+        Happening::Emergency,
+        // Open, and at a rail: twenty ticks, longer than a block.
+        Happening::Wild {
+            codes: [600, 2048, 0],
+        },
+        Happening::Wild {
+            codes: [100, 2048, 2048],
+        },
+    ] {
+        let mut bench = Bench::new();
+        let settings = bench.settings;
+        for _ in 0..3 {
+            bench.block(10, &happening);
+        }
+        assert_eq!(bench.controller.state(), State::Fault, "{happening:?}");
+        let clear = |bench: &mut Bench| bench.controller.command(Command::ClearFault);
+        for _ in 0..4 {
+            bench.controller.replace_settings(&settings).unwrap();
+            assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+            bench.block(10, &happening);
+            assert_eq!(
+                clear(&mut bench),
+                Err(Refused::StillFaulty),
+                "{happening:?}"
+            );
+        }
+        // No samples: nothing is known.
+        bench.controller.replace_settings(&settings).unwrap();
+        bench.block(10, &Happening::Blind);
+        assert_eq!(clear(&mut bench), Err(Refused::StillFaulty));
+        for _ in 0..9 {
+            bench.block(10, &Happening::Sound { noise: 2 });
+        }
+        assert_eq!(clear(&mut bench), Ok(()), "{happening:?}");
+    }
+}
+
+#[test]
+fn a_link_heard_again_ends_its_own_timeout_and_no_other_fault_of_the_episode() {
+    for chain_opens in [false, true] {
+        let mut bench = Bench::new();
+        let sound = Happening::Sound { noise: 2 };
+        bench
+            .controller
+            .command(Command::Start(Mode::Manual))
+            .unwrap();
+        bench.controller.command(Command::Alive).unwrap();
+        assert!(bench.reaches(State::Fault, 10));
+        assert_eq!(episode(&bench.controller), [Fault::LinkTimeout]);
+        if chain_opens {
+            // Pressed and released while the link is away.
+            bench.block(10, &Happening::Emergency);
+        }
+        for _ in 0..100 {
+            bench.block(10, &sound);
+        }
+        bench.controller.command(Command::Alive).unwrap();
+        let start = bench.controller.command(Command::Start(Mode::Manual));
+        if !chain_opens {
+            assert_eq!((bench.controller.state(), start), (State::SelfTest, Ok(())));
+            continue;
+        }
+        assert_eq!(start, Err(Refused::WrongState));
+        assert_eq!(bench.controller.state(), State::Fault);
+        let both = [Fault::EmergencyStop, Fault::LinkTimeout];
+        assert_eq!(episode(&bench.controller), both);
+        let record = bench.controller.persisted().record().unwrap();
+        assert_eq!(record.fault, Fault::EmergencyStop);
+        assert_eq!(bench.controller.command(Command::ClearFault), Ok(()));
+    }
 }
 
 #[test]
@@ -412,5 +557,5 @@ fn a_silent_link_in_command_stops_the_drive_and_a_link_heard_again_releases_it()
     let start = Command::Start(Mode::Manual);
     bench.controller.command(start).unwrap();
     assert!(bench.reaches(State::Manual, 60));
-    assert!(!bench.reaches(State::Fault, 5));
+    assert!(!bench.reaches(State::Fault, 4));
 }

@@ -14,7 +14,8 @@ use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Statu
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, Frame, Output};
 use shared::link::{
-    BAUD, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+    BAUD, Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock,
+    Refusal,
 };
 use shared::model::params::WIRES;
 use shared::settings::Settings;
@@ -134,13 +135,13 @@ impl Toy {
         status.peak_n = status.frequency_hz;
         if status.state == State::Manual && status.frequency_hz > self.trips_above_hz {
             status.state = State::Fault;
-            status.fault = Some(Record {
-                fault: Fault::OverForce,
-                origin: Origin::Force,
-                tick: status.tick,
-                value: 500.0,
-                frequency_hz: status.frequency_hz,
-            });
+            status.fault = Some(Record::new(
+                Fault::OverForce,
+                Origin::Force,
+                status.tick,
+                500.0,
+                status.frequency_hz,
+            ));
         }
     }
 }
@@ -193,6 +194,9 @@ impl Device for Toy {
     }
     fn take_block(&mut self) -> Option<RecordedBlock> {
         None
+    }
+    fn boot(&mut self) -> Boot {
+        Boot::default()
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use shared::control::{Command, Mode};
 use shared::io::{Frame, Output};
-use shared::link::{FromBoard, MAX_FRAME, Packet, RecordedBlock, Recording, ToBoard, encode};
+use shared::link::{Act, FromBoard, MAX_FRAME, Packet, RecordedBlock, Recording, ToBoard, encode};
 use shared::model::params::PRESETS;
 use shared::settings::Settings;
 
@@ -25,13 +25,23 @@ fn main() -> io::Result<()> {
         ToBoard::Command(point),
         ToBoard::Command(Command::Stop),
         ToBoard::GetSettings,
-        ToBoard::SetSettings(settings[0]),
-        ToBoard::SetSettings(settings[1]),
         ToBoard::GetForecast { page: 6 },
         ToBoard::StreamTelemetry { decimation: 10 },
         ToBoard::StreamFrames { on: true },
         ToBoard::GetFaultRecord,
         ToBoard::GetIdentified,
+        ToBoard::GetBoard,
+        // What the fuzzer's board grants: boot 0, session after session.
+        open(0, false),
+        steer(1, Act::SetSettings(settings[0])),
+        steer(2, Act::SetSettings(settings[1])),
+        steer(3, Act::Command(Command::Start(Mode::Manual))),
+        steer(4, Act::Command(point)),
+        steer(5, Act::Command(Command::Alive)),
+        steer(6, Act::Command(Command::ConfirmSettings)),
+        steer(7, Act::Command(Command::Acknowledge)),
+        open(1, true),
+        steer(8, Act::Release),
     ];
     for (i, request) in requests.iter().enumerate() {
         // A raw stream, and a packet that the fuzzer's body frames (chunks of 512 bytes).
@@ -59,6 +69,23 @@ fn main() -> io::Result<()> {
         save("settings", &format!("none-{i}"), 0, &both)?;
     }
     Ok(())
+}
+
+fn open(granted: u32, take_over: bool) -> ToBoard {
+    ToBoard::OpenSession {
+        boot: 0,
+        granted,
+        take_over,
+    }
+}
+
+/// An act of the first session in boot 0.
+fn steer(number: u32, act: Act) -> ToBoard {
+    ToBoard::Steer {
+        session: 0x9e37_79b9,
+        number,
+        act,
+    }
 }
 
 fn save(target: &str, name: &str, mode: u8, bytes: &[u8]) -> io::Result<()> {

@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `emergency` | 4 | when the emergency-stop chain opens | none later than itself: a few stores |
 //! | `watch_blocks` | 4 | 1 kHz | the same |
-//! | `control` | 3 | each block of 10 ticks, 2 kHz | 500 µs |
+//! | `control` | 3 | each block of 10 ticks, 2 kHz; retains a fault's record | 500 µs |
 //! | `link` | 2 | 1 kHz | 1 ms; what comes later is sent later |
 //! | `supervise` | 1 | 100 Hz | 10 ms; the watchdog is not fed without it |
 //! | `idle` | 0 | always | none; the forecast takes what time is left |
@@ -30,11 +30,11 @@ mod app {
         led::{LedPattern, Shown},
         link_device::BoardLink,
         liveness::{Liveness, Progress},
+        record_keeper::RecordKeeper,
         recorder::Recorder,
     };
     use shared::{
-        control::{BootInfo, Controller},
-        fault::Record,
+        control::{BootInfo, Controller, SettingsState},
         forecast::{Forecast, Forecaster},
         io::{Frame, Output},
         link::Session,
@@ -67,6 +67,7 @@ mod app {
         enable: Option<drive::Enable>,
         bench: Option<Bench>,
         outputs: [Output; BLOCK_TICKS],
+        keeper: RecordKeeper,
         block_monitor: block_monitor::BlockMonitor,
         serial: nucleo::Serial,
         link_timer: nucleo::LinkTimer,
@@ -85,7 +86,6 @@ mod app {
         watchdog: nucleo::Watchdog,
         liveness: Liveness,
         bench: bool,
-        record: Option<Record>,
         steps: u32,
     }
 
@@ -100,20 +100,24 @@ mod app {
         context.core.DWT.enable_cycle_counter();
 
         let mut store = board.store;
-        let (settings, settings_corrupt) = match store.load() {
-            Some(Loaded::Settings { settings, .. }) => (settings, false),
-            Some(Loaded::Default) => (Settings::for_rig(&WIRES), false),
-            Some(Loaded::Corrupt) | None => (Settings::for_rig(&WIRES), true),
+        let bench = board.bench_asked && !board.wired;
+        let (stored, state) = match store.load() {
+            Some(Loaded::Settings(settings)) => (Some(settings), SettingsState::Stored),
+            Some(Loaded::OlderCopy(settings)) => (Some(settings), SettingsState::OlderCopy),
+            // The model needs no settings of a rig.
+            Some(Loaded::Default) if bench => (None, SettingsState::Model),
+            Some(Loaded::Default) => (None, SettingsState::Missing),
+            Some(Loaded::Corrupt) | None => (None, SettingsState::Damaged),
         };
+        let settings = stored.unwrap_or_else(|| Settings::for_rig(&WIRES));
         let boot = BootInfo {
             reset: flags.cause(left.driving),
             record: left.record,
-            settings_corrupt,
+            settings: state,
         };
         let Ok(controller) = Controller::new(&settings, &boot) else {
             panic!("settings that passed their check are refused");
         };
-        let bench = board.bench_asked && !board.wired;
         log_start(&boot, left.crash, bench, board.bench_asked);
 
         let mut sampler = board.sampler;
@@ -126,7 +130,6 @@ mod app {
             watchdog: board.watchdog.start(),
             liveness: Liveness::default(),
             bench,
-            record: None,
             steps: 0,
         };
         let shared = Shared {
@@ -140,6 +143,7 @@ mod app {
             enable: (!bench).then_some(board.enable),
             bench: bench.then(|| Bench::new(&settings)),
             outputs: [Output::SAFE; BLOCK_TICKS],
+            keeper: RecordKeeper::new(boot.record),
             block_monitor: board.block_monitor,
             serial: board.serial,
             link_timer: board.link_timer,
@@ -158,7 +162,7 @@ mod app {
     /// at once, and the overrun is reported to the controller; more than one in five and it trips. If two blocks were due, the older is
     /// lost. If none is served for 2 ms, `watch_blocks` takes the enable away.
     #[task(binds = DMA2_STREAM0, priority = 3, shared = [recorder],
-        local = [sampler, set_points, chain, enable, bench, outputs])]
+        local = [sampler, set_points, chain, enable, bench, outputs, keeper])]
     fn control(mut context: control::Context) {
         let began = DWT::cycle_count();
         let local = context.local;
@@ -172,16 +176,19 @@ mod app {
         }
         let stale = block_monitor::take_stale() || arrived.failed;
         let late = arrived.lost && !block_monitor::is_paused();
-        context.shared.recorder.lock(|recorder| {
+        let record = context.shared.recorder.lock(|recorder| {
             if late {
                 recorder.note_overrun();
             }
             recorder.block((!stale).then_some(&frames), outputs);
+            recorder.controller().fault().copied()
         });
         local.set_points.play(arrived.half, outputs);
         if let Some(enable) = local.enable {
             enable.apply(outputs.iter().all(|output| output.enable), tripped);
         }
+        // The drive is off; a reset from here on finds the fault.
+        local.keeper.after_block(record.as_ref(), retained::keep);
         block_monitor::block_served();
 
         let cycles = DWT::cycle_count().wrapping_sub(began);
@@ -209,7 +216,7 @@ mod app {
 
     /// Serves the link, and every tenth time calls the supervisor.
     #[task(binds = TIM6_DAC, priority = 2, shared = [recorder, forecast],
-        local = [serial, link_timer, session, store, turns: u32 = 0])]
+        local = [serial, link_timer, session, store, turns: u32 = 0, boot: u32 = 0])]
     fn link(mut context: link::Context) {
         let local = context.local;
         local.link_timer.acknowledge();
@@ -221,11 +228,16 @@ mod app {
             let Some(byte) = local.serial.read() else {
                 break;
             };
+            if *local.boot == 0 {
+                // Processor cycles until a program on a computer first sent something: never the same twice.
+                *local.boot = DWT::cycle_count() | 1;
+            }
             let mut device = BoardLink {
                 recorder: &mut context.shared.recorder,
                 forecast: &mut context.shared.forecast,
                 settings_store: local.store,
                 board: "NUCLEO-F446RE",
+                boot: *local.boot,
             };
             local.session.receive(byte, &mut device);
         }
@@ -234,6 +246,7 @@ mod app {
             forecast: &mut context.shared.forecast,
             settings_store: local.store,
             board: "NUCLEO-F446RE",
+            boot: *local.boot,
         };
         local.session.poll(&mut device);
         if local.serial.is_ready() {
@@ -249,16 +262,16 @@ mod app {
         }
     }
 
-    /// Button, LED, watchdog, the fault record that survives a reset, and the log.
+    /// Button, LED, watchdog, and the log.
     #[task(priority = 1, shared = [recorder], local = [supervisor])]
     async fn supervise(mut context: supervise::Context) {
         let own: &mut Supervisor = context.local.supervisor;
-        let status = context
-            .shared
-            .recorder
-            .lock(|recorder| recorder.controller().status());
+        let (status, awaited) = context.shared.recorder.lock(|recorder| {
+            let controller = recorder.controller();
+            (controller.status(), controller.awaits_acknowledgement())
+        });
         if own.button.step(own.pin.is_pressed()) {
-            let command = button::meaning(status.state);
+            let command = button::meaning(status.state, awaited);
             if let Err(why) = context
                 .shared
                 .recorder
@@ -273,10 +286,6 @@ mod app {
             bench: own.bench,
         };
         own.led.set(own.pattern.step(shown));
-        if own.record != status.fault {
-            own.record = status.fault;
-            retained::keep(own.record.as_ref());
-        }
         let progress = Progress {
             blocks: block_monitor::blocks_served(),
             links: LINKS.load(Ordering::Relaxed),
@@ -340,10 +349,17 @@ mod app {
                 crash.status
             );
         }
-        if boot.settings_corrupt {
-            defmt::error!(
-                "the stored settings are damaged; defaults are in use, and starts are refused until settings are sent"
-            );
+        match boot.settings {
+            SettingsState::Stored | SettingsState::Model => {}
+            SettingsState::Missing => defmt::error!(
+                "no settings were ever stored; starts are refused until those of this rig are sent"
+            ),
+            SettingsState::Damaged => defmt::error!(
+                "the stored settings are damaged; starts are refused until those of this rig are sent"
+            ),
+            SettingsState::OlderCopy => defmt::error!(
+                "the newest settings are damaged; starts are refused until the older copy in use is confirmed or others are sent"
+            ),
         }
         match (bench, asked) {
             (true, _) => {

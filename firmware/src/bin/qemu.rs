@@ -24,7 +24,7 @@ mod app {
         histogram::Histogram,
     };
     use shared::{
-        control::{BootInfo, Command, Lockstep, Mode, State},
+        control::{BootInfo, Command, Lockstep, Mode, SettingsState, State},
         io::{Frame, Output},
         model::params::WIRES,
         settings::{Settings, TICK_RATE_HZ},
@@ -53,7 +53,11 @@ mod app {
     #[init]
     fn init(context: init::Context) -> (Shared, Local) {
         let settings = Settings::for_rig(&WIRES);
-        let Ok(mut lockstep) = Lockstep::new(&settings, &BootInfo::default()) else {
+        let boot = BootInfo {
+            settings: SettingsState::Model,
+            ..BootInfo::default()
+        };
+        let Ok(mut lockstep) = Lockstep::new(&settings, &boot) else {
             panic!("the preset's settings are refused by their own check");
         };
         let started = lockstep.controller.command(Command::Start(Mode::Automatic));

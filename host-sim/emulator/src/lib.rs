@@ -48,6 +48,7 @@ pub mod shaker;
 pub mod stuck;
 pub mod summary;
 pub mod timeline;
+pub mod trials;
 pub mod under_test;
 pub mod verdict;
 pub mod world;

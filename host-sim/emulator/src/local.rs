@@ -1,7 +1,9 @@
 //! The controller in this process.
 
-use shared::control::{BootInfo, Command, Event, Lockstep, Refused, ResetCause, Status};
-use shared::fault::{Fault, Origin, Persisted, Record};
+use shared::control::{
+    BootInfo, Command, Event, Lockstep, Refused, ResetCause, SettingsState, Status,
+};
+use shared::fault::{Persisted, Record};
 use shared::io::{Frame, Output};
 use shared::model::params::ParamError;
 use shared::settings::Settings;
@@ -37,13 +39,12 @@ impl Local {
 pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
     let power_on = matches!(cause, Reset::PowerOn | Reset::CorruptSettings);
     // A crash writes its record itself, before the program starts anew.
-    let crashed = (cause == Reset::Crash).then_some(Record {
-        fault: Fault::Crash,
-        origin: Origin::System,
-        tick: 0,
-        value: 0.0,
-        frequency_hz: 0.0,
-    });
+    let left = memory.record().filter(|_| !power_on);
+    let record = if cause == Reset::Crash {
+        Some(Record::CRASH.after(left))
+    } else {
+        left
+    };
     BootInfo {
         reset: match cause {
             Reset::PowerOn | Reset::CorruptSettings => ResetCause::PowerOn,
@@ -51,8 +52,12 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
             Reset::BrownOut => ResetCause::BrownOut,
             Reset::Crash => ResetCause::Software,
         },
-        record: crashed.or_else(|| memory.record().filter(|_| !power_on)),
-        settings_corrupt: cause == Reset::CorruptSettings,
+        record,
+        settings: if cause == Reset::CorruptSettings {
+            SettingsState::Damaged
+        } else {
+            SettingsState::Stored
+        },
     }
 }
 

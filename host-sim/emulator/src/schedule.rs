@@ -136,6 +136,7 @@ fn doing(act: &Act, id: usize, scenario: &Scenario) -> (Doing, Option<(f64, Doin
         Act::Start { mode } => command(Command::Start(mode.into())),
         Act::Stop {} => command(Command::Stop),
         Act::ClearFault {} => command(Command::ClearFault),
+        Act::Acknowledge {} => command(Command::Acknowledge),
         Act::SetPoint {
             frequency_hz,
             amplitude_mm,

@@ -25,6 +25,7 @@ mod scenarios;
 mod simulate;
 mod sweep;
 mod terminal;
+mod trials;
 
 use std::ffi::OsString;
 
@@ -68,6 +69,8 @@ enum Command {
     Poincare(poincare::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
     Emulate(emulate::Args),
+    /// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes
+    Trials(trials::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
     Scenarios(scenarios::Args),
     /// Run a log through the controller again: the same decisions, bit for bit, or the first tick that differs
@@ -128,6 +131,7 @@ fn execute(command: &Command) -> i32 {
         Command::Bifurcation(args) => bifurcation::run(args).map(|()| 0),
         Command::Poincare(args) => poincare::run(args).map(|()| 0),
         Command::Emulate(args) => emulate::run(args),
+        Command::Trials(args) => trials::run(args).map(|()| 0),
         Command::Scenarios(args) => scenarios::run(args).map(|()| 0),
         Command::Link(args) => link::run(args),
         Command::Replay(args) => replay::run(args),

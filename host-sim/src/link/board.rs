@@ -1,13 +1,14 @@
 //! An emulated board as the link sees it: the controller in lock-step, and a buffer of recorded blocks.
 
 use std::collections::VecDeque;
+use std::hash::{BuildHasher, RandomState};
 
 use shared::control::{BootInfo, Command, Lockstep, Refused, Status};
 use shared::fault::Record;
 use shared::io::{Frame, Output};
 use shared::link::{
-    BlockNotes, Device, ForecastPage, GivenCommand, Hello, Identified, Name, PROTOCOL_VERSION,
-    RecordedBlock, Refusal,
+    BlockNotes, Boot, Device, ForecastPage, GivenCommand, Hello, Identified, Name,
+    PROTOCOL_VERSION, RecordedBlock, Refusal,
 };
 use shared::model::params::ParamError;
 use shared::settings::{Settings, TICK_RATE_HZ};
@@ -26,6 +27,7 @@ pub struct Board {
     too_many: bool,
     recording: bool,
     kept: VecDeque<RecordedBlock>,
+    boot: u32,
 }
 
 impl Board {
@@ -41,6 +43,7 @@ impl Board {
             too_many: false,
             recording: false,
             kept: VecDeque::new(),
+            boot: boot_number(),
         })
     }
 
@@ -81,6 +84,7 @@ impl Board {
         self.lockstep = Lockstep::new(settings, birth)?;
         self.notes = BlockNotes::default();
         self.too_many = true;
+        self.boot = boot_number();
         Ok(())
     }
 
@@ -98,6 +102,11 @@ impl Board {
             notes,
         });
     }
+}
+
+/// A number that no other start has had, as far as chance allows.
+fn boot_number() -> u32 {
+    RandomState::new().hash_one(()) as u32
 }
 
 impl Device for Board {
@@ -168,5 +177,14 @@ impl Device for Board {
 
     fn take_block(&mut self) -> Option<RecordedBlock> {
         self.kept.pop_front()
+    }
+
+    fn boot(&mut self) -> Boot {
+        let controller = &self.lockstep.controller;
+        Boot {
+            number: self.boot,
+            settings: controller.settings_state(),
+            awaits_acknowledgement: controller.awaits_acknowledgement(),
+        }
     }
 }

@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use shared::control::{Command, Mode, State, Status};
 use shared::fault::Record;
-use shared::link::ToBoard;
 use shared::settings::TICK_RATE_HZ;
 
 use super::client::Client;
@@ -68,7 +67,7 @@ pub enum Ended {
 }
 
 /// Starts in manual mode, measures the curve, and stops the drive. Each point is given to `measured` as it comes, and
-/// counts even if the rest fails. As soon as `interrupted` says so, the drive is stopped.
+/// counts even if the rest fails. The client has opened its session. As soon as `interrupted` says so, the drive is stopped.
 ///
 /// # Errors
 /// If the link fails, the controller refuses a command, or a fault switches the drive off.
@@ -78,7 +77,7 @@ pub fn measure<P: Read + Write>(
     interrupted: &dyn Fn() -> bool,
     mut measured: impl FnMut(&Point),
 ) -> Result<Ended, UserError> {
-    client.tell(ToBoard::Command(Command::Start(Mode::Manual)))?;
+    client.command(Command::Start(Mode::Manual))?;
     let ended = ByHand {
         client,
         interrupted,
@@ -89,7 +88,7 @@ pub fn measure<P: Read + Write>(
         Err(Halt::Interrupted) => Ended::Interrupted,
         Err(Halt::Failed(error)) => return Err(error),
     };
-    client.tell(ToBoard::Command(Command::Stop))?;
+    client.command(Command::Stop)?;
     let stopping = ByHand {
         client,
         interrupted: &|| false,
@@ -129,10 +128,10 @@ impl<P: Read + Write> ByHand<'_, P> {
     }
 
     fn point(&mut self, plan: &Plan, frequency_hz: f64) -> Result<Point, Halt> {
-        self.client.tell(ToBoard::Command(Command::SetPoint {
+        self.client.command(Command::SetPoint {
             frequency_hz: frequency_hz as f32,
             amplitude_m: plan.amplitude_m as f32,
-        }))?;
+        })?;
         self.arrive()?;
         self.pass(plan.settle_s, |_| {})?;
         let mut force_n = 0.0_f32;
@@ -183,7 +182,7 @@ impl<P: Read + Write> ByHand<'_, P> {
         })
     }
 
-    /// Asks for the status until it is as `wanted`.
+    /// Asks for the status until it is as `wanted`, and gives a sign of life each time.
     fn wait(
         &mut self,
         mut wanted: impl FnMut(&Status) -> Result<bool, &'static str>,
@@ -193,6 +192,7 @@ impl<P: Read + Write> ByHand<'_, P> {
             if (self.interrupted)() {
                 return Err(Halt::Interrupted);
             }
+            self.client.command(Command::Alive)?;
             let status = self.client.status()?;
             if let Some(record) = status.fault.filter(|_| status.state == State::Fault) {
                 return Err(self.fault(&record).into());

@@ -4,14 +4,16 @@ use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant, SystemTime};
 
-use serialport::{ClearBuffer, SerialPort};
-use shared::control::{Command, Refused, Status};
+use serialport::SerialPort;
+use shared::control::{Command, Refused, SettingsState, Status};
 use shared::link::{
-    Answer, Decoder, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, Refusal, ToBoard,
-    encode,
+    Act, Answer, BoardState, Decoder, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet,
+    Refusal, SESSION_S, ToBoard, encode,
 };
 
 use files::UserError;
+
+use super::port;
 
 /// How long an answer may take. The board answers within milliseconds; a computer's serial driver may not.
 const PATIENCE: Duration = Duration::from_millis(700);
@@ -21,9 +23,6 @@ const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(3);
 
 /// How often a request is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
-
-/// Longest time a read waits, so that [`PATIENCE`] is not exceeded.
-const READ_WAIT: Duration = Duration::from_millis(5);
 
 /// Streamed messages stored while waiting for an answer: a second of recording at 2000 blocks a second.
 const KEPT: usize = 2000;
@@ -38,6 +37,9 @@ pub struct Client<P> {
     streamed: VecDeque<FromBoard>,
     last_heard: Option<u16>,
     lost: u64,
+    /// The session, once it is granted, and the number of the last act in it.
+    session: Option<u32>,
+    act: u32,
 }
 
 /// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers.
@@ -45,40 +47,28 @@ pub struct Client<P> {
 /// # Errors
 /// If the port does not exist or is in use, or no board of this protocol answers.
 pub fn open(name: &str, baud: u32) -> Result<(Client<Box<dyn SerialPort>>, Hello), UserError> {
-    let port = serialport::new(name, baud).timeout(READ_WAIT).open();
-    let port =
-        port.map_err(|e| UserError::new(format!("cannot open {name}: {e}; {}", mend(&e))))?;
-    // Leftovers of an earlier conversation.
-    let _ = port.clear(ClearBuffer::Input);
+    let port = port::open_alone(name, baud)?;
     let mut client = Client::new(port, name);
     let hello = client.hello()?;
     Ok((client, hello))
 }
 
-fn mend(error: &serialport::Error) -> String {
-    let busy = "another program uses it; close that and try again";
-    match error.kind() {
-        // What the lock's failure comes as.
-        serialport::ErrorKind::NoDevice if error.description.contains("lock") => busy.to_owned(),
-        serialport::ErrorKind::Io(ErrorKind::ResourceBusy) => busy.to_owned(),
-        serialport::ErrorKind::NoDevice | serialport::ErrorKind::Io(ErrorKind::NotFound) => {
-            ports_here()
-        }
-        serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
-            "you may not use it: join its group (often dialout) and log in anew".to_owned()
-        }
-        _ => format!("it is not a serial port; {}", ports_here()),
-    }
-}
-
-fn ports_here() -> String {
-    let ports = serialport::available_ports().unwrap_or_default();
-    let names: Vec<_> = ports.into_iter().map(|port| port.port_name).collect();
-    if names.is_empty() {
-        "this computer has none now: plug the board in".to_owned()
-    } else {
-        format!("ports here: {}", names.join(", "))
-    }
+/// Sends a stop to the port `name` if another program uses it, as often as an unanswered one would be sent. The answers go
+/// to that program, so nothing says whether it came through. False, and nothing is sent, if nobody uses the port.
+///
+/// # Errors
+/// If the port may not be used, or breaks.
+pub fn stop_beside_another(name: &str, baud: u32) -> Result<bool, UserError> {
+    let mut frame = [0; MAX_FRAME];
+    let packet = Packet {
+        sequence: 0,
+        message: ToBoard::Command(Command::Stop),
+    };
+    let stop = encode(&packet, &mut frame)
+        .ok_or_else(|| UserError::new("too long").at(name))?
+        .repeat(ATTEMPTS as usize);
+    // The zero ends whatever half frame the other program has sent.
+    port::write_beside_another(name, baud, &[&[0], stop.as_slice()].concat())
 }
 
 impl<P: Read + Write> Client<P> {
@@ -95,6 +85,8 @@ impl<P: Read + Write> Client<P> {
             streamed: VecDeque::new(),
             last_heard: None,
             lost: 0,
+            session: None,
+            act: 0,
         }
     }
 
@@ -135,17 +127,18 @@ impl<P: Read + Write> Client<P> {
     ///
     /// # Errors
     /// If the port fails, or the board does not answer.
-    pub fn ask(&mut self, request: ToBoard) -> Result<Answer, UserError> {
-        let patience = match request {
-            ToBoard::SetSettings(_) => PATIENCE_FOR_FLASH,
-            _ => PATIENCE,
+    pub fn ask(&mut self, mut request: ToBoard) -> Result<Answer, UserError> {
+        let (patience, attempts) = match request {
+            ToBoard::Steer { act, .. } => patience_for(&act),
+            // A second one would name a number that is no longer the board's.
+            ToBoard::OpenSession { .. } => (PATIENCE * ATTEMPTS, 1),
+            _ => (PATIENCE, ATTEMPTS),
         };
-        let once = matches!(
-            request,
-            ToBoard::Command(Command::Start(_) | Command::ClearFault)
-        );
-        let attempts = if once { 1 } else { ATTEMPTS };
         for _ in 0..attempts {
+            if let ToBoard::Steer { number, .. } = &mut request {
+                self.act += 1;
+                *number = self.act;
+            }
             self.sequence = self.sequence.wrapping_add(1);
             let packet = Packet {
                 sequence: self.sequence,
@@ -173,6 +166,72 @@ impl<P: Read + Write> Client<P> {
             Answer::Done => Ok(()),
             Answer::Refused(refusal) => Err(self.complaint(reason(refusal))),
             other => Err(self.odd(&other)),
+        }
+    }
+
+    /// What must be known before steering.
+    ///
+    /// # Errors
+    /// As those of [`Client::ask`].
+    pub fn board(&mut self) -> Result<BoardState, UserError> {
+        match self.ask(ToBoard::GetBoard)? {
+            Answer::Board(board) => Ok(board),
+            other => Err(self.odd(&other)),
+        }
+    }
+
+    /// Opens the session, which is needed to steer; `take_over`: from another program, if one has it. Without that, a
+    /// session that is held is waited for, as long as one can outlive its program.
+    ///
+    /// # Errors
+    /// As those of [`Client::tell`].
+    pub fn open_session(&mut self, take_over: bool) -> Result<(), UserError> {
+        let until = Instant::now() + Duration::from_secs_f32(1.5 * SESSION_S);
+        loop {
+            let board = self.board()?;
+            if board.held && !take_over && Instant::now() < until {
+                std::thread::sleep(Duration::from_millis(100));
+                continue;
+            }
+            let request = ToBoard::OpenSession {
+                boot: board.boot,
+                granted: board.granted,
+                take_over,
+            };
+            return match self.ask(request)? {
+                Answer::Session(session) => {
+                    (self.session, self.act) = (Some(session), 0);
+                    Ok(())
+                }
+                Answer::Refused(refusal) => Err(self.complaint(reason(refusal))),
+                other => Err(self.odd(&other)),
+            };
+        }
+    }
+
+    /// Steers, in the session that was opened.
+    ///
+    /// # Errors
+    /// As those of [`Client::tell`].
+    pub fn steer(&mut self, act: Act) -> Result<(), UserError> {
+        let session = self.session;
+        let session = session.ok_or_else(|| self.complaint(reason(Refusal::NoSession)))?;
+        // Each attempt gets a number of its own.
+        self.tell(ToBoard::Steer {
+            session,
+            number: 0,
+            act,
+        })
+    }
+
+    /// Gives a command; a stop needs no session.
+    ///
+    /// # Errors
+    /// As those of [`Client::tell`].
+    pub fn command(&mut self, command: Command) -> Result<(), UserError> {
+        match command {
+            Command::Stop => self.tell(ToBoard::Command(Command::Stop)),
+            _ => self.steer(Act::Command(command)),
         }
     }
 
@@ -286,6 +345,20 @@ pub(super) fn is_patience(error: &io::Error) -> bool {
     )
 }
 
+/// How long to wait for the answer to an act, and how often to send it.
+fn patience_for(act: &Act) -> (Duration, u32) {
+    match act {
+        Act::SetSettings(_) | Act::Command(Command::ConfirmSettings) => {
+            (PATIENCE_FOR_FLASH, ATTEMPTS)
+        }
+        // Sent twice, the second would be refused though the first was obeyed.
+        Act::Command(Command::Start(_) | Command::ClearFault) | Act::Release => {
+            (PATIENCE * ATTEMPTS, 1)
+        }
+        _ => (PATIENCE, ATTEMPTS),
+    }
+}
+
 fn reason(refusal: Refusal) -> &'static str {
     match refusal {
         Refusal::Controller(Refused::WrongState) => {
@@ -296,9 +369,32 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: the fault's cause is still there; remove it and clear again"
         }
         Refusal::Controller(Refused::BadSettings) => "refused: the settings are out of range",
+        Refusal::Controller(Refused::ByHandOnly) => {
+            "refused: drive.kind is motor, whose amplitude no limit can reduce; start it by hand"
+        }
         Refusal::NotStored => {
             "the settings are in use but could not be stored in flash; send them again, they are lost at the next reset"
         }
+        Refusal::Controller(Refused::SettingsUnknown(SettingsState::OlderCopy)) => {
+            "refused: the newest settings are damaged and an older copy is in use; read it (`get`), then `confirm` it or send others (`set`)"
+        }
+        Refusal::Controller(Refused::SettingsUnknown(SettingsState::Damaged)) => {
+            "refused: the stored settings are damaged; send those of this rig (`set`)"
+        }
+        Refusal::Controller(Refused::SettingsUnknown(_)) => {
+            "refused: this board has no settings yet; send those of this rig (`set`)"
+        }
+        Refusal::Controller(Refused::NotAcknowledged) => {
+            "refused: the emergency stop must be acknowledged at the board: close the chain, press the button, then clear"
+        }
         Refusal::NotAvailable => "refused: this board cannot do that",
+        Refusal::NoSession => {
+            "refused: this program no longer steers; another has taken over, the board was reset, or this one was silent for too long"
+        }
+        Refusal::SomebodySteers => {
+            "refused: another program steers; end it, or take over with --take-over (`stop` works all the same)"
+        }
+        Refusal::Old => "refused: the message is older than the last; try again",
+        Refusal::AtTheBoard => "refused: that is done at the board, with its button",
     }
 }

@@ -3,7 +3,8 @@
 //! | module | what |
 //! |---|---|
 //! | [`board`] | an emulated board |
-//! | [`client`] | opens a port, sends requests, waits for answers |
+//! | [`client`] | sends requests, waits for answers |
+//! | `port` | opens a port and leaves it free |
 //! | [`server`] | the board's side over a stream, for an emulated board |
 //! | [`settings_file`] | settings as a TOML file |
 //! | [`by_hand`] | a force curve measured in manual mode |
@@ -15,6 +16,7 @@ pub mod by_hand;
 pub mod client;
 #[cfg(unix)]
 pub mod live;
+mod port;
 pub mod recording;
 pub mod server;
 pub mod settings_file;

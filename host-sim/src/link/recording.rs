@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::control::{BootInfo, Command, State};
-use shared::link::{Answer, FromBoard, Hello, RecordedBlock, ToBoard};
+use shared::link::{Act, Answer, FromBoard, Hello, RecordedBlock, ToBoard};
 
 use super::client::Client;
 use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
@@ -15,8 +15,11 @@ use files::UserError;
 /// A board that streams nothing for so long is taken as stopped.
 const PATIENCE: Duration = Duration::from_secs(3);
 
+/// Time between two signs of life.
+const PACE: Duration = Duration::from_millis(200);
+
 /// Records `ticks` ticks of a controller that is idle at first and is restarted with its own settings. The command
-/// `given` is sent once the recording runs. If there is one, the controller is stopped at the end.
+/// `given` is sent once the recording runs; the client has opened its session. If there is one, the controller is stopped at the end.
 ///
 /// # Errors
 /// If the link fails, the controller is not idle, or ticks are lost; no file is left then.
@@ -53,15 +56,17 @@ pub fn record<P: Read + Write>(
     let mut writer = Writer::create(path, &header)?;
     client.tell(ToBoard::StreamFrames { on: true })?;
     // The same settings again: the controller is made anew, and a replay can begin where it did.
-    client.tell(ToBoard::SetSettings(settings))?;
+    client.steer(Act::SetSettings(settings))?;
     if let Some(command) = given {
-        client.tell(ToBoard::Command(command))?;
+        client.command(command)?;
     }
-    let done = stream(client, &mut writer, ticks);
+    // With a heartbeat, who has started must be heard.
+    let heartbeat = given.is_some() && settings.operator.heartbeat;
+    let done = stream(client, &mut writer, ticks, heartbeat);
     // Whatever happened, the board is left in peace.
     let quiet = client.tell(ToBoard::StreamFrames { on: false });
     if given.is_some() {
-        client.tell(ToBoard::Command(Command::Stop))?;
+        client.command(Command::Stop)?;
     }
     done?;
     quiet?;
@@ -72,10 +77,16 @@ fn stream<P: Read + Write>(
     client: &mut Client<P>,
     writer: &mut Writer,
     ticks: u64,
+    heartbeat: bool,
 ) -> Result<(), UserError> {
     let mut expected = None;
     let mut heard = Instant::now();
+    let mut alive = Instant::now();
     while writer.ticks() < ticks {
+        if heartbeat && alive.elapsed() > PACE {
+            alive = Instant::now();
+            client.command(Command::Alive)?;
+        }
         let Some(FromBoard::Recording(recording)) = client.streamed(PATIENCE)? else {
             if heard.elapsed() > PATIENCE {
                 return Err(client.complaint(

@@ -7,7 +7,7 @@ use files::UserError;
 use files::rigfile::{self, nearest};
 
 /// Every number: section, key, meaning.
-const NUMBERS: [(&str, &str, &str); 23] = [
+const NUMBERS: [(&str, &str, &str); 24] = [
     ("force", "zero_code", "ADC code at 0 N"),
     ("force", "n_per_code", "newtons per ADC code"),
     ("hammer", "zero_code", "ADC code at rest"),
@@ -35,9 +35,29 @@ const NUMBERS: [(&str, &str, &str); 23] = [
     ("detection", "on_n", "a contact begins above"),
     ("detection", "off_n", "and may end below"),
     ("detection", "refractory_s", "having stayed there so long"),
+    ("aim", "force_n", "mean peak force wanted; 0: as it comes"),
 ];
 
-const SECTIONS: [&str; 8] = [
+/// Every switch: section, key, meaning.
+const SWITCHES: [(&str, &str, &str); 3] = [
+    (
+        "operator",
+        "heartbeat",
+        "automatic mode, too, needs a program that stays on the link",
+    ),
+    (
+        "operator",
+        "acknowledge",
+        "an emergency stop must be acknowledged with the board's button",
+    ),
+    (
+        "aim",
+        "power",
+        "the most impact power instead of the strongest contact",
+    ),
+];
+
+const SECTIONS: [&str; 10] = [
     "rig",
     "force",
     "hammer",
@@ -46,6 +66,8 @@ const SECTIONS: [&str; 8] = [
     "limits",
     "trips",
     "detection",
+    "operator",
+    "aim",
 ];
 
 fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut f32> {
@@ -58,6 +80,8 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         limits,
         trips,
         detection,
+        operator: _,
+        aim,
     } = settings;
     Some(match (section, key) {
         ("force", "zero_code") => &mut force.zero_code,
@@ -83,8 +107,18 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         ("detection", "on_n") => &mut detection.on_n,
         ("detection", "off_n") => &mut detection.off_n,
         ("detection", "refractory_s") => &mut detection.refractory_s,
+        ("aim", "force_n") => &mut aim.force_n,
         _ => return None,
     })
+}
+
+fn switch<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut bool> {
+    match (section, key) {
+        ("operator", "heartbeat") => Some(&mut settings.operator.heartbeat),
+        ("operator", "acknowledge") => Some(&mut settings.operator.acknowledge),
+        ("aim", "power") => Some(&mut settings.aim.power),
+        _ => None,
+    }
 }
 
 /// Settings as a file, every value with its meaning.
@@ -102,6 +136,11 @@ pub fn to_toml(settings: &Settings) -> String {
                 text.push_str(&format!("kind = \"{kind}\"  # shaker or motor\n"));
             }
             _ => {}
+        }
+        for (_, key, meaning) in SWITCHES.iter().filter(|(s, _, _)| *s == section) {
+            if let Some(value) = switch(&mut settings, section, key) {
+                text.push_str(&format!("{key} = {value}  # {meaning}\n"));
+            }
         }
         for (_, key, meaning) in NUMBERS.iter().filter(|(s, _, _)| *s == section) {
             if let Some(value) = number(&mut settings, section, key) {
@@ -170,9 +209,17 @@ fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Resu
         })?;
         return Ok(());
     }
+    if let Some(place) = switch(settings, section, key) {
+        *place = value.as_bool().ok_or_else(|| {
+            UserError::new(format!("{section}.{key} is {value}, must be true or false"))
+        })?;
+        return Ok(());
+    }
     let Some(place) = number(settings, section, key) else {
         let keys = NUMBERS.iter().filter(|(s, _, _)| *s == section);
-        let hint = nearest(key, keys.map(|(_, key, _)| *key));
+        let keys = keys.map(|(_, key, _)| *key);
+        let switches = SWITCHES.iter().filter(|(s, _, _)| *s == section);
+        let hint = nearest(key, keys.chain(switches.map(|(_, key, _)| *key)));
         return Err(UserError::new(format!(
             "there is no setting {section}.{key}{hint}; `host-sim link PORT get` prints them all"
         )));
@@ -200,7 +247,8 @@ mod tests {
     fn what_is_written_reads_back_the_same_onto_any_base() {
         let base = Settings::for_rig(&BEAM_150);
         for (name, rig) in PRESETS {
-            let settings = Settings::for_rig(&rig);
+            let mut settings = Settings::for_rig(&rig);
+            settings.operator.acknowledge = true;
             let text = to_toml(&settings);
             // The support of the file replaces the support of the base.
             let onto_its_kind = Settings { rig, ..base };
@@ -238,5 +286,9 @@ mod tests {
         assert!(complaint("[trips]\nforce_n = \"x\"\n").contains("must be a number"));
         assert!(complaint("[drive]\nkind = \"hand\"\n").contains("must be \"shaker\""));
         assert!(complaint("[trips\n").contains("line 1"));
+        let new = overlay(&base, "[operator]\nheartbeat = true\n").unwrap();
+        assert!(new.operator.heartbeat && !new.operator.acknowledge);
+        assert!(complaint("[operator]\nheartbeat = 1\n").contains("must be true or false"));
+        assert!(complaint("[operator]\nheart = true\n").contains("did you mean 'heartbeat'"));
     }
 }

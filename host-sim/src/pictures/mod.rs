@@ -15,6 +15,7 @@ pub mod orbits;
 pub mod pick;
 pub mod poincare;
 pub mod regimes;
+pub mod trials;
 
 /// `figure` as the files `NAME.svg` and `NAME.png`.
 ///

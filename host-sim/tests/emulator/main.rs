@@ -6,6 +6,7 @@ mod faults;
 mod ground;
 mod motor;
 mod mounting;
+mod operator;
 mod random;
 mod scenarios;
 mod sensors;

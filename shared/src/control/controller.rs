@@ -3,17 +3,19 @@
 use super::basin::BasinTracker;
 use super::block_health::BlockHealth;
 use super::event::{Event, EventKind};
+use super::force::ForceLoop;
 use super::forecast_cache::ForecastCache;
 use super::guard::{Guard, Trip};
 use super::lifetime::{Faults, Lifetime};
 use super::limits::LimitReport;
+use super::off_watch::OffWatch;
 use super::oscillator::Oscillator;
 use super::phase::Phase;
 use super::plausibility::Plausibility;
 use super::rig_estimate::RigEstimate;
 use super::trim::Trim;
-use super::{BootInfo, Command, Refused, State, Status};
-use crate::fault::{Fault, Persisted};
+use super::{BootInfo, Command, Refused, SettingsState, State, Status};
+use crate::fault::{Fault, Persisted, Record};
 use crate::forecast::{Forecast, ForecastRequest};
 use crate::io::{Frame, Output};
 use crate::model::drive::Drive;
@@ -36,11 +38,13 @@ pub struct Controller {
     pub(super) guard: Guard,
     pub(super) plausibility: Plausibility,
     pub(super) trim: Trim,
+    pub(super) force: ForceLoop,
     pub(super) rig: RigEstimate,
     pub(super) forecast: ForecastCache,
     pub(super) blocks: BlockHealth,
     pub(super) seen: Seen,
     pub(super) limits: LimitReport,
+    pub(super) off_watch: OffWatch,
 }
 
 /// What the samples have shown last.
@@ -51,8 +55,22 @@ pub(super) struct Seen {
     pub basin: BasinTracker,
     /// Whether a contact was under way in the last tick.
     pub in_contact: bool,
+    /// Ticks since the last contact in which the hammer had to strike.
+    pub ticks_without_contact: u32,
     /// Whether the frequency stood at its goal at the last strobe.
     pub arrived: bool,
+    /// Drive phase of the last onset, turns.
+    pub onset_turns: f32,
+    /// Command at the last strobe, m.
+    pub command_m: f32,
+    /// Furthest the cart was from its middle in this half of the drive period, m.
+    pub cart_peak_m: f32,
+    /// Which half that is.
+    pub half: u32,
+    /// Drive periods in which the cart followed the small motion at the start.
+    pub proven: u8,
+    /// Drive periods in a row with a motor drive beyond a limit.
+    pub beyond: u8,
 }
 
 impl Seen {
@@ -61,7 +79,14 @@ impl Seen {
         regime: Regime::None,
         basin: BasinTracker::NEW,
         in_contact: false,
+        ticks_without_contact: 0,
         arrived: false,
+        onset_turns: 0.0,
+        command_m: 0.0,
+        cart_peak_m: 0.0,
+        half: 0,
+        proven: 0,
+        beyond: 0,
     };
 }
 
@@ -73,6 +98,7 @@ impl Controller {
     pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
         let mut controller = Self::from_settings(settings)?;
         controller.life.faults = Faults::at_boot(boot);
+        controller.life.operator.settings = boot.settings;
         controller.request_forecast();
         controller.report_boot(boot);
         Ok(controller)
@@ -96,28 +122,36 @@ impl Controller {
             guard: Guard::new(settings),
             plausibility: Plausibility::new(settings),
             trim: Trim::new(settings),
+            force: ForceLoop::of(settings),
             rig: RigEstimate::new(settings),
             forecast: ForecastCache::default(),
             blocks: BlockHealth::default(),
             seen: Seen::NOTHING,
             limits: LimitReport::default(),
+            off_watch: OffWatch::new(settings),
         })
     }
 
-    /// Records the fault that the start itself is, or reports the one that was before it.
+    /// Adds the fault that the start itself is to the episode that was before it, or reports that episode.
     fn report_boot(&mut self, boot: &BootInfo) {
+        // An emergency stop that was not acknowledged before the reset must be after it.
+        if boot
+            .record
+            .is_some_and(|record| record.episode.contains(Fault::EmergencyStop))
+        {
+            let required = self.settings.operator.acknowledge;
+            self.life.operator.emergency(self.life.tick, required);
+        }
         if let Some(fault) = Faults::of_boot(boot) {
-            let before = boot.record.map_or(0, |record| record.fault.code());
-            self.note(Trip::system(fault, f32::from(before)));
+            // An episode that does not latch has ended with the reset.
+            if !boot.record.is_some_and(|record| record.latches()) {
+                self.life.faults.clear();
+            }
+            self.note(Trip::system(fault, 0.0));
         } else if let Some(record) = boot.record {
             self.life.push(EventKind::Fault(record));
         }
-        if self
-            .life
-            .faults
-            .record
-            .is_some_and(|record| record.fault.latches())
-        {
+        if self.life.faults.record.is_some_and(|r| r.latches()) {
             self.change(Phase::Fault);
         }
     }
@@ -127,17 +161,22 @@ impl Controller {
     /// set-point of the next is safe.
     pub fn block(&mut self, frames: &[Frame], outputs: &mut [Output]) {
         self.blocks.samples_arrived();
-        self.life.faults.condition = None;
+        self.life.faults.block_begins();
         for (frame, _) in frames.iter().zip(outputs.iter()) {
             self.pass_tick();
             self.sample(frame);
         }
+        self.life
+            .faults
+            .block_ends(self.guard.is_quiet() && !self.off_watch.is_moving());
         self.supervise(outputs.len());
         self.put_out(outputs);
     }
 
     /// A block whose samples did not arrive: the set-points go on until that trips.
     pub fn blind_block(&mut self, outputs: &mut [Output]) {
+        self.life.faults.block_begins();
+        self.life.faults.block_was_blind();
         for _ in outputs.iter() {
             self.pass_tick();
         }
@@ -178,6 +217,8 @@ impl Controller {
                 self.alive();
                 Ok(())
             }
+            Command::Acknowledge => self.life.operator.acknowledge(self.life.tick),
+            Command::ConfirmSettings => self.confirm_settings(),
         }
     }
 
@@ -194,7 +235,7 @@ impl Controller {
         let fresh = Self::from_settings(settings).map_err(|_| Refused::BadSettings)?;
         let life = core::mem::take(&mut self.life);
         *self = Self { life, ..fresh };
-        self.life.faults.settings_replaced();
+        self.settings_came();
         self.request_forecast();
         Ok(())
     }
@@ -233,6 +274,22 @@ impl Controller {
             search.retarget(&target, range_hz);
             self.oscillator.aim(search.goal_hz());
         }
+    }
+
+    /// The present or last fault.
+    #[inline]
+    pub fn fault(&self) -> Option<&Record> {
+        self.life.faults.record.as_ref()
+    }
+
+    /// Where the settings come from.
+    pub fn settings_state(&self) -> SettingsState {
+        self.life.operator.settings
+    }
+
+    /// Whether an emergency stop must be acknowledged at the board before the fault can be cleared.
+    pub fn awaits_acknowledgement(&self) -> bool {
+        self.life.operator.is_awaited()
     }
 
     /// The state as reported.

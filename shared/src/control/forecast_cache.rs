@@ -9,6 +9,9 @@ use crate::model::regime::Regime;
 /// every gap of the chapter's map.
 const FORECAST_RANGE: (f32, f32) = (0.8, 3.0);
 
+/// Below this share of A0 the forecast, made for A0, says nothing of contacts.
+const LEAST_SHARE: f32 = 0.4;
+
 /// The last forecast and the request for the next.
 #[derive(Clone, Debug, Default)]
 pub struct ForecastCache {
@@ -22,8 +25,8 @@ pub struct ForecastCache {
     has_come: bool,
     /// The swing of a hammer that does not touch.
     free: FreeSwing,
-    /// Frequency and whether a start from rest strikes there.
-    strikes: heapless::Vec<(f32, bool), MAX_ROWS>,
+    /// Frequency, and the force, N, with which a start from rest strikes there; 0 if it does not.
+    strikes: heapless::Vec<(f32, f32), MAX_ROWS>,
 }
 
 impl ForecastCache {
@@ -59,9 +62,9 @@ impl ForecastCache {
         self.strikes.clear();
         for row in &forecast.rows {
             // As many rows as fit: both have room for the same number.
-            let _ = self
-                .strikes
-                .push((row.frequency_hz, row.regime != Regime::None));
+            let strikes = row.regime != Regime::None;
+            let force_n = if strikes { row.force_n } else { 0.0 };
+            let _ = self.strikes.push((row.frequency_hz, force_n));
         }
         true
     }
@@ -77,20 +80,23 @@ impl ForecastCache {
         target.map_or((0.0, 0.0), |t| (t.frequency_hz, t.orbit.force_n))
     }
 
-    /// Whether there must be contact at `hz`: the forecast has it from rest on both sides, and a free swing
-    /// would touch.
-    pub fn must_strike_at(&self, hz: f32) -> bool {
-        if !self.free.must_touch(hz) {
+    /// Whether there must be a contact of more than `force_n` at `hz` with a cart amplitude of `amplitude_m`: the
+    /// forecast has it from rest on both sides, with force in proportion to the amplitude, and a free swing would
+    /// touch.
+    pub fn must_strike_at(&self, hz: f32, amplitude_m: f32, force_n: f32) -> bool {
+        let share = self.free.share_of_full(amplitude_m);
+        if share < LEAST_SHARE || !self.free.must_touch(hz, amplitude_m) {
             return false;
         }
+        let strikes = |row_n: f32| row_n * share > force_n;
         let mut below = None;
-        for &(row_hz, strikes) in &self.strikes {
+        for &(row_hz, row_n) in &self.strikes {
             if row_hz > hz {
-                return strikes && below.unwrap_or(strikes);
+                return strikes(row_n) && strikes(below.unwrap_or(row_n));
             }
-            below = Some(strikes);
+            below = Some(row_n);
         }
-        below.unwrap_or(false)
+        below.is_some_and(strikes)
     }
 
     /// The target, entered where the hammer must strike. (The forecast starts from rest at full amplitude; the
@@ -102,5 +108,135 @@ impl ForecastCache {
             entry_hz: certain_hz.min(target.entry_hz),
             ..target
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forecast::{Orbit, Row};
+    use crate::model::params::WIRES;
+
+    /// A forecast whose rows strike or do not.
+    fn forecast(id: u32, rows: &[(f32, bool)], entry_hz: f32) -> Forecast {
+        let mut forecast = Forecast {
+            id,
+            ..Forecast::default()
+        };
+        for &(frequency_hz, strikes) in rows {
+            let regime = if strikes {
+                Regime::Aperiodic { impacts: 3 }
+            } else {
+                Regime::None
+            };
+            let row = Row {
+                frequency_hz,
+                regime,
+                force_n: if strikes { 80.0 } else { 0.0 },
+                orbit: None,
+            };
+            forecast.rows.push(row).unwrap();
+        }
+        forecast.target = Some(Target {
+            frequency_hz: 3.7,
+            orbit: Orbit {
+                force_n: 80.0,
+                impulse_n_s: 0.03,
+                approach_m_per_s: 0.08,
+                onset_turns: 0.4,
+                trace: 0.1,
+                determinant: 0.1,
+            },
+            band_hz: (2.5, 4.0),
+            doubling_hz: None,
+            entry_hz,
+        });
+        forecast
+    }
+
+    #[test]
+    fn what_is_requested_lies_within_the_limits() {
+        let natural_hz = WIRES.natural_frequency_hz() as f32;
+        let range = |limits: (f32, f32)| {
+            let mut cache = ForecastCache::default();
+            assert!(cache.take_request().is_none());
+            cache.request(4, &WIRES, limits);
+            let request = cache.take_request().unwrap();
+            assert!(cache.take_request().is_none(), "once");
+            assert_eq!((request.id, usize::from(request.rows)), (4, MAX_ROWS));
+            (
+                request.range_hz.0 / natural_hz,
+                request.range_hz.1 / natural_hz,
+            )
+        };
+        let close = |found: (f32, f32), wanted: (f32, f32)| {
+            let off = (found.0 - wanted.0).abs().max((found.1 - wanted.1).abs());
+            assert!(off < 1e-6, "{found:?} {wanted:?}");
+        };
+        close(range((0.1 * natural_hz, 9.0 * natural_hz)), FORECAST_RANGE);
+        close(range((1.1 * natural_hz, 2.0 * natural_hz)), (1.1, 2.0));
+        close(range((5.0 * natural_hz, 6.0 * natural_hz)), (5.0, 5.0));
+    }
+
+    #[test]
+    fn only_the_forecast_requested_last_is_taken_in_and_only_once() {
+        let mut cache = ForecastCache::default();
+        assert_eq!(cache.target_point(), (0.0, 0.0));
+        assert!(cache.entered_target().is_none());
+        cache.request(4, &WIRES, (1.0, 5.0));
+        cache.request(5, &WIRES, (1.0, 5.0));
+        let rows = [(2.0, true)];
+        assert!(!cache.take_in(&forecast(4, &rows, 3.7), &WIRES));
+        assert!(!cache.has_come() && cache.target_point() == (0.0, 0.0));
+        assert!(cache.take_in(&forecast(5, &rows, 3.7), &WIRES));
+        assert!(cache.has_come() && cache.target_point() == (3.7, 80.0));
+        assert!(!cache.take_in(&forecast(5, &rows, 3.7), &WIRES));
+    }
+
+    #[test]
+    fn the_hammer_must_strike_between_rows_that_strike_if_its_free_swing_reaches() {
+        let rows = [(2.0, false), (2.5, true), (3.0, true), (3.5, false)];
+        let mut cache = ForecastCache::default();
+        cache.request(0, &WIRES, (1.0, 5.0));
+        assert!(
+            !cache.must_strike_at(2.7, WIRES.amplitude_m as f32, 14.0),
+            "no forecast yet"
+        );
+        assert!(cache.take_in(&forecast(0, &rows, 3.7), &WIRES));
+        // At no gap, every free swing touches.
+        for (hz, expected) in [
+            (1.9, false),
+            (2.2, false),
+            (2.5, true),
+            (2.7, true),
+            (3.2, false),
+            (3.6, false),
+        ] {
+            assert_eq!(
+                cache.must_strike_at(hz, WIRES.amplitude_m as f32, 14.0),
+                expected,
+                "{hz}"
+            );
+        }
+        assert_eq!(cache.entered_target().unwrap().entry_hz, 3.7);
+        let all = rows.map(|(hz, _)| (hz, true));
+        cache.request(1, &WIRES, (1.0, 5.0));
+        assert!(cache.take_in(&forecast(1, &all, 3.7), &WIRES));
+        assert!([1.9, 2.2, 3.6].iter().all(|hz| cache.must_strike_at(
+            *hz,
+            WIRES.amplitude_m as f32,
+            14.0
+        )));
+        // With a gap of 2.4 mm the free swing, A0 r²/(r² − 1), falls short of it above 1.37 natural frequencies at the latest.
+        let open = WIRES.with_gap_mm(2.4).unwrap();
+        cache.request(2, &open, (1.0, 5.0));
+        assert!(cache.take_in(&forecast(2, &all, 3.7), &open));
+        assert!(
+            cache.must_strike_at(2.0, WIRES.amplitude_m as f32, 14.0)
+                && !cache.must_strike_at(2.6, WIRES.amplitude_m as f32, 14.0)
+        );
+        let target = cache.entered_target().unwrap();
+        assert!((2.0..2.6).contains(&target.entry_hz), "{target:?}");
+        assert_eq!(target.frequency_hz, 3.7);
     }
 }

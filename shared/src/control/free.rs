@@ -13,39 +13,45 @@ const MARGIN: f32 = 1.2;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FreeSwing {
     natural_hz: f32,
-    /// Gap over A0, with the margin.
-    reach: f32,
+    /// A0, m.
+    amplitude_m: f32,
+    /// The gap with the margin, m.
+    gap_m: f32,
 }
 
 impl FreeSwing {
     /// Of `rig`.
     pub fn new(rig: &RigParams) -> Self {
-        let amplitude_m = rig.amplitude_m as f32;
-        let reach = if amplitude_m > 0.0 {
-            MARGIN * rig.gap_m as f32 / amplitude_m
-        } else {
-            0.0
-        };
         Self {
             natural_hz: rig.natural_frequency_hz() as f32,
-            reach,
+            amplitude_m: rig.amplitude_m as f32,
+            gap_m: MARGIN * rig.gap_m as f32,
         }
     }
 
-    /// Whether a free swing at `hz` would touch: then the hammer must strike.
-    pub fn must_touch(&self, hz: f32) -> bool {
+    /// Whether a free swing at `hz` with a cart amplitude of `amplitude_m` would touch: then the hammer must strike.
+    pub fn must_touch(&self, hz: f32, amplitude_m: f32) -> bool {
         let r = hz / self.natural_hz;
         let square = r * r;
-        square >= self.reach * libm::fabsf(1.0 - square)
+        amplitude_m * square >= self.gap_m * libm::fabsf(1.0 - square)
+    }
+
+    /// `amplitude_m` as a share of A0, 0 without one.
+    pub fn share_of_full(&self, amplitude_m: f32) -> f32 {
+        if self.amplitude_m > 0.0 {
+            amplitude_m / self.amplitude_m
+        } else {
+            0.0
+        }
     }
 
     /// The highest frequency up to `hz` at which the hammer must strike.
     pub fn certain_up_to(&self, hz: f32) -> f32 {
         // r² = reach (r² − 1), above the resonance.
-        if self.reach <= 1.0 {
+        if self.gap_m <= self.amplitude_m {
             return hz;
         }
-        let edge = libm::sqrtf(self.reach / (self.reach - 1.0));
+        let edge = libm::sqrtf(self.gap_m / (self.gap_m - self.amplitude_m));
         hz.min(self.natural_hz * edge)
     }
 }
@@ -58,7 +64,7 @@ mod tests {
     #[test]
     fn at_no_gap_it_must_touch_everywhere_and_at_a_large_one_near_resonance() {
         let closed = FreeSwing::new(&WIRES);
-        assert!(closed.must_touch(1.0) && closed.must_touch(9.0));
+        assert!(closed.must_touch(1.0, 1e-4) && closed.must_touch(9.0, 1e-4));
         assert_eq!(closed.certain_up_to(3.66), 3.66);
         let open = FreeSwing::new(&RigParams {
             gap_m: 2.4e-3,
@@ -66,7 +72,9 @@ mod tests {
         });
         let entry = open.certain_up_to(2.75);
         assert!((entry / 1.82 - 1.203).abs() < 1e-3, "{}", entry / 1.82);
-        assert!(open.must_touch(0.999 * entry) && !open.must_touch(1.001 * entry));
+        let full_m = WIRES.amplitude_m as f32;
+        assert!(open.must_touch(0.999 * entry, full_m) && !open.must_touch(1.001 * entry, full_m));
+        assert!(!open.must_touch(0.999 * entry, 0.99 * full_m));
         assert_eq!(open.certain_up_to(2.0), 2.0);
     }
 }

@@ -1,13 +1,17 @@
 //! The conditions that trip the drive by themselves, checked at every tick.
 //!
-//! Counts are consecutive ticks, so that a single bad sample trips nothing; latencies are in the fault
-//! table of the documentation, and held by tests.
+//! Counts are leaky: a bad tick adds [`BAD`], a good one takes one off, and n bad ticks in a row trip. So bad ticks
+//! that come again and again trip as well, once they are more than one in five; one in five and fewer, each alone,
+//! never do. Latencies are in the fault table of the documentation, and held by tests.
 
 use crate::fault::{Fault, Origin};
 use crate::io::{AdcCode, Channel, Frame, Reading};
 use crate::model::drive::Stamp;
 use crate::sense::Sample;
 use crate::settings::Settings;
+
+/// What a bad tick adds to its count; a good one takes one off.
+const BAD: u8 = 4;
 
 /// Consecutive ticks of an open wire that trip.
 pub const OPEN_TICKS: u8 = 3;
@@ -40,18 +44,42 @@ impl Trip {
     }
 }
 
-/// The checks of one channel.
+/// A leaky count of bad ticks that trips after `N` in a row.
 #[derive(Clone, Copy, Debug, Default)]
-struct ChannelMonitor {
+struct Leaky<const N: u8>(u8);
+
+impl<const N: u8> Leaky<N> {
+    const AT: u8 = BAD * N;
+
+    /// A tick; whether the count trips.
+    #[inline]
+    fn tick(&mut self, bad: bool) -> bool {
+        self.0 = if bad {
+            // At most a bad tick above the level, so that it comes down again as soon as it went up.
+            (self.0 + BAD).min(Self::AT + BAD)
+        } else {
+            self.0.saturating_sub(1)
+        };
+        self.0 >= Self::AT
+    }
+
+    fn is_quiet(self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// The checks of one channel; `OVER`: ticks in a row beyond its trip level that trip.
+#[derive(Clone, Copy, Debug, Default)]
+struct ChannelMonitor<const OVER: u8> {
     last: AdcCode,
     changed: Stamp,
     good: f32,
-    open: u8,
-    saturated: u8,
-    over: u8,
+    open: Leaky<OPEN_TICKS>,
+    saturated: Leaky<SATURATED_TICKS>,
+    over: Leaky<OVER>,
 }
 
-impl ChannelMonitor {
+impl<const OVER: u8> ChannelMonitor<OVER> {
     /// Takes in a code; returns its value (the last good one if it has none).
     #[inline]
     fn take(&mut self, channel: &Channel, code: AdcCode, now: Stamp) -> (f32, Option<Fault>) {
@@ -59,32 +87,38 @@ impl ChannelMonitor {
             self.last = code;
             self.changed = now;
         }
-        match channel.read(code) {
+        let reading = channel.read(code);
+        let open = self.open.tick(reading == Reading::Open);
+        let railed = self
+            .saturated
+            .tick(matches!(reading, Reading::Saturated(_)));
+        let value = match reading {
             Reading::Value(value) => {
                 self.good = value;
-                self.open = 0;
-                self.saturated = 0;
-                (value, None)
+                value
             }
-            Reading::Saturated(value) => {
-                self.open = 0;
-                self.saturated = self.saturated.saturating_add(1);
-                let trips = self.saturated >= SATURATED_TICKS;
-                (value, trips.then_some(Fault::SensorSaturated))
-            }
-            Reading::Open => {
-                self.open = self.open.saturating_add(1);
-                let trips = self.open >= OPEN_TICKS;
-                (self.good, trips.then_some(Fault::SensorOpen))
-            }
-        }
+            Reading::Saturated(value) => value,
+            Reading::Open => self.good,
+        };
+        let fault = if open {
+            Some(Fault::SensorOpen)
+        } else if railed {
+            Some(Fault::SensorSaturated)
+        } else {
+            None
+        };
+        (value, fault)
     }
 
-    /// Counts consecutive ticks beyond a level.
-    #[inline]
-    fn beyond(&mut self, is: bool, ticks: u8) -> bool {
-        self.over = if is { self.over.saturating_add(1) } else { 0 };
-        self.over >= ticks
+    /// Whether no count is on its way to a trip.
+    fn is_quiet(&self) -> bool {
+        self.open.is_quiet() && self.saturated.is_quiet() && self.over.is_quiet()
+    }
+
+    /// The drive starts: changes of the code count from now on.
+    fn restart(&mut self, now: Stamp) {
+        self.changed = now;
+        self.over = Leaky::default();
     }
 }
 
@@ -97,9 +131,9 @@ pub struct Guard {
     force_trip_n: f32,
     travel_trip_m: f32,
     cart_trip_m: f32,
-    force: ChannelMonitor,
-    hammer: ChannelMonitor,
-    cart: ChannelMonitor,
+    force: ChannelMonitor<OVER_FORCE_TICKS>,
+    hammer: ChannelMonitor<OVER_TRAVEL_TICKS>,
+    cart: ChannelMonitor<OVER_TRAVEL_TICKS>,
     force_is_live: bool,
 }
 
@@ -127,10 +161,14 @@ impl Guard {
 
     /// The drive starts: counts changes of codes from now on.
     pub fn restart(&mut self, now: Stamp) {
-        for channel in [&mut self.force, &mut self.hammer, &mut self.cart] {
-            channel.changed = now;
-            channel.over = 0;
-        }
+        self.force.restart(now);
+        self.hammer.restart(now);
+        self.cart.restart(now);
+    }
+
+    /// Whether no condition stands and none is on its way: a fault may be cleared only then.
+    pub fn is_quiet(&self) -> bool {
+        self.force.is_quiet() && self.hammer.is_quiet() && self.cart.is_quiet()
     }
 
     /// Checks a tick's codes, sampled at drive instant `now`; `moving`: the cart should be moving.
@@ -153,19 +191,17 @@ impl Guard {
         if frame.emergency {
             return (sample, Some(Trip::system(Fault::EmergencyStop, 1.0)));
         }
-        if self
-            .force
-            .beyond(force_n > self.force_trip_n, OVER_FORCE_TICKS)
-        {
+        // At its upper rail the force is beyond all that can be measured. No trip level is ([`Settings::check`]).
+        if self.force.over.tick(force_n > self.force_trip_n) {
             return (sample, trip(Fault::OverForce, Origin::Force, force_n));
         }
         let relative_m = libm::fabsf(hammer_m - cart_m);
         let travels = relative_m > self.travel_trip_m;
-        if self.hammer.beyond(enabled && travels, OVER_TRAVEL_TICKS) {
+        if self.hammer.over.tick(enabled && travels) {
             return (sample, trip(Fault::OverTravel, Origin::Hammer, relative_m));
         }
         let cart_travels = libm::fabsf(cart_m) > self.cart_trip_m;
-        if self.cart.beyond(enabled && cart_travels, OVER_TRAVEL_TICKS) {
+        if self.cart.over.tick(enabled && cart_travels) {
             return (sample, trip(Fault::OverTravel, Origin::Cart, cart_m));
         }
         for (fault, origin, code) in [
@@ -186,13 +222,14 @@ impl Guard {
         if !moving {
             return None;
         }
-        for (channel, origin, must_move) in [
-            (&self.force, Origin::Force, self.force_is_live),
-            (&self.hammer, Origin::Hammer, true),
-            (&self.cart, Origin::Cart, true),
+        let (force, hammer, cart) = (&self.force, &self.hammer, &self.cart);
+        for (changed, code, origin, must_move) in [
+            (force.changed, force.last, Origin::Force, self.force_is_live),
+            (hammer.changed, hammer.last, Origin::Hammer, true),
+            (cart.changed, cart.last, Origin::Cart, true),
         ] {
-            if must_move && !now.within_a_turn_of(channel.changed) {
-                return trip(Fault::SensorFrozen, origin, f32::from(channel.last.0));
+            if must_move && !now.within_a_turn_of(changed) {
+                return trip(Fault::SensorFrozen, origin, f32::from(code.0));
             }
         }
         None
@@ -355,17 +392,86 @@ mod tests {
         assert_eq!(still, None, "nothing has to move");
     }
 
-    #[test]
-    fn a_single_spoilt_sample_trips_nothing() {
+    /// What trips, and after how many ticks within 300,000, if `spoil` changes the frame of the ticks for which
+    /// `bad` says so.
+    fn spoilt(
+        spoil: impl Fn(&mut Frame),
+        bad: impl Fn(usize) -> bool,
+    ) -> Option<(usize, Fault, Origin)> {
         let mut guard = Guard::new(&Settings::for_rig(&WIRES));
-        for tick in 0..1000_u32 {
+        (0..300_000).find_map(|tick| {
             let mut frame = quiet();
-            if tick % 2 == 0 {
-                frame.force = AdcCode(0);
-                frame.hammer = AdcCode(4095);
+            if bad(tick) {
+                spoil(&mut frame);
             }
-            let (_, trip) = guard.check(&frame, at(0, tick), true, true);
-            assert_eq!(trip, None);
+            let (_, trip) = guard.check(&frame, at(0, 0), false, true);
+            trip.map(|trip| (tick + 1, trip.fault, trip.origin))
+        })
+    }
+
+    /// Every condition by a count, with the ticks in a row that trip it.
+    type Spoil = (fn(&mut Frame), Fault, Origin, usize);
+    const SPOILS: [Spoil; 6] = [
+        (|f| f.force.0 = 0, Fault::SensorOpen, Origin::Force, 3),
+        (|f| f.hammer.0 = 0, Fault::SensorOpen, Origin::Hammer, 3),
+        (|f| f.cart.0 = 0, Fault::SensorOpen, Origin::Cart, 3),
+        (
+            |f| f.force.0 = 100,
+            Fault::SensorSaturated,
+            Origin::Force,
+            20,
+        ),
+        (|f| f.force.0 = 4095, Fault::OverForce, Origin::Force, 2),
+        (|f| f.hammer.0 = 4095, Fault::OverTravel, Origin::Hammer, 4),
+    ];
+
+    #[test]
+    fn a_spoilt_sample_in_five_trips_nothing_and_two_in_nine_do() {
+        for (spoil, fault, origin, in_a_row) in SPOILS {
+            assert_eq!(spoilt(spoil, |tick| tick % 5 == 0), None, "{fault:?}");
+            let two_in_nine = spoilt(spoil, |tick| matches!(tick % 9, 0 | 4));
+            let Some((ticks, seen, of)) = two_in_nine else {
+                panic!("{fault:?}");
+            };
+            assert_eq!((seen, of), (fault, origin));
+            // Every nine ticks add one to a level of four per tick in a row.
+            assert!(ticks <= 9 * 4 * in_a_row, "{fault:?}: {ticks}");
         }
+    }
+
+    #[test]
+    fn a_wire_open_two_ticks_of_three_and_a_rail_nineteen_of_twenty_trip() {
+        for (spoil, fault, origin, in_a_row) in SPOILS {
+            let two_of_three = spoilt(spoil, |tick| tick % 3 != 2).unwrap();
+            assert_eq!((two_of_three.1, two_of_three.2), (fault, origin));
+            assert!(
+                two_of_three.0 <= 2 * in_a_row,
+                "{fault:?}: {two_of_three:?}"
+            );
+            let most = spoilt(spoil, |tick| tick % 20 != 19).unwrap();
+            assert!(most.0 <= in_a_row + 2, "{fault:?}: {most:?}");
+        }
+    }
+
+    #[test]
+    fn a_blow_of_eleven_ticks_at_the_lower_rail_in_each_period_trips_nothing() {
+        let blow = spoilt(|f| f.force.0 = 100, |tick| tick % 2000 < 11);
+        assert_eq!(blow, None);
+    }
+
+    #[test]
+    fn a_count_is_quiet_again_some_ticks_after_its_condition_has_gone() {
+        let mut guard = Guard::new(&Settings::for_rig(&WIRES));
+        let mut frame = quiet();
+        frame.cart = AdcCode(4095);
+        for _ in 0..10_000 {
+            guard.check(&frame, at(0, 0), false, false);
+        }
+        assert!(!guard.is_quiet());
+        let ticks = (1..1000).find(|_| {
+            guard.check(&quiet(), at(0, 0), false, false);
+            guard.is_quiet()
+        });
+        assert_eq!(ticks, Some(84));
     }
 }

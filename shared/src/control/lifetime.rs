@@ -1,9 +1,10 @@
 //! What outlives a replacement of the settings.
 
 use super::event::{EventKind, Events};
+use super::operator::Operator;
 use super::phase::Phase;
 use super::{BootInfo, ResetCause, State};
-use crate::fault::{Fault, Record};
+use crate::fault::{Fault, FaultSet, Record};
 use crate::settings::ticks_of;
 
 /// What lives as long as the controller: everything else is made from the settings.
@@ -15,6 +16,7 @@ pub(super) struct Lifetime {
     pub events: Events,
     pub faults: Faults,
     pub remote: Remote,
+    pub operator: Operator,
     /// Times 1/1 was lost and sought again.
     pub reseeks: u16,
     /// Overruns of the control task.
@@ -53,13 +55,18 @@ impl Lifetime {
     }
 }
 
-/// The fault that is or was, and what keeps it from being cleared.
+/// The faults of the present episode, and what keeps them from being cleared.
+///
+/// Nothing takes a fault out of an episode but [`Self::clear`], which is for `ClearFault` with every cause gone, and
+/// for a link that is heard again after nothing but a link timeout.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Faults {
     pub record: Option<Record>,
-    /// A condition that trips was there in the last block.
-    pub condition: Option<Fault>,
-    /// The stored settings were damaged, and none have been sent since: the defaults in use fit no rig.
+    /// Conditions that tripped in the last block.
+    standing: FaultSet,
+    /// Whether a whole block of samples has shown no condition since the last one.
+    seen_clean: bool,
+    /// The settings in use are not known to be this rig's ([`super::SettingsState::can_drive`]).
     settings_corrupt: bool,
 }
 
@@ -68,35 +75,78 @@ impl Faults {
     pub fn at_boot(boot: &BootInfo) -> Self {
         Self {
             record: boot.record,
-            condition: None,
-            settings_corrupt: boot.settings_corrupt,
+            settings_corrupt: !boot.settings.can_drive(),
+            ..Self::default()
         }
     }
 
     /// The fault that the start itself is, if it is one.
     pub fn of_boot(boot: &BootInfo) -> Option<Fault> {
         match boot.reset {
-            _ if boot.settings_corrupt => Some(Fault::CorruptSettings),
+            _ if !boot.settings.can_drive() => Some(Fault::CorruptSettings),
             ResetCause::Watchdog => Some(Fault::WatchdogReset),
             ResetCause::BrownOut => Some(Fault::BrownOut),
             _ => None,
         }
     }
 
-    /// Good settings have come.
+    /// A block begins, with samples or without: what stood in the last is not known to stand any more.
+    pub fn block_begins(&mut self) {
+        self.standing = FaultSet::NONE;
+    }
+
+    /// A condition trips in this block.
+    pub fn stands(&mut self, fault: Fault) {
+        self.standing = self.standing.and(FaultSet::of(fault));
+    }
+
+    /// A block of samples has ended; `quiet`: nothing in it was on the way to a trip.
+    pub fn block_ends(&mut self, quiet: bool) {
+        self.seen_clean = quiet && self.standing.is_empty();
+    }
+
+    /// A block had no samples: nothing is known of the conditions.
+    pub fn block_was_blind(&mut self) {
+        self.seen_clean = false;
+    }
+
+    /// Good settings have come. What the samples show under them is not known yet.
     pub fn settings_replaced(&mut self) {
-        self.condition = None;
+        self.seen_clean = false;
         self.settings_corrupt = false;
     }
 
-    /// Whether the cause of the fault has gone.
-    pub fn can_be_cleared(&self) -> bool {
-        self.condition.is_none() && !self.settings_corrupt
+    /// Adds a fault to the episode, or begins one. Whether it is the first of its number in it.
+    pub fn add(&mut self, new: Record) -> bool {
+        let known = self.record.is_some_and(|record| {
+            // A sensor that went beyond its trip level and on to its rail has said one thing, not two.
+            let beyond = matches!(record.fault, Fault::OverForce | Fault::OverTravel);
+            let same = new.fault == Fault::SensorSaturated && new.origin == record.origin;
+            record.episode.contains(new.fault) || (beyond && same)
+        });
+        if !known {
+            self.record = Some(new.after(self.record));
+        }
+        !known
     }
 
-    /// Whether the recorded fault is `fault`.
-    pub fn is(&self, fault: Fault) -> bool {
-        self.record.is_some_and(|record| record.fault == fault)
+    /// Whether every cause has gone.
+    pub fn can_be_cleared(&self) -> bool {
+        self.seen_clean && self.standing.is_empty() && !self.settings_corrupt
+    }
+
+    /// Whether a link that is heard again ends the episode: it is of a link timeout alone, and nothing else stands.
+    pub fn ends_with_the_link(&self) -> bool {
+        let alone = FaultSet::of(Fault::LinkTimeout);
+        self.record.is_some_and(|record| record.episode == alone)
+            && self.seen_clean
+            && self.standing.without(Fault::LinkTimeout).is_empty()
+            && !self.settings_corrupt
+    }
+
+    /// The episode is over.
+    pub fn clear(&mut self) {
+        self.record = None;
     }
 }
 
@@ -108,6 +158,14 @@ pub(super) struct Remote {
 }
 
 impl Remote {
+    /// As a start finds it: it must be heard before the drive goes on; `false`: nobody need be there.
+    pub fn expected(in_command: bool) -> Self {
+        Self {
+            in_command,
+            silent_ticks: u32::MAX,
+        }
+    }
+
     /// It has given a sign of life: it steers.
     pub fn alive(&mut self) {
         *self = Self {
@@ -124,5 +182,92 @@ impl Remote {
     /// Whether it steers and has been silent for longer than `timeout_s`; 0: for ever allowed.
     pub fn is_lost(&self, timeout_s: f32) -> bool {
         timeout_s > 0.0 && self.in_command && self.silent_ticks > ticks_of(timeout_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::SettingsState;
+
+    #[test]
+    fn requests_are_numbered_and_a_change_is_one_only_once() {
+        let mut life = Lifetime::default();
+        assert_eq!([(); 3].map(|()| life.forecast_id()), [0, 1, 2]);
+        let before = life.phase.state();
+        assert!(life.is_in(before) && !life.is_in(State::Stop));
+        assert!(life.change(Phase::Stop));
+        assert!(life.is_in(State::Stop) && !life.is_in(before));
+        assert!(!life.change(Phase::Stop));
+        let event = life.events.take().unwrap();
+        let change = EventKind::State {
+            from: before,
+            to: State::Stop,
+        };
+        assert_eq!(event.kind, change);
+        assert!(life.events.take().is_none());
+    }
+
+    #[test]
+    fn the_start_is_a_fault_after_a_watchdog_a_brown_out_or_damaged_settings() {
+        let of = |reset, settings| {
+            Faults::of_boot(&BootInfo {
+                reset,
+                settings,
+                ..BootInfo::default()
+            })
+        };
+        for good in [SettingsState::Stored, SettingsState::Model] {
+            assert_eq!(of(ResetCause::PowerOn, good), None);
+            assert_eq!(of(ResetCause::Watchdog, good), Some(Fault::WatchdogReset));
+            assert_eq!(of(ResetCause::BrownOut, good), Some(Fault::BrownOut));
+        }
+        for bad in [
+            SettingsState::Damaged,
+            SettingsState::Missing,
+            SettingsState::OlderCopy,
+        ] {
+            for reset in [ResetCause::Watchdog, ResetCause::PowerOn] {
+                assert_eq!(of(reset, bad), Some(Fault::CorruptSettings));
+            }
+        }
+    }
+
+    #[test]
+    fn a_fault_is_cleared_only_when_its_cause_has_gone() {
+        let corrupt = BootInfo {
+            settings: SettingsState::Damaged,
+            ..BootInfo::default()
+        };
+        let mut faults = Faults::at_boot(&corrupt);
+        faults.block_ends(true);
+        assert!(!faults.can_be_cleared(), "the settings are damaged");
+        faults.settings_replaced();
+        assert!(!faults.can_be_cleared(), "no samples seen under them");
+        faults.block_begins();
+        faults.block_ends(true);
+        assert!(faults.can_be_cleared());
+        faults.block_begins();
+        faults.stands(Fault::SensorOpen);
+        faults.block_ends(true);
+        assert!(!faults.can_be_cleared());
+        assert!(faults.record.is_none(), "nothing is recorded");
+    }
+
+    #[test]
+    fn a_computer_that_steers_is_lost_after_the_timeout_and_not_before() {
+        let mut remote = Remote::default();
+        let half_s = crate::settings::ticks_of(0.5);
+        remote.pass(3 * half_s);
+        assert!(!remote.is_lost(0.5), "it does not steer");
+        remote.alive();
+        remote.pass(half_s - 1);
+        remote.pass(1);
+        assert!(!remote.is_lost(0.5));
+        remote.pass(1);
+        assert!(remote.is_lost(0.5));
+        assert!(!remote.is_lost(0.0), "no timeout");
+        remote.alive();
+        assert!(!remote.is_lost(0.5));
     }
 }

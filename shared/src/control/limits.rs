@@ -4,7 +4,8 @@ use core::ops::{BitAnd, BitOr, BitOrAssign, SubAssign};
 
 use serde::{Deserialize, Serialize};
 
-/// The limits that clamp now. Written as one number: 1 force, 2 travel, 4 frequency, 8 amplitude.
+/// The limits that clamp now. Written as one number: 1 force, 2 travel, 4 frequency, 8
+/// amplitude, 16 feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct ActiveLimits(u8);
@@ -20,15 +21,18 @@ impl ActiveLimits {
     pub const FREQUENCY: Self = Self(4);
     /// The amplitude limit holds the command.
     pub const AMPLITUDE: Self = Self(8);
+    /// The surface has receded beyond the amplitude's reach: feed the tool.
+    pub const FEED: Self = Self(16);
     /// Every limit clamps.
-    pub const ALL: Self = Self(15);
+    pub const ALL: Self = Self(31);
 
     /// Each limit with its name.
-    const NAMES: [(Self, &str); 4] = [
+    const NAMES: [(Self, &str); 5] = [
         (Self::FORCE, "force"),
         (Self::TRAVEL, "travel"),
         (Self::FREQUENCY, "frequency"),
         (Self::AMPLITUDE, "amplitude"),
+        (Self::FEED, "feed"),
     ];
 
     /// The number it is written as.
@@ -117,6 +121,7 @@ mod tests {
             ActiveLimits::TRAVEL,
             ActiveLimits::FREQUENCY,
             ActiveLimits::AMPLITUDE,
+            ActiveLimits::FEED,
         ];
         for (bit, limit) in each.into_iter().enumerate() {
             assert_eq!(limit.bits(), 1 << bit);

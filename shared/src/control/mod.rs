@@ -16,18 +16,22 @@
 
 mod basin;
 mod block_health;
-mod climb;
 mod controller;
 mod event;
+mod force;
 mod forecast_cache;
 mod free;
 mod guard;
 mod lifetime;
 mod limits;
+mod lock;
 mod lockstep;
+mod off_watch;
+mod operator;
 mod oscillator;
 mod phase;
 mod plausibility;
+mod probe;
 mod rig_estimate;
 mod sampling;
 mod search;
@@ -61,9 +65,9 @@ pub enum State {
     SelfTest = 1,
     /// Drive on, amplitude rising at the frequency the search starts from.
     Ramp = 2,
-    /// Going to the forecast's target, then climbing on measured force.
+    /// Looking for 1/1, then going to the phase of the forecast's target.
     Seek = 3,
-    /// Holding the maximum.
+    /// Holding that phase.
     Hold = 4,
     /// Amplitude falling, then the drive goes off.
     Stop = 5,
@@ -101,6 +105,10 @@ pub enum Command {
     },
     /// The link in command is alive.
     Alive,
+    /// Somebody at the rig has seen the emergency stop: the board's button. Refused over the link.
+    Acknowledge,
+    /// The older copy of the settings is that of this rig ([`SettingsState::OlderCopy`]).
+    ConfirmSettings,
 }
 
 /// Why a command was refused.
@@ -114,6 +122,12 @@ pub enum Refused {
     StillFaulty,
     /// The settings are out of range.
     BadSettings,
+    /// The settings are not known to be this rig's: send them, or confirm an older copy.
+    SettingsUnknown(SettingsState),
+    /// The emergency stop must be acknowledged at the board first.
+    NotAcknowledged,
+    /// A motor drive runs by hand only: its amplitude is the mechanism's, and no limit could reduce it.
+    ByHandOnly,
 }
 
 /// Which basin of attraction the hammer ended in after it was disturbed.
@@ -182,6 +196,30 @@ pub enum ResetCause {
     BrownOut,
 }
 
+/// Where the settings in use come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SettingsState {
+    /// Somebody sent them for this rig: the newest that are stored, or sent since the start.
+    #[default]
+    Stored,
+    /// Those stored cannot be read; defaults stand in for them.
+    Damaged,
+    /// None were ever stored; defaults stand in for them.
+    Missing,
+    /// The newest that were stored cannot be read; an older copy stands in for them.
+    OlderCopy,
+    /// A model's own: no rig is driven (bench mode, QEMU).
+    Model,
+}
+
+impl SettingsState {
+    /// Whether a rig may be driven with them.
+    pub const fn can_drive(self) -> bool {
+        matches!(self, Self::Stored | Self::Model)
+    }
+}
+
 /// Why and with what the board started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BootInfo {
@@ -189,6 +227,6 @@ pub struct BootInfo {
     pub reset: ResetCause,
     /// The fault record that survived the reset.
     pub record: Option<Record>,
-    /// Whether the stored settings were damaged, and defaults stand in for them.
-    pub settings_corrupt: bool,
+    /// Where the settings come from.
+    pub settings: SettingsState,
 }

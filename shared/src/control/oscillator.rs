@@ -198,4 +198,69 @@ mod tests {
         assert!(oscillator.has_arrived());
         assert_eq!(oscillator.frequency_hz(), 3.0);
     }
+
+    #[test]
+    fn frequency_and_amplitude_move_at_their_rates_and_stop_at_their_goals() {
+        let settings = Settings::for_rig(&WIRES).drive;
+        let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
+        let block_s = 40.0 * TICK_S as f32;
+        let (hz, m) = (
+            settings.frequency_slew_hz_per_s * block_s,
+            settings.amplitude_slew_m_per_s * block_s,
+        );
+        for sign in [1.0, -1.0] {
+            let (from_hz, from_m) = (oscillator.frequency_hz(), oscillator.amplitude_m());
+            oscillator.aim(from_hz + sign * 2.5 * hz);
+            oscillator.aim_amplitude(from_m + sign * 3.5 * m);
+            for (blocks, by_hz, by_m) in [(1, 1.0, 1.0), (2, 2.0, 2.0), (3, 2.5, 3.0)] {
+                assert!(!oscillator.has_arrived());
+                oscillator.slew(40);
+                let moved = (oscillator.frequency_hz() - from_hz) * sign;
+                assert!((moved - by_hz * hz).abs() < 1e-6, "{blocks}: {moved}");
+                let moved = (oscillator.amplitude_m() - from_m) * sign;
+                assert!((moved - by_m * m).abs() < 1e-9, "{blocks}: {moved}");
+                assert_eq!(oscillator.frequency_has_arrived(), blocks == 3);
+            }
+            assert!(!oscillator.has_arrived());
+            oscillator.slew(40);
+            assert!(oscillator.has_arrived());
+            let drive_hz = oscillator.drive().frequency_hz();
+            assert!((drive_hz - f64::from(oscillator.frequency_hz())).abs() < 1e-5);
+        }
+        oscillator.aim_amplitude(1e-3);
+        oscillator.slew(40);
+        oscillator.silence();
+        assert!(oscillator.has_arrived() && oscillator.amplitude_m() == 0.0);
+        oscillator.jump(5.0);
+        assert_eq!(oscillator.frequency_hz(), 5.0);
+        assert!((oscillator.drive().frequency_hz() - 5.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_frequency_that_the_drive_refuses_changes_nothing() {
+        let settings = Settings::for_rig(&WIRES).drive;
+        let mut oscillator = Oscillator::new(&settings, 3.0).unwrap();
+        oscillator.jump(1e6);
+        assert_eq!(oscillator.frequency_hz(), 3.0);
+        assert!(oscillator.has_arrived());
+    }
+
+    #[test]
+    fn set_points_are_the_sine_in_codes_about_the_middle() {
+        let settings = Settings::for_rig(&WIRES).drive;
+        let mut oscillator = Oscillator::new(&settings, 20.0).unwrap();
+        let amplitude_m = 0.5e-3;
+        oscillator.aim_amplitude(amplitude_m);
+        for _ in 0..200 {
+            oscillator.slew(400);
+        }
+        for tick in 1..2_000 {
+            let output = oscillator.next();
+            let sin = libm::sin(core::f64::consts::TAU * 20.0 * TICK_S * f64::from(tick));
+            let codes = f64::from(amplitude_m) * sin / f64::from(settings.m_per_code);
+            let off = f64::from(output.dac.0) - 2048.0 - codes;
+            assert!(off.abs() < 0.51, "{tick}: {output:?} {codes}");
+            assert!(output.enable && output.frequency_hz == 20.0);
+        }
+    }
 }

@@ -104,7 +104,6 @@ impl Start {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seeking {
     pub search: Search,
-    ticks_without_contact: u32,
     ticks_without_one_one: u32,
     /// Drive periods in a row with one contact each.
     one_one_periods: u8,
@@ -114,15 +113,9 @@ impl Seeking {
     pub fn new(search: Search) -> Self {
         Self {
             search,
-            ticks_without_contact: 0,
             ticks_without_one_one: 0,
             one_one_periods: 0,
         }
-    }
-
-    /// A contact has begun.
-    pub fn contact(&mut self) {
-        self.ticks_without_contact = 0;
     }
 
     /// A drive period has ended with this many contacts.
@@ -135,15 +128,6 @@ impl Seeking {
         if self.one_one_periods >= REGAINED_PERIODS {
             self.ticks_without_one_one = 0;
         }
-    }
-
-    /// A block has passed. Whether there was no contact for longer than `limit_s`; time counts only where
-    /// the hammer `must_strike`.
-    pub fn is_without_contact(&mut self, ticks: u32, must_strike: bool, limit_s: f32) -> bool {
-        if must_strike {
-            self.ticks_without_contact = self.ticks_without_contact.saturating_add(ticks);
-        }
-        self.ticks_without_contact > ticks_of(limit_s)
     }
 
     /// A block has passed. Whether there was no 1/1 for longer than `limit_s`.

@@ -13,7 +13,13 @@ const GAP_STEP_M: f64 = 3e-5;
 /// Largest relative standard error of a natural frequency that is used.
 const NATURAL_SIGMA: f32 = 0.003;
 /// Largest standard error of a gap that is used, m.
-const GAP_SIGMA_M: f32 = 1e-5;
+const GAP_SIGMA_M: f32 = 1.5e-5;
+
+/// A gap beyond this many A0 is to be closed by feeding the tool: at 2.7 A0 (2.4 mm on the wires) the best 1/1 lies beside
+/// a swing without contact, and a hammer that has lost the surface does not find it again by itself.
+const FEED_GAP: f64 = 2.5;
+/// The same for a gap that has grown from a large one that was set, A0.
+const FEED_GROWTH: f64 = 0.5;
 
 /// The rig that forecasts are made of, and its online identification.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +44,16 @@ impl RigEstimate {
     /// The rig that forecasts are made of.
     pub fn rig(&self) -> &RigParams {
         &self.believed
+    }
+
+    /// Whether the surface is so far away that the tool is to be fed: the gap has grown beyond what forecasts are made
+    /// for, and beyond what was set.
+    pub fn is_out_of_reach(&self) -> bool {
+        let reach_m = (FEED_GAP * self.set.amplitude_m)
+            .max(self.set.gap_m + FEED_GROWTH * self.set.amplitude_m);
+        self.identification
+            .gap_m()
+            .is_some_and(|gap_m| f64::from(gap_m) > reach_m)
     }
 
     /// A drive period of the search has ended. Once every [`COMPARE_PERIODS`], the rig if it has changed
@@ -108,7 +124,7 @@ mod tests {
             &WIRES,
             &found(
                 Some((1.05 * natural_hz, 0.002 * natural_hz)),
-                Some((2e-4, 9e-6)),
+                Some((2e-4, 14e-6)),
             ),
         );
         let ratio = sure.natural_frequency_hz() / WIRES.natural_frequency_hz();
@@ -119,7 +135,7 @@ mod tests {
             &WIRES,
             &found(
                 Some((1.05 * natural_hz, 0.004 * natural_hz)),
-                Some((2e-4, 11e-6)),
+                Some((2e-4, 16e-6)),
             ),
         );
         assert_eq!(unsure, WIRES);
@@ -130,5 +146,50 @@ mod tests {
         let mut estimate = RigEstimate::new(&Settings::for_rig(&WIRES));
         assert!((0..100).all(|_| estimate.strobe().is_none()));
         assert_eq!(*estimate.rig(), WIRES);
+    }
+
+    #[test]
+    fn a_gap_or_natural_frequency_that_has_moved_far_enough_asks_for_a_new_forecast() {
+        let after = |gap_m: f32, natural: f64| {
+            let mut estimate = RigEstimate::new(&Settings::for_rig(&WIRES));
+            for _ in 0..100 {
+                estimate.identification.pulse(&crate::sense::Pulse {
+                    relative_m: gap_m,
+                    ..Default::default()
+                });
+            }
+            let omega = core::f64::consts::TAU * natural * WIRES.natural_frequency_hz();
+            let (mut x, mut v, h) = (2e-3, 0.0, crate::settings::TICK_S);
+            for k in 0..200_000 {
+                let y = 0.9e-3 * libm::sin(17.0 * h * f64::from(k));
+                v -= h * omega * omega * (x - y);
+                x += h * v;
+                let sample = crate::sense::Sample {
+                    hammer_m: x as f32,
+                    cart_m: y as f32,
+                    ..Default::default()
+                };
+                estimate.identification.flight(&sample, false);
+            }
+            let early = (1..COMPARE_PERIODS).find_map(|_| estimate.strobe().copied());
+            assert_eq!(early, None);
+            let moved = estimate.strobe().copied();
+            // What is believed then needs no other forecast.
+            let again = (0..2 * COMPARE_PERIODS).find_map(|_| estimate.strobe().copied());
+            assert_eq!(again, None);
+            moved.inspect(|rig| assert_eq!(rig, estimate.rig()))
+        };
+        assert_eq!(after(2.5e-5, 1.0), None);
+        assert_eq!(after(-2.5e-5, 1.0), None);
+        let gap = after(3.5e-5, 1.0).unwrap().gap_m;
+        assert!((gap - 3.5e-5).abs() < 1e-9, "{gap}");
+        assert!(after(-3.5e-5, 1.0).is_some());
+        assert_eq!(after(0.0, 1.009), None);
+        assert_eq!(after(0.0, 0.991), None);
+        for factor in [0.985, 1.015] {
+            let hz = after(0.0, factor).unwrap().natural_frequency_hz();
+            let wanted = factor * WIRES.natural_frequency_hz();
+            assert!((hz / wanted - 1.0).abs() < 1e-3, "{hz} {wanted}");
+        }
     }
 }

@@ -2,12 +2,16 @@
 
 use super::controller::Controller;
 use super::event::EventKind;
+use super::guard::Trip;
 use super::phase::Phase;
-use super::search::Step;
+use super::search::{Beat, Step};
 use super::{ActiveLimits, State};
+use crate::fault::{Fault, Origin};
 use crate::io::Frame;
 use crate::sense::{Pulse, Sample, Strobe};
-use crate::settings::DriveKind;
+
+/// Drive periods in a row beyond a limit after which a motor is switched off.
+const BEYOND_PERIODS: u8 = 2;
 
 impl Controller {
     /// One tick's samples.
@@ -17,8 +21,8 @@ impl Controller {
         let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.wanted_amplitude_m();
         let now = self.sensed_drive.now();
         let (sample, trip) = self.guard.check(frame, now, moving, driving);
+        self.watch_the_cart(&sample, driving);
         if let Some(trip) = trip {
-            self.life.faults.condition = Some(trip.fault);
             self.trip(trip);
             return;
         }
@@ -31,6 +35,23 @@ impl Controller {
             }
         }
         self.process(sample, driving);
+    }
+
+    /// The cart must not move with the drive off, and no further than wanted with the drive on.
+    #[inline]
+    fn watch_the_cart(&mut self, sample: &Sample, driving: bool) {
+        let cart_m = sample.cart_m;
+        if driving {
+            self.off_watch.driving();
+            let out_m = libm::fabsf(cart_m - self.sense.cart_offset_m());
+            self.seen.cart_peak_m = self.seen.cart_peak_m.max(out_m);
+        } else if let Some(amplitude_m) = self.off_watch.tick(cart_m, sample.hammer_m - cart_m) {
+            self.trip(Trip {
+                fault: Fault::NotOff,
+                origin: Origin::Cart,
+                value: amplitude_m,
+            });
+        }
     }
 
     /// Passes a tick's samples on to sensing and identification, and acts on what they found.
@@ -60,16 +81,14 @@ impl Controller {
     /// Notes that a contact begins.
     #[inline]
     fn note_contact(&mut self, in_contact: bool) {
-        if in_contact
-            && !self.seen.in_contact
-            && let Some(seeking) = self.life.phase.seeking_mut()
-        {
-            seeking.contact();
+        if in_contact && !self.seen.in_contact {
+            self.seen.ticks_without_contact = 0;
         }
         self.seen.in_contact = in_contact;
     }
 
     fn pulse(&mut self, pulse: &Pulse) {
+        self.seen.onset_turns = pulse.onset_turns;
         self.rig.identification.pulse(pulse);
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
@@ -86,23 +105,15 @@ impl Controller {
         if let Some(basin) = self.seen.basin.strobe(strobe.contacts) {
             self.life.push(EventKind::Basin(basin));
         }
-        let moves_by_itself = matches!(self.life.phase, Phase::Ramp(_) | Phase::Stop);
-        if arrived && !moves_by_itself {
-            let command_m = self.oscillator.amplitude_m();
-            if let Some(trip) = self.plausibility.strobe(strobe, command_m) {
-                self.trip(trip);
-                return;
-            }
-            let closed = self.settings.drive.kind == DriveKind::Shaker;
-            self.trim.strobe(strobe, closed);
-            let amplitude_m = self.trim.command();
-            self.oscillator.aim_amplitude(amplitude_m);
+        if self.follow_the_command(strobe) {
+            return;
         }
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
         seeking.strobe(strobe.contacts);
         self.seek(strobe, arrived);
+        self.make_the_force(strobe);
         if let Some(rig) = self.rig.strobe() {
             let (natural_hz, gap_m) = (rig.natural_frequency_hz() as f32, rig.gap_m as f32);
             self.life.push(EventKind::Identified { natural_hz, gap_m });
@@ -110,19 +121,99 @@ impl Controller {
         }
     }
 
+    /// Judges the cart against its command, and sets the command from it and from the limits: in every state that
+    /// drives, whether frequency and amplitude stand or move. Whether it trips.
+    fn follow_the_command(&mut self, strobe: &Strobe) -> bool {
+        // Amplitude and frequency move evenly: the mean of a period is that of its ends.
+        let now_m = self.oscillator.amplitude_m();
+        let command_m = 0.5 * (now_m + self.seen.command_m);
+        self.seen.command_m = now_m;
+        if self.is_motor() {
+            return self.stop_a_motor_beyond_its_limits(strobe);
+        }
+        let hz = self.oscillator.frequency_hz();
+        let rising = matches!(self.life.phase, Phase::Ramp(_));
+        let ratio = self.rig.identification.hammer_over_cart();
+        let followed = self.plausibility.strobe(strobe, command_m, hz, rising);
+        if let Some(trip) = followed.or_else(|| self.plausibility.ratio(ratio)) {
+            self.trip(trip);
+            return true;
+        }
+        let closed = !self.plausibility.doubts_the_cart();
+        if closed && command_m > 0.9 * self.probe_m() {
+            self.seen.proven = self.seen.proven.saturating_add(1);
+        }
+        self.trim.strobe(strobe, command_m, closed);
+        if !matches!(self.life.phase, Phase::Stop) {
+            self.command_amplitude();
+        }
+        false
+    }
+
+    /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.
+    fn stop_a_motor_beyond_its_limits(&mut self, strobe: &Strobe) -> bool {
+        let limits = &self.settings.limits;
+        let beyond = ActiveLimits::FORCE.when(strobe.peak_n > limits.force_n)
+            | ActiveLimits::TRAVEL.when(strobe.travel_m > limits.travel_m);
+        if beyond.is_empty() {
+            self.seen.beyond = 0;
+            return false;
+        }
+        self.seen.beyond = self.seen.beyond.saturating_add(1);
+        if self.seen.beyond < BEYOND_PERIODS {
+            return false;
+        }
+        self.life.push(EventKind::Limits(beyond));
+        self.change(Phase::Idle);
+        true
+    }
+
+    /// Once per block: a cart that goes further than wanted is met before the drive period is over.
+    pub(super) fn meet_a_surge(&mut self) {
+        let now = self.sensed_drive.now();
+        let half = now.phase >> 31;
+        let command_m = self.oscillator.amplitude_m();
+        let surges = self.trim.surge(self.seen.cart_peak_m, command_m);
+        if surges && !matches!(self.life.phase, Phase::Stop) {
+            let amplitude_m = self.trim.command().min(command_m);
+            self.oscillator.aim_amplitude(amplitude_m);
+        }
+        if surges || half != self.seen.half {
+            self.seen.cart_peak_m = 0.0;
+        }
+        self.seen.half = half;
+    }
+
+    /// Moves the amplitude towards the force wanted, while 1/1 is held at its phase.
+    fn make_the_force(&mut self, strobe: &Strobe) {
+        let resting = self.life.phase.seeking_mut();
+        if strobe.contacts != 1 || !resting.is_some_and(|seeking| seeking.search.is_resting()) {
+            self.force.interrupt();
+            return;
+        }
+        let clamped = !self.trim.limits().is_empty();
+        if self.force.strobe(strobe.peak_n, clamped) {
+            let wanted_m = self.wanted_amplitude_m() * self.force.factor();
+            self.trim.set_wanted_amplitude(wanted_m);
+            self.command_amplitude();
+        }
+    }
+
     /// One drive period of the search.
     fn seek(&mut self, strobe: &Strobe, arrived: bool) {
         let regime = self.sense.measured().regime;
+        let beat = Beat::new(strobe, self.seen.onset_turns, regime);
         let frequency_hz = self.oscillator.frequency_hz();
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
         let search = &mut seeking.search;
-        let step = search.strobe(strobe, regime, frequency_hz, arrived);
+        let step = search.strobe(&beat, frequency_hz, arrived);
         self.oscillator.aim(search.goal_hz());
         let at_bound = search.is_at_bound();
         let seeking = *seeking;
-        self.limits.active = self.trim.limits() | ActiveLimits::FREQUENCY.when(at_bound);
+        let feed = ActiveLimits::FEED.when(self.rig.is_out_of_reach());
+        self.limits.active = self.trim.limits() | ActiveLimits::FREQUENCY.when(at_bound) | feed;
         match step {
             Step::On => {}
             Step::Best {

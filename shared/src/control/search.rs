@@ -1,53 +1,105 @@
 //! Seek and Hold: where the frequency goes.
 //!
-//! Seek goes to a frequency from which a start from rest comes to strike (the entry), follows the 1/1 to
-//! the forecast's target, and climbs from there on measured force. Hold waits at the best frequency and
-//! climbs again, in narrow steps, for as long as it runs. Both stay within the stable band, away from the
-//! doubling and from where the regime was once lost.
+//! Seek goes to a frequency at which a start from rest comes to strike (the entry). As soon as there is one contact per
+//! drive period, the frequency follows the phase of the contacts ([`super::lock`]). Hold is the same with the phase at its
+//! goal; now and then a short climb corrects that goal ([`super::probe`]). Both stay within the stable band of the newest
+//! forecast.
 
-use super::climb::{Advice, Climb, Probe};
+use super::lock::PhaseLock;
+use super::probe::PhaseProbe;
 use crate::forecast::Target;
 use crate::model::regime::Regime;
 use crate::sense::Strobe;
 
 /// Distance kept from the ends of the forecast's stable band, relative.
 const BAND_MARGIN: f32 = 0.03;
-/// Distance kept from a doubling, forecast or met, and from where the regime was lost.
+/// Distance kept from the forecast's doubling, relative.
 const CLEARANCE: f32 = 0.04;
-/// Drive periods at the entry until the hammer must be striking, and at the target until it must be 1/1.
-const SETTLE_PERIODS: u16 = 24;
-/// Drive periods at the best frequency between two climbs of Hold.
-const REST_PERIODS: u16 = 64;
+/// Drive periods with one contact each, in a row, after which the frequency follows their phase.
+const LOCK_PERIODS: u8 = 4;
+/// Drive periods at the entry without that, after which the entry is sought elsewhere.
+const PATIENCE_PERIODS: u8 = 8;
+/// Step of that search, relative, per drive period.
+const WANDER: f32 = 0.015;
+/// Lowest frequency of that search, relative to the forecast's entry.
+const LOWEST_ENTRY: f32 = 0.7;
+/// Weight of a drive period in the mean number of contacts per period.
+const RATE_WEIGHT: f32 = 0.125;
+/// Contacts per period above which the entry lies too low (chatter), and hence below which it lies too high.
+const CROWDED: f32 = 1.3;
+/// Largest phase error of a contact in Hold's reach, turns (3°).
+const NEAR_TURNS: f32 = 3.0 / 360.0;
+/// Contacts in a row that near, or at a bound, after which the optimum is found.
+const FOUND_PERIODS: u8 = 6;
+/// Drive periods from Hold to the first climb, and between two.
+const FIRST_CLIMB: u16 = 96;
+const CLIMB_EVERY: u16 = 1024;
 /// A drive period without exactly one contact adds this; one with, takes one off.
 const BAD_WEIGHT: u8 = 2;
+/// A loss within so many good drive periods of the one before is no accident: the phase retreats.
+const AGAIN_PERIODS: u8 = 48;
 /// At this the regime is lost: eight bad periods in a row, or more bad ones than a third.
 const LOST_AT: u8 = 16;
-/// A climb that moves less than this many steps has found the top.
-const FOUND_STEPS: f32 = 0.5;
 /// Drive periods a doubling must be seen before it is believed: noise alternates for a while, too.
 const DOUBLED_PERIODS: u8 = 16;
-/// Most climbs in Seek: an optimum that keeps moving is followed in Hold.
-const MAX_CLIMBS: u8 = 6;
 
 /// The phases of the search.
 #[derive(Clone, Copy, Debug)]
 enum SearchLeg {
-    /// On the way to the entry, or waiting there for the hammer to strike.
-    Entry { periods: u16 },
-    /// On the way to the target, or settling there.
-    Target { periods: u16 },
-    /// Climbing.
-    Climb(Climb),
-    /// Waiting at the best frequency.
+    /// On the way to the entry, or waiting there for 1/1.
+    Entry {
+        periods: u8,
+        one_one: u8,
+        /// Mean number of contacts per period.
+        rate: f32,
+    },
+    /// The frequency follows the phase.
+    Locked { near: u8 },
+    /// Holding, with so many drive periods to go until the next climb.
     Rest { periods: u16 },
+    /// Holding, and climbing.
+    Climb(PhaseProbe),
 }
 
-/// The effect of a strobe on the search.
+impl SearchLeg {
+    const ENTRY: Self = Self::Entry {
+        periods: 0,
+        one_one: 0,
+        rate: 1.0,
+    };
+}
+
+/// What a drive period has shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beat {
+    /// Contacts that began in it.
+    pub contacts: u16,
+    /// Impulse of its contacts, N·s.
+    pub impulse_n_s: f32,
+    /// Phase of the last onset against the measured motion of the cart, turns.
+    pub phase_turns: f32,
+    /// The measured regime.
+    pub regime: Regime,
+}
+
+impl Beat {
+    /// Of a strobe, the drive phase of the last onset, and the regime.
+    pub fn new(strobe: &Strobe, onset_turns: f32, regime: Regime) -> Self {
+        Self {
+            contacts: strobe.contacts,
+            impulse_n_s: strobe.impulse_n_s,
+            phase_turns: onset_turns - strobe.lag_rad * (0.5 * core::f32::consts::FRAC_1_PI),
+            regime,
+        }
+    }
+}
+
+/// The effect of a drive period on the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// Nothing to report.
     On,
-    /// A climb has ended at this best frequency, Hz, with this impulse, N·s.
+    /// The best frequency is found (`found`: Seek is over with it) or corrected by a climb.
     Best {
         /// Frequency, Hz.
         frequency_hz: f32,
@@ -58,7 +110,7 @@ pub enum Step {
     },
     /// 1/1 is lost and sought again from the entry.
     Lost,
-    /// The period doubled at this frequency, Hz: the search keeps away from it.
+    /// The period doubled at this frequency, Hz: the search retreats from it.
     Doubling(f32),
 }
 
@@ -66,38 +118,32 @@ pub enum Step {
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     leg: SearchLeg,
-    holding: bool,
+    lock: PhaseLock,
     entry_hz: f32,
-    best_hz: f32,
     floor_hz: f32,
     ceiling_hz: f32,
-    /// Bounds met while searching, beside the forecast ones.
-    met_ceiling_hz: f32,
-    met_floor_hz: f32,
+    range_hz: (f32, f32),
     goal_hz: f32,
     bad: u8,
-    lost_at_rest: u8,
     doubled: u8,
-    climbs: u8,
+    /// Drive periods with one contact since 1/1 was lost last.
+    good: u8,
 }
 
 impl Search {
-    /// A search for `target` between the limits `range_hz`.
-    pub fn new(target: &Target, range_hz: (f32, f32)) -> Self {
+    /// A search for `target` between the limits `range_hz`; `power`: for the most impact power.
+    pub fn new(target: &Target, range_hz: (f32, f32), power: bool) -> Self {
         let mut search = Self {
-            leg: SearchLeg::Entry { periods: 0 },
-            holding: false,
+            leg: SearchLeg::ENTRY,
+            lock: PhaseLock::new(target.orbit.onset_turns, power),
             entry_hz: target.entry_hz,
-            best_hz: target.frequency_hz,
             floor_hz: range_hz.0,
             ceiling_hz: range_hz.1,
-            met_ceiling_hz: range_hz.1,
-            met_floor_hz: range_hz.0,
+            range_hz,
             goal_hz: target.entry_hz,
             bad: 0,
-            lost_at_rest: 0,
             doubled: 0,
-            climbs: 0,
+            good: u8::MAX,
         };
         search.set_bounds(target, range_hz);
         search.goal_hz = search.entry_hz;
@@ -109,32 +155,22 @@ impl Search {
         self.goal_hz
     }
 
+    /// Whether the frequency follows the phase and has found it.
+    pub fn is_resting(&self) -> bool {
+        matches!(self.leg, SearchLeg::Rest { .. })
+    }
+
     /// Whether a bound holds the goal.
     pub fn is_at_bound(&self) -> bool {
         self.goal_hz <= self.floor_hz || self.goal_hz >= self.ceiling_hz
     }
 
-    /// A new forecast: sets the bounds anew. While seeking, the search goes to the new target, unless it climbs
-    /// near it already.
+    /// A new forecast: its phase, band and entry count from now on.
     pub fn retarget(&mut self, target: &Target, range_hz: (f32, f32)) {
+        self.lock.retarget(target.orbit.onset_turns);
         self.set_bounds(target, range_hz);
-        if self.holding {
-            self.best_hz = self.within_bounds(self.best_hz);
-            return;
-        }
-        let target_hz = self.within_bounds(target.frequency_hz);
-        let near = libm::fabsf(target_hz - self.best_hz) <= Probe::SEEK.step * target_hz;
-        match self.leg {
-            SearchLeg::Climb(_) if near => {}
-            SearchLeg::Entry { .. } => {
-                self.best_hz = target_hz;
-                self.goal_hz = self.entry_hz;
-            }
-            _ => {
-                self.best_hz = target_hz;
-                self.leg = SearchLeg::Target { periods: 0 };
-                self.goal_hz = target_hz;
-            }
+        if matches!(self.leg, SearchLeg::Entry { .. }) {
+            self.enter();
         }
     }
 
@@ -144,205 +180,146 @@ impl Search {
             Some(hz) => hz * (1.0 - CLEARANCE),
             None => high * (1.0 - BAND_MARGIN),
         };
+        self.range_hz = range_hz;
         self.floor_hz = (low * (1.0 + BAND_MARGIN)).max(range_hz.0);
         self.ceiling_hz = top.min(range_hz.1).max(self.floor_hz);
         self.entry_hz = target.entry_hz.max(range_hz.0).min(range_hz.1);
-        self.best_hz = self.within_bounds(self.best_hz);
     }
 
-    /// `hz` within the forecast bounds and those met.
-    fn within_bounds(&self, hz: f32) -> f32 {
-        let floor = self.floor_hz.max(self.met_floor_hz);
-        let ceiling = self.ceiling_hz.min(self.met_ceiling_hz).max(floor);
-        hz.max(floor).min(ceiling)
+    fn enter(&mut self) {
+        self.leg = SearchLeg::ENTRY;
+        self.goal_hz = self.entry_hz;
     }
 
-    /// A drive period has ended at `frequency_hz`; `arrived`: at the goal frequency and amplitude.
-    pub fn strobe(
-        &mut self,
-        strobe: &Strobe,
-        regime: Regime,
-        frequency_hz: f32,
-        arrived: bool,
-    ) -> Step {
-        let good = strobe.contacts == 1;
-        let watched = !matches!(self.leg, SearchLeg::Entry { .. });
-        if watched {
-            self.bad = if good {
-                self.bad.saturating_sub(1)
-            } else {
-                self.bad.saturating_add(BAD_WEIGHT)
-            };
-            if self.bad >= LOST_AT {
-                return self.mark_lost(frequency_hz);
-            }
-        }
-        if !arrived {
+    /// A drive period has ended at `frequency_hz`; `arrived`: at the goal frequency.
+    pub fn strobe(&mut self, beat: &Beat, frequency_hz: f32, arrived: bool) -> Step {
+        if let SearchLeg::Entry {
+            periods,
+            one_one,
+            rate,
+        } = self.leg
+        {
+            self.at_entry(beat, arrived, (periods, one_one, rate));
             return Step::On;
         }
-        if watched && let Some(step) = self.doubled(regime) {
-            return step;
+        let good = beat.contacts == 1;
+        self.bad = if good {
+            self.bad.saturating_sub(1)
+        } else {
+            self.bad.saturating_add(BAD_WEIGHT)
+        };
+        if self.bad >= LOST_AT {
+            return self.mark_lost();
         }
-        match self.leg {
-            SearchLeg::Entry { periods } => self.at_entry(periods, strobe.contacts),
-            SearchLeg::Target { periods } => self.at_target(periods),
-            SearchLeg::Climb(climb) => self.climb(climb, strobe, good),
-            SearchLeg::Rest { periods } => {
-                self.leg = if periods < REST_PERIODS {
-                    SearchLeg::Rest {
-                        periods: periods + 1,
-                    }
-                } else {
-                    self.lost_at_rest = 0;
-                    self.start_climb()
-                };
-                Step::On
-            }
+        if !good {
+            return Step::On;
         }
+        self.lock.pass();
+        self.good = self.good.saturating_add(1);
+        if self.has_doubled(beat.regime) {
+            self.lock.retreat();
+            return Step::Doubling(frequency_hz);
+        }
+        self.follow(beat, frequency_hz)
     }
 
-    fn at_entry(&mut self, periods: u16, contacts: u16) -> Step {
-        // Counts striking periods up, others down to none.
-        let periods = if contacts > 0 {
-            periods + 1
-        } else {
-            periods.saturating_sub(1)
-        };
-        self.leg = SearchLeg::Entry { periods };
-        if periods >= SETTLE_PERIODS {
+    fn at_entry(&mut self, beat: &Beat, arrived: bool, (periods, one_one, rate): (u8, u8, f32)) {
+        let one_one = if beat.contacts == 1 { one_one + 1 } else { 0 };
+        if one_one >= LOCK_PERIODS {
             self.bad = 0;
-            self.leg = SearchLeg::Target { periods: 0 };
-            self.goal_hz = self.best_hz;
+            self.doubled = 0;
+            self.leg = SearchLeg::Locked { near: 0 };
+            return;
         }
-        Step::On
-    }
-
-    fn at_target(&mut self, periods: u16) -> Step {
-        if periods < SETTLE_PERIODS {
-            self.leg = SearchLeg::Target {
-                periods: periods + 1,
-            };
-        } else {
-            self.climbs = 0;
-            self.leg = self.start_climb();
-        }
-        Step::On
-    }
-
-    fn climb(&mut self, mut climb: Climb, strobe: &Strobe, good: bool) -> Step {
-        // Only periods with one contact count: others would bend the parabola.
-        let advice = if good {
-            climb.strobe(strobe.impulse_n_s)
-        } else {
-            Advice::Stay
+        let rate = rate + RATE_WEIGHT * (f32::from(beat.contacts) - rate);
+        let patient = periods < PATIENCE_PERIODS;
+        self.leg = SearchLeg::Entry {
+            periods: periods.saturating_add(u8::from(patient && arrived)),
+            one_one,
+            rate,
         };
-        self.leg = SearchLeg::Climb(climb);
-        match advice {
-            Advice::Stay => Step::On,
-            Advice::Go(hz) => {
-                self.goal_hz = hz;
-                Step::On
+        if patient || !arrived {
+            return;
+        }
+        // Chatter lies below 1/1, contacts in fewer periods than all above it.
+        let step = if rate > CROWDED { WANDER } else { -WANDER };
+        self.goal_hz *= 1.0 + step;
+        let lowest = self.range_hz.0.max(LOWEST_ENTRY * self.entry_hz);
+        if self.goal_hz < lowest || self.goal_hz > self.range_hz.1 {
+            self.enter();
+        }
+    }
+
+    /// A contact of 1/1 whose phase corrects the frequency.
+    fn follow(&mut self, beat: &Beat, frequency_hz: f32) -> Step {
+        let mut step = Step::On;
+        let best = |found| Step::Best {
+            frequency_hz,
+            impulse_n_s: beat.impulse_n_s,
+            found,
+        };
+        let (mut offset, at_bound) = (0.0, self.is_at_bound());
+        match &mut self.leg {
+            SearchLeg::Climb(probe) => {
+                offset = probe.offset_turns();
+                if let Some(distance) = probe.strobe(beat.impulse_n_s) {
+                    self.lock.correct(distance);
+                    self.leg = SearchLeg::Rest {
+                        periods: CLIMB_EVERY,
+                    };
+                    step = best(false);
+                }
             }
-            Advice::Top {
-                frequency_hz,
-                moved,
-                impulse_n_s,
-            } => self.finish_climb(frequency_hz, moved, impulse_n_s),
+            // At a bound there is nothing to climb.
+            SearchLeg::Rest { periods: 0 } if !at_bound => {
+                self.leg = SearchLeg::Climb(PhaseProbe::default());
+            }
+            SearchLeg::Rest { periods } => *periods = periods.saturating_sub(1),
+            SearchLeg::Locked { .. } | SearchLeg::Entry { .. } => {}
         }
+        let error = self.lock.error_turns(beat.phase_turns, offset);
+        let hz = PhaseLock::next_hz(frequency_hz, error);
+        if hz.is_finite() {
+            self.goal_hz = hz.max(self.floor_hz).min(self.ceiling_hz);
+        }
+        let is_near = libm::fabsf(error) < NEAR_TURNS || self.is_at_bound();
+        if let SearchLeg::Locked { near } = &mut self.leg {
+            *near = if is_near { *near + 1 } else { 0 };
+            if *near >= FOUND_PERIODS {
+                self.leg = SearchLeg::Rest {
+                    periods: FIRST_CLIMB,
+                };
+                step = best(true);
+            }
+        }
+        step
     }
 
-    fn finish_climb(&mut self, frequency_hz: f32, moved: f32, impulse_n_s: f32) -> Step {
-        let top_hz = self.within_bounds(frequency_hz);
-        let held = libm::fabsf(top_hz - self.best_hz) < FOUND_STEPS * Probe::SEEK.step * top_hz;
-        self.best_hz = top_hz;
-        self.goal_hz = top_hz;
-        self.climbs = self.climbs.saturating_add(1);
-        let found = libm::fabsf(moved) < FOUND_STEPS || held || self.climbs >= MAX_CLIMBS;
-        if self.holding || found {
-            let first = !self.holding;
-            self.holding = true;
-            self.leg = SearchLeg::Rest { periods: 0 };
-            return Step::Best {
-                frequency_hz: top_hz,
-                impulse_n_s,
-                found: first,
-            };
-        }
-        self.leg = self.start_climb();
-        Step::Best {
-            frequency_hz: top_hz,
-            impulse_n_s,
-            found: false,
-        }
-    }
-
-    /// A climb about the best frequency, moved so that all three of its points are clear.
-    fn start_climb(&mut self) -> SearchLeg {
-        let probe = if self.holding {
-            Probe::HOLD
-        } else {
-            Probe::SEEK
-        };
-        let lowest = self.within_bounds(0.0);
-        let highest = self.within_bounds(f32::MAX);
-        let middle = self
-            .best_hz
-            .min(highest / (1.0 + probe.step))
-            .max(lowest / (1.0 - probe.step));
-        let climb = Climb::new(probe, middle);
-        self.goal_hz = climb.frequency_hz();
-        SearchLeg::Climb(climb)
-    }
-
-    fn doubled(&mut self, regime: Regime) -> Option<Step> {
+    fn has_doubled(&mut self, regime: Regime) -> bool {
         let doubled = match regime {
             Regime::Periodic { impacts, periods } => {
                 periods >= 2 && periods % 2 == 0 && impacts == u16::from(periods)
             }
             _ => false,
         };
-        self.doubled = if doubled {
-            self.doubled.saturating_add(1)
-        } else {
-            0
-        };
-        if self.doubled < DOUBLED_PERIODS {
-            return None;
+        self.doubled = if doubled { self.doubled + 1 } else { 0 };
+        let believed = self.doubled >= DOUBLED_PERIODS;
+        if believed {
+            self.doubled = 0;
         }
-        self.doubled = 0;
-        let seen_hz = self.goal_hz;
-        if seen_hz >= self.best_hz {
-            self.met_ceiling_hz = seen_hz * (1.0 - CLEARANCE);
-        } else {
-            self.met_floor_hz = seen_hz * (1.0 + CLEARANCE);
-        }
-        self.best_hz = self.within_bounds(self.best_hz);
-        self.goal_hz = self.best_hz;
-        self.leg = SearchLeg::Target { periods: 0 };
-        Some(Step::Doubling(seen_hz))
+        believed
     }
 
-    fn mark_lost(&mut self, lost_hz: f32) -> Step {
-        // Lost away from the best frequency: the edge lies on that side. Lost at it twice in a row: the same.
-        // On the way from the entry, the edge lies ahead.
-        let at_rest = matches!(self.leg, SearchLeg::Rest { .. });
-        if at_rest {
-            self.lost_at_rest = self.lost_at_rest.saturating_add(1);
+    fn mark_lost(&mut self) -> Step {
+        if self.good < AGAIN_PERIODS {
+            self.lock.retreat();
         }
-        if !at_rest || self.lost_at_rest > 1 {
-            let on_the_way_up =
-                matches!(self.leg, SearchLeg::Target { .. }) && self.entry_hz <= self.best_hz;
-            if on_the_way_up || lost_hz >= self.best_hz {
-                self.met_ceiling_hz = self.met_ceiling_hz.min(lost_hz * (1.0 - CLEARANCE));
-            } else {
-                self.met_floor_hz = self.met_floor_hz.max(lost_hz * (1.0 + CLEARANCE));
-            }
-        }
-        self.best_hz = self.within_bounds(self.best_hz);
+        self.good = 0;
         self.bad = 0;
-        self.holding = false;
-        self.leg = SearchLeg::Entry { periods: 0 };
-        self.goal_hz = self.entry_hz;
+        self.enter();
         Step::Lost
     }
 }
+
+#[cfg(test)]
+mod tests;

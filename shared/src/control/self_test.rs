@@ -25,6 +25,8 @@ pub struct Zero {
     pub force_n: f32,
     /// Hammer relative to the cart at rest, m; none if it would not come to rest.
     pub relative_m: Option<f32>,
+    /// The cart with the drive off, m.
+    pub cart_m: f32,
     /// Whether the force sensor's code varied with the hammer at rest.
     pub force_is_live: bool,
 }
@@ -40,6 +42,7 @@ pub struct SelfTest {
     first: Sample,
     force_sum: f32,
     relative_sum: f32,
+    cart_sum: f32,
     relative_squares: f32,
     codes: (AdcCode, AdcCode),
 }
@@ -58,6 +61,7 @@ impl SelfTest {
             first: Sample::default(),
             force_sum: 0.0,
             relative_sum: 0.0,
+            cart_sum: 0.0,
             relative_squares: 0.0,
             codes: (AdcCode(u16::MAX), AdcCode(0)),
         }
@@ -70,6 +74,7 @@ impl SelfTest {
             self.first = *sample;
             self.force_sum = 0.0;
             self.relative_sum = 0.0;
+            self.cart_sum = 0.0;
             self.relative_squares = 0.0;
             self.codes = (AdcCode(u16::MAX), AdcCode(0));
         }
@@ -78,6 +83,7 @@ impl SelfTest {
         self.force_sum += sample.force_n - self.first.force_n;
         self.relative_sum += relative;
         self.relative_squares += relative * relative;
+        self.cart_sum += sample.cart_m - self.first.cart_m;
         self.codes.0 = self.codes.0.min(frame.force);
         self.codes.1 = self.codes.1.max(frame.force);
         self.ticks += 1;
@@ -94,10 +100,11 @@ impl SelfTest {
         }
         let force_n = self.first.force_n + self.force_sum * share;
         let relative_m = self.first.hammer_m - self.first.cart_m + mean;
-        Some(self.judge(force_n, at_rest.then_some(relative_m)))
+        let cart_m = self.first.cart_m + self.cart_sum * share;
+        Some(self.judge(force_n, at_rest.then_some(relative_m), cart_m))
     }
 
-    fn judge(&self, force_n: f32, relative_m: Option<f32>) -> Result<Zero, Trip> {
+    fn judge(&self, force_n: f32, relative_m: Option<f32>, cart_m: f32) -> Result<Zero, Trip> {
         let out_of_family = |origin, value| Trip {
             fault: Fault::SensorOutOfFamily,
             origin,
@@ -113,6 +120,7 @@ impl SelfTest {
             _ => Ok(Zero {
                 force_n,
                 relative_m,
+                cart_m,
                 // A swinging hammer may strike; that is not noise.
                 force_is_live: relative_m.is_some() && self.codes.0 != self.codes.1,
             }),

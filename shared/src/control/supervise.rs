@@ -4,14 +4,21 @@ use super::basin::BasinTracker;
 use super::block_health::BlockHealth;
 use super::controller::Controller;
 use super::event::EventKind;
+use super::force::ForceLoop;
 use super::guard::Trip;
 use super::lifetime::Remote;
 use super::phase::{Phase, Seeking, Start};
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
-use super::{ActiveLimits, Mode, Refused, State};
+use super::{ActiveLimits, Mode, Refused, SettingsState, State};
 use crate::fault::{Fault, Record};
+use crate::settings::{DriveKind, ticks_of};
+
+/// Amplitude of the active part of the self test, in units of A0.
+const PROBE: f32 = 0.2;
+/// Drive periods in which the cart must be seen to follow it.
+const PROOFS: u8 = 2;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -23,9 +30,11 @@ impl Controller {
         if self.life.phase.is_driving() && self.life.remote.is_lost(timeout_s) {
             self.trip(Trip::system(Fault::LinkTimeout, timeout_s));
         }
+        self.check_contact(ticks);
+        let probing = self.is_probing();
         match &mut self.life.phase {
             Phase::SelfTest(start) => start.pass(ticks),
-            Phase::Ramp(search) if self.oscillator.has_arrived() => {
+            Phase::Ramp(search) if !probing && self.oscillator.has_arrived() => {
                 let next = match *search {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,
@@ -36,9 +45,13 @@ impl Controller {
             Phase::Stop if self.oscillator.amplitude_m() <= 0.0 => self.change(Phase::Idle),
             _ => {}
         }
+        if self.life.phase.is_driving() {
+            self.meet_a_surge();
+        }
         self.limits.active = match self.state() {
-            State::Seek | State::Hold | State::Manual => {
-                (self.limits.active & ActiveLimits::FREQUENCY) | self.trim.limits()
+            State::Ramp | State::Seek | State::Hold | State::Manual => {
+                let kept = ActiveLimits::FREQUENCY | ActiveLimits::FEED;
+                (self.limits.active & kept) | self.trim.limits()
             }
             _ => ActiveLimits::NONE,
         };
@@ -47,24 +60,40 @@ impl Controller {
         }
     }
 
-    /// Trips when the search has been without contact, or without 1/1, for too long.
+    /// Trips when there has been no contact for too long where the hammer must strike, by itself or by hand.
+    fn check_contact(&mut self, ticks: u32) {
+        if !self.life.phase.is_driving() || self.life.is_in(State::Stop) {
+            return;
+        }
+        let measured_m = self.seen.strobe.map_or(0.0, |strobe| strobe.amplitude_m);
+        let hz = self.oscillator.frequency_hz();
+        // A contact is sure to be detected from twice the force at which it begins.
+        let least_n = 2.0 * self.settings.detection.on_n;
+        if self.forecast.must_strike_at(hz, measured_m, least_n) {
+            let passed = self.seen.ticks_without_contact.saturating_add(ticks);
+            self.seen.ticks_without_contact = passed;
+        }
+        let limit_s = self.settings.trips.no_contact_s;
+        if self.seen.ticks_without_contact > ticks_of(limit_s) {
+            self.trip(Trip::system(Fault::NoContact, limit_s));
+        }
+    }
+
+    /// Trips when the search has been without 1/1 for too long.
     fn check_search(&mut self, ticks: u32) {
-        let trips = self.settings.trips;
-        let must_strike = self.forecast.must_strike_at(self.oscillator.frequency_hz());
+        let limit_s = self.settings.trips.regime_lost_s;
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
-        if seeking.is_without_contact(ticks, must_strike, trips.no_contact_s) {
-            self.trip(Trip::system(Fault::NoContact, trips.no_contact_s));
-        } else if seeking.is_without_one_one(ticks, trips.regime_lost_s) {
-            self.trip(Trip::system(Fault::RegimeLost, trips.regime_lost_s));
+        if seeking.is_without_one_one(ticks, limit_s) {
+            self.trip(Trip::system(Fault::RegimeLost, limit_s));
         }
     }
 
     /// The self test has found the zeros: the ramp begins, or the self test goes on until there is a forecast.
     pub(super) fn finish_self_test(&mut self, zero: Zero) {
         let rest_m = zero.relative_m.unwrap_or(0.0);
-        self.sense.set_zero(zero.force_n, rest_m);
+        self.sense.set_zero(zero.force_n, rest_m, zero.cart_m);
         self.guard.set_force_is_live(zero.force_is_live);
         let Phase::SelfTest(start) = &mut self.life.phase else {
             return;
@@ -82,28 +111,77 @@ impl Controller {
                     self.change(Phase::Idle);
                     return;
                 };
-                Some(Search::new(&target, self.range_hz()))
+                Some(Search::new(
+                    &target,
+                    self.range_hz(),
+                    self.settings.aim.power,
+                ))
             }
         };
         self.guard.restart(self.sensed_drive.now());
         self.plausibility.restart();
+        self.seen.command_m = 0.0;
+        self.seen.ticks_without_contact = 0;
+        self.seen.cart_peak_m = 0.0;
         self.trim = Trim::new(&self.settings);
         if let Some(search) = &search {
             self.oscillator.jump(search.goal_hz());
-            self.trim.expect(self.forecast.target_point().1);
+            let (_, force_n) = self.forecast.target_point();
+            self.force = ForceLoop::of(&self.settings);
+            self.force.expect(force_n);
+            let wanted_m = self.wanted_amplitude_m() * self.force.factor();
+            self.trim.set_wanted_amplitude(wanted_m);
+            self.trim.expect(force_n * self.force.factor());
         }
-        let amplitude_m = self.trim.command();
-        self.oscillator.aim_amplitude(amplitude_m);
+        self.seen.proven = 0;
         self.change(Phase::Ramp(search));
+        self.command_amplitude();
+    }
+
+    /// Whether the drive is a motor's.
+    pub(super) fn is_motor(&self) -> bool {
+        self.settings.drive.kind == DriveKind::Motor
+    }
+
+    /// The active part of the self test, at the beginning of the ramp: whether the motion is still kept small, until
+    /// the cart is seen to follow it in sense and size.
+    pub(super) fn is_probing(&mut self) -> bool {
+        let is_shaker = !self.is_motor();
+        matches!(self.life.phase, Phase::Ramp(_))
+            && is_shaker
+            && self.seen.proven < PROOFS
+            && self.trim.command() > self.probe_m()
+    }
+
+    /// Amplitude of the active part of the self test, m.
+    pub(super) fn probe_m(&self) -> f32 {
+        PROBE * self.wanted_amplitude_m()
+    }
+
+    /// Sets the goal of the amplitude: what loop and limits allow, and little before the sensors are proven.
+    pub(super) fn command_amplitude(&mut self) {
+        let wanted_m = self.trim.command();
+        let goal_m = if self.is_probing() {
+            wanted_m.min(self.probe_m())
+        } else {
+            wanted_m
+        };
+        self.oscillator.aim_amplitude(goal_m);
     }
 
     pub(super) fn start(&mut self, mode: Mode) -> Result<(), Refused> {
+        self.settings_are_known()?;
         if !self.life.is_in(State::Idle) {
             return Err(Refused::WrongState);
         }
-        // A computer that steers says so after the start.
-        self.life.remote = Remote::default();
+        if self.is_motor() && mode == Mode::Automatic {
+            return Err(Refused::ByHandOnly);
+        }
+        // By hand, a computer that steers says so after the start.
+        self.life.remote = Remote::expected(self.settings.operator.heartbeat);
         self.seen.basin = BasinTracker::NEW;
+        // A goal of the last run is none of this one.
+        self.oscillator.aim(self.oscillator.frequency_hz());
         self.sense.reset();
         self.rig.identification.reset();
         self.change(Phase::SelfTest(Start::new(mode, &self.settings)));
@@ -116,6 +194,8 @@ impl Controller {
             State::Fault => return Err(Refused::WrongState),
             State::Idle | State::Stop => {}
             State::SelfTest => self.change(Phase::Idle),
+            // There is no amplitude to ramp down.
+            _ if self.is_motor() => self.change(Phase::Idle),
             _ => {
                 self.oscillator.aim(self.oscillator.frequency_hz());
                 self.oscillator.aim_amplitude(0.0);
@@ -128,6 +208,10 @@ impl Controller {
     pub(super) fn clear_fault(&mut self) -> Result<(), Refused> {
         if !self.life.is_in(State::Fault) {
             return Err(Refused::WrongState);
+        }
+        self.settings_are_known()?;
+        if self.life.operator.is_awaited() {
+            return Err(Refused::NotAcknowledged);
         }
         if !self.life.faults.can_be_cleared() {
             return Err(Refused::StillFaulty);
@@ -149,32 +233,60 @@ impl Controller {
         self.oscillator.aim(clamped_hz);
         self.trim
             .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
-        let amplitude_m = self.trim.command();
-        self.oscillator.aim_amplitude(amplitude_m);
+        self.command_amplitude();
         Ok(())
     }
 
     pub(super) fn alive(&mut self) {
         self.life.remote.alive();
-        if self.life.is_in(State::Fault) && self.life.faults.is(Fault::LinkTimeout) {
+        if self.life.is_in(State::Fault) && self.life.faults.ends_with_the_link() {
             self.clear();
         }
     }
 
+    /// Refuses whatever needs settings that are known to be this rig's.
+    fn settings_are_known(&self) -> Result<(), Refused> {
+        let state = self.life.operator.settings;
+        if state.can_drive() {
+            Ok(())
+        } else {
+            Err(Refused::SettingsUnknown(state))
+        }
+    }
+
+    /// The older copy of the settings is that of this rig.
+    pub(super) fn confirm_settings(&mut self) -> Result<(), Refused> {
+        if self.life.operator.settings != SettingsState::OlderCopy {
+            return Err(Refused::WrongState);
+        }
+        self.settings_came();
+        Ok(())
+    }
+
+    /// The settings in use are this rig's.
+    pub(super) fn settings_came(&mut self) {
+        self.life.operator.settings = SettingsState::Stored;
+        self.life.faults.settings_replaced();
+    }
+
     fn clear(&mut self) {
-        self.life.faults.record = None;
+        self.life.faults.clear();
         self.blocks = BlockHealth::default();
         self.life.push(EventKind::Cleared);
         self.change(Phase::Idle);
     }
 
-    /// Switches the drive off; records the fault only then.
+    /// Switches the drive off; records the fault only then. In Fault, the fault joins the episode: the episode
+    /// latches if any of its faults does.
     pub(super) fn trip(&mut self, trip: Trip) {
-        self.life.faults.condition = Some(trip.fault);
-        if self.life.is_in(State::Fault) {
-            return;
+        if trip.fault == Fault::EmergencyStop {
+            let required = self.settings.operator.acknowledge;
+            self.life.operator.emergency(self.life.tick, required);
         }
-        self.oscillator.silence();
+        self.life.faults.stands(trip.fault);
+        if !self.life.is_in(State::Fault) {
+            self.oscillator.silence();
+        }
         self.note(trip);
         self.change(Phase::Fault);
     }
@@ -185,15 +297,17 @@ impl Controller {
             origin,
             value,
         } = trip;
-        let record = Record {
-            fault,
-            origin,
-            tick: self.life.tick,
-            value,
-            frequency_hz: self.oscillator.frequency_hz(),
-        };
-        self.life.faults.record = Some(record);
-        self.life.push(EventKind::Fault(record));
+        let hz = self.oscillator.frequency_hz();
+        let record = Record::new(fault, origin, self.life.tick, value, hz);
+        if self.life.faults.add(record) {
+            let episode = self
+                .life
+                .faults
+                .record
+                .map_or(record.episode, |r| r.episode);
+            self.life
+                .push(EventKind::Fault(Record { episode, ..record }));
+        }
     }
 
     pub(super) fn change(&mut self, to: Phase) {

@@ -1,6 +1,8 @@
 //! The amplitude loop, and the limits that reduce the amplitude.
 //!
-//! Limits clamp and are reported; they are no faults. The loop works once per drive period.
+//! Limits clamp and are reported; they are no faults. Loop and limits work once per drive period, in every state
+//! that drives and while frequency and amplitude move. A cart that moves further than wanted, as with a
+//! resonance of the shaker, is met within half a drive period: [`Trim::surge`].
 
 use super::limits::ActiveLimits;
 use crate::sense::Strobe;
@@ -8,10 +10,24 @@ use crate::settings::Settings;
 
 /// Share of the amplitude error corrected per drive period.
 const GAIN: f32 = 0.2;
-/// How far the loop may move the command from the amplitude wanted, either way.
-const RANGE: (f32, f32) = (0.6, 1.6);
+/// How far the loop may move the command from the amplitude wanted: little upwards, since a cart that seems to
+/// move less may be a sensor that reads less; far downwards, for a resonance of the shaker.
+const RANGE: (f32, f32) = (0.05, 1.3);
+/// Measured over wanted amplitude, above which the whole error is corrected at once.
+const EXCESS: f32 = 1.1;
+/// A cart further out than this times the amplitude wanted is a surge.
+const SURGE: f32 = 1.25;
+/// What a surge is answered with, as a share of the command that would make the wanted amplitude: the motion still
+/// grows.
+const SURGE_ANSWER: f32 = 0.7;
+/// A mean command below this share of the wanted amplitude says nothing of the response.
+const LEAST_COMMAND: f32 = 0.2;
 /// Drive periods between two reductions: the hammer needs some to respond.
 const ANSWER_PERIODS: u8 = 4;
+/// The same where a limit is exceeded by more than a tenth.
+const URGENT_PERIODS: u8 = 1;
+/// Least share of the wanted amplitude that the limits leave.
+const LEAST_DRAW: f32 = 0.05;
 /// Factor by which a reduced amplitude recovers per drive period.
 const RELEASE: f32 = 1.01;
 
@@ -55,7 +71,7 @@ impl Trim {
     /// reduced accordingly (the force of a 1/1 at no gap is proportional to the amplitude).
     pub fn expect(&mut self, force_n: f32) {
         if force_n > self.force_n {
-            self.draw = (0.9 * self.force_n / force_n).max(0.05);
+            self.draw = (0.9 * self.force_n / force_n).max(LEAST_DRAW);
             self.limits |= ActiveLimits::FORCE;
         }
     }
@@ -65,27 +81,31 @@ impl Trim {
         self.limits
     }
 
-    /// A drive period has ended with the amplitude at its command. `closed`: whether the loop may correct
-    /// (the drive is a shaker).
-    pub fn strobe(&mut self, strobe: &Strobe, closed: bool) {
-        let target_m = self.wanted_m * self.draw;
-        if closed && target_m > 0.0 {
-            let error = (target_m - strobe.amplitude_m) / target_m;
-            let gain = self.gain * (1.0 + GAIN * error.clamp(-0.5, 0.5));
-            if gain.is_finite() {
-                self.gain = gain.clamp(RANGE.0, RANGE.1);
-            }
+    /// A drive period has ended, in which the command was `command_m` on average. `closed`: whether the loop may
+    /// correct upwards, too.
+    pub fn strobe(&mut self, strobe: &Strobe, command_m: f32, closed: bool) {
+        // The amplitude that this command was to make.
+        let expected_m = command_m / self.gain;
+        if expected_m > LEAST_COMMAND * self.wanted_m {
+            self.correct(strobe.amplitude_m / expected_m, closed);
         }
         self.limits -= ActiveLimits::FORCE | ActiveLimits::TRAVEL;
         let over_force = strobe.peak_n / self.force_n;
         let over_travel = strobe.travel_m / self.travel_m;
         let over = over_force.max(over_travel);
-        if self.wait > 0 {
-            self.wait -= 1;
-        } else if over > 1.0 {
-            self.draw = (self.draw / over.min(2.0)).max(0.05);
-            self.wait = ANSWER_PERIODS;
-        } else if over < 0.95 {
+        let urgent = over > 1.1;
+        self.wait = self.wait.saturating_sub(1);
+        if over > 1.0 && (self.wait == 0 || urgent && self.wait <= ANSWER_PERIODS - URGENT_PERIODS)
+        {
+            // On the way up it is the amplitude reached so far that is too much.
+            let reached = if self.wanted_m > 0.0 {
+                self.draw.min(expected_m / self.wanted_m)
+            } else {
+                self.draw
+            };
+            self.draw = (reached / over.min(2.0)).max(LEAST_DRAW);
+            self.wait = ANSWER_PERIODS + 1;
+        } else if self.wait == 0 && over < 0.95 {
             self.draw = (self.draw * RELEASE).min(1.0);
         }
         if self.draw < 1.0 {
@@ -96,6 +116,34 @@ impl Trim {
             };
             self.limits |= limit;
         }
+    }
+
+    /// Corrects the gain by measured over expected amplitude.
+    fn correct(&mut self, ratio: f32, closed: bool) {
+        let factor = if ratio > EXCESS {
+            1.0 / ratio.min(2.0)
+        } else if closed || ratio > 1.0 {
+            1.0 + GAIN * (1.0 - ratio).clamp(-0.5, 0.5)
+        } else {
+            1.0
+        };
+        let gain = self.gain * factor;
+        if gain.is_finite() {
+            self.gain = gain.clamp(RANGE.0, RANGE.1);
+        }
+    }
+
+    /// The cart was `peak_m` from its middle since the last call, with a command of `command_m`. Whether that is too
+    /// far: the command is reduced then.
+    pub fn surge(&mut self, peak_m: f32, command_m: f32) -> bool {
+        let target_m = self.wanted_m * self.draw;
+        // While the wanted amplitude falls, the command is above it for a while.
+        let surges = peak_m > SURGE * target_m.max(command_m) && target_m > 0.0;
+        if surges {
+            let gain = SURGE_ANSWER * command_m / peak_m;
+            self.gain = gain.min(self.gain).clamp(RANGE.0, RANGE.1);
+        }
+        surges
     }
 
     /// The amplitude to command, m.
@@ -119,7 +167,7 @@ mod tests {
     fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
         for _ in 0..periods {
             let command = trim.command();
-            trim.strobe(&plant(command), true);
+            trim.strobe(&plant(command), command, true);
         }
         trim.command()
     }
@@ -136,9 +184,58 @@ mod tests {
     }
 
     #[test]
+    fn a_sensor_that_reads_far_less_raises_the_command_by_no_more_than_a_third() {
+        let mut trim = Trim::new(&Settings::for_rig(&WIRES));
+        let command = run(&mut trim, 100, |m| Strobe {
+            amplitude_m: 0.64 * m,
+            ..Strobe::default()
+        });
+        assert!((command / 0.89e-3 - 1.3).abs() < 1e-3, "{command}");
+    }
+
+    #[test]
+    fn a_resonance_is_met_at_once_and_the_wanted_amplitude_held() {
+        for response in [1.5, 3.0, 10.0] {
+            let mut trim = Trim::new(&Settings::for_rig(&WIRES));
+            let mut command = 0.3e-3;
+            for _ in 0..10 {
+                if trim.surge(response * command, command) {
+                    command = command.min(trim.command());
+                }
+            }
+            assert!(response * command < 1.25 * 0.89e-3, "{response}: {command}");
+            let command = run(&mut trim, 40, |m| Strobe {
+                amplitude_m: response * m,
+                ..Strobe::default()
+            });
+            let share = response * command / 0.89e-3;
+            assert!((share - 1.0).abs() < 0.01, "{response}: {share}");
+        }
+    }
+
+    #[test]
+    fn a_force_above_the_limit_while_the_amplitude_rises_stops_the_rise() {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        // Half of the amplitude makes 1.05 times the force allowed.
+        let strobe = Strobe {
+            amplitude_m: 0.445e-3,
+            peak_n: 1.05 * settings.limits.force_n,
+            ..Strobe::default()
+        };
+        trim.strobe(&strobe, 0.445e-3, true);
+        let share = trim.command() / 0.89e-3;
+        assert!((share - 0.5 / 1.05).abs() < 1e-3, "{share}");
+    }
+
+    #[test]
     fn a_dead_shaker_does_not_wind_up_beyond_the_limit() {
         let settings = Settings::for_rig(&WIRES);
         let mut trim = Trim::new(&settings);
+        let command = run(&mut trim, 100, |_| Strobe::default());
+        assert!((command / 0.89e-3 - RANGE.1).abs() < 1e-3, "{command}");
+        let mut trim = Trim::new(&settings);
+        trim.set_wanted_amplitude(1.2e-3);
         let command = run(&mut trim, 100, |_| Strobe::default());
         assert_eq!(command, settings.limits.amplitude_m);
         assert_eq!(trim.limits(), ActiveLimits::AMPLITUDE);

@@ -147,13 +147,7 @@ mod tests {
             frequency_hz: 3.3,
             enable: true,
         };
-        let record = Record {
-            fault: Fault::OverForce,
-            origin: Origin::Force,
-            tick: u32::MAX,
-            value: 1.0,
-            frequency_hz: 1.0,
-        };
+        let record = Record::new(Fault::OverForce, Origin::Force, u32::MAX, 1.0, 1.0);
         let event = Event {
             tick: u32::MAX,
             kind: crate::control::EventKind::Fault(record),

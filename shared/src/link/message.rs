@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Identified, Recording};
-use crate::control::{self, Command, Status};
+use crate::control::{self, Command, SettingsState, Status};
 use crate::fault::Record;
 use crate::forecast::{Forecast, Row, Target};
 use crate::settings::Settings;
@@ -20,19 +20,15 @@ pub struct Packet<M> {
 /// A request of the computer. Each gets exactly one [`Answer`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToBoard {
-    /// Begins a conversation: ends the streams of the one before, and its command of the drive. Answered with
-    /// [`Answer::Hello`].
+    /// Begins a conversation: ends the streams of the one before. A session goes on. Answered with [`Answer::Hello`].
     Hello,
     /// Answered with [`Answer::Status`].
     GetStatus,
-    /// Answered with [`Answer::Done`] or [`Answer::Refused`].
+    /// Without a session: [`Command::Stop`], which anybody may give and which keeps its encoding for ever; any other
+    /// command is refused. Answered with [`Answer::Done`] or [`Answer::Refused`].
     Command(Command),
     /// Answered with [`Answer::Settings`].
     GetSettings,
-    /// New settings, checked and taken as a whole, in Idle only, and stored in flash if they are not the same
-    /// as those there. The controller starts anew with them. Answered with [`Answer::Done`] or
-    /// [`Answer::Refused`].
-    SetSettings(Settings),
     /// A page of the forecast, from 0. Answered with [`Answer::Forecast`]; beyond the last, a page without rows.
     GetForecast {
         /// Which page of [`ROWS_PER_PAGE`] rows.
@@ -52,6 +48,43 @@ pub enum ToBoard {
     GetFaultRecord,
     /// Answered with [`Answer::Identified`].
     GetIdentified,
+    /// Answered with [`Answer::Board`].
+    GetBoard,
+    /// Asks for the session, without which nothing is steered: see [the module](super). Answered with
+    /// [`Answer::Session`] or [`Answer::Refused`].
+    OpenSession {
+        /// [`BoardState::boot`].
+        boot: u32,
+        /// [`BoardState::granted`]. A request that was recorded earlier names another number and is refused.
+        granted: u32,
+        /// Take the session from a program that has one and is alive.
+        take_over: bool,
+    },
+    /// An act of who has the session. Answered with [`Answer::Done`] or [`Answer::Refused`].
+    Steer {
+        /// From [`Answer::Session`].
+        session: u32,
+        /// Higher from one act to the next, from 1: an old one is refused.
+        number: u32,
+        /// The act.
+        act: Act,
+    },
+}
+
+/// What only the holder of the session may do. Each of them is a sign of life of the session.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
+pub enum Act {
+    /// A command; [`Command::Acknowledge`] is refused: it is given at the board.
+    Command(Command),
+    /// New settings, checked and taken as a whole, in Idle (or after a fault) only, and stored in flash if they are
+    /// not the same as those there. The controller starts anew with them.
+    SetSettings(Settings),
+    /// The session ends.
+    Release,
 }
 
 /// A message of the controller.
@@ -97,6 +130,25 @@ pub enum Answer {
     FaultRecord(Option<Record>),
     /// The identified parameters of the rig.
     Identified(Identified),
+    /// What a program must know before it steers.
+    Board(BoardState),
+    /// The session is granted, under this number.
+    Session(u32),
+}
+
+/// What a program must know before it steers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BoardState {
+    /// A number of this boot: another after every reset.
+    pub boot: u32,
+    /// Sessions granted since.
+    pub granted: u32,
+    /// Somebody has the session.
+    pub held: bool,
+    /// Where the settings come from.
+    pub settings: SettingsState,
+    /// An emergency stop must be acknowledged at the board before the fault can be cleared.
+    pub awaits_acknowledgement: bool,
 }
 
 /// A name of up to 23 bytes.
@@ -126,6 +178,15 @@ pub enum Refusal {
     NotStored,
     /// The board lacks this function.
     NotAvailable,
+    /// That needs the session, and the sender does not have it: never opened, silent for too long, taken over, or of
+    /// an earlier boot.
+    NoSession,
+    /// Another program has the session and is alive.
+    SomebodySteers,
+    /// The number in it is not newer than the last: it was sent earlier.
+    Old,
+    /// Only at the board.
+    AtTheBoard,
 }
 
 impl From<control::Refused> for Refusal {

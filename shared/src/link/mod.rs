@@ -9,6 +9,24 @@
 //! Each side numbers the packets it *meant* to send. The board drops whole packets when its queue is full
 //! and counts them all the same, so a gap in the numbers is what was lost.
 //!
+//! ## Who steers
+//!
+//! One program at a time: the one that has the *session*. It asks for the board's state, opens a session with the
+//! numbers in it, and sends every act with the session's number and a number of its own that grows. The session lives
+//! while such acts come (a [`Command::Alive`](crate::control::Command::Alive) now and then is enough) and ends when it is
+//! released, taken over by a program that says so, silent for [`SESSION_S`] (or the settings' link timeout, if that is
+//! longer), or when the board starts anew. Everything else, from status requests to recordings, is watching: it needs no
+//! session and is a sign of life of nobody.
+//!
+//! Every message that steers names the boot and the session, and a number that has not been used. So one that was
+//! recorded and is sent again, or was stuck on the way, does nothing.
+//!
+//! A stop is obeyed from anybody, in every state and every version. It can do no harm, and whoever sees a reason
+//! for it must not need to be the one who steers. That the drive goes off when the program that steers falls silent is
+//! the controller's affair ([`crate::control`]), not the session's.
+//!
+//! This is no protection against somebody who means harm: who can write to the wire can open a session.
+//!
 //! ## Versions
 //!
 //! [`PROTOCOL_VERSION`] changes when an existing message changes. New messages are appended to the enums and
@@ -43,15 +61,15 @@ mod tests;
 pub use codec::{Counters, Decoder, encode};
 pub use identified::Identified;
 pub use message::{
-    Answer, ForecastPage, FromBoard, Hello, Name, Packet, ROWS_PER_PAGE, Refusal, Telemetry,
-    ToBoard,
+    Act, Answer, BoardState, ForecastPage, FromBoard, Hello, Name, Packet, ROWS_PER_PAGE, Refusal,
+    Telemetry, ToBoard,
 };
 pub use queue::ByteQueue;
 pub use recording::{BlockNotes, GivenCommand, MAX_GIVEN, RecordedBlock, Recording};
-pub use session::{Device, Session};
+pub use session::{Boot, Device, SESSION_S, Session};
 
 /// Changes when an existing message does.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;
 
 /// Bits per second on the board's serial port, 8 data bits, no parity, 1 stop bit. Divides without a
 /// remainder on both ends of a NUCLEO-F446RE's virtual port (45 MHz / 20 and 36 MHz / 16), and carries a

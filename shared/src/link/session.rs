@@ -1,12 +1,13 @@
 //! The board's end of the link: requests in, answers and streams out.
 
 use super::{
-    ANSWER_RESERVE, Answer, ByteQueue, Counters, Decoder, ForecastPage, FromBoard, Hello,
-    Identified, MAX_FRAME, Packet, RecordedBlock, Recording, Refusal, Telemetry, ToBoard, encode,
+    ANSWER_RESERVE, Act, Answer, BoardState, ByteQueue, Counters, Decoder, ForecastPage, FromBoard,
+    Hello, Identified, MAX_FRAME, Packet, RecordedBlock, Recording, Refusal, Telemetry, ToBoard,
+    encode,
 };
-use crate::control::{Command, Mode, Refused, State, Status};
-use crate::fault::{Fault, Record};
-use crate::settings::Settings;
+use crate::control::{Command, Mode, Refused, SettingsState, Status};
+use crate::fault::Record;
+use crate::settings::{Settings, ticks_of};
 
 /// The functions of a board (or the emulator) that the link uses. None may wait.
 pub trait Device {
@@ -45,6 +46,42 @@ pub trait Device {
     fn record(&mut self, on: bool) -> Result<(), Refusal>;
     /// The oldest block kept, if any. What is not taken in time is lost, and shows as a gap in the ticks.
     fn take_block(&mut self) -> Option<RecordedBlock>;
+    /// Which boot this is, and what a person has still to do.
+    fn boot(&mut self) -> Boot;
+}
+
+/// What a device knows of its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Boot {
+    /// Another number after every start.
+    pub number: u32,
+    /// Where the settings come from.
+    pub settings: SettingsState,
+    /// An emergency stop must be acknowledged at the board.
+    pub awaits_acknowledgement: bool,
+}
+
+/// A session is over after a silence of so long, s; or of the settings' link timeout, if that is longer.
+pub const SESSION_S: f32 = 2.0;
+
+/// The session of the program that steers.
+#[derive(Clone, Copy, Debug)]
+struct Steering {
+    session: u32,
+    /// The boot in which it was granted.
+    boot: u32,
+    /// Number of the last act.
+    last: u32,
+    /// When that came, and how long a silence may be, ticks.
+    heard: u32,
+    patience: u32,
+}
+
+impl Steering {
+    /// Whether it has not been silent for too long.
+    fn is_alive(&self, tick: u32) -> bool {
+        tick.wrapping_sub(self.heard) <= self.patience
+    }
 }
 
 /// The board's end of the link, with a queue of `N` bytes for the wire (at least twice [`MAX_FRAME`]).
@@ -60,8 +97,10 @@ pub struct Session<const N: usize> {
     decimation: u32,
     last_telemetry: u32,
     recording: bool,
-    /// The computer steers: its silence is a fault.
-    in_command: bool,
+    /// Who steers.
+    steering: Option<Steering>,
+    /// Sessions granted.
+    granted: u32,
 }
 
 impl<const N: usize> Default for Session<N> {
@@ -83,7 +122,8 @@ impl<const N: usize> Session<N> {
             decimation: 0,
             last_telemetry: 0,
             recording: false,
-            in_command: false,
+            steering: None,
+            granted: 0,
         }
     }
 
@@ -97,11 +137,9 @@ impl<const N: usize> Session<N> {
         &mut self.queue
     }
 
-    /// Whether the computer steers. It does once it has started in manual mode, given a set-point or sent
-    /// [`Command::Alive`], until a stop, a hello or a fault other than the link's own. While it steers, each of its
-    /// packets reaches the controller as [`Command::Alive`].
-    pub fn is_in_command(&self) -> bool {
-        self.in_command
+    /// Whether somebody has the session.
+    pub fn is_held(&self) -> bool {
+        self.steering.is_some()
     }
 
     /// Takes one byte from the port; carries out the request that it completes and queues the answer.
@@ -110,7 +148,6 @@ impl<const N: usize> Session<N> {
             return;
         };
         let answer = self.answer(packet.message, device);
-        self.keep_alive(device);
         let message = FromBoard::Answer {
             request: packet.sequence,
             answer,
@@ -120,6 +157,7 @@ impl<const N: usize> Session<N> {
 
     /// Queues telemetry and recordings that are due. What does not fit is dropped and counted.
     pub fn poll(&mut self, device: &mut impl Device) {
+        self.end_silent_session(device);
         if self.decimation > 0 {
             let status = device.status();
             if status.tick.wrapping_sub(self.last_telemetry) >= self.decimation {
@@ -139,17 +177,12 @@ impl<const N: usize> Session<N> {
         }
     }
 
-    /// A packet is a sign of life of the computer that steers. It ends a link timeout; any other fault ends the
-    /// computer's command.
-    fn keep_alive(&mut self, device: &mut impl Device) {
-        let status = device.status();
-        let fault = status.fault.map(|record| record.fault);
-        if status.state == State::Fault && fault != Some(Fault::LinkTimeout) {
-            self.in_command = false;
-        }
-        if self.in_command {
-            // Never refused.
-            let _ = device.command(Command::Alive);
+    /// Ends the session of a program that has been silent for too long, or that the board's reset has outlived.
+    fn end_silent_session(&mut self, device: &mut impl Device) {
+        if let Some(steering) = &self.steering
+            && (!steering.is_alive(device.status().tick) || steering.boot != device.boot().number)
+        {
+            self.steering = None;
         }
     }
 
@@ -168,8 +201,6 @@ impl<const N: usize> Session<N> {
     fn answer(&mut self, request: ToBoard, device: &mut impl Device) -> Answer {
         match request {
             ToBoard::Hello => {
-                // The computer must take command anew; the fault of a link timeout before it stays visible.
-                self.in_command = false;
                 self.decimation = 0;
                 if self.recording {
                     self.recording = false;
@@ -178,9 +209,11 @@ impl<const N: usize> Session<N> {
                 Answer::Hello(device.hello())
             }
             ToBoard::GetStatus => Answer::Status(device.status()),
-            ToBoard::Command(command) => done(self.command(command, device).map_err(Refusal::from)),
+            ToBoard::Command(Command::Stop) => {
+                done(device.command(Command::Stop).map_err(Refusal::from))
+            }
+            ToBoard::Command(_) => Answer::Refused(Refusal::NoSession),
             ToBoard::GetSettings => Answer::Settings(device.settings()),
-            ToBoard::SetSettings(settings) => done(replace(&settings, device)),
             ToBoard::GetForecast { page } => Answer::Forecast(device.forecast(page)),
             ToBoard::StreamTelemetry { decimation } => {
                 self.decimation = decimation;
@@ -195,17 +228,116 @@ impl<const N: usize> Session<N> {
             }
             ToBoard::GetFaultRecord => Answer::FaultRecord(device.fault_record()),
             ToBoard::GetIdentified => Answer::Identified(device.identified()),
+            ToBoard::GetBoard => Answer::Board(self.board_state(device)),
+            ToBoard::OpenSession {
+                boot,
+                granted,
+                take_over,
+            } => match self.open(boot, granted, take_over, device) {
+                Ok(session) => Answer::Session(session),
+                Err(why) => Answer::Refused(why),
+            },
+            ToBoard::Steer {
+                session,
+                number,
+                act,
+            } => done(self.steer(session, number, &act, device)),
         }
     }
 
-    fn command(&mut self, command: Command, device: &mut impl Device) -> Result<(), Refused> {
-        device.command(command)?;
-        self.in_command = match command {
-            Command::Start(Mode::Manual) | Command::SetPoint { .. } | Command::Alive => true,
-            Command::Start(Mode::Automatic) | Command::Stop => false,
-            Command::ClearFault => self.in_command,
-        };
-        Ok(())
+    fn board_state(&mut self, device: &mut impl Device) -> BoardState {
+        self.end_silent_session(device);
+        let boot = device.boot();
+        BoardState {
+            boot: boot.number,
+            granted: self.granted,
+            held: self.is_held(),
+            settings: boot.settings,
+            awaits_acknowledgement: boot.awaits_acknowledgement,
+        }
+    }
+
+    fn open(
+        &mut self,
+        boot: u32,
+        granted: u32,
+        take_over: bool,
+        device: &mut impl Device,
+    ) -> Result<u32, Refusal> {
+        self.end_silent_session(device);
+        if boot != device.boot().number || granted != self.granted {
+            return Err(Refusal::Old);
+        }
+        if self.is_held() && !take_over {
+            return Err(Refusal::SomebodySteers);
+        }
+        self.granted = granted.wrapping_add(1);
+        let session = session_number(boot, self.granted);
+        self.steering = Some(Steering {
+            session,
+            boot,
+            last: 0,
+            heard: device.status().tick,
+            patience: patience(&device.settings()),
+        });
+        Ok(session)
+    }
+
+    fn steer(
+        &mut self,
+        session: u32,
+        number: u32,
+        act: &Act,
+        device: &mut impl Device,
+    ) -> Result<(), Refusal> {
+        self.end_silent_session(device);
+        let holder = self.steering.as_mut().filter(|s| s.session == session);
+        let holder = holder.ok_or(Refusal::NoSession)?;
+        if number <= holder.last {
+            return Err(Refusal::Old);
+        }
+        holder.last = number;
+        holder.heard = device.status().tick;
+        match act {
+            Act::Command(command) => give(*command, device),
+            Act::SetSettings(settings) => {
+                let replaced = replace(settings, device);
+                holder.patience = patience(&device.settings());
+                // The flash may have held the board up: that was not the program's silence.
+                holder.heard = device.status().tick;
+                replaced
+            }
+            Act::Release => {
+                self.steering = None;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// A number that differs from one session to the next and, as boots differ, from one boot to the next.
+fn session_number(boot: u32, granted: u32) -> u32 {
+    boot ^ granted.wrapping_mul(0x9e37_79b9)
+}
+
+/// How long a session may be silent, ticks.
+fn patience(settings: &Settings) -> u32 {
+    ticks_of(settings.trips.link_timeout_s.max(SESSION_S))
+}
+
+fn give(command: Command, device: &mut impl Device) -> Result<(), Refusal> {
+    if command == Command::Acknowledge {
+        return Err(Refusal::AtTheBoard);
+    }
+    device.command(command)?;
+    match command {
+        // Who steers by hand is in command: silence is a fault from now on.
+        Command::Start(Mode::Manual) | Command::SetPoint { .. } => {
+            Ok(device.command(Command::Alive)?)
+        }
+        // The copy that was confirmed becomes the newest.
+        Command::ConfirmSettings => device.store_settings(),
+        _ => Ok(()),
     }
 }
 

@@ -9,18 +9,26 @@
 //! | 6..8 | length of the payload |
 //! | 8..12 | sequence number (wraps) |
 //! | 12..16 | CRC-32 (ISO-HDLC) of bytes 0..12 and the payload |
-//! | 32..40 | "complete": written last |
+//! | 32..40 | "complete": written last; zeros before the slot is erased |
+//! | 40..48 | erased; zeros: in doubt |
 //! | 64.. | the settings in postcard's encoding |
 //!
 //! Numbers are little-endian, everything between is erased (0xff), and every part begins at a multiple of 32
 //! bytes, so any write size up to that will do.
 //!
-//! [`Store::save`] never touches the slot that holds the newest settings. It erases the other, writes payload,
-//! header and mark, in that order, and reads all of it back. A slot counts as whole when its CRC is right. The
+//! [`Store::save`] never erases the slot that holds the newest settings. It takes the mark off the other, erases it, writes
+//! payload, header and mark, in that order, and reads all of it back. A slot counts as whole when its CRC is right. The
 //! mark is for the other case: a slot whose CRC is wrong was either never finished (no mark; the power went
 //! while it was written or erased, and the other slot stands) or finished once and damaged since (mark).
 //! Cells that a cut left halfway may read either way at the next start; then so does the CRC, and either
 //! way one of the two slots is whole.
+//!
+//! ## An older copy
+//!
+//! A damaged slot beside a whole one may have held the newer settings. The whole one is then [`Loaded::OlderCopy`]: it
+//! is not taken until somebody confirms it (by storing the same again) or sends others. Before the
+//! damaged slot is erased, the whole one is marked as in doubt. So after a power cut in the midst of that it is
+//! still an older copy, and not what was stored last.
 //!
 //! ## Settings that cannot be read
 //!
@@ -35,13 +43,13 @@
 
 use core::ops::Range;
 
-use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+use embedded_storage::nor_flash::{MultiwriteNorFlash, ReadNorFlash};
 
 use crate::crc_32::CRC_32;
 use crate::settings::Settings;
 
 /// Layout of the payload: changes whenever [`Settings`] does.
-pub const LAYOUT: u16 = 1;
+pub const LAYOUT: u16 = 2;
 
 /// Bytes of a slot that are used.
 pub const IMAGE_BYTES: usize = 512;
@@ -54,8 +62,12 @@ const MARK: [u8; 8] = *b"complete";
 /// Bits of the mark that may be wrong: half-erased bits fall that close to it by chance once in 10⁷.
 const MARK_ERRORS: u32 = 12;
 
+/// As many bits must be zero for a doubt.
+const DOUBT_ERRORS: u32 = 32;
+
 const HEADER: Range<usize> = 0..16;
 const MARK_AT: Range<usize> = ALIGN..ALIGN + MARK.len();
+const DOUBT_AT: Range<usize> = MARK_AT.end..MARK_AT.end + 8;
 const PAYLOAD_AT: usize = 2 * ALIGN;
 
 type Image = [u8; IMAGE_BYTES];
@@ -67,13 +79,10 @@ type Image = [u8; IMAGE_BYTES];
     reason = "there is no heap, and one lives at a time"
 )]
 pub enum Loaded {
-    /// The newest settings that are whole.
-    Settings {
-        /// They passed [`Settings::check`].
-        settings: Settings,
-        /// The other slot is damaged: it may have held newer ones (or a save was cut short there).
-        other_damaged: bool,
-    },
+    /// The settings stored last. They passed [`Settings::check`].
+    Settings(Settings),
+    /// The same, but the settings stored last may be others, that were damaged since.
+    OlderCopy(Settings),
     /// None were ever stored (or the power failed during the first save).
     Default,
     /// Settings were stored and cannot be read.
@@ -89,7 +98,7 @@ pub enum Saved {
     Unchanged,
 }
 
-/// Why settings were not stored; those stored before are untouched.
+/// Why settings were not stored; those stored before are still there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SaveError<E> {
     /// The flash returned an error.
@@ -124,6 +133,8 @@ enum Slot {
         sequence: u32,
         /// None: another layout, or out of range.
         settings: Option<Settings>,
+        /// There were newer ones that are lost.
+        in_doubt: bool,
     },
 }
 
@@ -136,7 +147,13 @@ impl Slot {
                 _ => None,
             };
             let settings = settings.filter(|settings| settings.check().is_ok());
-            return Self::Whole { sequence, settings };
+            let doubt = image.get(DOUBT_AT).unwrap_or(&[]).iter();
+            let zeros = doubt.map(|byte| byte.count_zeros()).sum::<u32>();
+            return Self::Whole {
+                sequence,
+                settings,
+                in_doubt: zeros > DOUBT_ERRORS,
+            };
         }
         let mark = image.get(MARK_AT).unwrap_or(&[]);
         let wrong = mark.iter().zip(MARK).map(|(a, b)| (a ^ b).count_ones());
@@ -212,7 +229,7 @@ pub struct Store<F> {
     slots: [Range<u32>; 2],
 }
 
-impl<F: NorFlash> Store<F> {
+impl<F: MultiwriteNorFlash> Store<F> {
     /// Settings in two slots of `flash`, each a range of offsets that can be erased by itself and has at
     /// least [`IMAGE_BYTES`] bytes.
     pub fn new(flash: F, slots: [Range<u32>; 2]) -> Self {
@@ -236,7 +253,7 @@ impl<F: NorFlash> Store<F> {
     /// Stores `settings`. The caller has checked them, and the controller is in Idle with the drive off.
     ///
     /// # Errors
-    /// If the flash fails or is not suited ([`SaveError`]); the settings stored before are untouched then.
+    /// If the flash fails or is not suited ([`SaveError`]); the settings stored before are still there then.
     pub fn save(&mut self, settings: &Settings) -> Result<Saved, SaveError<F::Error>> {
         let suited = |slot: &Range<u32>| slot.end.saturating_sub(slot.start) >= IMAGE_BYTES as u32;
         let sizes = [F::WRITE_SIZE, F::READ_SIZE];
@@ -247,8 +264,7 @@ impl<F: NorFlash> Store<F> {
         let slots = self.read_slots()?;
         let newest = newest(&slots);
         let sequence = newest.map_or(1, |(_, sequence)| sequence.wrapping_add(1));
-        let stored = newest.and_then(|(slot, _)| slots.get(slot));
-        if matches!(stored, Some(Slot::Whole { settings: Some(old), .. }) if old == settings) {
+        if choose(&slots) == Loaded::Settings(*settings) {
             return Ok(Saved::Unchanged);
         }
         let (image, end) = image_of(settings, sequence).ok_or(SaveError::NotSuited)?;
@@ -259,6 +275,13 @@ impl<F: NorFlash> Store<F> {
         } else {
             first.clone()
         };
+        if slots.contains(&Slot::Damaged)
+            && let Some(older) = newest.and_then(|(slot, _)| self.slots.get(slot))
+        {
+            let older = older.start;
+            self.overwrite(older, &MARK)?;
+        }
+        self.overwrite(target.start, &[])?;
         self.flash.erase(target.start, target.end)?;
         let parts = [PAYLOAD_AT..end, HEADER, MARK_AT];
         for part in parts {
@@ -272,6 +295,16 @@ impl<F: NorFlash> Store<F> {
         } else {
             Err(SaveError::NotAsWritten)
         }
+    }
+
+    /// Writes `mark` and then zeros where a slot's mark and doubt are. Bits only ever go to zero.
+    fn overwrite(&mut self, slot: u32, mark: &[u8]) -> Result<(), F::Error> {
+        let mut part = [0; ALIGN];
+        for (place, byte) in part.iter_mut().zip(mark) {
+            *place = *byte;
+        }
+        let offset = slot.saturating_add(MARK_AT.start as u32);
+        self.flash.write(offset, &part)
     }
 
     fn read_slots(&mut self) -> Result<[Slot; 2], F::Error> {
@@ -309,13 +342,14 @@ fn newest(slots: &[Slot; 2]) -> Option<(usize, u32)> {
 
 fn choose(slots: &[Slot; 2]) -> Loaded {
     let any_damaged = slots.contains(&Slot::Damaged);
-    if let Some(Slot::Whole { settings, .. }) = newest(slots).and_then(|(slot, _)| slots.get(slot))
+    let newest = newest(slots).and_then(|(slot, _)| slots.get(slot));
+    if let Some(Slot::Whole {
+        settings, in_doubt, ..
+    }) = newest
     {
         return match settings {
-            Some(settings) => Loaded::Settings {
-                settings: *settings,
-                other_damaged: any_damaged,
-            },
+            Some(settings) if any_damaged || *in_doubt => Loaded::OlderCopy(*settings),
+            Some(settings) => Loaded::Settings(*settings),
             None => Loaded::Corrupt,
         };
     }

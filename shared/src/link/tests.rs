@@ -1,10 +1,12 @@
 //! Every message fits, and a session does what it is asked.
 
+mod steering;
+
 use std::vec::Vec;
 
 use super::*;
-use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, State, Status};
-use crate::fault::{Fault, Origin, Record};
+use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, SettingsState, State, Status};
+use crate::fault::{Fault, FaultSet, Origin, Record};
 use crate::forecast::{Forecast, Orbit, Row, Target};
 use crate::io::{Frame, Output};
 use crate::model::params::{LAWS, PRESETS, WIRES};
@@ -33,11 +35,8 @@ fn longest_status() -> Status {
 
 fn longest_record() -> Record {
     Record {
-        fault: Fault::Crash,
-        origin: Origin::Cart,
-        tick: LONG,
-        value: 1.0,
-        frequency_hz: 1.0,
+        episode: FaultSet::from_bits(u32::MAX),
+        ..Record::new(Fault::NotOff, Origin::Cart, LONG, 1.0, 1.0)
     }
 }
 
@@ -128,7 +127,17 @@ fn longest_answers() -> Vec<Answer> {
             tick_rate_hz: LONG,
             block_ticks: u8::MAX,
         }),
-        Answer::Refused(Refusal::Controller(Refused::BadSettings)),
+        Answer::Refused(Refusal::Controller(Refused::SettingsUnknown(
+            SettingsState::Model
+        ))),
+        Answer::Session(LONG),
+        Answer::Board(BoardState {
+            boot: LONG,
+            granted: LONG,
+            held: true,
+            settings: SettingsState::Model,
+            awaits_acknowledgement: true,
+        }),
         Answer::Status(longest_status()),
         Answer::Forecast(ForecastPage::of(Some(&forecast(40)), 5)),
         Answer::FaultRecord(Some(longest_record())),
@@ -183,7 +192,11 @@ fn every_message_fits_at_its_longest_and_comes_back() {
         };
         longest = longest.max(round_trip(message));
         if let Answer::Settings(settings) = answer {
-            round_trip(ToBoard::SetSettings(settings));
+            round_trip(ToBoard::Steer {
+                session: LONG,
+                number: LONG,
+                act: Act::SetSettings(settings),
+            });
         }
     }
     let telemetry = Telemetry {
@@ -232,6 +245,7 @@ struct Stub {
     stored: Option<Settings>,
     told: Vec<Command>,
     recorded: bool,
+    boot: Boot,
 }
 
 impl Stub {
@@ -242,6 +256,10 @@ impl Stub {
             stored: None,
             told: Vec::new(),
             recorded: false,
+            boot: Boot {
+                number: 77,
+                ..Boot::default()
+            },
         }
     }
 }
@@ -306,6 +324,9 @@ impl Device for Stub {
             ..RecordedBlock::default()
         })
     }
+    fn boot(&mut self) -> Boot {
+        self.boot
+    }
 }
 
 /// A session, its device, and the computer's end of the wire.
@@ -338,6 +359,32 @@ impl Pair {
         }
     }
 
+    /// Opens a session for a new program.
+    fn open(&mut self, take_over: bool) -> Result<Program, Refusal> {
+        let Answer::Board(board) = self.ask(ToBoard::GetBoard) else {
+            panic!("the board's state was asked for");
+        };
+        let open = ToBoard::OpenSession {
+            boot: board.boot,
+            granted: board.granted,
+            take_over,
+        };
+        match self.ask(open) {
+            Answer::Session(session) => Ok(Program { session, number: 0 }),
+            Answer::Refused(why) => Err(why),
+            other => panic!("a session was asked for: {other:?}"),
+        }
+    }
+
+    fn steer(&mut self, program: &mut Program, act: Act) -> Answer {
+        let request = program.request(act);
+        self.ask(request)
+    }
+
+    fn command(&mut self, program: &mut Program, command: Command) -> Answer {
+        self.steer(program, Act::Command(command))
+    }
+
     fn heard(&mut self) -> Vec<Packet<FromBoard>> {
         let mut heard = Vec::new();
         while let Some(byte) = self.session.queue().pop() {
@@ -355,6 +402,24 @@ impl Pair {
             _ => None,
         });
         found.expect("every request is answered")
+    }
+}
+
+/// A program that was granted a session.
+#[derive(Clone, Copy, Debug)]
+struct Program {
+    session: u32,
+    number: u32,
+}
+
+impl Program {
+    fn request(&mut self, act: Act) -> ToBoard {
+        self.number += 1;
+        ToBoard::Steer {
+            session: self.session,
+            number: self.number,
+            act,
+        }
     }
 }
 
@@ -378,72 +443,31 @@ fn requests_are_carried_out_and_answered() {
         rows += part.rows.len();
     }
     assert_eq!(rows, 40);
-    let start = ToBoard::Command(Command::Start(Mode::Automatic));
-    assert_eq!(pair.ask(start), Answer::Done);
+    let mut program = pair.open(false).unwrap();
+    let start = Command::Start(Mode::Automatic);
+    assert_eq!(pair.command(&mut program, start), Answer::Done);
     let refused = Answer::Refused(Refusal::Controller(Refused::WrongState));
-    assert_eq!(pair.ask(start), refused);
+    assert_eq!(pair.command(&mut program, start), refused);
 }
 
 #[test]
 fn settings_are_taken_whole_and_only_if_they_are_good() {
     let mut pair = Pair::new();
+    let mut program = pair.open(false).unwrap();
+    let mut set = |pair: &mut Pair, new| pair.steer(&mut program, Act::SetSettings(new));
     let old = pair.device.settings;
     let mut new = old;
     new.trips.force_n = f32::NAN;
     let bad = Answer::Refused(Refusal::Controller(Refused::BadSettings));
-    assert_eq!(pair.ask(ToBoard::SetSettings(new)), bad);
+    assert_eq!(set(&mut pair, new), bad);
     assert_eq!((pair.device.settings, pair.device.stored), (old, None));
-    new.trips.force_n = 2.0 * old.trips.force_n;
-    assert_eq!(pair.ask(ToBoard::SetSettings(new)), Answer::Done);
+    new.trips.force_n = 1.1 * old.trips.force_n;
+    assert_eq!(set(&mut pair, new), Answer::Done);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
     pair.device.status.state = State::Hold;
     let wrong = Answer::Refused(Refusal::Controller(Refused::WrongState));
-    assert_eq!(pair.ask(ToBoard::SetSettings(old)), wrong);
+    assert_eq!(set(&mut pair, old), wrong);
     assert_eq!((pair.device.settings, pair.device.stored), (new, Some(new)));
-}
-
-#[test]
-fn every_packet_is_a_sign_of_life_while_the_computer_steers_and_none_is_otherwise() {
-    let mut pair = Pair::new();
-    pair.ask(ToBoard::GetStatus);
-    pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
-    assert!(pair.session.is_in_command());
-    pair.ask(ToBoard::GetStatus);
-    pair.ask(ToBoard::Command(Command::Stop));
-    pair.ask(ToBoard::GetStatus);
-    // A damaged frame is no sign of life.
-    pair.session.receive(1, &mut pair.device);
-    pair.session.receive(0, &mut pair.device);
-    use Command::{Alive, Start, Stop};
-    let told = [Start(Mode::Manual), Alive, Alive, Stop];
-    assert_eq!(pair.device.told, told);
-    assert_eq!(pair.session.counters().damaged, 1);
-    // Nor is one that comes after a fault, which must stay to be seen.
-    pair.device.status.state = State::Idle;
-    pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
-    pair.device.status.state = State::Fault;
-    pair.device.told.clear();
-    pair.device.status.fault = Some(longest_record());
-    pair.ask(ToBoard::GetStatus);
-    assert!(pair.device.told.is_empty() && !pair.session.is_in_command());
-}
-
-#[test]
-fn a_link_that_was_silent_and_speaks_again_is_alive_and_a_new_conversation_is_not() {
-    let mut pair = Pair::new();
-    pair.ask(ToBoard::Command(Command::Start(Mode::Manual)));
-    pair.device.status.state = State::Fault;
-    pair.device.status.fault = Some(Record {
-        fault: Fault::LinkTimeout,
-        ..longest_record()
-    });
-    pair.device.told.clear();
-    pair.ask(ToBoard::GetStatus);
-    assert_eq!(pair.device.told, [Command::Alive]);
-    pair.device.told.clear();
-    pair.ask(ToBoard::Hello);
-    pair.ask(ToBoard::GetStatus);
-    assert!(pair.device.told.is_empty() && !pair.session.is_in_command());
 }
 
 #[test]

@@ -271,6 +271,96 @@ mod tests {
     }
 
     #[test]
+    fn coordinate_and_rate_are_each_compared_on_their_own_scale() {
+        let (displacement, velocity) = (1e-3, 0.04);
+        let doubled_by = |q: f64, v: f64| {
+            let mut detector = Detector::new(displacement, velocity);
+            for k in 0..40 {
+                let period = Period {
+                    onsets: 1,
+                    touched: true,
+                    ..Period::default()
+                };
+                let off = f64::from(k % 2);
+                detector.push(q * displacement * off, v * velocity * off, &period);
+            }
+            detector.regime()
+        };
+        let (below, above) = (0.9 * SECTION_TOLERANCE, 1.1 * SECTION_TOLERANCE);
+        assert!(doubled_by(below, below).is(1, 1));
+        assert!(doubled_by(above, 0.0).is(2, 2));
+        assert!(doubled_by(0.0, above).is(2, 2));
+    }
+
+    #[test]
+    fn the_first_point_of_the_window_must_repeat_too() {
+        assert!(run([0.0, 0.0, 0.0].into_iter().map(|q| (q, 1))).is(1, 1));
+        let regime = run([1.0, 0.0, 0.0].into_iter().map(|q| (q, 1)));
+        assert_eq!(regime, Regime::Aperiodic { impacts: 2 });
+    }
+
+    /// A first strobe after the period `first`, then `more` strobes after periods like `then`.
+    fn after(first: Period<f64>, more: u32, then: Period<f64>) -> Detector<f64> {
+        let mut detector = Detector::new(1.0, 1.0);
+        detector.push(0.0, 0.0, &first);
+        for _ in 0..more {
+            detector.push(0.0, 0.0, &then);
+        }
+        detector
+    }
+
+    #[test]
+    fn what_came_before_the_first_strobe_is_not_part_of_the_window() {
+        let chatter = Period {
+            onsets: 5,
+            touched: true,
+            chatter: true,
+            ..Period::default()
+        };
+        let one = Period {
+            onsets: 1,
+            touched: true,
+            ..Period::default()
+        };
+        assert_eq!(after(chatter, 0, one).periods_seen(), 0);
+        let silent = after(chatter, 5, Period::default());
+        assert_eq!((silent.regime(), silent.periods_seen()), (Regime::None, 5));
+        assert!(after(chatter, 5, one).regime().is(1, 1));
+    }
+
+    #[test]
+    fn chatter_counts_for_as_many_periods_as_are_looked_at() {
+        let one = Period {
+            onsets: 1,
+            touched: true,
+            ..Period::default()
+        };
+        let mut detector = after(one, 20, one);
+        let chatter = Period {
+            chatter: true,
+            ..one
+        };
+        detector.push(0.0, 0.0, &chatter);
+        for _ in 1..MAX_PERIODS {
+            detector.push(0.0, 0.0, &one);
+        }
+        let chattered = Regime::Chatter {
+            impacts: 1,
+            periods: Some(1),
+        };
+        assert_eq!(detector.regime(), chattered);
+        detector.push(0.0, 0.0, &one);
+        assert!(detector.regime().is(1, 1));
+    }
+
+    #[test]
+    fn what_does_not_repeat_has_no_period() {
+        assert_eq!(Regime::None.periods(), None);
+        let irrational = run((0..40).map(|k| ((f64::from(k) * 1.7).sin(), 1)));
+        assert_eq!((irrational.impacts(), irrational.periods()), (16, None));
+    }
+
+    #[test]
     fn chatter_keeps_impacts_and_periods() {
         let mut detector = Detector::<f32>::new(1.0, 1.0);
         for _ in 0..10 {

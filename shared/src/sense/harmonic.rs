@@ -82,6 +82,12 @@ impl Harmonic {
         self.offset_m
     }
 
+    /// Sets the mean of the cart's displacement, m, and discards the period under way.
+    pub fn set_offset(&mut self, offset_m: f32) {
+        self.offset_m = offset_m;
+        self.restart();
+    }
+
     /// Discards the period under way.
     pub fn restart(&mut self) {
         self.begin(false);
@@ -183,6 +189,43 @@ mod tests {
         });
         let worst = worst.fold(0.0, f64::max);
         assert!(worst < 0.005, "{worst}");
+        use core::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+        for (sine, cosine, lag) in [
+            (1.0, -1.0, FRAC_PI_4),
+            (0.0, -1.0, FRAC_PI_2),
+            (0.0, 1.0, -FRAC_PI_2),
+            (-1.0, -0.0, PI),
+        ] {
+            let found = Fundamental { sine, cosine }.lag_rad();
+            assert!((found.abs() - lag.abs()).abs() < 0.005, "{found} {lag}");
+        }
+    }
+
+    #[test]
+    fn a_cart_without_motion_has_no_lag_and_its_place_is_its_mean() {
+        let still = Fundamental::default();
+        assert_eq!((still.amplitude_m(), still.lag_rad()), (0.0, 0.0));
+        let mut harmonic = Harmonic::default();
+        harmonic.strobe();
+        // Four samples per period, twice, about a place of 3 and then of 5.
+        for (place, known) in [(3.0, 3.0), (5.0, 5.0)] {
+            for (sin, cos) in [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)] {
+                harmonic.tick(place + 0.5 * sin + 0.25 * cos, sin, cos);
+            }
+            let found = harmonic.strobe();
+            assert_eq!((found.sine, found.cosine), (0.5, 0.25));
+            assert_eq!(found, harmonic.last());
+            assert_eq!(harmonic.offset_m(), known);
+        }
+        // A period cut short does not count, nor does the part of it that is left.
+        harmonic.tick(9.0, 1.0, 0.0);
+        harmonic.restart();
+        harmonic.tick(9.0, 1.0, 0.0);
+        let kept = harmonic.strobe();
+        assert_eq!((kept.sine, harmonic.offset_m()), (0.5, 5.0));
+        assert_eq!(harmonic.strobe(), kept, "a period without a sample");
+        harmonic.reset();
+        assert_eq!(harmonic, Harmonic::default());
     }
 
     #[test]

@@ -171,8 +171,9 @@ impl Sense {
         self.section.restart();
     }
 
-    /// Sets the readings at rest: force, N, and x − y, m. Both are subtracted from now on.
-    pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32) {
+    /// Sets the readings at rest: force, N, x − y, m, and y, m. They are subtracted from now on.
+    pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32, cart_m: f32) {
+        self.harmonic.set_offset(cart_m);
         self.force_offset_n = force_offset_n;
         self.rest_relative_m = rest_relative_m;
     }
@@ -324,6 +325,12 @@ impl Sense {
         (cart.amplitude_m(), cart.lag_rad())
     }
 
+    /// Middle of the cart's motion, m.
+    #[inline]
+    pub fn cart_offset_m(&self) -> f32 {
+        self.harmonic.offset_m()
+    }
+
     /// Whether a contact is under way (its refractory time included).
     pub fn in_contact(&self) -> bool {
         self.pulses.is_open()
@@ -343,3 +350,6 @@ fn largest(so_far: f32, value: f32) -> f32 {
     let size = if value < 0.0 { -value } else { value };
     if size > so_far { size } else { so_far }
 }
+
+#[cfg(test)]
+mod tests;

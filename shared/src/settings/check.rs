@@ -15,18 +15,30 @@ impl Settings {
         self.check_drive()?;
         self.check_limits()?;
         self.check_trips()?;
-        self.check_detection()
+        self.check_detection()?;
+        let force = (0.0, self.limits.force_n);
+        let least = "0 or positive, at most limits.force_n";
+        all_within(&[("aim.force_n", self.aim.force_n, force, least)])
     }
 
     fn check_sensors(&self) -> Result<(), ParamError> {
+        // Coarser than this, a sensor cannot tell a motion from rest.
+        let step_m = self.rig.amplitude_m as f32 / CODES_OF_A_MOTION;
+        let unit = self.force.unit_per_code;
+        if !(FINEST..=COARSEST_N).contains(&unit) {
+            let must_be =
+                "positive (swap the wires of a sensor that reads blows as pulls), at most 1000 N";
+            return Err(out_of_range("force.unit_per_code", unit, must_be));
+        }
         for (key, channel) in [
-            ("force.unit_per_code", &self.force),
             ("hammer.unit_per_code", &self.hammer),
             ("cart.unit_per_code", &self.cart),
         ] {
             let unit = channel.unit_per_code;
-            if !unit.is_finite() || unit == 0.0 {
-                return Err(out_of_range(key, unit, "a number other than 0"));
+            let size = libm::fabsf(unit);
+            if !(size >= FINEST && size <= step_m) {
+                let must_be = "at most a sixteenth of the rig's amplitude, either sign, and not 0";
+                return Err(out_of_range(key, unit, must_be));
             }
         }
         let codes = (f32::from(LOW_RAIL.0), f32::from(HIGH_RAIL.0));
@@ -91,18 +103,40 @@ impl Settings {
             regime_lost_s,
             link_timeout_s,
         } = self.trips;
+        let silence = if self.operator.heartbeat {
+            (
+                (TINY, 3600.0),
+                "above 0 with operator.heartbeat, at most 3600",
+            )
+        } else {
+            ((0.0, 3600.0), "0 to 3600")
+        };
         let limits = &self.limits;
-        let (force, travel) = ((limits.force_n, 1e6), (limits.travel_m, 1.0));
-        let cart = (limits.amplitude_m, 1.0);
+        let range = |limit: f32, reach: f32| (limit, reach.min(TRIP_OVER_LIMIT * limit));
+        let force = range(limits.force_n, REACHED * self.force.reach().1);
+        // The hammer's sensor sees x = y + travel: the cart's own motion comes on top, in either direction.
+        let far_m = REACHED * either_way(self.hammer.reach()) - limits.amplitude_m;
+        let travel = range(limits.travel_m, far_m);
+        let cart = range(limits.amplitude_m, REACHED * either_way(self.cart.reach()));
         all_within(&[
-            ("trips.force_n", force_n, force, "at least limits.force_n"),
+            (
+                "trips.force_n",
+                force_n,
+                force,
+                "at least limits.force_n, at most 20 times that and 95 % of what the force sensor can measure",
+            ),
             (
                 "trips.travel_m",
                 travel_m,
                 travel,
-                "at least limits.travel_m",
+                "at least limits.travel_m, at most 20 times that and, with limits.amplitude_m, 95 % of what the hammer's sensor can measure",
             ),
-            ("trips.cart_m", cart_m, cart, "at least limits.amplitude_m"),
+            (
+                "trips.cart_m",
+                cart_m,
+                cart,
+                "at least limits.amplitude_m, at most 20 times that and 95 % of what the cart's sensor can measure",
+            ),
             (
                 "trips.no_contact_s",
                 no_contact_s,
@@ -115,12 +149,7 @@ impl Settings {
                 (1.0, 3600.0),
                 "1 to 3600",
             ),
-            (
-                "trips.link_timeout_s",
-                link_timeout_s,
-                (0.0, 3600.0),
-                "0 to 3600",
-            ),
+            ("trips.link_timeout_s", link_timeout_s, silence.0, silence.1),
         ])
     }
 
@@ -130,14 +159,15 @@ impl Settings {
             off_n,
             refractory_s,
         } = self.detection;
-        let (on, off) = ((TINY, self.limits.force_n), (TINY, on_n));
+        let least_n = (CODES_OF_A_CONTACT * self.force.unit_per_code).max(TINY);
+        let (on, off) = ((least_n, self.limits.force_n), (TINY, on_n));
         let key = "detection.refractory_s";
         all_within(&[
             (
                 "detection.on_n",
                 on_n,
                 on,
-                "positive, at most limits.force_n",
+                "at least 8 codes of the force sensor, at most limits.force_n",
             ),
             (
                 "detection.off_n",
@@ -148,6 +178,24 @@ impl Settings {
             (key, refractory_s, (2e-4, 2e-2), "0.0002 to 0.02"),
         ])
     }
+}
+
+/// Share of a sensor's range that a trip level may use: the rest is for its offset.
+const REACHED: f32 = 0.95;
+/// A trip level is at most this many times its limit: one far above guards nothing that the limit does not.
+const TRIP_OVER_LIMIT: f32 = 20.0;
+/// Fewest codes of the force at which a contact begins.
+const CODES_OF_A_CONTACT: f32 = 8.0;
+/// Fewest codes of the amplitude held.
+const CODES_OF_A_MOTION: f32 = 16.0;
+/// Largest size of a code of the force, N.
+const COARSEST_N: f32 = 1e3;
+/// Least size of a code, N or m.
+const FINEST: f32 = 1e-12;
+
+/// What a displacement sensor of this range measures in both directions, m.
+fn either_way((lowest, highest): (f32, f32)) -> f32 {
+    highest.min(-lowest)
 }
 
 /// The least positive number that is not subnormal.
@@ -194,10 +242,115 @@ mod tests {
     }
 
     #[test]
+    fn a_heartbeat_needs_a_timeout() {
+        let mut settings = Settings::for_rig(&PRESETS[0].1);
+        settings.trips.link_timeout_s = 0.0;
+        assert_eq!(settings.check(), Ok(()));
+        settings.operator.heartbeat = true;
+        assert_eq!(settings.check().unwrap_err().key, "trips.link_timeout_s");
+        settings.trips.link_timeout_s = 0.1;
+        assert_eq!(settings.check(), Ok(()));
+    }
+
+    #[test]
+    fn what_a_sensor_cannot_measure_cannot_be_a_trip_level() {
+        type Change = fn(&mut Settings);
+        // A tenth beyond what is allowed, and a tenth below it.
+        let cases: [(&str, Change, Change); 10] = [
+            // The wires' force sensor reaches 490 N; 95 % of that are 465 N.
+            (
+                "trips.force_n",
+                |s| s.trips.force_n = 500.0,
+                |s| s.trips.force_n = 460.0,
+            ),
+            // 12.1 mm; 95 % of that less 1.3 mm are 10.2 mm.
+            (
+                "trips.travel_m",
+                |s| s.trips.travel_m = 11e-3,
+                |s| s.trips.travel_m = 10.1e-3,
+            ),
+            (
+                "trips.cart_m",
+                |s| s.trips.cart_m = 2.6e-3,
+                |s| s.trips.cart_m = 2.3e-3,
+            ),
+            // A sensor whose zero is off its middle reaches less far on one side.
+            (
+                "trips.cart_m",
+                |s| s.cart.zero_code = 1500.0,
+                |s| s.cart.zero_code = 1800.0,
+            ),
+            (
+                "trips.travel_m",
+                |s| s.hammer.zero_code = 2350.0,
+                |s| s.hammer.zero_code = 2060.0,
+            ),
+            (
+                "trips.force_n",
+                |s| s.force.zero_code = 1400.0,
+                |s| s.force.zero_code = 1100.0,
+            ),
+            (
+                "trips.force_n",
+                |s| s.limits.force_n = 18.0,
+                |s| s.limits.force_n = 20.0,
+            ),
+            (
+                "trips.force_n",
+                |s| s.force.unit_per_code *= 0.75,
+                |s| s.force.unit_per_code *= 0.85,
+            ),
+            (
+                "force.unit_per_code",
+                |s| s.force.unit_per_code *= -1.0,
+                |_| (),
+            ),
+            (
+                "cart.unit_per_code",
+                |s| s.cart.unit_per_code = 6e-5,
+                |s| s.cart.unit_per_code = -1.4e-6,
+            ),
+        ];
+        for (key, beyond, below) in cases {
+            let mut settings = Settings::for_rig(&PRESETS[0].1);
+            settings.detection.on_n = 12.0;
+            settings.detection.off_n = 6.0;
+            let sound = settings;
+            beyond(&mut settings);
+            assert_eq!(settings.check().expect_err(key).key, key);
+            let mut settings = sound;
+            below(&mut settings);
+            assert_eq!(settings.check(), Ok(()), "{key}");
+        }
+    }
+
+    #[test]
+    fn calibrations_of_absurd_size_are_refused() {
+        for unit in [1e-45, 1e38, -1.0, f32::MIN_POSITIVE] {
+            let mut settings = Settings::for_rig(&PRESETS[0].1);
+            settings.force.unit_per_code = unit;
+            assert_eq!(settings.check().unwrap_err().key, "force.unit_per_code");
+            for (key, field) in [
+                ("hammer.unit_per_code", true),
+                ("cart.unit_per_code", false),
+            ] {
+                let mut settings = Settings::for_rig(&PRESETS[0].1);
+                let channel = if field {
+                    &mut settings.hammer
+                } else {
+                    &mut settings.cart
+                };
+                channel.unit_per_code = unit;
+                assert_eq!(settings.check().unwrap_err().key, key, "{unit}");
+            }
+        }
+    }
+
+    #[test]
     fn every_setting_has_a_range_and_is_named_outside_it() {
         type Field = fn(&mut Settings) -> &mut f32;
         // Just outside on either side; the ends that are other settings are those of the wires' defaults.
-        let cases: [(&str, Field, f32, f32); 23] = [
+        let cases: [(&str, Field, f32, f32); 24] = [
             (
                 "force.unit_per_code",
                 |s| &mut s.force.unit_per_code,
@@ -286,6 +439,7 @@ mod tests {
                 1.9e-4,
                 2.1e-2,
             ),
+            ("aim.force_n", |s| &mut s.aim.force_n, -1.0, 300.0),
         ];
         for (key, field, below, above) in cases {
             for value in [below, above, f32::NAN] {

@@ -4,7 +4,7 @@ use shared::control::{BootInfo, Command, Controller, Refused, Status};
 use shared::fault::Record;
 use shared::forecast::{Forecast, Row};
 use shared::link::{
-    Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
+    Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock, Refusal,
 };
 use shared::model::params::WIRES;
 use shared::model::regime::Regime;
@@ -87,5 +87,8 @@ impl Device for Bench {
     fn take_block(&mut self) -> Option<RecordedBlock> {
         assert!(self.recording, "blocks are taken only while recording");
         Some(RecordedBlock::default())
+    }
+    fn boot(&mut self) -> Boot {
+        Boot::default()
     }
 }

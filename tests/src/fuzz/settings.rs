@@ -1,6 +1,8 @@
 //! Bytes in the settings' flash.
 
-use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use embedded_storage::nor_flash::{
+    ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash,
+};
 use shared::link::store::{IMAGE_BYTES, Loaded, Saved, Store};
 use shared::model::params::WIRES;
 use shared::settings::Settings;
@@ -28,24 +30,33 @@ pub fn settings(data: &[u8]) {
         }
     }
     let mut store = Store::new(flash, [0..SLOT as u32, SLOT as u32..2 * SLOT as u32]);
-    if let Ok(Loaded::Settings { settings, .. }) = store.load() {
-        assert!(settings.check().is_ok(), "{settings:?}");
-        assert_eq!(store.save(&settings), Ok(Saved::Unchanged));
+    match store.load() {
+        Ok(Loaded::Settings(settings)) => {
+            assert!(settings.check().is_ok(), "{settings:?}");
+            assert_eq!(store.save(&settings), Ok(Saved::Unchanged));
+        }
+        // Confirmed, it is stored anew.
+        Ok(Loaded::OlderCopy(settings)) => {
+            assert!(settings.check().is_ok(), "{settings:?}");
+            assert_eq!(store.save(&settings), Ok(Saved::Written));
+            assert!(matches!(store.load(), Ok(Loaded::Settings(s)) if s == settings));
+        }
+        _ => {}
     }
     let mut new = Settings::for_rig(&WIRES);
     new.trips.no_contact_s = 3.25;
     store.save(&new).expect("flash that works");
     let loaded = store.load();
     assert!(
-        matches!(loaded, Ok(Loaded::Settings { settings, .. }) if settings == new),
+        matches!(loaded, Ok(Loaded::Settings(settings)) if settings == new),
         "{loaded:?}"
     );
 }
 
-/// `payload` as the store writes it: name, layout 1, length, sequence, CRC; payload at 64.
+/// `payload` as the store writes it: name, layout 2, length, sequence, CRC; payload at 64.
 fn stored(slot: &mut [u8], payload: &[u8], sequence: u8) {
     let payload = &payload[..payload.len().min(IMAGE_BYTES - 64)];
-    let mut header = b"VIHS\x01\x00".to_vec();
+    let mut header = b"VIHS\x02\x00".to_vec();
     header.extend((payload.len() as u16).to_le_bytes());
     // Some where numbers wrap.
     header.extend(u32::from(sequence).wrapping_sub(3).to_le_bytes());
@@ -76,6 +87,8 @@ impl ReadNorFlash for Flash {
         self.0.len()
     }
 }
+
+impl MultiwriteNorFlash for Flash {}
 
 impl NorFlash for Flash {
     const WRITE_SIZE: usize = 4;

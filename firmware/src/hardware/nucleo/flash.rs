@@ -17,7 +17,8 @@
 use super::block_monitor;
 use crate::link_device::SettingsStore;
 use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
+    ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase,
+    check_read, check_write,
 };
 use shared::{
     link::store::{self, Loaded},
@@ -79,6 +80,9 @@ impl ReadNorFlash for SettingsFlash {
         2 * SECTOR as usize
     }
 }
+
+/// Bits that are 1 can be written 0 without erasing (RM0390, "Programming in flash": successive writes).
+impl MultiwriteNorFlash for SettingsFlash {}
 
 impl NorFlash for SettingsFlash {
     const WRITE_SIZE: usize = 1;

@@ -11,7 +11,7 @@
 
 use core::{cell::UnsafeCell, mem::MaybeUninit};
 
-use shared::fault::{Fault, Origin, Persisted, Record};
+use shared::fault::{Persisted, Record};
 
 /// The drive was enabled.
 const DRIVING: u32 = 0x5ad7_1e31;
@@ -94,13 +94,10 @@ pub fn note_drive(on: bool) {
 
 /// Retains where the program crashed.
 pub fn note_crash(address: Option<u32>, status: u32) {
-    keep(Some(&Record {
-        fault: Fault::Crash,
-        origin: Origin::System,
-        tick: 0,
-        value: 0.0,
-        frequency_hz: 0.0,
-    }));
+    // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
+    let before = unsafe { (&raw const (*words()).record).read_volatile() };
+    // The faults before the crash stay in the episode.
+    keep(Some(&Record::CRASH.after(before.record())));
     let crash = Crash {
         mark: CRASHED,
         address: address.unwrap_or(0),

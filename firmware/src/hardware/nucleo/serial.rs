@@ -26,15 +26,15 @@ const RECEIVE: usize = 1024;
 /// Bytes sent at once at most.
 pub const SEND: usize = 1024;
 
-/// Memory the DMA touches.
-struct Shared<T>(UnsafeCell<T>);
+/// Bytes the DMA touches.
+struct Shared<const N: usize>(UnsafeCell<[u8; N]>);
 
 // SAFETY: both are touched by the one `Serial` alone, by volatile accesses: the receive ring is read only where
 // the DMA has passed, the send buffer written only while the DMA is not sending.
-unsafe impl<T> Sync for Shared<T> {}
+unsafe impl<const N: usize> Sync for Shared<N> {}
 
-static RECEIVED: Shared<[u8; RECEIVE]> = Shared(UnsafeCell::new([0; RECEIVE]));
-static SENDING: Shared<[u8; SEND]> = Shared(UnsafeCell::new([0; SEND]));
+static RECEIVED: Shared<RECEIVE> = Shared(UnsafeCell::new([0; RECEIVE]));
+static SENDING: Shared<SEND> = Shared(UnsafeCell::new([0; SEND]));
 
 /// The wire.
 pub struct Serial {

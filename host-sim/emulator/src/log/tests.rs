@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use shared::control::{ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, State, Status};
+use shared::control::{
+    ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, SettingsState, State, Status,
+};
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, DacCode, Frame, Output};
 use shared::model::params::PRESETS;
@@ -25,7 +27,7 @@ fn header() -> Header {
         birth: BootInfo {
             reset: ResetCause::Watchdog,
             record: status(21).fault,
-            settings_corrupt: true,
+            settings: SettingsState::Damaged,
         },
         block_ticks: BLOCK as u32,
         scenario: Some("name = \"a test\"\n".into()),
@@ -36,13 +38,7 @@ fn status(k: usize) -> Status {
     Status {
         tick: (k * BLOCK) as u32,
         state: if k < 7 { State::Idle } else { State::Hold },
-        fault: (k > 20).then_some(Record {
-            fault: Fault::OverForce,
-            origin: Origin::Force,
-            tick: 77,
-            value: 401.5,
-            frequency_hz: 3.5,
-        }),
+        fault: (k > 20).then_some(Record::new(Fault::OverForce, Origin::Force, 77, 401.5, 3.5)),
         limits: ActiveLimits::FORCE | ActiveLimits::TRAVEL,
         frequency_hz: 3.0 + 0.1 * k as f32,
         amplitude_m: -0.0,

@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 25] = scenarios![
+pub const BUILTIN: [(&str, &str); 26] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
@@ -34,4 +34,5 @@ pub const BUILTIN: [(&str, &str); 25] = scenarios![
     "watchdog-reset",
     "brown-out",
     "crash",
+    "not-off",
 ];

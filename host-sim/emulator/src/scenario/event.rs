@@ -73,6 +73,8 @@ pub enum Act {
     Stop {},
     /// The command to clear the fault.
     ClearFault {},
+    /// Somebody at the rig acknowledges an emergency stop.
+    Acknowledge {},
     /// A set-point for manual mode.
     SetPoint {
         /// Hz.
@@ -380,6 +382,7 @@ impl Act {
             Self::Start { mode: Mode::Manual } => "start by hand".into(),
             Self::Stop {} => "stop".into(),
             Self::ClearFault {} => "clear fault".into(),
+            Self::Acknowledge {} => "acknowledge".into(),
             Self::SetPoint {
                 frequency_hz,
                 amplitude_mm,

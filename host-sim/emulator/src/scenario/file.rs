@@ -42,6 +42,10 @@ struct File {
     #[serde(default)]
     trips: Trips,
     #[serde(default)]
+    aim: Aim,
+    #[serde(default)]
+    operator: Operator,
+    #[serde(default)]
     shaker: Shaker,
     #[serde(default)]
     sensors: Sensors,
@@ -84,6 +88,39 @@ numbers!(Trips {
     link_timeout_s,
 });
 
+/// The table `[aim]`.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Aim {
+    force_n: Option<f64>,
+    force_ratio: Option<f64>,
+    #[serde(default)]
+    power: bool,
+}
+
+impl Aim {
+    /// What `rig` is to aim at; a force ratio is of the rig's weight.
+    fn of(&self, rig: &RigParams) -> Result<shared::settings::Aim, UserError> {
+        let of_weight = self.force_ratio.map(|ratio| ratio * rig.weight_n());
+        if of_weight.is_some() && self.force_n.is_some() {
+            let what = "[aim] has force_n and force_ratio; give one of them";
+            return Err(UserError::new(what));
+        }
+        Ok(shared::settings::Aim {
+            force_n: self.force_n.or(of_weight).unwrap_or(0.0) as f32,
+            power: self.power,
+        })
+    }
+}
+
+/// Who must be there, as the controller's settings say it.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Operator {
+    heartbeat: bool,
+    acknowledge: bool,
+}
+
 /// The scenario in `text`, called `name` unless it says otherwise; `place` begins complaints.
 ///
 /// # Errors
@@ -104,8 +141,16 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         Some(_) => DriveKind::Motor,
         None => DriveKind::Shaker,
     };
-    let settings = settings(&believed, kind, &file.limits, &file.trips)
-        .map_err(|e| e.at(format!("{place}, [limits] and [trips]")))?;
+    let aim = file.aim.of(&believed).map_err(|e| e.at(place))?;
+    let settings = settings(
+        &believed,
+        kind,
+        aim,
+        &file.limits,
+        &file.trips,
+        &file.operator,
+    )
+    .map_err(|e| e.at(format!("{place}, [limits], [trips] and [aim]")))?;
     let motor = file.motor.as_ref().map(|keys| motor(keys, &true_rig));
     let motor = motor
         .transpose()
@@ -209,11 +254,16 @@ fn one_drive(prescribed: bool, motor: bool, mounting: &Mounting) -> Result<(), U
 fn settings(
     believed: &RigParams,
     kind: DriveKind,
+    aim: shared::settings::Aim,
     limits: &Limits,
     trips: &Trips,
+    operator: &Operator,
 ) -> Result<Settings, UserError> {
     let mut settings = Settings::for_rig(believed);
     settings.drive.kind = kind;
+    settings.aim = aim;
+    settings.operator.heartbeat = operator.heartbeat;
+    settings.operator.acknowledge = operator.acknowledge;
     let put = |to: &mut f32, value: Option<f64>, unit: f64| {
         if let Some(value) = value {
             *to = (value * unit) as f32;

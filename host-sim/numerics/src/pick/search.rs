@@ -300,6 +300,22 @@ mod tests {
         assert_eq!(spread_of_members(&WIRES, &far, &orbit), None);
     }
 
+    /// Just below the frequency at which the nominal 1/1 ends, the orbit of a rig that swings 2 % slower is unstable: it is
+    /// followed in steps, to all of the deviation and not to a part of it or back to none.
+    #[test]
+    fn a_member_followed_in_steps_arrives_at_its_own_orbit() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let hz = 0.995 * branch.high.frequency_hz;
+        let nominal = branch.at(&WIRES, hz).unwrap();
+        assert!(nominal.is_stable_one_one());
+        let slower = &by_natural_frequency(2.0)[0];
+        let found = follow_member(&WIRES, slower, &nominal, hz).unwrap();
+        assert!(!found.is_stable_one_one(), "{found:?}");
+        let own = shoot(&slower.apply(&WIRES, 1.0), hz, found.section).unwrap();
+        assert!((found.force_n / own.force_n - 1.0).abs() < 1e-9);
+        assert!((found.force_n / nominal.force_n - 1.0).abs() > 1e-3);
+    }
+
     /// Wires shortened so that they swing 2 % faster are stable up to a frequency about 2 % higher.
     #[test]
     fn a_member_s_stable_range_moves_with_its_natural_frequency_and_keeps_to_the_limits() {

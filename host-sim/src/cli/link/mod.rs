@@ -9,7 +9,7 @@ use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serialport::SerialPort;
 use shared::control::{self, Mode, State};
-use shared::link::{Answer, Hello, ToBoard};
+use shared::link::{Act, Answer, Hello, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::{Format, check_format};
@@ -57,7 +57,9 @@ enum What {
     /// Ramp down and go idle
     Stop,
     /// Clear the fault once its cause has gone
-    ClearFault,
+    ClearFault(Session),
+    /// Confirm that the older copy of the settings is this rig's, after the newest was found damaged
+    Confirm(Session),
     /// Print the settings as a TOML file
     Get,
     /// Send settings; the board checks them as a whole, in idle, uses them and stores them
@@ -83,6 +85,14 @@ enum What {
     },
 }
 
+/// For whatever steers.
+#[derive(Clone, Copy, Debug, clap::Args)]
+struct Session {
+    /// Steer even if another program does: it can no longer do so then
+    #[arg(long)]
+    take_over: bool,
+}
+
 #[derive(Debug, clap::Args)]
 struct Start {
     /// Steer by hand: this program stays in command, and when it ends, the board's link timeout trips
@@ -97,11 +107,21 @@ struct Start {
     /// Stop after so long, s of the controller's time [default: until interrupted]
     #[arg(long = "for", value_name = "S", requires = "manual")]
     duration_s: Option<f64>,
+    #[command(flatten)]
+    session: Session,
+}
+
+#[derive(Debug, clap::Args)]
+struct Set {
+    #[command(flatten)]
+    new: NewSettings,
+    #[command(flatten)]
+    session: Session,
 }
 
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = true)]
-struct Set {
+struct NewSettings {
     /// Settings that differ, as `get` prints them
     #[arg(value_name = "FILE.toml")]
     file: Option<PathBuf>,
@@ -122,6 +142,8 @@ struct Recording {
     /// and leaves the controller running: `link PORT stop`)
     #[arg(long)]
     start: bool,
+    #[command(flatten)]
+    session: Session,
 }
 
 #[derive(Debug, clap::Args)]
@@ -150,6 +172,8 @@ struct Sweep {
     /// File to write; if something fails or you interrupt, it gets what was measured until then
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
+    #[command(flatten)]
+    session: Session,
 }
 
 /// A status has no form as a table.
@@ -162,19 +186,37 @@ fn text_or_json() -> impl TypedValueParser<Value = Format> {
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
     check(&args.what)?;
+    if matches!(args.what, What::Stop) && client::stop_beside_another(&args.port, args.baud)? {
+        print("sent; another program uses the port, and only it hears whether the drive stops\n");
+        return Ok(0);
+    }
     let (mut port, hello) = client::open(&args.port, args.baud)?;
     let port = &mut port;
     let done = match &args.what {
         What::Status { format } => show::status(port, &hello, *format),
-        What::Start(start) if start.manual => steer(port, start),
-        What::Start(_) => command(port, control::Command::Start(Mode::Automatic)),
+        What::Start(start) => in_session(port, start.session, |port| {
+            if start.manual {
+                steer(port, start)
+            } else {
+                start_automatic(port)
+            }
+        }),
         What::Stop => command(port, control::Command::Stop),
-        What::ClearFault => command(port, control::Command::ClearFault),
+        What::ClearFault(session) => in_session(port, *session, |port| {
+            command(port, control::Command::ClearFault)
+        }),
+        What::Confirm(session) => in_session(port, *session, |port| {
+            port.command(control::Command::ConfirmSettings)?;
+            print("the older copy of the settings is confirmed and stored; clear the fault now\n");
+            Ok(())
+        }),
         What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
-        What::Set(set) => send_settings(port, set),
+        What::Set(set) => in_session(port, set.session, |port| send_settings(port, &set.new)),
         What::Forecast { format } => show::forecast(port, *format),
-        What::Record(recording) => record(port, &hello, recording),
-        What::Sweep(plan) => return sweep(port, plan),
+        What::Record(recording) => in_session(port, recording.session, |port| {
+            record(port, &hello, recording)
+        }),
+        What::Sweep(plan) => return in_session(port, plan.session, |port| sweep(port, plan)),
         What::Monitor { duration_s, rate } => show::monitor(port, *duration_s, *rate),
     };
     done.map(|()| 0)
@@ -215,8 +257,43 @@ fn check(what: &What) -> Result<(), UserError> {
     }
 }
 
+/// Does `work` in a session, which ends with it, however that ends.
+fn in_session<T>(
+    port: &mut Port,
+    session: Session,
+    work: impl FnOnce(&mut Port) -> Result<T, UserError>,
+) -> Result<T, UserError> {
+    port.open_session(session.take_over)?;
+    let done = work(port);
+    // Another program may have taken it over, or the board is gone: that has been said, or does not matter.
+    let _ = port.steer(Act::Release);
+    done
+}
+
+/// Starts in automatic mode. If the settings ask for a heartbeat, this program stays and gives it.
+fn start_automatic(port: &mut Port) -> Result<(), UserError> {
+    command(port, control::Command::Start(Mode::Automatic))?;
+    if !settings(port)?.operator.heartbeat {
+        return Ok(());
+    }
+    say(
+        "operator.heartbeat is set: when this program ends, the board's link timeout trips; `stop` in another window ramps down",
+    );
+    loop {
+        std::thread::sleep(PACE);
+        port.command(control::Command::Alive)?;
+        let status = port.status()?;
+        print(&format!("{}\n", line(&status)));
+        match status.state {
+            State::Fault => return Err(port.complaint("a fault has switched the drive off")),
+            State::Idle => return Ok(()),
+            _ => {}
+        }
+    }
+}
+
 fn command(port: &mut Port, command: control::Command) -> Result<(), UserError> {
-    port.tell(ToBoard::Command(command))?;
+    port.command(command)?;
     let status = port.status()?;
     print(&format!("{}\n", line(&status)));
     Ok(())
@@ -229,7 +306,7 @@ fn settings(port: &mut Port) -> Result<Settings, UserError> {
     }
 }
 
-fn send_settings(port: &mut Port, set: &Set) -> Result<(), UserError> {
+fn send_settings(port: &mut Port, set: &NewSettings) -> Result<(), UserError> {
     let mut new = match &set.rig {
         Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params),
         None => settings(port)?,
@@ -238,7 +315,7 @@ fn send_settings(port: &mut Port, set: &Set) -> Result<(), UserError> {
         let text = read_text(path)?;
         new = settings_file::overlay(&new, &text).map_err(|e| e.at(path.display()))?;
     }
-    port.tell(ToBoard::SetSettings(new))?;
+    port.steer(Act::SetSettings(new))?;
     print("the settings are in use and stored\n");
     Ok(())
 }
@@ -259,10 +336,11 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
         Some(mm) => 1e-3 * mm,
         None => settings(port)?.rig.amplitude_m,
     };
-    port.tell(ToBoard::Command(control::Command::Start(Mode::Manual)))?;
+    port.command(control::Command::Start(Mode::Manual))?;
     let mut set = start.frequency.is_none() && start.amplitude.is_none();
     let mut begun = None;
     loop {
+        port.command(control::Command::Alive)?;
         let status = port.status()?;
         print(&format!("{}\n", line(&status)));
         match status.state {
@@ -276,10 +354,10 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
                     set = true;
                     let frequency_hz = start.frequency.map_or(status.frequency_hz, |hz| hz as f32);
                     let amplitude_m = amplitude_m as f32;
-                    port.tell(ToBoard::Command(control::Command::SetPoint {
+                    port.command(control::Command::SetPoint {
                         frequency_hz,
                         amplitude_m,
-                    }))?;
+                    })?;
                 }
             }
             State::Fault => return Err(port.complaint("a fault has switched the drive off")),

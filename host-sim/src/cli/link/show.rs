@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use shared::control::Status;
-use shared::fault::Record;
-use shared::link::{Answer, ForecastPage, FromBoard, Hello, ToBoard};
+use shared::control::{SettingsState, Status};
+use shared::fault::{Fault, Record};
+use shared::link::{Answer, BoardState, ForecastPage, FromBoard, Hello, ToBoard};
 use shared::settings::TICK_RATE_HZ;
 
 use super::Port;
@@ -42,8 +42,15 @@ pub fn line(status: &Status) -> String {
 }
 
 fn fault(record: &Record) -> String {
+    let others = record.episode.without(record.fault);
+    let others: Vec<_> = others.faults().map(Fault::name).collect();
+    let others = if others.is_empty() {
+        String::new()
+    } else {
+        format!(", with {}", others.join(", "))
+    };
     format!(
-        "{} {} (value {:.4}, at tick {}, {:.3} Hz)",
+        "{} {} (value {:.4}, at tick {}, {:.3} Hz){others}",
         record.fault.code(),
         record.fault.name(),
         record.value,
@@ -59,10 +66,13 @@ struct FaultAnswer {
     value: f32,
     tick: u32,
     frequency_hz: f32,
+    /// Every fault since the last was cleared, by number.
+    episode: Vec<&'static str>,
 }
 
 pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), UserError> {
     let status = port.status()?;
+    let board = port.board()?;
     if format == Format::Json {
         let mut answer = serde_json::to_value(status)
             .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
@@ -72,11 +82,16 @@ pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), User
             value: record.value,
             tick: record.tick,
             frequency_hz: record.frequency_hz,
+            episode: record.episode.faults().map(Fault::name).collect(),
         });
         answer["board"] = hello.board.as_str().into();
         answer["firmware"] = hello.firmware.as_str().into();
         answer["state"] = state_name(status.state).into();
         answer["regime"] = status.regime.to_string().into();
+        answer["settings"] = serde_json::to_value(board.settings)
+            .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        answer["held"] = board.held.into();
+        answer["awaits_acknowledgement"] = board.awaits_acknowledgement.into();
         answer["fault"] = serde_json::to_value(fault)
             .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
         print(&to_json(&answer)?);
@@ -90,7 +105,33 @@ pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), User
         hello.block_ticks,
         line(&status)
     ));
+    for word in remarks(&board) {
+        print(&format!("{word}\n"));
+    }
     Ok(())
+}
+
+/// What a person must do, or should know, before the board can be steered.
+fn remarks(board: &BoardState) -> Vec<&'static str> {
+    let settings = match board.settings {
+        SettingsState::Stored => None,
+        SettingsState::Model => Some("the model replaces the rig (bench mode)"),
+        SettingsState::Missing => Some("no settings yet: send those of this rig (`set`)"),
+        SettingsState::Damaged => {
+            Some("the stored settings are damaged: send those of this rig (`set`)")
+        }
+        SettingsState::OlderCopy => Some(
+            "the newest settings are damaged and an older copy is in use: read it (`get`), then `confirm` it or send others (`set`)",
+        ),
+    };
+    let acknowledge = board.awaits_acknowledgement.then_some(
+        "the emergency stop must be acknowledged: close the chain and press the board's button",
+    );
+    let held = board.held.then_some("a program steers");
+    [settings, acknowledge, held]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// How often the monitor looks whether it should give up.

@@ -2,7 +2,7 @@
 
 use std::vec::Vec;
 
-use embedded_storage::nor_flash::{ErrorType, NorFlashErrorKind};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind};
 
 use super::*;
 use crate::model::params::{LAWS, PRESETS, RigParams, WIRES};
@@ -73,6 +73,8 @@ impl<const W: usize> ReadNorFlash for Flash<W> {
     }
 }
 
+impl<const W: usize> MultiwriteNorFlash for Flash<W> {}
+
 impl<const W: usize> NorFlash for Flash<W> {
     const WRITE_SIZE: usize = W;
     const ERASE_SIZE: usize = SLOT;
@@ -105,7 +107,7 @@ impl<const W: usize> NorFlash for Flash<W> {
             let cut = self.cut()?;
             let at = offset as usize + i * W;
             for (j, byte) in word.iter().enumerate() {
-                assert_eq!(self.bytes[at + j], 0xff, "written twice");
+                assert_eq!(byte & !self.bytes[at + j], 0, "it would need erasing");
                 let missing = if cut { self.byte() } else { 0 };
                 self.bytes[at + j] &= byte | missing;
             }
@@ -132,9 +134,9 @@ fn load<const W: usize>(flash: &mut Store<Flash<W>>) -> Loaded {
 /// The settings found, if any; anything but whole settings or none at all fails.
 fn found<const W: usize>(store: &mut Store<Flash<W>>) -> Option<Settings> {
     match load(store) {
-        Loaded::Settings { settings, .. } => Some(settings),
+        Loaded::Settings(settings) => Some(settings),
         Loaded::Default => None,
-        Loaded::Corrupt => panic!("neither old nor new"),
+        Loaded::OlderCopy(_) | Loaded::Corrupt => panic!("neither old nor new"),
     }
 }
 
@@ -144,11 +146,7 @@ fn what_is_saved_is_loaded_and_slots_take_turns() {
     assert_eq!(load(&mut store), Loaded::Default);
     for mark in 0..5 {
         assert_eq!(store.save(&settings(mark)), Ok(Saved::Written));
-        let expected = Loaded::Settings {
-            settings: settings(mark),
-            other_damaged: false,
-        };
-        assert_eq!(load(&mut store), expected);
+        assert_eq!(load(&mut store), Loaded::Settings(settings(mark)));
         let steps = store.flash.steps;
         assert_eq!(store.save(&settings(mark)), Ok(Saved::Unchanged));
         assert_eq!(store.flash.steps, steps);
@@ -213,7 +211,7 @@ fn the_sequence_number_wraps() {
 }
 
 #[test]
-fn damage_falls_back_and_says_so_or_is_corrupt() {
+fn damage_leaves_an_older_copy_or_is_corrupt() {
     let mut once = Store::new(Flash::<4>::new(), SLOTS);
     once.save(&settings(1)).unwrap();
     let mut twice = Store::new(Flash::<4>::new(), SLOTS);
@@ -228,12 +226,9 @@ fn damage_falls_back_and_says_so_or_is_corrupt() {
             once.flash.bytes[byte] ^= flip;
             assert_eq!(load(&mut once), Loaded::Corrupt, "byte {byte}");
             once.flash.bytes[byte] ^= flip;
-            // The newer of two damaged: the older one is loaded, and the damage reported. Both: corrupt.
+            // The newer of two damaged: the other one is an older copy. Both: corrupt.
             twice.flash.bytes[SLOT + byte] ^= flip;
-            let older = Loaded::Settings {
-                settings: settings(1),
-                other_damaged: true,
-            };
+            let older = Loaded::OlderCopy(settings(1));
             assert_eq!(load(&mut twice), older, "byte {byte}");
             twice.flash.bytes[byte] ^= flip;
             assert_eq!(load(&mut twice), Loaded::Corrupt, "byte {byte}");
@@ -247,11 +242,66 @@ fn damage_falls_back_and_says_so_or_is_corrupt() {
     assert_eq!(found(&mut once), Some(settings(3)));
 }
 
+/// A store whose newest settings (2) are damaged in `byte` of their slot, beside those before them (1).
+fn damaged(byte: usize) -> Store<Flash<4>> {
+    let mut store = Store::new(Flash::<4>::new(), SLOTS);
+    store.save(&settings(1)).unwrap();
+    store.save(&settings(2)).unwrap();
+    store.flash.bytes[SLOT + byte] ^= 1;
+    store
+}
+
+#[test]
+fn an_older_copy_is_taken_once_it_is_confirmed_or_others_are_sent() {
+    for byte in [0, 8, 12, PAYLOAD_AT, PAYLOAD_AT + 40] {
+        for sent in [1, 2, 3] {
+            let mut store = damaged(byte);
+            assert_eq!(load(&mut store), Loaded::OlderCopy(settings(1)));
+            // Looking at it changes nothing.
+            assert_eq!(load(&mut store), Loaded::OlderCopy(settings(1)));
+            assert_eq!(store.save(&settings(sent)), Ok(Saved::Written));
+            assert_eq!(load(&mut store), Loaded::Settings(settings(sent)));
+            assert_eq!(store.save(&settings(sent)), Ok(Saved::Unchanged));
+        }
+    }
+}
+
+#[test]
+fn a_power_cut_never_makes_an_older_copy_the_settings_stored_last() {
+    for seed in 1..=20 {
+        for sent in [1, 3] {
+            let mut whole = damaged(PAYLOAD_AT + 7);
+            whole.flash.random = seed;
+            let before = whole.flash.steps;
+            whole.save(&settings(sent)).unwrap();
+            let steps = whole.flash.steps - before;
+            for first in 1..=steps {
+                let second = 1 + first.wrapping_mul(seed) % steps;
+                let mut store = damaged(PAYLOAD_AT + 7);
+                store.flash.random = seed.wrapping_mul(first);
+                for cut in [first, second] {
+                    store.flash.left = Some(cut);
+                    let saved = store.save(&settings(sent));
+                    match load(&mut store) {
+                        Loaded::OlderCopy(older) => {
+                            assert!(saved.is_err());
+                            assert_eq!(older, settings(1), "cut at {cut}");
+                        }
+                        loaded => assert_eq!(loaded, Loaded::Settings(settings(sent)), "{cut}"),
+                    }
+                }
+                store.save(&settings(sent)).unwrap();
+                assert_eq!(load(&mut store), Loaded::Settings(settings(sent)));
+            }
+        }
+    }
+}
+
 #[test]
 fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones() {
     let other_layout = {
         let (mut image, end) = image_of(&settings(2), 2).unwrap();
-        image[4] = 2;
+        image[4] = 3;
         let check = check_of(&image[..12], &image[PAYLOAD_AT..end]);
         image[12..16].copy_from_slice(&check.to_le_bytes());
         image
@@ -307,6 +357,7 @@ fn flash_that_does_not_hold_what_was_written_is_noticed() {
             self.0.capacity()
         }
     }
+    impl MultiwriteNorFlash for Stuck {}
     impl NorFlash for Stuck {
         const WRITE_SIZE: usize = 4;
         const ERASE_SIZE: usize = SLOT;
@@ -322,16 +373,17 @@ fn flash_that_does_not_hold_what_was_written_is_noticed() {
     }
     let mut store = Store::new(Stuck(Flash::new()), SLOTS);
     let mut refused = 0;
+    let mut stored = None;
     for mark in 1..=8 {
-        let before = store.load().unwrap();
-        if store.save(&settings(mark)) == Err(SaveError::NotAsWritten) {
-            refused += 1;
-            let (Loaded::Settings { settings: old, .. }, Loaded::Settings { settings: now, .. }) =
-                (before, store.load().unwrap())
-            else {
-                panic!("the old settings stand");
-            };
-            assert_eq!(old, now);
+        match store.save(&settings(mark)) {
+            Ok(_) => stored = Some(settings(mark)),
+            Err(why) => {
+                assert_eq!(why, SaveError::NotAsWritten);
+                refused += 1;
+                // Those before are still there; but others were sent since, and that is not forgotten.
+                let older = Loaded::OlderCopy(stored.expect("the first slot holds"));
+                assert_eq!(store.load(), Ok(older));
+            }
         }
     }
     assert!(refused > 0);

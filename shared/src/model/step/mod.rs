@@ -224,3 +224,6 @@ fn record_at_end<R: Real>(
         (Mode::Flight, false) => {}
     }
 }
+
+#[cfg(test)]
+mod tests;

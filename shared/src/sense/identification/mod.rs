@@ -37,6 +37,7 @@
 //! test.
 
 pub mod contact;
+mod ratio;
 mod statistics;
 
 use crate::model::contact::Law;
@@ -44,10 +45,19 @@ use crate::model::params::SupportParams;
 use crate::sense::{Pulse, Sample};
 use crate::settings::{Settings, TICK_S};
 use contact::{Above, spring_dashpot};
+use ratio::Ratio;
 use statistics::{Average, Line};
 
 /// Largest number of windows or contacts in an estimate: older ones fade.
 pub const MEMORY: u32 = 200;
+
+/// The same of the gap: few, so that it follows a surface that recedes (at 5 µm/s on the wires it is 30 µm late).
+pub const GAP_MEMORY: u32 = 24;
+
+/// A gap further from the mean than this many spreads is another gap,
+const GAP_JUMP: f32 = 5.0;
+/// if so many contacts in a row agree.
+const MOVED_CONTACTS: u8 = 4;
 
 /// Least relative spread given for stiffness; half of it for damping.
 pub const SYSTEMATIC: f32 = 0.2;
@@ -135,8 +145,13 @@ pub struct Identification {
     approach: Average,
     restitution: Average,
     duration: Average,
-    gap: Average,
+    gap: Average<GAP_MEMORY>,
+    /// Contacts in a row far from the mean gap.
+    moved: u8,
+    /// Square of a gap's least spread, m²: 1 % of A0.
+    gap_grain_m2: f32,
     refused: u32,
+    ratio: Ratio,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,13 +206,24 @@ impl Identification {
             restitution: Average::default(),
             duration: Average::default(),
             gap: Average::default(),
+            moved: 0,
+            gap_grain_m2: 1e-4 * amplitude_m * amplitude_m,
             refused: 0,
+            ratio: Ratio::default(),
         }
+    }
+
+    /// Gain of the hammer's sensor over the cart's, with its sign, if the flights tell it, and from how many windows.
+    pub fn hammer_over_cart(&self) -> Option<(f32, u32)> {
+        let gain = self.ratio.gain(self.believed.amplitude_m)?;
+        Some((gain, self.ratio.windows()))
     }
 
     /// One tick's samples, and whether a contact is under way ([`crate::sense::Sense::in_contact`]).
     #[inline]
     pub fn flight(&mut self, sample: &Sample, in_contact: bool) {
+        self.ratio
+            .flight(sample, in_contact, self.window_ticks, SETTLE);
         if in_contact {
             self.settle = SETTLE;
             self.window.ticks = 0;
@@ -265,7 +291,7 @@ impl Identification {
             self.refused = self.refused.saturating_add(1);
             return;
         }
-        self.gap.push(pulse.relative_m);
+        self.push_gap(pulse.relative_m);
         let fast = pulse.approach_m_per_s >= self.slowest;
         if !fast {
             return;
@@ -284,6 +310,27 @@ impl Identification {
         self.approach.push(pulse.approach_m_per_s);
         self.restitution.push(restitution);
         self.duration.push(duration);
+    }
+
+    /// The mean gap of the last contacts, m; none before there are enough.
+    pub fn gap_m(&self) -> Option<f32> {
+        (self.gap.count >= FEWEST_CONTACTS).then_some(self.gap.mean)
+    }
+
+    /// Takes in the gap of a contact. Contacts that agree on another gap than those before begin the mean anew: the
+    /// surface has moved.
+    fn push_gap(&mut self, gap_m: f32) {
+        let off = gap_m - self.gap.mean;
+        let far = self.gap.count >= FEWEST_CONTACTS
+            && off * off > GAP_JUMP * GAP_JUMP * (self.gap.variance + self.gap_grain_m2);
+        self.moved = if far { self.moved + 1 } else { 0 };
+        if self.moved >= MOVED_CONTACTS {
+            self.gap = Average::default();
+            self.moved = 0;
+        }
+        if !far {
+            self.gap.push(gap_m);
+        }
     }
 
     /// What has been identified. Some thousand instructions: for now and then.
@@ -316,6 +363,8 @@ impl Identification {
         self.restitution = Average::default();
         self.duration = Average::default();
         self.gap = Average::default();
+        self.moved = 0;
+        self.ratio.reset();
     }
 
     fn natural(&self) -> Option<Estimate> {

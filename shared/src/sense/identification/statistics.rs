@@ -3,18 +3,18 @@
 use super::FEWEST_WINDOWS as FEWEST;
 use super::MEMORY;
 
-/// Mean and variance that forget.
+/// Mean and variance that forget: of the last `M` values, older ones faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Average {
+pub struct Average<const M: u32 = MEMORY> {
     pub mean: f32,
     pub variance: f32,
     pub count: u32,
 }
 
-impl Average {
+impl<const M: u32> Average<M> {
     pub fn push(&mut self, value: f32) {
         self.count = self.count.saturating_add(1);
-        let weight = 1.0 / self.count.min(MEMORY) as f32;
+        let weight = 1.0 / self.count.min(M) as f32;
         let off = value - self.mean;
         self.mean += weight * off;
         self.variance = (1.0 - weight) * (self.variance + weight * off * off);
@@ -22,7 +22,7 @@ impl Average {
 
     /// Standard error of the mean.
     pub fn sigma(&self) -> f32 {
-        let count = self.count.clamp(2, MEMORY);
+        let count = self.count.clamp(2, M);
         libm::sqrtf(self.variance / (count - 1) as f32)
     }
 }
@@ -60,5 +60,89 @@ impl Line {
         let left = self.yy - slope * self.xy;
         let freedom = 1.0 - 2.0 / self.count.min(MEMORY) as f32;
         Some((slope, if left > 0.0 { left / freedom } else { 0.0 }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: f32, wanted: f32) {
+        let off = (found - wanted).abs();
+        assert!(off <= 1e-4 * wanted.abs() + 1e-6, "{found}, {wanted}");
+    }
+
+    #[test]
+    fn a_mean_and_its_standard_error_are_those_of_the_textbook() {
+        let mut average = Average::<MEMORY>::default();
+        for value in [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0] {
+            average.push(value);
+        }
+        assert_eq!(average.count, 8);
+        close(average.mean, 5.0);
+        close(average.variance, 4.0);
+        // √(32/7) of scatter over √8.
+        close(average.sigma(), libm::sqrtf(32.0 / 7.0 / 8.0));
+        assert_eq!(Average::<MEMORY>::default().sigma(), 0.0);
+    }
+
+    /// Once the memory is full, each new value weighs 1/[`MEMORY`], and the old ones fade by as much.
+    #[test]
+    fn old_values_fade() {
+        let mut average = Average::<MEMORY>::default();
+        let mut line = Line::default();
+        for k in 0..MEMORY {
+            average.push(3.0);
+            line.push((k % 2) as f32, 3.0);
+        }
+        for k in 0..MEMORY {
+            average.push(1.0);
+            line.push((k % 2) as f32, 1.0);
+        }
+        let kept = libm::powf(1.0 - 1.0 / MEMORY as f32, MEMORY as f32);
+        close(average.mean, 1.0 + 2.0 * kept);
+        close(line.y, 1.0 + 2.0 * kept);
+        // Two values, 2 apart, in these shares.
+        let between = 4.0 * kept * (1.0 - kept);
+        close(average.variance, between);
+        close(line.yy, between);
+        close(average.sigma(), libm::sqrtf(between / (MEMORY - 1) as f32));
+    }
+
+    #[test]
+    fn the_line_is_that_of_least_squares() {
+        let mut line = Line::default();
+        assert_eq!(line.fit(), None);
+        // Off the line y = 5 − 2x by +1 and −1 in turn, at pairs of equal x.
+        let off = |k: u32| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        for k in 0..FEWEST {
+            assert_eq!(line.fit(), None, "{k} points");
+            let x = (k / 2) as f32;
+            line.push(x, 5.0 - 2.0 * x + off(k));
+        }
+        let (slope, square) = line.fit().unwrap();
+        close(slope, -2.0);
+        // Residuals of 1, and two degrees of freedom spent.
+        let count = FEWEST as f32;
+        close(square, count / (count - 2.0));
+        close(line.x, 0.5 * (count / 2.0 - 1.0));
+        close(line.y, 5.0 - 2.0 * line.x);
+        // The variance of whole numbers below n is (n² − 1)/12.
+        close(line.xx, (count * count / 4.0 - 1.0) / 12.0);
+        close(line.xy, -2.0 * line.xx);
+        close(line.yy, 4.0 * line.xx + 1.0);
+    }
+
+    #[test]
+    fn points_above_each_other_and_points_on_a_line_leave_no_scatter() {
+        let (mut upright, mut exact) = (Line::default(), Line::default());
+        for k in 0..2 * FEWEST {
+            upright.push(1.0, k as f32);
+            exact.push(k as f32, 3.0 * k as f32);
+        }
+        assert_eq!(upright.fit(), None);
+        let (slope, square) = exact.fit().unwrap();
+        close(slope, 3.0);
+        assert!((0.0..1e-2).contains(&square), "{square}");
     }
 }

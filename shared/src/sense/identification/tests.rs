@@ -5,6 +5,11 @@ use crate::model::params::WIRES;
 
 /// The hammer swinging freely in a cart that moves as it likes.
 fn swing(identification: &mut Identification, natural_hz: f64, seconds: f64) {
+    swing_about(identification, natural_hz, seconds, 1e-4);
+}
+
+/// The same with a displacement sensor that is off by `offset_m`.
+fn swing_about(identification: &mut Identification, natural_hz: f64, seconds: f64, offset_m: f64) {
     let omega = std::f64::consts::TAU * natural_hz;
     let h = TICK_S;
     let (mut x, mut v) = (2e-3_f64, 0.0_f64);
@@ -15,7 +20,7 @@ fn swing(identification: &mut Identification, natural_hz: f64, seconds: f64) {
         x += h * v;
         let sample = Sample {
             force_n: 0.0,
-            hammer_m: (x + 1e-4) as f32,
+            hammer_m: (x + offset_m) as f32,
             cart_m: y as f32,
         };
         identification.flight(&sample, false);
@@ -94,4 +99,300 @@ fn implausible_contacts_are_refused_and_counted() {
     }
     assert_eq!(identification.refused(), 5);
     assert_eq!(identification.estimates().stiffness, before.stiffness);
+}
+
+/// A contact of Table 3.1 at `approach` m/s as the sensors see it: the closed form, less the end below the threshold, plus
+/// the excess that was measured.
+fn measured(stiffness: f64, damping: f64, mass: f64, approach: f64, on_n: f64) -> Pulse {
+    let omega = (stiffness / mass).sqrt();
+    let zeta = 0.5 * damping / (stiffness * mass).sqrt();
+    let psi = zeta.acos();
+    let restitution = (-2.0 * psi / psi.tan()).exp();
+    let q = on_n / (mass * omega * restitution * approach);
+    let early = ((1.0 + 4.0 * zeta * q).sqrt() - 1.0) / (2.0 * zeta);
+    let share = on_n / (2.0 * zeta * mass * omega * approach);
+    let late = f64::from(LATE_S.0) - f64::from(LATE_S.1) * share;
+    let duration = (2.0 * psi / psi.sin() - early) / omega + late;
+    Pulse {
+        peak_n: 96.0,
+        approach_m_per_s: approach as f32,
+        rebound_m_per_s: (restitution * approach) as f32,
+        duration_s: duration as f32,
+        relative_m: 2e-5,
+        ..Pulse::default()
+    }
+}
+
+#[track_caller]
+fn close(found: f32, wanted: f64, share: f64) {
+    let off = f64::from(found) / wanted - 1.0;
+    assert!(off.abs() <= share, "{found}, {wanted}");
+}
+
+#[test]
+fn stiffness_and_damping_of_a_contact_come_out_whatever_was_believed() {
+    let settings = Settings::for_rig(&WIRES);
+    let on_n = f64::from(settings.detection.on_n);
+    for (stiffness, damping) in [(5.5e6, 1.2e3), (3.0e6, 0.7e3), (9.0e6, 2.0e3)] {
+        let pulse = measured(stiffness, damping, WIRES.mass_kg, 0.08, on_n);
+        let mut identification = Identification::new(&settings);
+        for count in 0..FEWEST_CONTACTS {
+            let early = identification.estimates();
+            assert_eq!((early.stiffness, early.damping), (None, None), "{count}");
+            assert_eq!(early.gap_m, None, "{count}");
+            identification.pulse(&pulse);
+        }
+        let found = identification.estimates();
+        let (k, c, gap) = (
+            found.stiffness.unwrap(),
+            found.damping.unwrap(),
+            found.gap_m.unwrap(),
+        );
+        close(k.value, stiffness, 2e-3);
+        close(c.value, damping, 2e-3);
+        // Equal contacts leave the systematic part alone.
+        close(k.sigma / k.value, f64::from(SYSTEMATIC), 1e-3);
+        close(c.sigma / c.value, 0.5 * f64::from(SYSTEMATIC), 1e-3);
+        close(gap.value, 2e-5, 1e-5);
+        assert!(gap.sigma < 1e-10);
+        for samples in [k.samples, c.samples, gap.samples] {
+            assert_eq!(samples, FEWEST_CONTACTS);
+        }
+        identification.reset();
+        let nothing = identification.estimates();
+        assert_eq!(nothing, Estimates::default());
+    }
+}
+
+#[test]
+fn scatter_of_durations_and_speeds_widens_the_spread() {
+    let settings = Settings::for_rig(&WIRES);
+    let on_n = f64::from(settings.detection.on_n);
+    let mean = measured(5.5e6, 1.2e3, WIRES.mass_kg, 0.08, on_n);
+    let spread = |duration: f32, rebound: f32| {
+        let mut identification = Identification::new(&settings);
+        for k in 0..100 {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            identification.pulse(&Pulse {
+                duration_s: mean.duration_s * (1.0 + sign * duration),
+                rebound_m_per_s: mean.rebound_m_per_s * (1.0 + sign * rebound),
+                ..mean
+            });
+        }
+        let found = identification.estimates();
+        let (k, c) = (found.stiffness.unwrap(), found.damping.unwrap());
+        (
+            f64::from(k.sigma / k.value) - f64::from(SYSTEMATIC),
+            f64::from(c.sigma / c.value) - 0.5 * f64::from(SYSTEMATIC),
+        )
+    };
+    // A standard error of 10 %/√99; stiffness goes with the square of the duration, damping with the first power.
+    let error = 0.1 / 99_f64.sqrt();
+    let (k, c) = spread(0.1, 0.0);
+    assert!((k / (2.0 * error) - 1.0).abs() < 0.01, "{k}");
+    assert!((c / error - 1.0).abs() < 0.01, "{c}");
+    let (k, c) = spread(0.0, 0.1);
+    assert!((k / error - 1.0).abs() < 0.01, "{k}");
+    assert!((c / error - 1.0).abs() < 0.01, "{c}");
+}
+
+#[test]
+fn a_contact_beyond_its_range_is_not_reported() {
+    let on_n = f64::from(Settings::for_rig(&WIRES).detection.on_n);
+    let pulse = measured(5.5e6, 1.2e3, WIRES.mass_kg, 0.08, on_n);
+    let reported = |by_stiffness: f64, by_damping: f64| {
+        let mut rig = WIRES;
+        rig.contact = Law::SpringDashpot {
+            stiffness: 5.5e6 * by_stiffness,
+            damping: 1.2e3 * by_damping,
+        };
+        let mut identification = Identification::new(&Settings::for_rig(&rig));
+        for _ in 0..FEWEST_CONTACTS {
+            identification.pulse(&pulse);
+        }
+        let found = identification.estimates();
+        (found.stiffness.is_some(), found.damping.is_some())
+    };
+    let range = f64::from(CONTACT_RANGE);
+    assert_eq!(reported(0.95 * range, 0.95 * range), (true, true));
+    assert_eq!(reported(1.05 / range, 1.05 / range), (true, true));
+    assert_eq!(reported(1.05 * range, 1.0), (false, true));
+    assert_eq!(reported(0.95 / range, 1.0), (false, true));
+    assert_eq!(reported(1.0, 1.05 * range), (true, false));
+    assert_eq!(reported(1.0, 0.95 / range), (true, false));
+    let mut hertz = WIRES;
+    hertz.contact = crate::model::params::LAWS[1].1;
+    let mut identification = Identification::new(&Settings::for_rig(&hertz));
+    for _ in 0..FEWEST_CONTACTS {
+        identification.pulse(&pulse);
+    }
+    let found = identification.estimates();
+    assert_eq!((found.stiffness, found.damping), (None, None));
+    assert!(found.gap_m.is_some());
+}
+
+#[test]
+fn what_is_no_contact_of_this_hammer_does_not_count() {
+    let settings = Settings::for_rig(&WIRES.with_gap_mm(2.0).unwrap());
+    let on_n = settings.detection.on_n;
+    let good = Pulse {
+        relative_m: 2e-3,
+        ..measured(5.5e6, 1.2e3, WIRES.mass_kg, 0.08, f64::from(on_n))
+    };
+    let (speed, reach) = (0.08_f32, GAP_RANGE * WIRES.amplitude_m as f32);
+    let taken = |pulse: Pulse| {
+        let mut identification = Identification::new(&settings);
+        for _ in 0..FEWEST_CONTACTS {
+            identification.pulse(&pulse);
+        }
+        assert!([0, FEWEST_CONTACTS].contains(&identification.refused()));
+        (
+            identification.restitution.count == FEWEST_CONTACTS,
+            identification.refused() == 0,
+        )
+    };
+    let (yes, no) = ((true, true), (false, false));
+    let rebounds = |share: f32| Pulse {
+        rebound_m_per_s: share * speed,
+        ..good
+    };
+    let lasts = |duration_s: f32| Pulse { duration_s, ..good };
+    let lies = |off_m: f32| Pulse {
+        relative_m: 2e-3 + off_m,
+        ..good
+    };
+    let peaks = |peak_n: f32| Pulse { peak_n, ..good };
+    for (pulse, expected) in [
+        (rebounds(1.19), yes),
+        (rebounds(1.21), no),
+        (rebounds(-0.19), yes),
+        (rebounds(-0.21), no),
+        (lasts(9.9e-3), yes),
+        (lasts(1.01e-2), no),
+        (lasts(5.1e-5), yes),
+        (lasts(4.9e-5), no),
+        (lies(0.99 * reach), yes),
+        (lies(1.01 * reach), no),
+        (lies(-0.99 * reach), yes),
+        (lies(-1.01 * reach), no),
+        (peaks(on_n), yes),
+        (peaks(0.99 * on_n), no),
+    ] {
+        assert_eq!(taken(pulse), expected, "{pulse:?}");
+    }
+    // Slow contacts give the gap and nothing else: half of A0 ω is the least.
+    let least = 0.5 * 0.89e-3 * core::f32::consts::TAU * 1.82;
+    let at = |approach_m_per_s: f32| Pulse {
+        approach_m_per_s,
+        rebound_m_per_s: 0.3 * approach_m_per_s,
+        ..good
+    };
+    assert_eq!(taken(at(1.01 * least)), yes);
+    assert_eq!(taken(at(0.99 * least)), (false, true));
+}
+
+/// A hammer on beams with strong damping, driven by a cart that moves as it likes; `noise_m` either way on its displacement;
+/// a contact is said to be under way for one tick in `every`.
+fn beams(noise_m: f64, every: u32, seconds: f64) -> Identification {
+    let mut rig = crate::model::params::BEAM_170;
+    rig.support = SupportParams::Beams {
+        natural_frequency_hz: 4.5,
+        damping_ratio: 0.1,
+        cubic_stiffness_n_per_m3: Some(0.0),
+    };
+    let mut identification = Identification::new(&Settings::for_rig(&rig));
+    let omega = std::f64::consts::TAU * 4.5;
+    let (mut x, mut v) = (2e-3_f64, 0.0_f64);
+    for k in 0..(seconds / TICK_S) as u32 {
+        let cart = |t: f64| 0.9e-3 * (41.0 * t).sin() + 0.5e-3 * (17.0 * t).cos();
+        let t = f64::from(k) * TICK_S;
+        let (y, y_rate) = (cart(t), (cart(t + 1e-6) - cart(t - 1e-6)) / 2e-6);
+        v -= TICK_S * (omega * omega * (x - y) + 2.0 * 0.1 * omega * (v - y_rate));
+        x += TICK_S * v;
+        // A sign at random.
+        let hash = k
+            .wrapping_mul(2_654_435_761)
+            .rotate_left(13)
+            .wrapping_mul(2_246_822_519);
+        let noise = if hash >> 31 == 0 { noise_m } else { -noise_m };
+        let sample = Sample {
+            force_n: 0.0,
+            hammer_m: (x + noise) as f32,
+            cart_m: y as f32,
+        };
+        identification.flight(&sample, every != 0 && k % every == 0);
+    }
+    identification
+}
+
+#[test]
+fn damping_does_not_shift_the_natural_frequency_and_every_window_counts() {
+    let found = beams(0.0, 0, 20.0).estimates().natural_hz.unwrap();
+    assert!((found.value / 4.5 - 1.0).abs() < 1e-3, "{found:?}");
+    // Windows of a sixth of a period, the first after 2 ms.
+    let window = 1.0 / (6.0 * 4.5 * TICK_S);
+    let windows = ((20.0 / TICK_S - f64::from(SETTLE)) / window.floor()) as u32;
+    assert_eq!(found.samples, windows);
+    assert!(found.sigma < 1e-3, "{found:?}");
+}
+
+#[test]
+fn noise_shows_in_the_spread_of_the_natural_frequency() {
+    let found = beams(0.05e-3, 0, 60.0).estimates().natural_hz.unwrap();
+    let off = f64::from(found.value) - 4.5;
+    assert!(off.abs() < 4.0 * f64::from(found.sigma), "{found:?}");
+    assert!((0.009..0.018).contains(&found.sigma), "{found:?}");
+}
+
+#[test]
+fn where_the_points_lie_on_no_line_there_is_no_natural_frequency() {
+    let scattered = beams(0.5e-3, 0, 20.0);
+    let (slope, square) = scattered.line.fit().unwrap();
+    let hz = libm::sqrtf(slope) / core::f32::consts::TAU;
+    assert!((hz / 4.5 - 1.0).abs() < 0.9 * NATURAL_RANGE, "{hz}");
+    assert!(square > SCATTER * scattered.line.yy);
+    assert_eq!(scattered.estimates().natural_hz, None);
+}
+
+#[test]
+fn a_window_with_a_contact_in_it_is_dropped() {
+    let window = (1.0 / (6.0 * 4.5 * TICK_S)) as u32;
+    // Just long enough for a window after what has to settle, and one tick too short.
+    let fits = beams(0.0, window + SETTLE + 1, 20.0).estimates();
+    assert!(fits.natural_hz.is_some());
+    let cut = beams(0.0, window + SETTLE, 20.0);
+    assert_eq!(cut.estimates().natural_hz, None);
+    assert_eq!(cut.line, Line::default());
+}
+
+#[test]
+fn one_window_that_does_not_fit_is_refused_and_changes_nothing() {
+    let mut identification = Identification::new(&Settings::for_rig(&WIRES));
+    swing(&mut identification, 1.82, 20.0);
+    let before = identification.estimates();
+    assert_eq!(identification.refused(), 0);
+    identification.flight(&Sample::default(), true);
+    for k in 0..SETTLE + identification.window_ticks {
+        let sample = Sample {
+            hammer_m: 0.01 * libm::sinf(1e-2 * k as f32),
+            ..Sample::default()
+        };
+        identification.flight(&sample, false);
+    }
+    assert_eq!(identification.refused(), 1);
+    assert_eq!(identification.estimates(), before);
+}
+
+#[test]
+fn when_no_window_fits_any_more_a_new_line_is_begun() {
+    let mut identification = Identification::new(&Settings::for_rig(&WIRES));
+    swing(&mut identification, 1.82, 10.0);
+    // The displacement sensor has slipped by 5 mm: the slope is the same and no point lies on the old line.
+    swing_about(&mut identification, 1.82, 10.0, 5e-3);
+    assert_eq!(identification.refused(), FEWEST_WINDOWS);
+    let after = identification.estimates().natural_hz.unwrap();
+    assert!((after.value / 1.82 - 1.0).abs() < 1e-3, "{after:?}");
+    let windows = (10.0 / TICK_S) as u32 / identification.window_ticks;
+    let left = windows - FEWEST_WINDOWS;
+    assert!((left..=left + 1).contains(&after.samples), "{after:?}");
 }

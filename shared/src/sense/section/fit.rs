@@ -120,3 +120,125 @@ fn median(counts: impl Iterator<Item = u8> + Clone) -> u8 {
     });
     fit.min().unwrap_or(0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(found: [f32; FEATURES], wanted: [f32; FEATURES]) {
+        for (f, w) in found.iter().zip(&wanted) {
+            assert!((f - w).abs() <= 1e-5 + 1e-4 * w, "{found:?} {wanted:?}");
+        }
+    }
+
+    /// A period with one contact.
+    fn period(features: [f32; FEATURES]) -> Entry {
+        Entry {
+            contacts: 1,
+            near_cut: 0,
+            features,
+        }
+    }
+
+    /// Twelve periods: two classes of six, half of each above its mean and half below.
+    fn alternating() -> [Entry; 12] {
+        core::array::from_fn(|i| {
+            let class = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let off = if i / 2 % 2 == 0 { 1.0 } else { -1.0 };
+            period([
+                2.0 + 0.4 * class + 0.2 * off,
+                0.3 + 0.05 * class + 0.01 * off,
+                -1.0 + 0.3 * class + 0.1 * off,
+                0.5 - 0.2 * class + 0.05 * off,
+            ])
+        })
+    }
+
+    #[test]
+    fn the_scatter_is_the_variance_within_classes_of_the_impulse_as_a_share() {
+        let entries = alternating();
+        let apart = fit_of(&entries, 2);
+        assert!(apart.consistent);
+        assert_eq!(apart.contacts, 2);
+        // Twelve deviations, ten degrees of freedom; the mean impulse is 2.
+        let share = 12.0 / 10.0;
+        let within = [0.1 * 0.1, 0.01 * 0.01, 0.1 * 0.1, 0.05 * 0.05];
+        close(apart.variance, within.map(|square: f32| share * square));
+        // One class: the distance of the classes is scatter, too.
+        let together = fit_of(&entries, 1);
+        assert_eq!((together.consistent, together.contacts), (true, 1));
+        let share = 12.0 / 11.0;
+        let all = [
+            0.2 * 0.2 + 0.1 * 0.1,
+            0.05 * 0.05 + 0.01 * 0.01,
+            0.3 * 0.3 + 0.1 * 0.1,
+            0.2 * 0.2 + 0.05 * 0.05,
+        ];
+        close(together.variance, all.map(|square: f32| share * square));
+        assert_eq!(fit_of(&entries, 7), Fit::default(), "two of each class");
+        assert!(fit_of(&entries, 6).consistent);
+    }
+
+    #[test]
+    fn periods_without_a_contact_have_neither_impulse_nor_onset() {
+        let mut entries = alternating();
+        for entry in entries.iter_mut().skip(1).step_by(2) {
+            entry.contacts = 0;
+            // What stands here must not count.
+            entry.features[0] = 50.0 * entry.features[2];
+            entry.features[1] = 9.0 * entry.features[2];
+        }
+        let fit = fit_of(&entries, 2);
+        assert_eq!((fit.consistent, fit.contacts), (true, 1));
+        // Six deviations with five degrees of freedom; the mean impulse is 2.4.
+        let share = 6.0 / 5.0;
+        let impulse = share * 0.2 * 0.2 / (2.4 * 2.4);
+        let both = 12.0 / 10.0;
+        close(
+            fit.variance,
+            [impulse, share * 1e-4, both * 0.01, both * 0.0025],
+        );
+        let mut silent = entries;
+        for entry in &mut silent {
+            entry.contacts = 0;
+        }
+        let fit = fit_of(&silent, 1);
+        assert_eq!((fit.consistent, fit.contacts), (true, 0));
+        assert_eq!(fit.variance[..2], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn one_period_with_a_wrong_count_is_left_out_with_the_one_after_it() {
+        let mut entries = alternating();
+        let clean = fit_of(&entries[..10], 2).variance;
+        // The newest stands first, so the one after period 11 is period 10.
+        entries[11].contacts = 2;
+        entries[11].features = [99.0; FEATURES];
+        entries[10].features = [-77.0; FEATURES];
+        let fit = fit_of(&entries, 2);
+        assert_eq!((fit.consistent, fit.contacts), (true, 2));
+        close(fit.variance, clean);
+        // Not for six classes, nor with fewer than three of each class, nor in two periods.
+        assert!(!fit_of(&entries, 6).consistent);
+        assert!(fit_of(&entries, 4).consistent);
+        assert!(!fit_of(&entries[1..], 4).consistent);
+        entries[3].contacts = 0;
+        assert!(!fit_of(&entries, 2).consistent);
+        assert_eq!(fit_of(&entries, 2).variance, [0.0; FEATURES]);
+    }
+
+    #[test]
+    fn a_class_has_as_many_contacts_as_its_lower_median() {
+        for (counts, expected) in [
+            (&[3][..], 3),
+            (&[2, 1], 1),
+            (&[1, 2, 2], 2),
+            (&[4, 0, 1, 1], 1),
+            (&[5, 5, 0, 0], 0),
+            (&[0, 3, 3, 3, 9], 3),
+            (&[], 0),
+        ] {
+            assert_eq!(median(counts.iter().copied()), expected, "{counts:?}");
+        }
+    }
+}

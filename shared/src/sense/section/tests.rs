@@ -81,6 +81,8 @@ fn regimes_are_found() {
     assert!(settled(&[&[(0.305, 1.0)], &[(0.295, 1.0)]]).is(2, 2));
     assert!(settled(&[&[(0.3, 1.0)], &[]]).is(1, 2));
     assert!(settled(&[&[(0.3, 1.0)], &[], &[]]).is(1, 3));
+    // Four silent periods between contacts are not yet silence.
+    assert!(settled(&[&[(0.3, 1.0)], &[], &[], &[], &[]]).is(1, 5));
     assert!(settled(&[&[(0.3, 1.3)], &[(0.3, 0.9)], &[(0.3, 1.1)], &[(0.3, 0.7)]]).is(4, 4));
     assert_eq!(settled(&[&[]]), Regime::None);
 }
@@ -148,4 +150,126 @@ fn the_first_answer_after_a_change_of_frequency_needs_five_or_six_periods() {
     let answers = run(&mut section, 30, noisy(&[&[(0.3, 1.0)]], 30, &mut dice));
     let first = answers.iter().position(|a| a.regime.is(1, 1)).unwrap();
     assert!(first <= 5, "{first}");
+}
+
+#[test]
+fn silence_is_reported_once_it_is_three_periods_longer_than_any_before() {
+    for n in [2, 3, 4] {
+        let mut section = Section::default();
+        let mut dice = Dice(3);
+        let mut pattern: [&[(f32, f32)]; 4] = [&[]; 4];
+        pattern[0] = &[(0.3, 1.0)];
+        let count = 10 * n;
+        let answers = run(&mut section, 0, noisy(&pattern[..n], count, &mut dice));
+        assert!(answers[count - 1].regime.is(1, n as u8));
+        // n − 1 periods are silent already. An answer comes a period after what it rests on.
+        let silence = noisy(&[&[]], 10, &mut dice);
+        let answers = run(&mut section, count as u32, silence);
+        let first = answers.iter().position(|a| a.regime == Regime::None);
+        assert_eq!(first, Some(3), "1/{n}");
+    }
+}
+
+#[test]
+fn a_regime_of_n_is_not_claimed_before_three_times_n_periods() {
+    let four: [&[(f32, f32)]; 4] = [&[(0.3, 1.3)], &[(0.3, 0.9)], &[(0.3, 1.1)], &[(0.3, 0.7)]];
+    let two: [&[(f32, f32)]; 2] = [&[(0.3, 1.3)], &[(0.3, 0.7)]];
+    for (pattern, n) in [(&four[..], 4), (&two[..], 2)] {
+        let mut section = Section::default();
+        let answers = run(&mut section, 0, noisy(pattern, 30, &mut Dice(3)));
+        let first = answers.iter().find(|a| a.regime.is(n, n as u8)).unwrap();
+        assert_eq!(u16::from(first.periods), 3 * n);
+    }
+}
+
+#[test]
+fn an_onset_and_its_impulse_belong_to_the_period_of_the_onset() {
+    let mut window = PeriodWindow::NEW;
+    window.onset(6, 0.9);
+    window.onset(7, 0.05);
+    window.impulse(7, 2.0);
+    window.impulse(6, 3.0);
+    window.impulse(6, 0.5);
+    window.close(6);
+    // Period 6 is closed: what comes late for it is dropped, as period 8 has no contact yet.
+    window.impulse(6, 9.0);
+    window.close(7);
+    window.onset(8, 0.5);
+    window.close(8);
+    let [eighth, seventh, sixth, ..] = window.entries;
+    assert_eq!((window.count, window.near_cut()), (3, 1));
+    assert_eq!((sixth.contacts, sixth.near_cut), (1, 0));
+    assert_eq!(sixth.features, [3.5, 0.9, 0.0, 0.0]);
+    assert_eq!((seventh.contacts, seventh.near_cut), (1, 1));
+    assert_eq!(seventh.features, [2.0, 0.05, 0.0, 0.0]);
+    assert_eq!(eighth.features, [0.0, 0.5, 0.0, 0.0]);
+    for (turns, near) in [(0.0, 1), (0.07, 1), (0.09, 0), (0.91, 0), (0.93, 1)] {
+        let mut window = PeriodWindow::NEW;
+        window.onset(0, turns);
+        window.close(0);
+        assert_eq!(window.near_cut(), near, "{turns}");
+    }
+}
+
+#[test]
+fn only_whole_periods_are_entered_wherever_in_a_period_it_starts() {
+    // One contact per period, at 0.3 turns; the first period is cut short at its beginning.
+    for from in [0.01, 0.2, 0.26, 0.4, 0.51, 0.6, 0.74, 0.76, 0.9] {
+        let entered = |section: &mut Section| {
+            for cycle in 10..16 {
+                for tick in 0..TICKS {
+                    if cycle == 10 && f64::from(tick) < from * f64::from(TICKS) {
+                        continue;
+                    }
+                    section.tick(cycle, tick * (u32::MAX / TICKS));
+                    if tick == 3 * TICKS / 10 {
+                        section.onset(cycle, (0.3 * 4_294_967_296.0) as u32);
+                    }
+                }
+            }
+            [&section.at_zero, &section.at_half].map(|window| {
+                let entries = &window.entries[..window.count];
+                assert!(
+                    entries.iter().all(|e| e.contacts == 1),
+                    "{from}: {entries:?}"
+                );
+                window.count
+            })
+        };
+        // Period 15 is still open. Cut at 0, periods 11 to 14 are whole; cut at a half, one more if the start lies before it.
+        let before_half = usize::from(from < 0.5);
+        let mut started_anew = Section::default();
+        started_anew.restart();
+        assert_eq!(entered(&mut started_anew), [4, 4 + before_half], "{from}");
+        // After a start, the observer does not know the cart for one period more.
+        assert_eq!(
+            entered(&mut Section::default()),
+            [3, 3 + before_half],
+            "{from}"
+        );
+    }
+}
+
+#[test]
+fn the_work_on_a_period_is_spread_over_many_ticks() {
+    let mut section = Section::default();
+    section.at_zero.close(0);
+    section.at_half.close(0);
+    section.tick(0, 0);
+    let (mut parts, mut last, mut pauses) = (0, 0, std::vec::Vec::new());
+    for tick in 1..2_000_u32 {
+        let before = (section.at_zero.next, section.at_half.next);
+        section.tick(0, 0);
+        if (section.at_zero.next, section.at_half.next) != before {
+            parts += 1;
+            pauses.push(tick - last);
+            last = tick;
+        }
+    }
+    // An answer takes 17 parts, and there are two windows.
+    assert_eq!(parts, 2 * 17);
+    assert!(
+        pauses[1..].iter().all(|p| *p == u32::from(PAUSE) + 1),
+        "{pauses:?}"
+    );
 }

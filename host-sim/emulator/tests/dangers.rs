@@ -1,0 +1,267 @@
+//! The controller against lying sensors and odd shakers, judged by what the plant truly did.
+
+use emulator::local::Local;
+use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
+use emulator::run::run;
+use emulator::scenario::parse;
+use rayon::prelude::*;
+use shared::control::{ActiveLimits, State};
+use shared::fault::Fault;
+
+/// What truly happened.
+#[derive(Debug, Default)]
+struct Truth {
+    /// Faults, with the time at which they were reported, s.
+    faults: Vec<(Fault, f64)>,
+    /// Largest force with the drive on, N.
+    force_n: f64,
+    /// Largest displacement of the cart with the drive on, mm.
+    cart_mm: f64,
+    /// Largest force of every second, N.
+    forces_n: Vec<f64>,
+    /// When Hold was reached, s.
+    hold_s: Option<f64>,
+    end: State,
+    limits: ActiveLimits,
+    on: bool,
+    verbose: bool,
+}
+
+impl Observer for Truth {
+    fn tick(&mut self, row: &TickRow) {
+        self.on = row.output.enable;
+        if self.on {
+            self.force_n = self.force_n.max(row.true_force_n);
+            self.cart_mm = self.cart_mm.max(row.cart_m.abs() * 1e3);
+        }
+    }
+    fn contact(&mut self, contact: &Contact) {
+        if self.on {
+            self.force_n = self.force_n.max(contact.peak_force_n);
+            let second = contact.onset_s as usize;
+            if self.forces_n.len() <= second {
+                self.forces_n.resize(second + 1, 0.0);
+            }
+            self.forces_n[second] = self.forces_n[second].max(contact.peak_force_n);
+        }
+    }
+    fn block(&mut self, row: &BlockRow) {
+        self.end = row.status.state;
+        self.limits |= row.status.limits;
+        if self.end == State::Hold && self.hold_s.is_none() {
+            self.hold_s = Some(row.tick as f64 / 20_000.0);
+        }
+    }
+    fn event(&mut self, event: &Event) {
+        if self.verbose {
+            println!("{:8.3} {:?}", event.time_s, event.what);
+        }
+        if let EventKind::Fault { fault, .. } = event.what {
+            self.faults.push((fault, event.time_s));
+        }
+    }
+}
+
+/// What a scenario of wires with 1 % noise comes to; `tables` are added to it.
+fn truth(duration_s: f64, tables: &str) -> Truth {
+    let text = format!(
+        "duration_s = {duration_s:?}\nseed = 7\n[true_rig]\npreset = \"wires\"\n[sensors]\nnoise_percent = 1.0\n{tables}"
+    );
+    let scenario = parse("danger", &text, "danger").unwrap();
+    let mut truth = Truth {
+        verbose: std::env::var_os("VERBOSE").is_some(),
+        ..Truth::default()
+    };
+    run(
+        &scenario,
+        &mut Local::new(&scenario.settings).unwrap(),
+        &mut truth,
+    )
+    .unwrap();
+    println!(
+        "{:?} {:?} {:.1} N, cart {:.2} mm, hold {:?}",
+        truth.end, truth.faults, truth.force_n, truth.cart_mm, truth.hold_s
+    );
+    truth
+}
+
+fn event(at_s: f64, what: &str) -> String {
+    format!("[[events]]\nat_s = {at_s:?}\n{what}\n")
+}
+
+fn start() -> String {
+    event(0.5, "kind = \"start\"")
+}
+
+fn by_hand() -> String {
+    event(0.5, "kind = \"start\"\nmode = \"manual\"")
+}
+
+fn gain(at_s: f64, sensor: &str, times: f64) -> String {
+    event(
+        at_s,
+        &format!(
+            "kind = \"sensor-fault\"\nsensor = \"{sensor}\"\nfault = \"gain\"\ntimes = {times:?}"
+        ),
+    )
+}
+
+fn set_point(at_s: f64, hz: f64, mm: f64) -> String {
+    event(
+        at_s,
+        &format!("kind = \"set-point\"\nfrequency_hz = {hz:?}\namplitude_mm = {mm:?}"),
+    )
+}
+
+/// Names of the faults, in order.
+fn faults(truth: &Truth) -> Vec<Fault> {
+    truth.faults.iter().map(|(fault, _)| *fault).collect()
+}
+
+#[test]
+fn a_cart_s_sensor_that_reads_less_does_not_make_the_loop_drive_harder() {
+    // Row 1: with 0.64 it was 130 N, and no fault.
+    for times in [0.64, 0.8, 0.4] {
+        let truth = truth(40.0, &(start() + &gain(25.0, "cart", times)));
+        assert_eq!(faults(&truth), [Fault::SensorOutOfFamily], "{times}");
+        assert!(truth.faults[0].1 < 27.0, "{:?}", truth.faults);
+        assert!(truth.force_n < 110.0 && truth.cart_mm < 1.1);
+    }
+    // A step of 0.85 trips.
+    let twin = truth(40.0, &(start() + &gain(25.0, "cart", 0.89)));
+    assert_eq!(faults(&twin), []);
+    assert!(twin.force_n < 115.0);
+}
+
+#[test]
+fn sensors_of_reversed_polarity_are_found() {
+    // Row 6: both were held without a fault.
+    for sensor in ["hammer", "cart", "force"] {
+        let truth = truth(30.0, &(start() + &gain(0.1, sensor, -1.0)));
+        assert_eq!(faults(&truth), [Fault::SensorOutOfFamily], "{sensor}");
+        assert!(truth.faults[0].1 < 12.0, "{:?}", truth.faults);
+    }
+}
+
+#[test]
+fn gains_of_force_and_hammer_that_are_far_off_are_found_and_moderate_ones_are_not() {
+    for (sensor, times, found) in [
+        ("force", 0.6, true),
+        ("force", 1.6, true),
+        ("hammer", 0.5, true),
+        ("hammer", 1.6, true),
+        ("force", 0.79, false),
+        ("force", 1.25, false),
+    ] {
+        let truth = truth(40.0, &(start() + &gain(20.0, sensor, times)));
+        let expected = if found {
+            vec![Fault::SensorOutOfFamily]
+        } else {
+            vec![]
+        };
+        assert_eq!(faults(&truth), expected, "{sensor} {times}");
+    }
+}
+
+#[test]
+fn two_sensors_that_lie_alike_are_found() {
+    // Row 7, and what the impulse alone does not show.
+    for (pair, times, found) in [
+        (["force", "hammer"], 0.5, true),
+        (["force", "hammer"], 0.75, true),
+        (["force", "hammer"], 1.35, true),
+        (["hammer", "cart"], 0.5, true),
+        (["force", "cart"], 0.75, true),
+        (["force", "hammer"], 0.88, false),
+        (["force", "hammer"], 1.15, false),
+    ] {
+        let lies = pair.map(|sensor| gain(0.1, sensor, times)).concat();
+        let truth = truth(40.0, &(start() + &lies));
+        let expected = if found {
+            vec![Fault::SensorOutOfFamily]
+        } else {
+            vec![]
+        };
+        assert_eq!(faults(&truth), expected, "{pair:?} {times}");
+        assert!(truth.force_n < 1.1 * 120.0 && truth.cart_mm < 1.1 * 1.335);
+    }
+}
+
+#[test]
+fn sensors_that_are_off_by_five_percent_trip_nothing() {
+    // Either sign for each sensor, every rig, gaps to 1 mm, natural frequencies 8 % off, 2 % noise.
+    let rigs = ["wires", "beam-170", "beam-150", "beam-135"];
+    let cases: Vec<(usize, u32)> = (0..4)
+        .flat_map(|rig| (0..8).map(move |k| (rig, k)))
+        .collect();
+    let wrong: Vec<String> = cases
+        .par_iter()
+        .filter_map(|&(rig, k)| {
+            let sign = |bit: u32| if k >> bit & 1 == 1 { 5.0 } else { -5.0 };
+            let text = format!(
+                "duration_s = 60.0\nseed = {k}\n[true_rig]\npreset = \"{}\"\ngap_mm = {:?}\nnatural_frequency_percent = {:?}\n[sensors]\nnoise_percent = 2.0\nforce_gain_percent = {:?}\nhammer_gain_percent = {:?}\ncart_gain_percent = {:?}\n{}",
+                rigs[rig],
+                f64::from(k % 3) * 0.5,
+                f64::from(k % 5) * 4.0 - 8.0,
+                sign(0),
+                sign(1),
+                sign(2),
+                start()
+            );
+            let scenario = parse("honest", &text, "honest").unwrap();
+            let mut truth = Truth::default();
+            run(&scenario, &mut Local::new(&scenario.settings).unwrap(), &mut truth).unwrap();
+            (!truth.faults.is_empty()).then(|| format!("{} {k}: {:?}", rigs[rig], truth.faults))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn a_dead_force_sensor_is_found_by_hand_as_well() {
+    // Row 5: 130 N for ever.
+    let dead = |times: f64| by_hand() + &set_point(4.0, 3.66, 0.89) + &gain(20.0, "force", times);
+    let found = truth(40.0, &dead(0.0));
+    assert_eq!(faults(&found), [Fault::NoContact]);
+    assert!(found.faults[0].1 < 26.0, "{:?}", found.faults);
+    assert_eq!(faults(&truth(40.0, &dead(1.0))), []);
+}
+
+#[test]
+fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
+    // Row 8: 88 N on the way.
+    let limits = "[limits]\nforce_n = 40.0\n";
+    let far = by_hand() + &set_point(4.0, 2.2, 0.89) + &set_point(20.0, 4.5, 0.89);
+    let truth = truth(60.0, &(limits.to_owned() + &far));
+    assert_eq!(faults(&truth), []);
+    let seconds: Vec<_> = truth.forces_n.iter().filter(|n| **n > 44.0).collect();
+    assert!(seconds.len() <= 3, "{:.0?}", truth.forces_n);
+    assert!(truth.limits.contains(ActiveLimits::FORCE));
+}
+
+#[test]
+fn the_force_limit_holds_while_the_set_point_never_rests() {
+    // Row 16: 87 N for 35 s.
+    let mut tables = "[limits]\nforce_n = 50.0\n".to_owned() + &by_hand();
+    for k in 0..64 {
+        let hz = if k % 2 == 0 { 3.3 } else { 3.9 };
+        tables += &set_point(4.0 + 0.5 * f64::from(k), hz, 0.89);
+    }
+    let truth = truth(36.0, &tables);
+    assert_eq!(faults(&truth), []);
+    let seconds: Vec<_> = truth.forces_n.iter().filter(|n| **n > 55.0).collect();
+    assert!(seconds.len() <= 3, "{:.0?}", truth.forces_n);
+}
+
+#[test]
+fn a_shaker_with_a_resonance_at_the_entry_is_met_without_a_trip() {
+    // Row 9: over-travel within a second.
+    for (loop_hz, ratio) in [(3.7, 0.1), (3.7, 0.05), (4.0, 0.1), (3.5, 0.2)] {
+        let shaker = format!(
+            "[shaker]\nloop_hz = {loop_hz:?}\nloop_damping_ratio = {ratio:?}\nfeed_forward = 0.0\n"
+        );
+        let truth = truth(30.0, &(shaker + &start()));
+        assert_eq!(faults(&truth), [], "{loop_hz} {ratio}");
+        assert!(truth.cart_mm < 1.9, "{loop_hz} {ratio}");
+    }
+}

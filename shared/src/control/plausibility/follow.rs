@@ -1,0 +1,112 @@
+//! The cart's measured amplitude and lag against the command.
+
+use crate::sense::Strobe;
+
+/// Drive periods in a row, in which the cart does not follow, that trip.
+pub const BAD_PERIODS: u8 = 4;
+/// Least measured amplitude, as a share of the command.
+pub const LEAST_FOLLOW: f32 = 0.7;
+/// Measured over commanded amplitude, as a share of what it was before at this frequency.
+pub const STEP_RANGE: (f32, f32) = (0.85, 1.3);
+/// Largest lag of the cart behind the command, either way, rad: 120°. A position loop is never that late; a
+/// sensor with reversed polarity shows 180°.
+pub const LARGEST_LAG: f32 = 2.094;
+/// A command below this share of A0 is not judged.
+const LEAST_COMMAND: f32 = 0.1;
+/// Relative change of frequency after which the response of the shaker is another one.
+const ELSEWHERE: f32 = 0.03;
+/// Drive periods at a frequency before the response there is known.
+const LEARNT: u8 = 8;
+/// Share of a new period in what is known of the response.
+const LEARNS: f32 = 1.0 / 16.0;
+
+/// How the cart follows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Follow {
+    least_m: f32,
+    /// Frequency, Hz, at which the response was learnt, the response, and from how many periods.
+    learnt_hz: f32,
+    response: f32,
+    learnt: u8,
+    weak: u8,
+    step: u8,
+    late: u8,
+}
+
+impl Follow {
+    pub fn new(amplitude_m: f32) -> Self {
+        Self {
+            least_m: LEAST_COMMAND * amplitude_m,
+            learnt_hz: 0.0,
+            response: 1.0,
+            learnt: 0,
+            weak: 0,
+            step: 0,
+            late: 0,
+        }
+    }
+
+    pub fn restart(&mut self) {
+        *self = Self {
+            least_m: self.least_m,
+            ..Self::new(0.0)
+        };
+    }
+
+    /// Whether the last periods were out of their range.
+    pub fn doubts(&self) -> bool {
+        self.weak > 0 || self.step > 0 || self.late > 0
+    }
+
+    /// A drive period; what trips: the ratio of measured to commanded amplitude, or the lag, rad.
+    pub fn strobe(
+        &mut self,
+        strobe: &Strobe,
+        command_m: f32,
+        frequency_hz: f32,
+        rising: bool,
+    ) -> Option<f32> {
+        if command_m < self.least_m || command_m <= 0.0 {
+            return None;
+        }
+        let ratio = strobe.amplitude_m / command_m;
+        let late = libm::fabsf(strobe.lag_rad) > LARGEST_LAG;
+        // Without motion there is no lag.
+        if super::run(&mut self.late, late && ratio > 0.3, BAD_PERIODS) {
+            return Some(strobe.lag_rad);
+        }
+        // Written so that NaN is weak.
+        let follows = ratio >= LEAST_FOLLOW;
+        if super::run(&mut self.weak, !follows, BAD_PERIODS) {
+            return Some(ratio);
+        }
+        if rising {
+            self.learnt = 0;
+            return None;
+        }
+        self.steps(ratio, frequency_hz).then_some(ratio)
+    }
+
+    /// Compares with the response learnt at this frequency, or learns it.
+    fn steps(&mut self, ratio: f32, frequency_hz: f32) -> bool {
+        let moved = libm::fabsf(frequency_hz - self.learnt_hz) > ELSEWHERE * self.learnt_hz;
+        if moved || self.learnt == 0 {
+            self.learnt_hz = frequency_hz;
+            self.learnt = 1;
+            self.response = ratio;
+            self.step = 0;
+            return false;
+        }
+        if self.learnt < LEARNT {
+            self.learnt += 1;
+            self.response += 0.5 * (ratio - self.response);
+            return false;
+        }
+        let (low, high) = STEP_RANGE;
+        let same = ratio >= low * self.response && ratio <= high * self.response;
+        if same {
+            self.response += LEARNS * (ratio - self.response);
+        }
+        super::run(&mut self.step, !same, BAD_PERIODS)
+    }
+}

@@ -1,0 +1,89 @@
+//! The impulse of the contacts against the change of speed they make.
+//!
+//! ∫F dt = m/(1 + m/M) (v before + v after), both speeds relative to the cart. As sums over the last contacts,
+//! so that weak ones count for little and a misread one does nothing. A hammer that seems to fly away from the
+//! surface into it makes the sum of speeds negative, and that is judged like any other number.
+
+use crate::model::params::RigParams;
+use crate::sense::Pulse;
+
+/// Contacts in a row with a sum outside the range that trip.
+pub const BAD_PULSES: u8 = 4;
+/// Impulse over momentum of the last contacts.
+pub const MOMENTUM_RANGE: (f32, f32) = (0.75, 1.33);
+/// The same of a single contact, beyond which nothing needs to be averaged.
+pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
+/// Contacts in a row outside that trip.
+pub const GROSS_PULSES: u8 = 6;
+/// Contacts in the sums.
+const MEMORY: f32 = 16.0;
+/// Contacts before the sums are judged.
+const FEWEST: u8 = 12;
+
+/// The sums.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Momentum {
+    reduced_kg: f32,
+    impulse_n_s: f32,
+    speed_m_per_s: f32,
+    pulses: u8,
+    bad: u8,
+    gross: u8,
+}
+
+impl Momentum {
+    pub fn new(rig: &RigParams) -> Self {
+        Self {
+            reduced_kg: (rig.mass_kg / (1.0 + rig.mass_kg / rig.cart_mass_kg)) as f32,
+            impulse_n_s: 0.0,
+            speed_m_per_s: 0.0,
+            pulses: 0,
+            bad: 0,
+            gross: 0,
+        }
+    }
+
+    pub fn restart(&mut self) {
+        self.impulse_n_s = 0.0;
+        self.speed_m_per_s = 0.0;
+        self.pulses = 0;
+        self.bad = 0;
+        self.gross = 0;
+    }
+
+    /// A contact has ended; the ratio of the sums if it trips.
+    pub fn pulse(&mut self, pulse: &Pulse) -> Option<f32> {
+        // The next contact came before the speed after this one was known.
+        if pulse.rebound_m_per_s == 0.0 {
+            return None;
+        }
+        let speed = pulse.approach_m_per_s + pulse.rebound_m_per_s;
+        const KEPT: f32 = 1.0 - 1.0 / MEMORY;
+        self.impulse_n_s = KEPT * self.impulse_n_s + pulse.impulse_n_s;
+        self.speed_m_per_s = KEPT * self.speed_m_per_s + speed;
+        self.pulses = self.pulses.saturating_add(1);
+        let one = self.reduced_kg * speed;
+        let gross = !is_within(pulse.impulse_n_s, one, GROSS_RANGE);
+        if super::run(&mut self.gross, gross, GROSS_PULSES) {
+            return Some(quotient(pulse.impulse_n_s, one));
+        }
+        if self.pulses <= FEWEST {
+            return None;
+        }
+        let sum = self.reduced_kg * self.speed_m_per_s;
+        let outside = !is_within(self.impulse_n_s, sum, MOMENTUM_RANGE);
+        let trips = super::run(&mut self.bad, outside, BAD_PULSES);
+        trips.then(|| quotient(self.impulse_n_s, sum))
+    }
+}
+
+/// Whether `impulse` over `momentum` is within `range`: never for a momentum of 0 or less, nor for NaN.
+fn is_within(impulse: f32, momentum: f32, (low, high): (f32, f32)) -> bool {
+    momentum > 0.0 && impulse >= low * momentum && impulse <= high * momentum
+}
+
+/// The quotient, 0 if there is none.
+fn quotient(impulse: f32, momentum: f32) -> f32 {
+    let ratio = impulse / momentum;
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
