@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use emulator::log::{Block, Reader, Writer};
 use serde_json::Value;
 
 use crate::support::{
@@ -32,9 +33,6 @@ drive_off_within_ticks = 40
 "#;
 
 const TICKS: usize = 40_000;
-
-/// The amplitude of the preset `wires`, m.
-const AMPLITUDE_M: f64 = 0.89 / 1e3;
 
 #[test]
 fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
@@ -309,17 +307,36 @@ fn a_log_that_is_cut_short_is_refused_and_one_that_differs_is_exit_code_1() {
         ran.err
     );
 
+    // A bit of a sample.
+    let mut flipped = whole.clone();
+    flipped[whole.len() / 3] ^= 1;
+    fs::write(&log, &flipped).unwrap();
+    for command in ["replay out/stopped.parquet", "compare out/stopped.parquet"] {
+        let ran = folder.run(command);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{ran:?}");
+        assert!(ran.err.contains("part 1 of 1, ticks 0 to"), "{}", ran.err);
+    }
+
     // Another amplitude in the settings the log was made with: other decisions.
-    let hex = |metres: f64| -> String {
-        let bytes = metres.to_le_bytes();
-        bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-    };
-    let (held, other) = (hex(AMPLITUDE_M), hex(1.01 * AMPLITUDE_M));
-    let mut changed = whole.clone();
-    let at = (0..whole.len() - held.len()).find(|i| whole[*i..].starts_with(held.as_bytes()));
-    let at = at.expect("the amplitude is in the settings");
-    changed[at..at + other.len()].copy_from_slice(other.as_bytes());
-    fs::write(&log, &changed).unwrap();
+    fs::write(&log, &whole).unwrap();
+    let mut reader = Reader::open(&log).unwrap();
+    let mut header = reader.header().clone();
+    header.settings.rig.amplitude_m *= 1.01;
+    let mut writer = Writer::create(folder.path("out/other.parquet"), &header).unwrap();
+    while let Some(logged) = reader.block().unwrap() {
+        let block = Block {
+            inputs: logged.inputs,
+            samples: logged.samples,
+            forecast: logged.forecast,
+            slices: logged.slices,
+            ticks: logged.ticks,
+            status: None,
+            state: None,
+        };
+        writer.block(&block).unwrap();
+    }
+    writer.finish().unwrap();
+    fs::rename(folder.path("out/other.parquet"), &log).unwrap();
     let ran = folder.run("replay out/stopped.parquet");
     assert_eq!(ran.code, Some(1), "{ran:?}");
     assert!(
@@ -358,4 +375,56 @@ fn an_interrupted_run_leaves_nothing() {
     assert_eq!(finish(interrupt).code, Some(0));
     assert_eq!(wait(child).code(), Some(130));
     assert_eq!(folder.names(), ["long.toml"]);
+}
+
+/// Killed, it cannot clear up; the next run into the same folder does.
+#[cfg(unix)]
+#[test]
+fn what_a_killed_run_left_is_removed_by_the_next() {
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+
+    let long = STOPPED.replace("duration_s = 2.0", "duration_s = 20000.0");
+    let folder = Folder::new()
+        .with("long.toml", long)
+        .with("stopped.toml", STOPPED);
+    folder.run("emulate stopped.toml --out out").well();
+    let whole = folder.names();
+    let mut command = folder.command(&["emulate", "long.toml", "--out", "out"]);
+    let mut child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    while folder.names().len() < whole.len() + 2 {
+        assert!(began.elapsed() < Duration::from_secs(60), "no log is begun");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // While it lives, another run leaves its files alone.
+    folder.run("emulate stopped.toml --out out").well();
+    assert_eq!(folder.names().len(), whole.len() + 2);
+    child.kill().unwrap();
+    wait(child);
+    assert_eq!(folder.names().len(), whole.len() + 2);
+    folder.run("emulate stopped.toml --out out").well();
+    assert_eq!(folder.names(), whole);
+}
+
+/// A picture that is too much for the drawing library must not cost the verdict.
+#[test]
+fn ten_thousand_events_have_a_verdict_a_log_and_a_picture() {
+    let mut many = STOPPED.to_owned();
+    for k in 0..10_000 {
+        many += &format!(
+            "[[events]]\nat_s = {}\nkind = \"cart-friction\"\ncoulomb_n = 1.0\n",
+            0.3 + 1.5e-4 * f64::from(k)
+        );
+    }
+    let folder = Folder::new().with("stopped.toml", many);
+    folder.run("emulate stopped.toml --out out").well();
+    let verdict: Value = serde_json::from_str(&folder.read("out/stopped.json")).unwrap();
+    assert_eq!(verdict["verdict"], "pass");
+    assert_svg_shows(&folder.read("out/stopped.svg"), &["more", "amplitude, mm"]);
+    folder.run("replay out/stopped.parquet").well();
 }

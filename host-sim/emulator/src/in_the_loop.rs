@@ -231,7 +231,7 @@ impl<R: Read, W: Write> ControlUnderTest for InTheLoop<R, W> {
         self.ask(&ExchangeRequest::Overrun, ExchangeReply::Noted);
     }
 
-    fn reset(&mut self, cause: Reset) {
+    fn reset(&mut self, cause: Reset) -> BootInfo {
         let memory = self.desktop.controller.persisted();
         let birth = birth(cause, &memory);
         if let Ok(anew) = Lockstep::new(&self.settings, &birth) {
@@ -239,6 +239,7 @@ impl<R: Read, W: Write> ControlUnderTest for InTheLoop<R, W> {
             self.status = self.desktop.controller.status();
             self.born(&birth);
         }
+        birth
     }
 
     fn settings(&self) -> &Settings {

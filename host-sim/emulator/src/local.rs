@@ -87,12 +87,13 @@ impl ControlUnderTest for Local {
         self.lockstep.controller.note_overrun();
     }
 
-    fn reset(&mut self, cause: Reset) {
-        let memory = self.lockstep.controller.persisted();
+    fn reset(&mut self, cause: Reset) -> BootInfo {
+        let birth = birth(cause, &self.lockstep.controller.persisted());
         // The settings were good at the first birth.
-        if let Ok(anew) = Lockstep::new(&self.settings, &birth(cause, &memory)) {
+        if let Ok(anew) = Lockstep::new(&self.settings, &birth) {
             self.lockstep = anew;
         }
+        birth
     }
 
     fn settings(&self) -> &Settings {

@@ -1,12 +1,10 @@
 //! What an observer of a run gets: every tick, block, contact and event.
 
 use serde::Serialize;
-use shared::control::{Command, Refused, Status};
+use shared::control::{BootInfo, Command, Refused, Status};
 use shared::fault::{Fault, Origin};
 use shared::io::{Frame, Output};
 use shared::settings::Settings;
-
-use super::under_test::Reset;
 
 /// One control tick: the set-point during it, and what the plant truly did by its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,13 +30,18 @@ pub struct TickRow {
     pub faulty: bool,
 }
 
-/// A command that was given, and whether the controller obeyed it.
+/// What the controller was given beside its samples, before a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Given {
-    /// The command.
-    pub command: Command,
-    /// Why it was not obeyed; none: it was.
-    pub refused: Option<Refused>,
+pub enum Given {
+    /// A command.
+    Command {
+        /// The command.
+        command: Command,
+        /// Why it was not obeyed; none: it was.
+        refused: Option<Refused>,
+    },
+    /// A reset: it was made anew with these settings, and with what it found.
+    Born(Settings, BootInfo),
 }
 
 /// One block: what the controller was given besides its frames, and what it is doing after it.
@@ -51,8 +54,8 @@ pub struct BlockRow<'a> {
     pub tick: u64,
     /// Ticks in the block.
     pub ticks: usize,
-    /// Commands given before the block, and since the last reset.
-    pub commands: &'a [Given],
+    /// Commands and resets before the block, in their order.
+    pub given: &'a [Given],
     /// The block's frames as the controller got them (the same as in its ticks, unless stale).
     pub frames: &'a [Frame],
     /// What the controller answered; played out during the next block.
@@ -140,8 +143,6 @@ pub enum EventKind {
 
 /// Watches a run. Every method has a default that does nothing.
 pub trait Observer {
-    /// The controller is made, at the start and after each reset, with these settings.
-    fn born(&mut self, _tick: u64, _reset: Reset, _settings: &Settings) {}
     /// A tick is done.
     fn tick(&mut self, _row: &TickRow) {}
     /// A block is done; its ticks came before.
@@ -157,10 +158,6 @@ impl Observer for () {}
 
 /// Both watch.
 impl<A: Observer, B: Observer> Observer for (A, B) {
-    fn born(&mut self, tick: u64, reset: Reset, settings: &Settings) {
-        self.0.born(tick, reset, settings);
-        self.1.born(tick, reset, settings);
-    }
     fn tick(&mut self, row: &TickRow) {
         self.0.tick(row);
         self.1.tick(row);
@@ -180,9 +177,6 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
 }
 
 impl<T: Observer + ?Sized> Observer for &mut T {
-    fn born(&mut self, tick: u64, reset: Reset, settings: &Settings) {
-        (**self).born(tick, reset, settings);
-    }
     fn tick(&mut self, row: &TickRow) {
         (**self).tick(row);
     }

@@ -62,7 +62,6 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         control: &'a mut C,
         observer: &'a mut O,
     ) -> Result<Self, UserError> {
-        observer.born(0, Reset::PowerOn, control.settings());
         Ok(Self {
             scenario,
             control,
@@ -132,7 +131,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         self.observer.block(&BlockRow {
             tick: first,
             ticks,
-            commands: &self.given,
+            given: &self.given,
             frames: &self.frames[..ticks],
             outputs: &self.outputs[..ticks],
             delivered: true,
@@ -230,7 +229,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             let text = format!("refused: {why:?}");
             self.happened(EventKind::Said { text });
         }
-        self.given.push(Given { command, refused });
+        self.given.push(Given::Command { command, refused });
     }
 
     fn keep_alive(&mut self) {
@@ -244,13 +243,11 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
     }
 
     fn reset(&mut self, cause: Reset) {
-        self.control.reset(cause);
-        // A reset controller has forgotten earlier commands.
-        self.given.clear();
+        let birth = self.control.reset(cause);
+        let settings = *self.control.settings();
+        self.given.push(Given::Born(settings, birth));
         self.born = self.tick;
         self.outputs = [Output::SAFE; MAX_BLOCK];
-        self.observer
-            .born(self.tick, cause, self.control.settings());
     }
 
     /// The controller reported an event.

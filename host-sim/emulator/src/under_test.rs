@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
-use shared::control::{Command, Event, Mode, Refused, State, Status};
+use shared::control::{BootInfo, Command, Event, Mode, Refused, State, Status};
 use shared::io::{DacCode, Frame, Output};
 use shared::model::regime::Regime;
 use shared::settings::{Settings, TICK_S};
@@ -42,8 +42,8 @@ pub trait ControlUnderTest {
     fn take_event(&mut self) -> Option<Event>;
     /// Its control task overran.
     fn note_overrun(&mut self);
-    /// It is reset: made anew with its settings, and with the record that survived.
-    fn reset(&mut self, cause: Reset);
+    /// It is reset: made anew with its settings, and with the record that survived. Returns what it found.
+    fn reset(&mut self, cause: Reset) -> BootInfo;
     /// The settings it was made with.
     fn settings(&self) -> &Settings;
 }
@@ -170,8 +170,9 @@ impl ControlUnderTest for FixedFrequency {
 
     fn note_overrun(&mut self) {}
 
-    fn reset(&mut self, _cause: Reset) {
+    fn reset(&mut self, _cause: Reset) -> BootInfo {
         *self = Self::new(self.settings, self.start_hz);
+        BootInfo::default()
     }
 
     fn settings(&self) -> &Settings {

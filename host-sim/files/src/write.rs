@@ -1,7 +1,8 @@
 //! Writing files whole or not at all.
 //!
 //! A file is written under a temporary name beside its final place and then renamed, so a reader never meets half of
-//! it and a failure leaves the old one untouched.
+//! it and a failure leaves the old one untouched. What a program that was killed had begun is removed, or finished where
+//! all was there, by the next one that writes into the same folder.
 
 use std::fmt;
 use std::fs;
@@ -13,8 +14,11 @@ use tempfile::NamedTempFile;
 
 use crate::UserError;
 
+mod leftovers;
 #[cfg(test)]
 mod tests;
+
+use leftovers::{Plan, sweep};
 
 /// Why a file was not written: what, where, and how to mend it.
 #[derive(Debug)]
@@ -85,10 +89,7 @@ pub fn write_unsynced(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result
 
 /// Writes the files of one answer into `dir`: `(name, bytes)` each.
 ///
-/// All are written under temporary names before the first is renamed, so running
-/// out of space or a bad name leaves every older file as it was. Only a failure
-/// of a rename itself, after all that, can leave some files new and some old.
-/// Returns the paths in the order given.
+/// They appear together: see [`commit_all`]. Returns the paths in the order given.
 ///
 /// # Errors
 /// [`WriteError`], also when a name is not a plain file name or comes twice.
@@ -97,25 +98,55 @@ where
     N: AsRef<str>,
     B: AsRef<[u8]>,
 {
+    commit_all(stage_all(dir, files)?)
+}
+
+/// Writes the files of one answer under temporary names: `(name, bytes)` each.
+///
+/// # Errors
+/// [`WriteError`], also when a name is not a plain file name or comes twice; nothing is left then.
+pub fn stage_all<N, B>(dir: impl AsRef<Path>, files: &[(N, B)]) -> Result<Vec<Staged>, WriteError>
+where
+    N: AsRef<str>,
+    B: AsRef<[u8]>,
+{
     let dir = dir.as_ref();
     let mut ready: Vec<Staged> = Vec::with_capacity(files.len());
-    let mut paths: Vec<PathBuf> = Vec::with_capacity(files.len());
     for (name, bytes) in files {
         let path = dir.join(name.as_ref());
         let plain = Path::new(name.as_ref()).file_name() == Some(name.as_ref().as_ref());
         if !plain {
             return Err(invalid(path, "not a plain file name"));
         }
-        if paths.contains(&path) {
+        if ready.iter().any(|staged| staged.path == path) {
             return Err(invalid(path, "named twice in one answer"));
         }
         ready.push(prepare(&path, bytes.as_ref())?);
-        paths.push(path);
     }
-    for staged in ready {
-        staged.commit()?;
+    Ok(ready)
+}
+
+/// Gives files their names, all or none: an older file of any of them stays until all are whole, an interrupt waits for
+/// the last, and what a killed program had begun to rename is finished by the next that writes there. Only a rename that the system refuses after the first can leave some files new and some old.
+/// Returns the paths in the order given.
+///
+/// # Errors
+/// [`WriteError`].
+pub fn commit_all(staged: Vec<Staged>) -> Result<Vec<PathBuf>, WriteError> {
+    for one in &staged {
+        one.sync().map_err(|source| failed(&one.target, source))?;
     }
-    Ok(paths)
+    let pairs: Vec<_> = staged.iter().map(|s| (s.file.path(), &*s.target)).collect();
+    // Held to the end, so that an interrupt finds all of them or none.
+    let all = locked();
+    let plan = match pairs.as_slice() {
+        [_, _, ..] => Some(Plan::write(&pairs)?),
+        _ => None,
+    };
+    let paths = staged.into_iter().map(Staged::rename).collect();
+    drop(plan);
+    drop(all);
+    paths
 }
 
 /// Checks, before hours of work, that files can be made in the folder `dir`, which need not exist yet. Leaves nothing.
@@ -131,6 +162,7 @@ pub fn check_folder(dir: &Path) -> Result<(), WriteError> {
     if !there.is_dir() {
         return Err(failed(there, io::ErrorKind::NotADirectory.into()));
     }
+    sweep(dir);
     let _staged = locked();
     let tried = temporary_file(there);
     tried.map(drop).map_err(|source| failed(dir, source))
@@ -172,6 +204,7 @@ impl Staged {
             }
             _ => {}
         }
+        sweep(dir);
         // Locked before the file is there, so that `end` misses none.
         let mut staged = locked();
         let file = temporary_file(dir).map_err(|source| failed(path, source))?;
@@ -275,17 +308,28 @@ fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
 pub const TEMPORARY: &str = ".writing-";
 
 fn temporary_file(dir: &Path) -> io::Result<NamedTempFile> {
+    temporary_named(dir, TEMPORARY)
+}
+
+/// A new file that this program holds locked for as long as it works on it: by that the next program knows a leftover.
+fn temporary_named(dir: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     step()?;
     let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY);
+    builder.prefix(prefix);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
-        builder.tempfile_in(dir)
     }
-    #[cfg(not(unix))]
-    builder.tempfile_in(dir)
+    loop {
+        let file = builder.tempfile_in(dir)?;
+        // Where there are no locks, there are no leftovers to be told by them.
+        let locked = file.as_file().lock().is_ok();
+        // Between its making and its locking another program may have taken it for a leftover.
+        if !locked || file.path().exists() {
+            return Ok(file);
+        }
+    }
 }
 
 /// Comes before everything that is asked of the disk. A test can make it fail.

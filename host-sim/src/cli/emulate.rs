@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use shared::control::BootInfo;
-use shared::settings::{Settings, TICK_RATE_HZ};
+use shared::settings::TICK_RATE_HZ;
 
 use super::arguments::output::{Format, check_folder, check_format, emit, to_json};
 use super::terminal::{print, say};
@@ -19,11 +19,11 @@ use emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
 use emulator::run::run as emulate;
 use emulator::scenario::{self, BUILTIN, Scenario};
 use emulator::timeline::Timeline;
-use emulator::under_test::Reset;
 use emulator::verdict::{Verdict, judge};
 use files::UserError;
 use files::read_text;
 use files::table::{to_csv, to_parquet};
+use files::write::{commit_all, stage_all};
 
 /// Duration of a scenario behind a pseudo-terminal, which ends only when it is interrupted: thirty years, s.
 #[cfg(unix)]
@@ -153,12 +153,6 @@ impl Watch {
 }
 
 impl Observer for Watch {
-    fn born(&mut self, tick: u64, reset: Reset, settings: &Settings) {
-        if let Some(logs) = &mut self.logs {
-            logs.born(tick, reset, settings);
-        }
-    }
-
     fn tick(&mut self, row: &TickRow) {
         self.trace.tick(row);
         if let Some(logs) = &mut self.logs {
@@ -220,12 +214,16 @@ fn write(
     verdict: &Verdict,
     watch: &mut Watch,
 ) -> Result<(), UserError> {
-    let mut paths = Vec::new();
-    if let Some(logs) = watch.logs.take() {
-        paths.extend(logs.finish()?);
-    }
     let name = file_name(scenario);
-    let mut contents = drawn(&name, &figure(&watch.trace, &about(scenario, verdict)))?;
+    // A picture that cannot be drawn must not cost the verdict.
+    let mut contents = match drawn(&name, &figure(&watch.trace, &about(scenario, verdict))) {
+        Ok(pictures) => pictures,
+        Err(why) => {
+            say(&format!("there is no picture of this run: {why}"));
+            Vec::new()
+        }
+    };
+    let no_picture = contents.is_empty();
     contents.push((format!("{name}.json"), to_json(verdict)?.into_bytes()));
     contents.push((
         format!("{name}-timeline.csv"),
@@ -235,7 +233,19 @@ fn write(
         let bytes = to_parquet(lines(&watch.timeline))?;
         contents.push((format!("{name}-timeline.parquet"), bytes));
     }
-    paths.extend(files::write::write_all(dir, &contents)?);
+    // Log, verdict and picture appear together.
+    let mut staged = match watch.logs.take() {
+        Some(logs) => logs.close()?,
+        None => Vec::new(),
+    };
+    staged.extend(stage_all(dir, &contents)?);
+    let paths = commit_all(staged)?;
+    if no_picture {
+        // Nor may an older run's stand beside it.
+        for kind in ["svg", "png"] {
+            let _ = std::fs::remove_file(dir.join(format!("{name}.{kind}")));
+        }
+    }
     if !args.quiet {
         let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
         say(&format!("wrote {}", names.join(", ")));

@@ -4,7 +4,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serialport::{SerialPort, TTYPort};
-use shared::control::{Command, Event, Refused, Status};
+use shared::control::{BootInfo, Command, Event, Refused, Status};
 use shared::io::{Frame, Output};
 use shared::link::Device;
 use shared::settings::{Settings, TICK_S};
@@ -102,11 +102,12 @@ impl ControlUnderTest for Live {
         self.board.note_overrun();
     }
 
-    fn reset(&mut self, cause: Reset) {
-        let memory = self.board.lockstep().controller.persisted();
+    fn reset(&mut self, cause: Reset) -> BootInfo {
+        let birth = birth(cause, &self.board.lockstep().controller.persisted());
         // What came over the link is in flash, and was checked.
         let settings = self.board.settings();
-        let _ = self.board.reset(&settings, &birth(cause, &memory));
+        let _ = self.board.reset(&settings, &birth);
+        birth
     }
 
     fn settings(&self) -> &Settings {

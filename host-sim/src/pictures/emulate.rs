@@ -15,6 +15,12 @@ const MOST_POINTS: usize = 20_000;
 /// How often the largest force is shown while there is no drive, Hz.
 const OFF_HZ: f64 = 4.0;
 
+/// Most bands of states, and most marks, of a panel. A run with more shows as many, evenly over it; faults are all shown.
+const MOST_BANDS: usize = 600;
+const MOST_MARKS: usize = 60;
+/// Most marks of faults.
+const MOST_FAULTS: usize = 200;
+
 /// Most marks with a name; more names would overlap.
 const NAMED_MARKS: usize = 8;
 
@@ -215,7 +221,8 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
     let ends = trace.states.iter().skip(1).map(|(at, _)| *at);
     let ends = ends.chain([trace.time_s]);
     let mut seen = Vec::new();
-    for ((from, state), to) in trace.states.iter().zip(ends) {
+    let every = trace.states.len().div_ceil(MOST_BANDS).max(1);
+    for ((from, state), to) in trace.states.iter().zip(ends).step_by(every) {
         let first = !seen.contains(state);
         seen.push(*state);
         let Some(color) = state_color(*state) else {
@@ -232,7 +239,16 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
             },
         });
     }
+    let every = trace.marks.len().div_ceil(MOST_MARKS).max(1);
+    let mut faults = 0;
+    let mut shown = |i: usize, fault: bool| {
+        faults += usize::from(fault);
+        i.is_multiple_of(every) || i <= NAMED_MARKS || fault && faults <= MOST_FAULTS
+    };
     for (i, (at, text, fault)) in trace.marks.iter().enumerate() {
+        if !shown(i, *fault) {
+            continue;
+        }
         let label = match i {
             _ if !named || i > NAMED_MARKS => String::new(),
             NAMED_MARKS => format!("{} more", trace.marks.len() - i),
@@ -306,7 +322,7 @@ mod tests {
             trace.block(&BlockRow {
                 tick: u64::from(k) * 1000,
                 ticks: 1000,
-                commands: &[],
+                given: &[],
                 frames: &[],
                 outputs: &[],
                 delivered: true,

@@ -3,8 +3,11 @@
 
 use files::columns::{Field, Kind, Packing};
 
-/// The version of the columns. 1 called the impulse `impulse_ns`.
-pub(super) const VERSION: u32 = 2;
+/// The version of the columns. 1 called the impulse `impulse_ns`; from 3 on every byte is under a check sum.
+pub(super) const VERSION: u32 = 3;
+
+/// The first version whose bytes are under check sums.
+pub(super) const CHECKED: u32 = 3;
 
 /// The value of the key `format`, before the version's number.
 pub(super) const FORMAT: &str = "vibro-impact run ";

@@ -2,15 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use shared::control::Controller;
-use shared::fault::{Persisted, Record};
-use shared::settings::Settings;
-
 use super::{Block, Header, Input, Samples, Tick, Truth, Writer, mcap};
-use crate::local::birth;
-use crate::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
-use crate::under_test::Reset;
+use crate::record::{BlockRow, Contact, Event, EventKind, Given, Observer, TickRow};
 use files::UserError;
+use files::write::{Staged, commit_all};
 
 /// Watches a run and writes `NAME.parquet` and `NAME.mcap`. Dropped before [`finish`](Self::finish), it leaves
 /// nothing.
@@ -18,9 +13,6 @@ pub struct Logs {
     parquet: Writer,
     mcap: mcap::Writer,
     truths: Vec<Truth>,
-    inputs: Vec<Input>,
-    born: bool,
-    record: Option<Record>,
     failed: Option<UserError>,
 }
 
@@ -34,9 +26,6 @@ impl Logs {
             parquet: Writer::create(dir.join(format!("{name}.parquet")), header)?,
             mcap: mcap::Writer::create(dir.join(format!("{name}.mcap")), header)?,
             truths: Vec::new(),
-            inputs: Vec::new(),
-            born: false,
-            record: None,
             failed: None,
         })
     }
@@ -45,13 +34,19 @@ impl Logs {
     ///
     /// # Errors
     /// A write failed, during the run or now; nothing is left then.
-    pub fn finish(self) -> Result<[PathBuf; 2], UserError> {
-        if let Some(error) = self.failed {
-            return Err(error);
+    pub fn finish(self) -> Result<Vec<PathBuf>, UserError> {
+        Ok(commit_all(self.close()?)?)
+    }
+
+    /// Closes both logs; they are whole then and have their temporary names still.
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish).
+    pub fn close(self) -> Result<Vec<Staged>, UserError> {
+        match self.failed {
+            Some(error) => Err(error),
+            None => Ok(vec![self.parquet.close()?, self.mcap.close()?]),
         }
-        // Both are whole before the first gets its name.
-        let (parquet, mcap) = (self.parquet.close()?, self.mcap.close()?);
-        Ok([parquet.commit()?, mcap.commit()?])
     }
 
     /// A run goes on without its log when the disk refuses; [`finish`](Self::finish) says so.
@@ -63,22 +58,6 @@ impl Logs {
 }
 
 impl Observer for Logs {
-    fn born(&mut self, _tick: u64, reset: Reset, settings: &Settings) {
-        // The first birth stands in the header.
-        if self.born {
-            let kept = self
-                .record
-                .as_ref()
-                .map_or(Persisted::EMPTY, Persisted::new);
-            let birth = birth(reset, &kept);
-            self.inputs.push(Input::Born(*settings, birth));
-            // For the case that the next reset comes before the next block.
-            let newborn = Controller::new(settings, &birth);
-            self.record = newborn.ok().and_then(|c| c.persisted().record());
-        }
-        self.born = true;
-    }
-
     fn tick(&mut self, row: &TickRow) {
         self.truths.push(Truth {
             force_n: row.true_force_n,
@@ -88,8 +67,11 @@ impl Observer for Logs {
     }
 
     fn block(&mut self, row: &BlockRow) {
-        let mut inputs = std::mem::take(&mut self.inputs);
-        inputs.extend(row.commands.iter().map(|g| Input::Command(g.command)));
+        let input = |given: &Given| match given {
+            Given::Command { command, .. } => Input::Command(*command),
+            Given::Born(settings, birth) => Input::Born(*settings, *birth),
+        };
+        let mut inputs: Vec<_> = row.given.iter().map(input).collect();
         if row.overrun {
             inputs.push(Input::Overrun);
         }
@@ -114,7 +96,6 @@ impl Observer for Logs {
             status: Some(*row.status),
             state: None,
         };
-        self.record = row.status.fault;
         if self.failed.is_some() {
             return;
         }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use shared::io::{AdcCode, DacCode, Frame, Output};
 
-use super::columns::{Col, FORMAT, VERSION, fields};
+use super::columns::{CHECKED, Col, FORMAT, VERSION, fields};
 use super::status::STATUS;
 use super::{Cell, Header, Input, Samples, Tick, Truth};
 use files::columns::{self, Column, Field, Values};
@@ -53,7 +53,11 @@ impl Reader {
         let path = path.as_ref();
         let file = columns::Reader::open(open_file(path)?).map_err(|e| broken(path, &e))?;
         let pairs: HashMap<&str, &str> = file.pairs().collect();
-        let fields = fields(version(path, &pairs)?);
+        let version = version(path, &pairs)?;
+        if version >= CHECKED && !file.is_checked() {
+            return Err(broken(path, &"its check sums are missing"));
+        }
+        let fields = fields(version);
         let header = header(path, &pairs)?;
         if !file.has(&fields) {
             return Err(foreign(path, "its columns are not those of a log"));
@@ -97,7 +101,13 @@ impl Reader {
                 return Ok(None);
             }
             let columns = self.file.group(self.group, &self.fields);
-            let columns = columns.map_err(|e| broken(&self.path, &e))?;
+            let columns = columns.map_err(|e| {
+                let (before, rows) = self.file.rows_of(self.group);
+                let (part, parts) = (self.group + 1, self.file.groups());
+                let last = (before + rows).saturating_sub(1);
+                let place = format!("part {part} of {parts}, ticks {before} to {last}: {e}");
+                broken(&self.path, &place)
+            })?;
             self.rows = Some(Rows::new(columns));
             self.group += 1;
         }

@@ -2,8 +2,9 @@
 //!
 //! A [`Field`] is the name, kind and packing of a column; a [`Column`] holds its values for the rows of one row
 //! group. [`Writer`] writes row groups one after another, so a file may be larger than the memory; [`Reader`] gives
-//! them back and answers damage with an error, never with a panic.
+//! them back and answers damage with an error, never with a panic. Every byte is under a check sum.
 
+mod check;
 mod column;
 mod reader;
 #[cfg(test)]

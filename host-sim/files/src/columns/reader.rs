@@ -1,11 +1,13 @@
 //! Reading row groups of a Parquet file that may be damaged.
 
 use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 
 use parquet::errors::{ParquetError, Result};
 use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
+use super::check::{Checks, KEY};
 use super::writer::physical;
 use super::{Column, Field};
 use crate::quiet;
@@ -19,6 +21,9 @@ const MOST_BYTES: i64 = 1 << 30;
 /// Reads a Parquet file.
 pub struct Reader {
     file: SerializedFileReader<File>,
+    /// The same file, for its check sums.
+    raw: File,
+    checks: Option<Checks>,
     bytes: u64,
 }
 
@@ -29,12 +34,64 @@ impl Reader {
     /// It cannot be read, is cut short, damaged or no Parquet.
     pub fn open(file: File) -> Result<Self> {
         let bytes = file.metadata()?.len();
+        let raw = file.try_clone()?;
         let file = guard(|| SerializedFileReader::new(file))?;
-        Ok(Self { file, bytes })
+        let mut reader = Self {
+            file,
+            raw,
+            checks: None,
+            bytes,
+        };
+        if let Some(text) = reader.checks() {
+            let damaged = || ParquetError::General("its footer is damaged".into());
+            let checks = Checks::parse(text).ok_or_else(damaged)?;
+            let tail = reader.range(checks.tail_from(), bytes)?;
+            if !Checks::tail_is_whole(tail) {
+                return Err(damaged());
+            }
+            reader.checks = Some(checks);
+        }
+        Ok(reader)
     }
 
-    /// The keys of the footer, with their values.
+    /// Whether every byte is under a check sum, as all are that this program writes; those of the footer are checked
+    /// already.
+    pub fn is_checked(&self) -> bool {
+        self.checks.is_some()
+    }
+
+    /// The bytes `from..end` of the file.
+    fn range(&self, from: u64, end: u64) -> Result<Vec<u8>> {
+        let damaged = || ParquetError::General("its parts are not within the file".into());
+        let length = end.checked_sub(from).filter(|_| end <= self.bytes);
+        let length = length.and_then(|n| usize::try_from(n).ok());
+        let mut bytes = vec![0; length.ok_or_else(damaged)?];
+        let mut raw = &self.raw;
+        raw.seek(SeekFrom::Start(from))?;
+        raw.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// Rows before row group `index`, and in it.
+    pub fn rows_of(&self, index: usize) -> (u64, u64) {
+        let groups = self.file.metadata().row_groups();
+        let rows = |g: &RowGroupMetaData| u64::try_from(g.num_rows()).unwrap_or(0);
+        let before = groups.iter().take(index).map(rows).sum();
+        (before, groups.get(index).map_or(0, rows))
+    }
+
+    /// The keys of the footer, with their values; the check sums are not among them.
     pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.all_pairs().filter(|(key, _)| *key != KEY)
+    }
+
+    /// The check sums as they stand in the footer.
+    pub(super) fn checks(&self) -> Option<&str> {
+        let found = self.all_pairs().find(|(key, _)| *key == KEY);
+        found.map(|(_, text)| text)
+    }
+
+    fn all_pairs(&self) -> impl Iterator<Item = (&str, &str)> {
         let pairs = self.file.metadata().file_metadata().key_value_metadata();
         let pairs = pairs.into_iter().flatten();
         pairs.filter_map(|pair| Some((pair.key.as_str(), pair.value.as_deref()?)))
@@ -67,6 +124,14 @@ impl Reader {
     /// # Errors
     /// The group is damaged.
     pub fn group(&self, index: usize, fields: &[Field]) -> Result<Vec<Column>> {
+        if let Some(checks) = &self.checks {
+            let damaged =
+                || ParquetError::General("its bytes are not those that were written".into());
+            let (from, end, sum) = checks.group(index).ok_or_else(damaged)?;
+            if crc32fast::hash(&self.range(from, end)?) != sum {
+                return Err(damaged());
+            }
+        }
         guard(|| {
             let reader = self.file.get_row_group(index)?;
             let rows = self.check(reader.metadata(), fields)?;

@@ -67,6 +67,7 @@ fn what_is_written_is_read_again_group_by_group() {
     let groups = [(0, 50), (50, 51), (51, 400)];
     let reader = open(&file(&groups)).unwrap();
     assert_eq!(reader.pairs().collect::<Vec<_>>(), [("format", "a test")]);
+    assert!(reader.is_checked());
     assert_eq!((reader.rows(), reader.groups()), (400, 3));
     assert!(reader.has(&fields()));
     for (i, (from, to)) in groups.into_iter().enumerate() {
@@ -117,5 +118,54 @@ fn every_damaged_byte_ends_in_an_error_or_in_values() {
     assert!(refused > 100, "{refused} of {}", 3 * whole.len());
     for length in 0..whole.len() {
         assert!(open(&whole[..length]).is_err(), "cut to {length} bytes");
+    }
+}
+
+#[test]
+fn a_flipped_bit_anywhere_is_found_and_its_group_is_named() {
+    let groups = [(0, 40), (40, 90), (90, 120)];
+    let whole = file(&groups);
+    let read = |bytes: &[u8]| -> Result<(), usize> {
+        let Ok(reader) = open(bytes) else {
+            return Err(usize::MAX);
+        };
+        // A footer that no longer says what is checked is refused by its reader.
+        if !reader.is_checked() {
+            return Err(usize::MAX);
+        }
+        (0..reader.groups()).try_for_each(|i| reader.group(i, &fields()).map(drop).map_err(|_| i))
+    };
+    assert_eq!(read(&whole), Ok(()));
+    let checks = open(&whole).unwrap();
+    let text = checks.checks().unwrap();
+    let ends: Vec<usize> = text
+        .split(' ')
+        .filter_map(|part| usize::from_str_radix(part.split_once(':')?.0, 16).ok())
+        .collect();
+    assert_eq!(ends.len(), 3);
+    for byte in 0..whole.len() {
+        let mut bytes = whole.clone();
+        bytes[byte] ^= 1 << (byte % 8);
+        let place = ends.iter().position(|end| byte < *end);
+        // The first four bytes are the file's name for itself.
+        let want = if byte < 4 {
+            Err(0)
+        } else {
+            Err(place.unwrap_or(usize::MAX))
+        };
+        let got = read(&bytes);
+        assert!(
+            got == want || byte < 4 && got.is_err(),
+            "byte {byte}: {got:?}, not {want:?}"
+        );
+    }
+    // Two rows swapped, pieces left out or put in.
+    for cut in [1, 5, 100, whole.len() / 2] {
+        let mut bytes = whole.clone();
+        bytes.remove(bytes.len() - cut);
+        assert!(read(&bytes).is_err());
+        bytes = whole.clone();
+        bytes.insert(cut, 7);
+        assert!(read(&bytes).is_err());
     }
 }

@@ -10,11 +10,13 @@ use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnPath, Type};
 
+use super::check::{KEY, Summed};
 use super::{Column, Field, Kind, PROGRAM, Packing};
 
-/// Writes a Parquet file, one row group after another. The same values give the same bytes.
+/// Writes a Parquet file, one row group after another, with a check sum over every byte. The same values give the same
+/// bytes.
 pub struct Writer<W: Write + Send> {
-    file: SerializedFileWriter<W>,
+    file: SerializedFileWriter<Summed<W>>,
 }
 
 impl<W: Write + Send> Writer<W> {
@@ -33,7 +35,7 @@ impl<W: Write + Send> Writer<W> {
             .with_fields(columns.collect::<Result<_>>()?)
             .build()?;
         let properties = Arc::new(properties(fields, pairs));
-        let file = SerializedFileWriter::new(sink, Arc::new(schema), properties)?;
+        let file = SerializedFileWriter::new(Summed::new(sink), Arc::new(schema), properties)?;
         Ok(Self { file })
     }
 
@@ -49,15 +51,22 @@ impl<W: Write + Send> Writer<W> {
                 writer.close()?;
             }
         }
-        group.close().map(drop)
+        group.close()?;
+        self.file.flush()?;
+        self.file.inner_mut().cut();
+        Ok(())
     }
 
     /// Writes the footer and gives the sink back.
     ///
     /// # Errors
     /// The sink refuses.
-    pub fn finish(self) -> Result<W> {
-        self.file.into_inner()
+    pub fn finish(mut self) -> Result<W> {
+        self.file.flush()?;
+        let checks = self.file.inner_mut().hold_the_tail();
+        let pair = KeyValue::new(KEY.to_owned(), checks);
+        self.file.append_key_value_metadata(pair);
+        Ok(self.file.into_inner()?.finish()?)
     }
 }
 

@@ -243,3 +243,61 @@ fn a_disk_that_fails_at_any_step_leaves_the_old_file_and_nothing_else() {
         file.finish().map_err(refused)?.commit().map(drop)
     });
 }
+
+/// A file that a killed program left: there, and nobody holds its lock.
+fn orphan(dir: &Path, name: &str, bytes: &str) -> PathBuf {
+    let path = dir.join(name);
+    fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn what_a_killed_program_left_is_removed_and_what_a_live_one_works_on_is_not() {
+    let dir = tempfile::tempdir().unwrap();
+    orphan(dir.path(), ".writing-abc123", "half a log");
+    orphan(dir.path(), ".writing-plan-xyz", "half a plan");
+    orphan(dir.path(), "writing-mine", "somebody's");
+    let live = Staged::new(dir.path().join("log.parquet")).unwrap();
+    // Swept when the first file was begun; the live one stays however often that is done.
+    let before = names(dir.path());
+    assert_eq!(before.len(), 2, "{before:?}");
+    leftovers::sweep_now(dir.path());
+    assert_eq!(names(dir.path()), before);
+    live.commit().unwrap();
+    assert_eq!(names(dir.path()), ["log.parquet", "writing-mine"]);
+}
+
+#[test]
+fn renames_that_a_killed_program_had_begun_are_finished() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+    for name in ["a.csv", "b.svg", "c.json"] {
+        orphan(dir.path(), name, "old");
+    }
+    // The first of three had its name already.
+    orphan(dir.path(), "a.csv", "new");
+    orphan(dir.path(), ".writing-2", "new");
+    orphan(dir.path(), ".writing-3", "new");
+    let plan: String = [
+        (".writing-1", "a.csv"),
+        (".writing-2", "b.svg"),
+        (".writing-3", "c.json"),
+    ]
+    .map(|(from, to)| format!("{}\n{}\n", at(from), at(to)))
+    .concat();
+    // A plan that is not whole was not begun: its files go, the old ones stay.
+    orphan(dir.path(), ".writing-plan-1", &plan);
+    orphan(dir.path(), ".writing-4", "lost");
+    let half = format!("{}\n{}\n", at(".writing-4"), at("a.csv"));
+    orphan(dir.path(), ".writing-plan-2", &half);
+    fs::write(
+        dir.path().join(".writing-plan-1"),
+        format!("{plan}all of these\n"),
+    )
+    .unwrap();
+    leftovers::sweep_now(dir.path());
+    assert_eq!(names(dir.path()), ["a.csv", "b.svg", "c.json"]);
+    for name in ["a.csv", "b.svg", "c.json"] {
+        assert_eq!(fs::read_to_string(dir.path().join(name)).unwrap(), "new");
+    }
+}
