@@ -110,6 +110,8 @@ impl Controller {
             self.life.push(EventKind::Basin(basin));
         }
         let free_force = core::mem::take(&mut self.seen.free_force);
+        self.sense
+            .follow_zero(free_force.0 / free_force.1.max(1) as f32);
         if let Some(trip) = self.plausibility.free_force(free_force) {
             self.trip(trip);
             return;
