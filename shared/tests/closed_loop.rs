@@ -1,7 +1,7 @@
 //! The whole controller around the model itself as its plant: it finds the operating frequency and holds it.
 
 use shared::control::{BootInfo, Command, EventKind, Lockstep, Mode, State};
-use shared::io::{AdcCode, Channel, Frame, Output};
+use shared::io::{AdcCode, Channel, DacCode, Frame, Output};
 use shared::model::drive::Drive;
 use shared::model::params::{PRESETS, RigParams};
 use shared::model::rig::Rig;
@@ -14,6 +14,7 @@ struct Plant {
     twin: Twin<f64, Corrected>,
     amplitude_m: f64,
     on: bool,
+    last: DacCode,
 }
 
 impl Plant {
@@ -24,16 +25,19 @@ impl Plant {
             twin: Twin::at_rest(rig, drive, Corrected),
             amplitude_m: params.amplitude_m,
             on: false,
+            last: DacCode::MIDDLE,
         }
     }
 
-    /// The cart moves at full amplitude as soon as the drive is on.
+    /// The cart moves at full amplitude, in step with the set-points, from where they first rise through the middle.
     fn tick(&mut self, settings: &Settings, output: &Output) -> Frame {
         let code = |channel: &Channel, value: f64| {
             let code = value / f64::from(channel.unit_per_code) + f64::from(channel.zero_code);
             AdcCode((code + 0.5).clamp(0.0, 4095.0) as u16)
         };
-        self.on = output.enable;
+        let rises = self.last < DacCode::MIDDLE && output.dac >= DacCode::MIDDLE;
+        self.last = output.dac;
+        self.on = output.enable && (self.on || rises);
         let mut force_n = 0.0;
         if self.on {
             let hz = f64::from(output.frequency_hz);

@@ -217,6 +217,56 @@ fn sensors_that_are_off_by_five_percent_trip_nothing() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+fn lie(at_s: f64, sensor: &str, how: &str) -> String {
+    event(
+        at_s,
+        &format!("kind = \"sensor-fault\"\nsensor = \"{sensor}\"\n{how}"),
+    )
+}
+
+#[test]
+fn a_zero_of_the_force_that_drifts_is_found_before_it_matters() {
+    for n_per_s in [-1.0, 1.0] {
+        let drift = lie(
+            20.0,
+            "force",
+            &format!("fault = \"offset-drift\"\ndrift_n_per_s = {n_per_s:?}"),
+        );
+        let found = truth(60.0, &(start() + &drift));
+        assert_eq!(faults(&found), [Fault::SensorOutOfFamily]);
+        // 12 N trip.
+        assert!(
+            (30.0..36.0).contains(&found.faults[0].1),
+            "{:?}",
+            found.faults
+        );
+    }
+    let twin = lie(20.0, "force", "fault = \"offset\"\noffset_n = -3.0");
+    assert_eq!(faults(&truth(40.0, &(start() + &twin))), []);
+}
+
+#[test]
+fn wires_and_rails_that_come_and_go_are_found() {
+    // Rows 14 and 18.
+    let comes_and_goes = |ticks: u32, of: u32, at: &str| {
+        format!("fault = \"intermittent\"\nticks = {ticks}\nof = {of}\nat = \"{at}\"")
+    };
+    for (sensor, ticks, of, at, fault) in [
+        ("cart", 2, 3, "open", Fault::SensorOpen),
+        ("force", 2, 9, "open", Fault::SensorOpen),
+        ("force", 19, 20, "low", Fault::SensorSaturated),
+    ] {
+        let truth = truth(
+            25.0,
+            &(start() + &lie(20.0, sensor, &comes_and_goes(ticks, of, at))),
+        );
+        assert_eq!(truth.faults[0].0, fault, "{sensor} {ticks} {of}");
+        assert!(truth.faults[0].1 < 20.01, "{:?}", truth.faults);
+    }
+    let twin = lie(20.0, "cart", &comes_and_goes(1, 5, "open"));
+    assert_eq!(faults(&truth(25.0, &(start() + &twin))), []);
+}
+
 #[test]
 fn a_dead_force_sensor_is_found_by_hand_as_well() {
     // Row 5: 130 N for ever.

@@ -60,5 +60,11 @@ scenarios! {
     push: "push",
     push_stays: "push-stays",
     drift: "drift",
+    softening: "softening",
+    receding: "receding",
+    hardening: "hardening",
+    dropouts: "dropouts",
+    preload: "preload",
+    force_wanted: "force-wanted",
     jump: "jump",
 }

@@ -65,6 +65,8 @@ pub(super) struct Seen {
     pub command_m: f32,
     /// Furthest the cart was from its middle in this half of the drive period, m.
     pub cart_peak_m: f32,
+    /// Sum and number of the force's samples outside contacts in this drive period, N.
+    pub free_force: (f32, u32),
     /// Which half that is.
     pub half: u32,
     /// Drive periods in which the cart followed the small motion at the start.
@@ -84,6 +86,7 @@ impl Seen {
         onset_turns: 0.0,
         command_m: 0.0,
         cart_peak_m: 0.0,
+        free_force: (0.0, 0),
         half: 0,
         proven: 0,
         beyond: 0,

@@ -4,7 +4,7 @@
 //!                 Start             zeros found          amplitude reached
 //!        Idle ----------> SelfTest ------------> Ramp -------------------> Seek
 //!         ^ ^                                     |                        |  ^
-//!         | |  amplitude 0                        |  (by hand)    top found|  |1/1 lost
+//!         | |  amplitude 0                        |  (by hand)     at goal |  |1/1 lost
 //!         | +-------------- Stop <--- Stop -------+------> Manual          v  |
 //!         |                                                              Hold-+
 //!         | ClearFault, cause gone

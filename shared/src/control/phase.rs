@@ -76,6 +76,8 @@ impl Phase {
 pub(super) struct Start {
     pub mode: Mode,
     pub test: SelfTest,
+    /// Whether a test has been passed.
+    pub tested: bool,
     /// Ticks since the start.
     ticks: u32,
 }
@@ -85,6 +87,7 @@ impl Start {
         Self {
             mode,
             test: SelfTest::new(settings),
+            tested: false,
             ticks: 0,
         }
     }

@@ -61,6 +61,10 @@ impl Controller {
         if driving {
             let in_contact = self.sense.in_contact();
             self.note_contact(in_contact);
+            if !in_contact {
+                self.seen.free_force.0 += sample.force_n - self.sense.force_offset_n();
+                self.seen.free_force.1 += 1;
+            }
             self.rig.identification.flight(&sample, in_contact);
             if let Some(pulse) = found.pulse {
                 self.pulse(&pulse);
@@ -104,6 +108,13 @@ impl Controller {
         self.seen.arrived = arrived;
         if let Some(basin) = self.seen.basin.strobe(strobe.contacts) {
             self.life.push(EventKind::Basin(basin));
+        }
+        let free_force = core::mem::take(&mut self.seen.free_force);
+        self.sense
+            .follow_zero(free_force.0 / free_force.1.max(1) as f32);
+        if let Some(trip) = self.plausibility.free_force(free_force) {
+            self.trip(trip);
+            return;
         }
         if self.follow_the_command(strobe) {
             return;

@@ -33,12 +33,16 @@ impl Controller {
         self.check_contact(ticks);
         let probing = self.is_probing();
         match &mut self.life.phase {
-            Phase::SelfTest(start) => start.pass(ticks),
+            Phase::SelfTest(start) => {
+                start.pass(ticks);
+                self.begin_ramp();
+            }
             Phase::Ramp(search) if !probing && self.oscillator.has_arrived() => {
                 let next = match *search {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,
                 };
+                self.rig.identification.at_amplitude();
                 self.change(next);
             }
             Phase::Seek(_) | Phase::Hold(_) => self.check_search(ticks),
@@ -90,7 +94,7 @@ impl Controller {
         }
     }
 
-    /// The self test has found the zeros: the ramp begins, or the self test goes on until there is a forecast.
+    /// The self test has found the zeros.
     pub(super) fn finish_self_test(&mut self, zero: Zero) {
         let rest_m = zero.relative_m.unwrap_or(0.0);
         self.sense.set_zero(zero.force_n, rest_m, zero.cart_m);
@@ -98,13 +102,23 @@ impl Controller {
         let Phase::SelfTest(start) = &mut self.life.phase else {
             return;
         };
+        // Until the forecast has come, the sensors are tested on.
+        start.test = SelfTest::new(&self.settings);
+        start.tested = true;
+        self.begin_ramp();
+    }
+
+    /// The ramp begins as soon as the sensors have been tested and there is a forecast to go by.
+    fn begin_ramp(&mut self) {
+        let Phase::SelfTest(start) = &self.life.phase else {
+            return;
+        };
+        if !start.tested {
+            return;
+        }
         let search = match start.mode {
             Mode::Manual => None,
-            Mode::Automatic if !self.forecast.has_come() && start.can_wait() => {
-                // The forecast is still in work: the sensors are tested once more meanwhile.
-                start.test = SelfTest::new(&self.settings);
-                return;
-            }
+            Mode::Automatic if !self.forecast.has_come() && start.can_wait() => return,
             Mode::Automatic => {
                 let Some(target) = self.forecast.entered_target() else {
                     self.life.push(EventKind::NoTarget);

@@ -19,6 +19,10 @@ pub struct Packet<M> {
 
 /// A request of the computer. Each gets exactly one [`Answer`], in order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is no heap, and one lives at a time"
+)]
 pub enum ToBoard {
     /// Begins a conversation: ends the streams of the one before. A session goes on. Answered with [`Answer::Hello`].
     Hello,

@@ -104,6 +104,9 @@ pub struct Measured {
 
 const TICK: f32 = TICK_S as f32;
 
+/// Share of the distance from the force's zero made good per drive period.
+const ZERO_FOLLOWS: f32 = 0.25;
+
 /// Share of 1/ω after a release at which the rebound speed is taken.
 const REBOUND_AFTER: f32 = 0.25;
 
@@ -117,6 +120,8 @@ pub struct Sense {
     /// A0 believed, m: scale of the section's displacements.
     amplitude_m: f32,
     force_offset_n: f32,
+    /// How far the force's zero has moved since, N.
+    force_drift_n: f32,
     rest_relative_m: f32,
     rebound_ticks: u32,
     last_phase: u32,
@@ -146,6 +151,7 @@ impl Sense {
             section: Section::default(),
             amplitude_m: settings.rig.amplitude_m as f32,
             force_offset_n: 0.0,
+            force_drift_n: 0.0,
             rest_relative_m: 0.0,
             rebound_ticks: if ticks < 1000.0 { ticks as u32 } else { 1000 },
             last_phase: 0,
@@ -175,12 +181,13 @@ impl Sense {
     pub fn set_zero(&mut self, force_offset_n: f32, rest_relative_m: f32, cart_m: f32) {
         self.harmonic.set_offset(cart_m);
         self.force_offset_n = force_offset_n;
+        self.force_drift_n = 0.0;
         self.rest_relative_m = rest_relative_m;
     }
 
     /// One tick: its samples, its number, and the drive as commanded for that instant.
     pub fn tick(&mut self, sample: Sample, tick: u32, drive: &Drive<f32>) -> Seen {
-        let force_n = sample.force_n - self.force_offset_n;
+        let force_n = sample.force_n - self.force_offset_n - self.force_drift_n;
         let relative_m = sample.hammer_m - sample.cart_m - self.rest_relative_m;
         let now = drive.now();
         let increment = now.phase.wrapping_sub(self.last_phase);
@@ -323,6 +330,19 @@ impl Sense {
     pub fn cart(&self) -> (f32, f32) {
         let cart = self.harmonic.last();
         (cart.amplitude_m(), cart.lag_rad())
+    }
+
+    /// What the force sensor read at zero in the self test, N.
+    #[inline]
+    pub fn force_offset_n(&self) -> f32 {
+        self.force_offset_n
+    }
+
+    /// Outside contacts the force was `free_n` on average, by the zero of the self test: the zero follows it.
+    pub fn follow_zero(&mut self, free_n: f32) {
+        if free_n.is_finite() {
+            self.force_drift_n += ZERO_FOLLOWS * (free_n - self.force_drift_n);
+        }
     }
 
     /// Middle of the cart's motion, m.

@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 26] = scenarios![
+pub const BUILTIN: [(&str, &str); 32] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
@@ -18,6 +18,12 @@ pub const BUILTIN: [(&str, &str); 26] = scenarios![
     "push",
     "push-stays",
     "drift",
+    "softening",
+    "receding",
+    "hardening",
+    "dropouts",
+    "preload",
+    "force-wanted",
     "emergency-stop",
     "over-force",
     "over-travel",

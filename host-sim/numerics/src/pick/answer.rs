@@ -106,6 +106,12 @@ pub struct Answer {
     pub nominal_optimum_hz: f64,
     /// Its force ratio.
     pub nominal_optimum_force_ratio: f64,
+    /// Impact power at the operating frequency: energy per contact times contacts per second, W.
+    pub impact_power_w: f64,
+    /// The frequency of the most impact power of the nominal stable 1/1, no uncertainty and no limits, Hz.
+    pub power_optimum_hz: f64,
+    /// The impact power there, W.
+    pub power_optimum_w: f64,
     /// Force ratio when driven at the natural frequency (Ω = ω).
     pub force_ratio_at_natural_frequency: f64,
     /// What the shaker must give.
@@ -121,6 +127,11 @@ pub struct Answer {
 /// Peak force to move cart and hammer at `hz`, (M + m) A0 Ω², N.
 pub fn drive_force(params: &RigParams, hz: f64) -> f64 {
     (params.cart_mass_kg + params.mass_kg) * params.amplitude_m * (TAU * hz).powi(2)
+}
+
+/// Energy that the contacts of `orbit` take from the hammer per second, W.
+pub fn impact_power(orbit: &Orbit) -> f64 {
+    orbit.contact.energy_lost_j * f64::from(orbit.impacts) * orbit.frequency_hz
 }
 
 /// What the shaker must give for `orbit`.

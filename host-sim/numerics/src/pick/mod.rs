@@ -27,7 +27,7 @@ use crate::row::NamedRig;
 use crate::row::{Row, tidy};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
 pub use answer::Answer;
-use answer::shaker;
+use answer::{impact_power, shaker};
 pub use choose::Limits;
 use choose::{Choice, Field};
 use search::{interval_where, maximise, stable_interval};
@@ -89,6 +89,9 @@ pub fn pick(
     let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
     let (_, nominal) =
         maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
+    let power_at = |hz: f64| branch.at(params, hz).map(|o| (impact_power(&o), o));
+    let (_, strongest_power) =
+        maximise(&branch, range(&branch), power_at).ok_or_else(|| no_one_one(rig))?;
 
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
@@ -110,6 +113,7 @@ pub fn pick(
         rig,
         branch: &branch,
         nominal: &nominal,
+        power: &strongest_power,
         robust,
         band: force_band(params, &branch, &choice.orbit),
         choice,
@@ -239,6 +243,8 @@ struct Found<'a> {
     branch: &'a Branch,
     /// The strongest nominal orbit, without uncertainty and limits.
     nominal: &'a Orbit,
+    /// The nominal orbit with the most impact power, without uncertainty and limits.
+    power: &'a Orbit,
     /// Where 1/1 is stable over the whole uncertainty, Hz.
     robust: (f64, f64),
     /// [`force_band`] of the orbit chosen.
@@ -294,6 +300,9 @@ impl Found<'_> {
                 .map(|(low, high)| [*low, *high]),
             nominal_optimum_hz: self.nominal.frequency_hz,
             nominal_optimum_force_ratio: self.nominal.force_n / weight,
+            impact_power_w: impact_power(chosen),
+            power_optimum_hz: self.power.frequency_hz,
+            power_optimum_w: impact_power(self.power),
             force_ratio_at_natural_frequency: self.runs.force_ratio_at_natural,
             shaker: shaker(self.rig, chosen),
             limits: self.choice.limits,

@@ -84,9 +84,14 @@ fn operation(a: &Answer) -> Lines {
         None => (String::new(), ""),
     };
     let [low, high] = a.safe_band_hz;
+    let power = format!(
+        "{:.5} W; at most {:.5} W, at {:.4} Hz",
+        a.impact_power_w, a.power_optimum_w, a.power_optimum_hz
+    );
     let mut lines = vec![
         ("regime", from_rest(a)),
         ("force", force + &spread),
+        ("impact power", power),
         (
             "safe band",
             format!("{low:.4} to {high:.4} Hz: 1/1 stable{over}, force above 90 %"),

@@ -5,6 +5,7 @@
 //! | distance | displacement at a contact against the believed gap | more than [`FAR_M`] off | [`FAR_PULSES`] contacts in a row | force |
 //! | momentum | ∫F dt against the believed reduced mass times the change of speed, both as leaky sums | outside [`momentum::MOMENTUM_RANGE`] | [`BAD_PULSES`] contacts in a row, from the sixteenth on | force |
 //! | gross | the same of a single contact | outside [`momentum::GROSS_RANGE`] | [`momentum::GROSS_PULSES`] contacts in a row | force |
+//! | zero | mean force of a drive period outside contacts, against the zero of the self test | more than [`ZERO_SHARE`] of `limits.force_n` | [`ZERO_PERIODS`] drive periods in a row | force |
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
 //! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
@@ -34,8 +35,13 @@ pub use momentum::BAD_PULSES;
 pub const RATIO_RANGE: (f32, f32) = (0.8, 1.2);
 /// Drive periods in a row outside that trip.
 pub const RATIO_PERIODS: u8 = 16;
-/// Windows in flight before the ratio is judged: in the first, the amplitude still rises.
-pub const RATIO_WINDOWS: u32 = 80;
+/// Windows in flight at full amplitude before the ratio is judged.
+pub const RATIO_WINDOWS: u32 = 48;
+
+/// Largest force outside contacts, as a share of the force limit.
+pub const ZERO_SHARE: f32 = 0.05;
+/// Drive periods in a row beyond it that trip.
+pub const ZERO_PERIODS: u8 = 4;
 
 /// Pulses in a row, with the hammer away from the surface, that trip.
 pub const FAR_PULSES: u8 = 3;
@@ -46,6 +52,8 @@ pub const FAR_M: f32 = 1.5e-3;
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
     gap_m: f32,
+    zero_n: f32,
+    bad_zeros: u8,
     far_pulses: u8,
     bad_ratios: u8,
     momentum: Momentum,
@@ -57,6 +65,8 @@ impl Plausibility {
     pub fn new(settings: &Settings) -> Self {
         Self {
             gap_m: settings.rig.gap_m as f32,
+            zero_n: ZERO_SHARE * settings.limits.force_n,
+            bad_zeros: 0,
             far_pulses: 0,
             bad_ratios: 0,
             momentum: Momentum::new(&settings.rig),
@@ -67,6 +77,7 @@ impl Plausibility {
     /// The drive starts anew.
     pub fn restart(&mut self) {
         self.far_pulses = 0;
+        self.bad_zeros = 0;
         self.bad_ratios = 0;
         self.momentum.restart();
         self.follow.restart();
@@ -101,6 +112,15 @@ impl Plausibility {
             .follow
             .strobe(strobe, command_m, frequency_hz, rising)?;
         trip(Origin::Cart, ratio)
+    }
+
+    /// A drive period has ended with this sum, N, of so many samples of the force outside contacts.
+    pub fn free_force(&mut self, (sum_n, samples): (f32, u32)) -> Option<Trip> {
+        let mean_n = sum_n / samples.max(1) as f32;
+        let off = libm::fabsf(mean_n) > self.zero_n;
+        let trips = run(&mut self.bad_zeros, off, ZERO_PERIODS);
+        trips.then_some(())?;
+        trip(Origin::Force, mean_n)
     }
 
     /// A drive period has ended with this gain of the hammer's sensor over the cart's, from so many windows.
@@ -178,15 +198,25 @@ mod tests {
     }
 
     #[test]
+    fn a_zero_of_the_force_that_moves_trips() {
+        let limit_n = Settings::for_rig(&WIRES).limits.force_n;
+        for (share, expected) in [(0.052, Some(4)), (-0.052, Some(4)), (0.048, None)] {
+            let sum = (share * limit_n * 5000.0, 5000);
+            assert_eq!(trips_after(|p| p.free_force(sum)), expected, "{share}");
+        }
+        assert_eq!(trips_after(|p| p.free_force((0.0, 0))), None);
+    }
+
+    #[test]
     fn a_hammer_that_reads_more_or_less_than_the_cart_trips() {
         for (ratio, windows, expected) in [
-            (0.79, 80, Some(16)),
-            (0.81, 80, None),
-            (1.19, 80, None),
-            (1.21, 80, Some(16)),
-            (-1.0, 80, Some(16)),
-            (f32::NAN, 80, Some(16)),
-            (-1.0, 79, None),
+            (0.79, 48, Some(16)),
+            (0.81, 48, None),
+            (1.19, 48, None),
+            (1.21, 48, Some(16)),
+            (-1.0, 48, Some(16)),
+            (f32::NAN, 48, Some(16)),
+            (-1.0, 47, None),
         ] {
             let tripped = trips_after(|p| p.ratio(Some((ratio, windows))));
             assert_eq!(tripped, expected, "{ratio} {windows}");

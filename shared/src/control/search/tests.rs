@@ -60,7 +60,7 @@ impl Rig {
             3
         } else if relative > self.one_one.1 {
             // 2/3: two contacts in three drive periods.
-            u16::from(self.period % 3 > 0)
+            u16::from(!self.period.is_multiple_of(3))
         } else {
             1
         };

@@ -135,6 +135,8 @@ pub struct Identification {
     /// Least approach speed that is used, m/s.
     slowest: f32,
     window_ticks: u32,
+    /// c/m times the window's length.
+    window_damping: f32,
     per_window: f32,
     /// Square of an acceleration too small to call a point an outlier for: 5 % of ω² A0.
     grain: f32,
@@ -196,6 +198,7 @@ impl Identification {
             damping: 2.0 * ratio * omega,
             slowest: 0.5 * amplitude_m * omega,
             window_ticks,
+            window_damping: 2.0 * ratio * omega * window_ticks as f32 * TICK_S as f32,
             per_window: 1.0 / window_ticks as f32,
             grain: 2.5e-3 * (omega * omega * amplitude_m) * (omega * omega * amplitude_m),
             window: Window::default(),
@@ -213,6 +216,11 @@ impl Identification {
         }
     }
 
+    /// The amplitude has been reached: flights before that told little of the sensors.
+    pub fn at_amplitude(&mut self) {
+        self.ratio.reset();
+    }
+
     /// Gain of the hammer's sensor over the cart's, with its sign, if the flights tell it, and from how many windows.
     pub fn hammer_over_cart(&self) -> Option<(f32, u32)> {
         let gain = self.ratio.gain(self.believed.amplitude_m)?;
@@ -222,8 +230,9 @@ impl Identification {
     /// One tick's samples, and whether a contact is under way ([`crate::sense::Sense::in_contact`]).
     #[inline]
     pub fn flight(&mut self, sample: &Sample, in_contact: bool) {
+        let timing = (self.window_ticks, SETTLE);
         self.ratio
-            .flight(sample, in_contact, self.window_ticks, SETTLE);
+            .flight(sample, in_contact, timing, self.window_damping);
         if in_contact {
             self.settle = SETTLE;
             self.window.ticks = 0;
