@@ -8,6 +8,7 @@ mod basins;
 mod bifurcation;
 #[cfg(unix)]
 mod boards;
+mod broken_off;
 mod compare;
 mod contact;
 mod drop_test;

@@ -5,17 +5,21 @@
 //! of the integrator itself, to [`TIME_TOLERANCE_S`].
 
 mod contacts;
+mod rest;
 
 use std::f64::consts::TAU;
 
-use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams, SupportParams};
+use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams};
 use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::bodies::{Bodies, State, Totals};
 use super::cart::{Friction, Mounting};
-use super::motor::{Motor, MotorParams};
+use super::motor::Motor;
 use super::record::Contact;
+#[doc(inline)]
+pub use super::shaker::Drive;
 use super::shaker::{Gains, Loop, Path, ShakerParams};
+use rest::{rest, upright};
 
 /// Force samples per tick; also the steps per tick in contact, 5 µs each at 20 kHz.
 pub const INNER: usize = 10;
@@ -37,17 +41,6 @@ pub struct Blow {
     pub at_s: f64,
     /// How large, N.
     pub peak_n: f64,
-}
-
-/// What moves the cart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drive {
-    /// A shaker of finite force.
-    Shaker(ShakerParams),
-    /// Something that follows the set-point whatever force that takes.
-    Prescribed,
-    /// A motor with a crank.
-    Motor(MotorParams),
 }
 
 /// Hammer, cart and shaker.
@@ -385,56 +378,6 @@ impl Plant {
             self.keep(&before, s, h, &totals);
         }
     }
-}
-
-/// `params` with the part of gravity that a tilted rig's hammer hangs in.
-fn upright(params: &RigParams, tilt_rad: f64) -> RigParams {
-    let mut params = *params;
-    if let SupportParams::Wires {
-        gravity_m_per_s2, ..
-    } = &mut params.support
-    {
-        *gravity_m_per_s2 *= tilt_rad.cos();
-    }
-    params
-}
-
-/// Hammer and cart at rest while the drive is off and gravity pulls with `along`.
-fn rest(rig: &Rig<f64>, shaker: &Loop, params: &RigParams, along: f64) -> State {
-    let mut state = State {
-        q: rig.rest(),
-        ..State::default()
-    };
-    if along == 0.0 {
-        return state;
-    }
-    // The hammer's acceleration falls along its travel, and steeply where it touches.
-    let pulled = |q: f64| {
-        let at = rig.kinematics(q, 0.0);
-        let force = if at.delta > 0.0 {
-            rig.force(&at, 0.0)
-        } else {
-            0.0
-        };
-        rig.acceleration(&at, 0.0, along, force)
-    };
-    let (mut low, mut high) = (rig.coordinate_at(-0.05), rig.coordinate_at(0.05));
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if pulled(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    state.q = 0.5 * (low + high);
-    if let Loop::Force(gains) = shaker {
-        let cart_n = along * (params.cart_mass_kg + params.mass_kg);
-        let armature_n = gains.armature.map_or(0.0, |a| along * a.mass_kg);
-        state.z = gains.compliance() * (cart_n + armature_n);
-        state.y = state.z + gains.armature.map_or(0.0, |a| cart_n / a.stiffness);
-    }
-    state
 }
 
 /// The first place in 0 … `h` at which `beyond` holds, given that it holds at `h` and has not before; never

@@ -32,6 +32,10 @@ pub struct TickRow {
 
 /// What the controller was given beside its samples, before a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "at most a handful wait between two blocks"
+)]
 pub enum Given {
     /// A command.
     Command {

@@ -9,7 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use super::motor::Motor;
+use super::motor::{Motor, MotorParams};
 
 /// A shaker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,7 +175,18 @@ impl Smoother {
     }
 }
 
-/// How the cart is moved.
+/// What moves the cart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// A shaker of finite force.
+    Shaker(ShakerParams),
+    /// Something that follows the set-point whatever force that takes.
+    Prescribed,
+    /// A motor with a crank.
+    Motor(MotorParams),
+}
+
+/// How the cart is moved, in the equations of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loop {
     /// By a shaker of finite force.

@@ -18,7 +18,6 @@ const OFF_HZ: f64 = 4.0;
 /// Most bands of states, and most marks, of a panel. A run with more shows as many, evenly over it; faults are all shown.
 const MOST_BANDS: usize = 600;
 const MOST_MARKS: usize = 60;
-/// Most marks of faults.
 const MOST_FAULTS: usize = 200;
 
 /// Most marks with a name; more names would overlap.
@@ -240,13 +239,10 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
         });
     }
     let every = trace.marks.len().div_ceil(MOST_MARKS).max(1);
-    let mut faults = 0;
-    let mut shown = |i: usize, fault: bool| {
-        faults += usize::from(fault);
-        i.is_multiple_of(every) || i <= NAMED_MARKS || fault && faults <= MOST_FAULTS
-    };
+    let faults = trace.marks.iter().filter(|(.., fault)| *fault).count();
     for (i, (at, text, fault)) in trace.marks.iter().enumerate() {
-        if !shown(i, *fault) {
+        let matters = i <= NAMED_MARKS || *fault && faults <= MOST_FAULTS;
+        if !matters && !i.is_multiple_of(every) {
             continue;
         }
         let label = match i {

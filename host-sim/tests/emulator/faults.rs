@@ -78,7 +78,7 @@ fn over_force() {
         "over-force",
         each(|act| {
             if let Act::Push { speed_m_per_s } = act {
-                *speed_m_per_s = 0.32;
+                *speed_m_per_s = 0.245;
             }
             true
         }),

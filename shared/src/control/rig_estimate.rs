@@ -18,8 +18,11 @@ const GAP_SIGMA_M: f32 = 1.5e-5;
 /// A gap beyond this many A0 is to be closed by feeding the tool: at 2.7 A0 (2.4 mm on the wires) the best 1/1 lies beside
 /// a swing without contact, and a hammer that has lost the surface does not find it again by itself.
 const FEED_GAP: f64 = 2.5;
-/// The same for a gap that has grown from a large one that was set, A0.
-const FEED_GROWTH: f64 = 0.5;
+/// So is one that has grown by this many A0 from the gap set: from 2 A0 on, contacts there are not believed
+/// ([`crate::sense::identification::GAP_RANGE`]).
+const FEED_GROWTH: f64 = 1.5;
+/// Growth that is never reported, A0: of a large gap that was set.
+const NO_GROWTH: f64 = 0.5;
 
 /// The rig that forecasts are made of, and its online identification.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +52,9 @@ impl RigEstimate {
     /// Whether the surface is so far away that the tool is to be fed: the gap has grown beyond what forecasts are made
     /// for, and beyond what was set.
     pub fn is_out_of_reach(&self) -> bool {
-        let reach_m = (FEED_GAP * self.set.amplitude_m)
-            .max(self.set.gap_m + FEED_GROWTH * self.set.amplitude_m);
+        let (a0, set_m) = (self.set.amplitude_m, self.set.gap_m);
+        let grown_m = set_m + FEED_GROWTH * a0;
+        let reach_m = (FEED_GAP * a0).min(grown_m).max(set_m + NO_GROWTH * a0);
         self.identification
             .gap_m()
             .is_some_and(|gap_m| f64::from(gap_m) > reach_m)

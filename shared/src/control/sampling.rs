@@ -93,6 +93,9 @@ impl Controller {
 
     fn pulse(&mut self, pulse: &Pulse) {
         self.seen.onset_turns = pulse.onset_turns;
+        if let Some(gap_m) = self.rig.identification.gap_m() {
+            self.plausibility.believe_gap(gap_m);
+        }
         self.rig.identification.pulse(pulse);
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);

@@ -37,7 +37,7 @@ impl Controller {
                 start.pass(ticks);
                 self.begin_ramp();
             }
-            Phase::Ramp(search) if !probing && self.oscillator.has_arrived() => {
+            Phase::Ramp(search) if !probing && self.oscillator.amplitude_has_arrived() => {
                 let next = match *search {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,

@@ -8,6 +8,7 @@ mod event;
 mod file;
 mod hardware;
 mod sensor_fault;
+mod words;
 
 use std::ffi::OsStr;
 use std::path::Path;

@@ -9,6 +9,7 @@
 //!     RANDOM_CASES=5000 cargo test -p host-sim --test emulator random
 
 mod draw;
+mod lies;
 mod watch;
 
 use std::env;
@@ -17,6 +18,7 @@ use emulator::local::Local;
 use emulator::log::{Header, Logs, Reader};
 use emulator::run::run;
 use emulator::scenario::Scenario;
+use emulator::under_test::FixedFrequency;
 use host_sim::progress::Progress;
 use host_sim::replay::replay;
 use rayon::prelude::*;
@@ -154,6 +156,23 @@ fn every_kind_of_draw_is_mended_or_an_open_hole() {
         let text = draw::scenario(1, &[*kind]);
         assert!(!text.events.is_empty(), "{}", kind.name());
     }
+}
+
+/// The judge sees what is wrong: a controller that watches nothing but the emergency chain fails.
+#[test]
+fn a_controller_that_watches_nothing_is_found_out() {
+    let found = (0_u64..60).into_par_iter().filter(|number| {
+        let kinds = [Kind::Push, Kind::ByHand, Kind::Armature, Kind::Gain];
+        let scenario = draw::scenario(*number, &kinds);
+        let hz = 2.0 * scenario.true_rig.natural_frequency_hz();
+        let mut control = FixedFrequency::new(scenario.settings, hz);
+        let mut watch = Watch::new(&scenario);
+        run(&scenario, &mut control, &mut watch).unwrap();
+        watch.wrong.is_some_and(|why| why.contains("true"))
+    });
+    let found = found.count();
+    println!("{found} of 60");
+    assert!(found >= 6, "{found} of 60");
 }
 
 /// Commands before and after resets within one block of 32 ticks, in every order of four.

@@ -83,6 +83,11 @@ impl Plausibility {
         self.follow.restart();
     }
 
+    /// The gap as the last contacts have shown it, m: a surface that recedes slowly is followed.
+    pub fn believe_gap(&mut self, gap_m: f32) {
+        self.gap_m = gap_m;
+    }
+
     /// A contact has ended.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<Trip> {
         let far_m = libm::fabsf(pulse.relative_m - self.gap_m);
