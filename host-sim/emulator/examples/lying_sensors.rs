@@ -1,7 +1,11 @@
-//! Every sensor, alone and in pairs, made to lie from the start and in Hold: what the controller finds, when, and what
-//! the plant truly did meanwhile. Prints a table.
+//! Every sensor made to lie in every way, before the start and in Hold: what the controller finds, how soon, and what the
+//! plant truly did until then. Prints a table; `--csv FILE` writes it as well.
 //!
-//!     cargo run --release -p emulator --example lying_sensors
+//!     cargo run --release -p emulator --example lying_sensors -- [RIG] [--limits FORCE_N,CART_MM] [--csv FILE]
+//!
+//! RIG is `wires` if left out. `--limits` sets `limits.force_n` and `limits.amplitude_mm` in place of the rig's own.
+
+use std::fmt::Write as _;
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
@@ -10,12 +14,20 @@ use emulator::scenario::parse;
 use rayon::prelude::*;
 use shared::fault::{Fault, Origin};
 
+/// Rig time of a run, of the start, and of the two beginnings of a lie, s.
+const LONG_S: f64 = 60.0;
+const START_S: f64 = 0.5;
+const LIES_FROM_S: [f64; 2] = [0.1, 20.0];
+/// A limit counts as passed beyond this share of it.
+const PASSED: f64 = 1.1;
+
+/// What the plant did while the drive was on, and the first fault.
 #[derive(Default)]
 struct Truth {
     fault: Option<(Fault, Origin, f64)>,
     force_n: f64,
     cart_mm: f64,
-    hz: f32,
+    is_limited: bool,
     on: bool,
 }
 
@@ -32,9 +44,7 @@ impl Observer for Truth {
         }
     }
     fn block(&mut self, row: &BlockRow) {
-        if self.on {
-            self.hz = row.status.frequency_hz;
-        }
+        self.is_limited |= !row.status.limits.is_empty();
     }
     fn event(&mut self, event: &Event) {
         if let EventKind::Fault { fault, origin, .. } = event.what {
@@ -43,62 +53,164 @@ impl Observer for Truth {
     }
 }
 
-const LONG_S: f64 = 70.0;
-
-fn told(rig: &str, lies: &[(&str, f64)], at_s: f64) -> String {
-    let mut text = format!(
-        "duration_s = {LONG_S:?}\nseed = 7\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = 1.0\n[[events]]\nat_s = 0.5\nkind = \"start\"\n"
-    );
-    for (sensor, times) in lies {
-        text += &format!(
-            "[[events]]\nat_s = {at_s:?}\nkind = \"sensor-fault\"\nsensor = \"{sensor}\"\nfault = \"gain\"\ntimes = {times:?}\n"
-        );
-    }
-    text
+/// A lie: what the table calls it, and its keys in a scenario.
+struct Lie {
+    sensor: &'static str,
+    name: String,
+    keys: String,
 }
 
+/// Everything that `sensor` can do.
+fn lies(sensor: &'static str) -> Vec<Lie> {
+    let lie = |name: String, keys: String| Lie { sensor, name, keys };
+    let mut lies = vec![lie("reversed".into(), "fault = \"reversed\"".into())];
+    for tenths in (4..=16).filter(|&tenths| tenths != 10) {
+        let times = 0.1 * f64::from(tenths);
+        lies.push(lie(
+            format!("gain {times:.1}"),
+            format!("fault = \"gain\"\ntimes = {times:?}"),
+        ));
+    }
+    let (unit, key, offsets, drifts) = if sensor == "force" {
+        ("N", "n", [5.0, 20.0, 100.0], [0.1, 1.0, 10.0])
+    } else {
+        ("µm", "um", [100.0, 400.0, 1600.0], [2.0, 20.0, 200.0])
+    };
+    for offset in offsets.iter().flat_map(|o| [*o, -o]) {
+        lies.push(lie(
+            format!("offset {offset:+} {unit}"),
+            format!("fault = \"offset\"\noffset_{key} = {offset:?}"),
+        ));
+    }
+    for drift in drifts.iter().flat_map(|d| [*d, -d]) {
+        lies.push(lie(
+            format!("offset drifts {drift:+} {unit}/s"),
+            format!("fault = \"offset-drift\"\ndrift_{key}_per_s = {drift:?}"),
+        ));
+    }
+    lies.push(lie("dead but noisy".into(), "fault = \"dead\"".into()));
+    lies.push(lie("frozen".into(), "fault = \"frozen\"".into()));
+    for ms in [0.5, 5.0, 50.0] {
+        lies.push(lie(
+            format!("delayed {ms} ms"),
+            format!("fault = \"delayed\"\ndelay_ms = {ms:?}"),
+        ));
+    }
+    lies
+}
+
+/// What came out of a lie.
+struct Row {
+    sensor: &'static str,
+    lie: String,
+    from_s: f64,
+    /// After how long, what, and the sensor named.
+    found: Option<(f64, &'static str, Origin)>,
+    force_share: f64,
+    cart_share: f64,
+    is_limited: bool,
+}
+
+impl Row {
+    fn of(lie: &Lie, from_s: f64, rig: &str, limits: &str) -> Self {
+        let Lie { sensor, name, keys } = lie;
+        let text = format!(
+            "duration_s = {LONG_S:?}\nseed = 7\n[true_rig]\npreset = \"{rig}\"\n{limits}\
+             [sensors]\nnoise_percent = 1.0\n\
+             [[events]]\nat_s = {START_S:?}\nkind = \"start\"\n\
+             [[events]]\nat_s = {from_s:?}\nkind = \"sensor-fault\"\nsensor = \"{sensor}\"\n{keys}\n"
+        );
+        let scenario = parse("lie", &text, "lie").expect("a scenario");
+        let mut truth = Truth::default();
+        let mut control = Local::new(&scenario.settings).expect("a controller");
+        run(&scenario, &mut control, &mut truth).expect("a run");
+        let bounds = scenario.settings.limits;
+        let after = |at_s: f64| at_s - from_s.max(START_S);
+        Self {
+            sensor,
+            lie: name.clone(),
+            from_s,
+            found: truth.fault.map(|(f, o, at_s)| (after(at_s), f.name(), o)),
+            force_share: truth.force_n / f64::from(bounds.force_n),
+            cart_share: 1e-3 * truth.cart_mm / f64::from(bounds.amplitude_m),
+            is_limited: truth.is_limited,
+        }
+    }
+
+    /// Whether a limit was passed, and whether the controller had seen it.
+    fn mark(&self) -> &'static str {
+        let passed = self.force_share.max(self.cart_share) > PASSED;
+        match (passed, self.found.is_some(), self.is_limited) {
+            (false, true, _) => "found",
+            (false, false, _) => "harmless",
+            (true, true, _) => "passed, found",
+            (true, false, true) => "passed, limited",
+            (true, false, false) => "PASSED UNSEEN",
+        }
+    }
+
+    fn cells(&self) -> [String; 8] {
+        let [when, what, who] = match self.found {
+            Some((s, what, who)) => [format!("{s:.1}"), what.into(), format!("{who:?}")],
+            None => ["–", "–", "–"].map(String::from),
+        };
+        [
+            format!("{}: {}", self.sensor, self.lie),
+            format!("{}", self.from_s),
+            when,
+            what,
+            who.to_lowercase(),
+            format!("{:.0} %", 100.0 * self.force_share),
+            format!("{:.0} %", 100.0 * self.cart_share),
+            self.mark().into(),
+        ]
+    }
+}
+
+const HEAD: [&str; 8] = [
+    "lie",
+    "from, s",
+    "found after, s",
+    "fault",
+    "sensor named",
+    "force of its limit",
+    "cart of its limit",
+    "mark",
+];
+
 fn main() {
-    let mut lies: Vec<Vec<(&str, f64)>> = vec![vec![]];
-    let gains = [-1.0, 0.0, 0.4, 0.5, 0.64, 0.8, 0.9, 1.1, 1.25, 1.6];
-    for sensor in ["force", "hammer", "cart"] {
-        lies.extend(gains.map(|times| vec![(sensor, times)]));
+    let mut arguments = std::env::args().skip(1);
+    let (mut rig, mut limits, mut csv) = ("wires".to_string(), String::new(), None);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--csv" => csv = Some(arguments.next().expect("--csv FILE")),
+            "--limits" => {
+                let both = arguments.next().expect("--limits FORCE_N,CART_MM");
+                let (n, mm) = both.split_once(',').expect("--limits FORCE_N,CART_MM");
+                limits = format!("[limits]\nforce_n = {n}\namplitude_mm = {mm}\n");
+            }
+            name => rig = name.to_string(),
+        }
     }
-    for (a, b) in [("force", "hammer"), ("force", "cart"), ("hammer", "cart")] {
-        lies.extend([0.5, 0.7, 0.8, 1.25, 1.5, -1.0].map(|times| vec![(a, times), (b, times)]));
-    }
-    lies.extend([0.5, 0.7, 0.8, 1.25].map(|g| vec![("force", g), ("hammer", g), ("cart", g)]));
-    let rig = std::env::args().nth(1).unwrap_or_else(|| "wires".into());
-    println!(
-        "| sensors | told from, s | found after, s | fault, sensor | true force, N | cart, mm |"
-    );
-    println!("|---|---|---|---|---|---|");
-    let cases: Vec<_> = lies
+    let all: Vec<Lie> = ["force", "hammer", "cart"]
+        .into_iter()
+        .flat_map(lies)
+        .collect();
+    let cases: Vec<_> = all
         .iter()
-        .flat_map(|lie| [0.1, 45.0].map(|at_s| (lie, at_s)))
+        .flat_map(|lie| LIES_FROM_S.map(|from_s| (lie, from_s)))
         .collect();
     let rows: Vec<_> = cases
         .par_iter()
-        .map(|(lie, at_s)| {
-            let scenario = parse("lie", &told(&rig, lie, *at_s), "lie").unwrap();
-            let mut truth = Truth::default();
-            let mut control = Local::new(&scenario.settings).unwrap();
-            run(&scenario, &mut control, &mut truth).unwrap();
-            let who: Vec<_> = lie.iter().map(|(s, t)| format!("{s} {t}")).collect();
-            let (when, what) = truth.fault.map_or(("–".into(), "–".into()), |(f, o, t)| {
-                (
-                    format!("{:.1}", t - at_s.max(0.5)),
-                    format!("{}, {o:?}", f.name()),
-                )
-            });
-            format!(
-                "| {} | {at_s} | {when} | {what} | {:.0} | {:.2} |",
-                who.join(", "),
-                truth.force_n,
-                truth.cart_mm
-            )
-        })
+        .map(|(lie, from_s)| Row::of(lie, *from_s, &rig, &limits).cells())
         .collect();
-    for row in rows {
-        println!("{row}");
+    println!("| {} |\n|{}", HEAD.join(" | "), "---|".repeat(HEAD.len()));
+    let mut lines = HEAD.join(";") + "\n";
+    for row in &rows {
+        println!("| {} |", row.join(" | "));
+        writeln!(lines, "{}", row.join(";")).expect("text");
+    }
+    if let Some(path) = csv {
+        std::fs::write(&path, lines).expect("the CSV file can be written");
     }
 }

@@ -127,6 +127,14 @@ impl Controller {
         };
         seeking.strobe(strobe.contacts);
         self.seek(strobe, arrived);
+        if self.life.is_in(State::Hold) {
+            let (target_hz, _) = self.forecast.target_point();
+            let hz = self.oscillator.frequency_hz();
+            if let Some(trip) = self.plausibility.held(strobe, hz, target_hz) {
+                self.trip(trip);
+                return;
+            }
+        }
         self.make_the_force(strobe);
         if let Some(rig) = self.rig.strobe() {
             let (natural_hz, gap_m) = (rig.natural_frequency_hz() as f32, rig.gap_m as f32);

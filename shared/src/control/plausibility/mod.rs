@@ -9,6 +9,7 @@
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
 //! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
+//! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
 //! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
 //!
 //! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
@@ -43,6 +44,13 @@ pub const ZERO_SHARE: f32 = 0.05;
 /// Drive periods in a row beyond it that trip.
 pub const ZERO_PERIODS: u8 = 4;
 
+/// Largest distance of the frequency that is held from the forecast's target, relative.
+pub const TARGET_SHARE: f32 = 0.12;
+/// Drive periods in a row beyond it that trip: longer than it takes a changed rig to be identified and forecast.
+pub const TARGET_PERIODS: u8 = 48;
+/// The forecast is for the amplitude that was set: at one further from it, relative, nothing is judged.
+const TARGET_AMPLITUDE: f32 = 0.15;
+
 /// Pulses in a row, with the hammer away from the surface, that trip.
 pub const FAR_PULSES: u8 = 3;
 /// Distance of the hammer from the surface at a contact, m.
@@ -52,8 +60,10 @@ pub const FAR_M: f32 = 1.5e-3;
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
     gap_m: f32,
+    amplitude_m: f32,
     zero_n: f32,
     bad_zeros: u8,
+    bad_targets: u8,
     far_pulses: u8,
     bad_ratios: u8,
     momentum: Momentum,
@@ -65,8 +75,10 @@ impl Plausibility {
     pub fn new(settings: &Settings) -> Self {
         Self {
             gap_m: settings.rig.gap_m as f32,
+            amplitude_m: settings.rig.amplitude_m as f32,
             zero_n: ZERO_SHARE * settings.limits.force_n,
             bad_zeros: 0,
+            bad_targets: 0,
             far_pulses: 0,
             bad_ratios: 0,
             momentum: Momentum::new(&settings.rig),
@@ -78,6 +90,7 @@ impl Plausibility {
     pub fn restart(&mut self) {
         self.far_pulses = 0;
         self.bad_zeros = 0;
+        self.bad_targets = 0;
         self.bad_ratios = 0;
         self.momentum.restart();
         self.follow.restart();
@@ -136,6 +149,18 @@ impl Plausibility {
         let trips = run(&mut self.bad_ratios, outside, RATIO_PERIODS);
         trips.then_some(())?;
         trip(Origin::Hammer, ratio)
+    }
+
+    /// A drive period of Hold has ended at `hz`, where the newest forecast has its target at `target_hz`. The frequency
+    /// follows the phase of the contacts against the measured cart: one that settles elsewhere has followed a cart's
+    /// sensor that is late, or the rig is not the one believed.
+    pub fn held(&mut self, strobe: &Strobe, hz: f32, target_hz: f32) -> Option<Trip> {
+        let share = hz / target_hz;
+        let as_set = libm::fabsf(strobe.amplitude_m / self.amplitude_m - 1.0) <= TARGET_AMPLITUDE;
+        let off = libm::fabsf(share - 1.0) > TARGET_SHARE && as_set && target_hz > 0.0;
+        let trips = run(&mut self.bad_targets, off, TARGET_PERIODS);
+        trips.then_some(())?;
+        trip(Origin::Cart, share)
     }
 
     /// Whether the cart is under suspicion: nothing may be made good by its measured amplitude meanwhile.
@@ -300,6 +325,24 @@ mod tests {
                 plausibility.strobe(&after, 0.89e-3, 3.6, false).is_some()
             });
             assert_eq!(tripped, expected, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn a_frequency_held_far_from_the_forecast_trips() {
+        for (hz, amplitude, target_hz, expected) in [
+            (1.125, 1.0, 1.0, Some(48)),
+            (0.875, 1.0, 1.0, Some(48)),
+            (1.115, 1.0, 1.0, None),
+            (0.885, 1.0, 1.0, None),
+            (1.125, 0.86, 1.0, Some(48)),
+            (1.125, 0.84, 1.0, None),
+            (1.125, 1.0, 0.0, None),
+            (1.125, 1.0, f32::NAN, None),
+        ] {
+            let tripped =
+                trips_after(|p| p.held(&strobe(amplitude, 0.1), 3.6 * hz, 3.6 * target_hz));
+            assert_eq!(tripped, expected, "{hz} {amplitude} {target_hz}");
         }
     }
 
