@@ -46,6 +46,19 @@ impl Span {
     }
 }
 
+/// Nearer than this to a contact no drive period is cut, turns.
+const CLEAR_TURNS: f64 = 0.1;
+
+/// Turns since the last drive period was cut, at the end of a contact: near a cut, half a turn to go to the next. Else the
+/// least jitter would put two contacts into one period and none into the next.
+pub fn cut_away_from_contacts(turns: f64) -> f64 {
+    if (CLEAR_TURNS..=1.0 - CLEAR_TURNS).contains(&turns) {
+        turns
+    } else {
+        0.5
+    }
+}
+
 /// Counts and sums over a run.
 #[derive(Clone, Debug)]
 pub struct Summary {
@@ -221,6 +234,7 @@ impl Summary {
         self.last_contact_s = Some(contact.onset_s + contact.duration_s);
         self.largest_n = self.largest_n.max(contact.peak_force_n);
         self.period_n = self.period_n.max(contact.peak_force_n);
+        self.turns = cut_away_from_contacts(self.turns);
     }
 
     /// A block is done; `tick` is the next.

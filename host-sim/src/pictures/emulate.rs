@@ -4,6 +4,7 @@ use shared::control::State;
 
 use emulator::names::state_name;
 use emulator::record::{BlockRow, Contact, Event, EventKind, Observer, TickRow};
+use emulator::summary::cut_away_from_contacts;
 use plot::{Axis, Color, Figure, Item, Panel, Point, Stroke};
 
 /// Initial time between two points of a curve, s.
@@ -133,6 +134,7 @@ impl Observer for Trace {
     fn contact(&mut self, contact: &Contact) {
         // Between ticks the force is larger than at them.
         self.peak_n = self.peak_n.max(contact.peak_force_n);
+        self.period = cut_away_from_contacts(self.period);
     }
 
     fn event(&mut self, event: &Event) {
