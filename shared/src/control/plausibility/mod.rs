@@ -13,7 +13,8 @@
 //! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
 //!
 //! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
-//! wrong gain from the start on, within what `follow` allows.
+//! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
+//! believed.
 
 mod follow;
 mod momentum;
