@@ -122,7 +122,7 @@ fn sensor_frozen() {
 #[test]
 fn sensor_out_of_family() {
     // Six contacts in a row, read as less than 0.4 of themselves.
-    trips("sensor-out-of-family", Some(9 * 5500 + BLOCKS));
+    trips("sensor-out-of-family", Some(6 * 5500 + BLOCKS));
     // 0.75 of the momentum trips.
     does_not_trip(
         "sensor-out-of-family",

@@ -13,7 +13,8 @@
 //! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
 //!
 //! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
-//! wrong gain from the start on, within what `follow` allows.
+//! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
+//! believed.
 
 mod follow;
 mod momentum;
@@ -44,8 +45,9 @@ pub const ZERO_SHARE: f32 = 0.05;
 /// Drive periods in a row beyond it that trip.
 pub const ZERO_PERIODS: u8 = 4;
 
-/// Largest distance of the frequency that is held from the forecast's target, relative.
-pub const TARGET_SHARE: f32 = 0.12;
+/// Largest distance of the frequency that is held from the forecast's target, relative. A rig whose natural frequency is
+/// 10 % off and not identified yet is up to 18 % off.
+pub const TARGET_SHARE: f32 = 0.2;
 /// Drive periods in a row beyond it that trip: longer than it takes a changed rig to be identified and forecast.
 pub const TARGET_PERIODS: u8 = 48;
 /// The forecast is for the amplitude that was set: at one further from it, relative, nothing is judged.
@@ -331,14 +333,14 @@ mod tests {
     #[test]
     fn a_frequency_held_far_from_the_forecast_trips() {
         for (hz, amplitude, target_hz, expected) in [
-            (1.125, 1.0, 1.0, Some(48)),
-            (0.875, 1.0, 1.0, Some(48)),
-            (1.115, 1.0, 1.0, None),
-            (0.885, 1.0, 1.0, None),
-            (1.125, 0.86, 1.0, Some(48)),
-            (1.125, 0.84, 1.0, None),
-            (1.125, 1.0, 0.0, None),
-            (1.125, 1.0, f32::NAN, None),
+            (1.205, 1.0, 1.0, Some(48)),
+            (0.795, 1.0, 1.0, Some(48)),
+            (1.195, 1.0, 1.0, None),
+            (0.805, 1.0, 1.0, None),
+            (1.205, 0.86, 1.0, Some(48)),
+            (1.205, 0.84, 1.0, None),
+            (1.205, 1.0, 0.0, None),
+            (1.205, 1.0, f32::NAN, None),
         ] {
             let tripped =
                 trips_after(|p| p.held(&strobe(amplitude, 0.1), 3.6 * hz, 3.6 * target_hz));
