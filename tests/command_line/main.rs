@@ -29,3 +29,4 @@ mod simulate;
 mod snapshots;
 mod support;
 mod sweep;
+mod trials;
