@@ -314,7 +314,10 @@ fn version(path: &Path, pairs: &HashMap<&str, &str>) -> Result<u32, UserError> {
     let format = pairs.get("format").copied();
     let number = format.and_then(|format| format.strip_prefix(FORMAT));
     let Some(number) = number else {
-        return Err(foreign(path, "it does not say so"));
+        return Err(foreign(
+            path,
+            "it does not say so; if it was one, it is damaged: record it again",
+        ));
     };
     match number.parse() {
         Ok(version @ 1..=VERSION) => Ok(version),
