@@ -208,9 +208,16 @@ fn a_flipped_bit_anywhere_is_refused() {
     write(&path, 40);
     let whole = fs::read(&path).unwrap();
     let bad = dir.path().join("bad.parquet");
-    for at in (0..whole.len()).step_by(3) {
+    let name = whole
+        .windows(17)
+        .rposition(|w| w == b"vibro-impact run ")
+        .unwrap()
+        + 17;
+    let every_bit_of_the_version = (name..name + 1).flat_map(|at| (0..8).map(move |bit| (at, bit)));
+    let one_bit_of_every_third = (0..whole.len()).step_by(3).map(|at| (at, at % 8));
+    for (at, bit) in one_bit_of_every_third.chain(every_bit_of_the_version) {
         let mut damaged = whole.clone();
-        damaged[at] ^= 1 << (at % 8);
+        damaged[at] ^= 1 << bit;
         fs::write(&bad, &damaged).unwrap();
         let line = read_all(&bad).map(|()| at).unwrap_err().to_string();
         assert!(
