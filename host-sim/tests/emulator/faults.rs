@@ -167,8 +167,8 @@ fn no_contact() {
 #[test]
 fn regime_lost() {
     trips("regime-lost", None);
-    // 18 s without a contact, and a second until 1/1 is lost before and regained after; 20 s trip.
-    does_not_trip("regime-lost", back_after(18.5));
+    // 17 s without a contact, and two until 1/1 is regained after; 20 s trip.
+    does_not_trip("regime-lost", back_after(17.0));
 }
 
 fn two_blocks(scenario: &mut Scenario) {
