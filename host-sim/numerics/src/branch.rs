@@ -4,7 +4,7 @@ use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
 use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
-use crate::orbit::{Orbit, shoot};
+use crate::orbit::{Orbit, Section, shoot, shoot_at};
 
 /// How a stable 1/1 ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -71,19 +71,20 @@ impl Branch {
             .partition_point(|o| o.frequency_hz < frequency_hz);
         let b = &self.orbits[above.min(self.orbits.len() - 1)];
         let a = &self.orbits[above.saturating_sub(1)];
-        shoot(params, frequency_hz, between(a, b, frequency_hz))
+        shoot_at(params, frequency_hz, between(a, b, frequency_hz), 1)
     }
 }
 
 /// The section point at `frequency_hz` on the line through two orbits.
-fn between(a: &Orbit, b: &Orbit, frequency_hz: f64) -> [f64; 2] {
+fn between(a: &Orbit, b: &Orbit, frequency_hz: f64) -> Section {
     let span = b.frequency_hz - a.frequency_hz;
     let s = if span == 0.0 {
         0.0
     } else {
         (frequency_hz - a.frequency_hz) / span
     };
-    [0, 1].map(|i| a.section[i] + s * (b.section[i] - a.section[i]))
+    let (a, b) = (a.at(), b.at());
+    [0, 1, 2, 3].map(|i| a[i] + s * (b[i] - a[i]))
 }
 
 /// Stable 1/1 orbits from `seed` (not included) up or down (`direction` 1 or −1) in frequency, and how they end.
@@ -97,7 +98,7 @@ fn march_to(
     let limits = (limits_hz.0 / unit, limits_hz.1 / unit);
     let family = Family::new(params, Along::Frequency, 1).ok();
     let started = family.and_then(|family| {
-        let node = family.node_at(seed.frequency_hz / unit, seed.section)?;
+        let node = family.node_at(seed.frequency_hz / unit, seed.at())?;
         let along = node.tangent[2] * direction > 0.0;
         Some((family, if along { node } else { node.turned() }))
     });
@@ -124,7 +125,7 @@ fn march_to(
         let before = orbits.len().checked_sub(2).map_or(seed, |i| &orbits[i]);
         let last = orbits.last().unwrap_or(seed);
         let frequency_hz = last.frequency_hz - direction * EDGE_TOLERANCE * unit;
-        let inside = shoot(params, frequency_hz, between(before, last, frequency_hz))
+        let inside = shoot_at(params, frequency_hz, between(before, last, frequency_hz), 1)
             .filter(Orbit::is_stable_one_one);
         orbits.pop();
         orbits.extend(inside);

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::cart::{CartDrive, LoopParams};
 use crate::model::contact::Law;
 
 /// Standard gravity as the chapter uses it, m/s².
@@ -51,7 +52,7 @@ pub struct RigParams {
     pub support: SupportParams,
     /// Hammer mass m, kg.
     pub mass_kg: f64,
-    /// Cart mass M, kg. Prescribed motion does not use it; what the shaker must give does.
+    /// Cart mass M, kg. A prescribed cart does not use it; what the shaker must give does, and a cart that recoils.
     pub cart_mass_kg: f64,
     /// Cart amplitude A0, m.
     pub amplitude_m: f64,
@@ -59,6 +60,8 @@ pub struct RigParams {
     pub gap_m: f64,
     /// The contact law.
     pub contact: Law<f64>,
+    /// What moves the cart.
+    pub cart: CartDrive,
 }
 
 /// A parameter out of range.
@@ -105,6 +108,7 @@ const fn rig(support: SupportParams) -> RigParams {
         amplitude_m: 0.89 / 1e3,
         gap_m: 0.0,
         contact: TABLE_3_1,
+        cart: CartDrive::Prescribed,
     }
 }
 
@@ -290,8 +294,17 @@ impl RigParams {
             self.gap_m * 1e3,
             "a number from -100 to 100",
         )?;
+        if let CartDrive::Loop(held) = &self.cart {
+            check_loop(held)?;
+        }
         check_law(&self.contact)
     }
+}
+
+fn check_loop(held: &LoopParams) -> Result<(), ParamError> {
+    within("loop_hz", held.frequency_hz, &LOOP_HZ)?;
+    within("loop_damping_ratio", held.damping_ratio, &LOOP_DAMPING)?;
+    within("feed_forward", held.feed_forward, &FEED_FORWARD)
 }
 
 fn check_law(law: &Law<f64>) -> Result<(), ParamError> {
@@ -326,6 +339,9 @@ const AMPLITUDE_MM: Allowed = Allowed(1e-6, 100.0, "a positive number from 1e-6 
 const WIRE_LENGTH_MM: Allowed = Allowed(0.1, 1e5, "a positive number from 0.1 to 1e5");
 const GRAVITY: Allowed = Allowed(1e-3, 1e3, "a positive number from 0.001 to 1000");
 const NATURAL_FREQUENCY_HZ: Allowed = Allowed(1e-6, 1e4, "a positive number from 1e-6 to 1e4");
+const LOOP_HZ: Allowed = Allowed(0.1, 1e4, "a number from 0.1 to 1e4");
+const LOOP_DAMPING: Allowed = Allowed(0.0, 100.0, "a number from 0 to 100");
+const FEED_FORWARD: Allowed = Allowed(0.0, 2.0, "a number from 0 to 2");
 const CUBIC_STIFFNESS: Allowed = Allowed(0.0, 1e15, "a number from 0 to 1e15");
 const CONTACT_STIFFNESS: Allowed = Allowed(1e-3, 1e18, "a positive number from 0.001 to 1e18");
 const CONTACT_DAMPING: Allowed = Allowed(0.0, 1e12, "a number from 0 to 1e12");

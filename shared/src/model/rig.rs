@@ -255,6 +255,15 @@ impl<R: Real> Rig<R> {
         }
     }
 
+    /// What a unit of `drive` adds to [`Rig::acceleration`].
+    #[inline]
+    pub fn acceleration_per_drive(&self, at: &Kinematics<R>) -> R {
+        match self.support {
+            Support::Wires { inverse_length, .. } => inverse_length * at.cosine,
+            Support::Beams { .. } => R::ONE,
+        }
+    }
+
     /// δ̈, m/s², from q̈: the rate at which a damper's force changes.
     #[inline]
     pub fn penetration_acceleration(&self, at: &Kinematics<R>, v: R, acceleration: R) -> R {

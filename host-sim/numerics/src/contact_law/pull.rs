@@ -41,10 +41,11 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
         mode: Mode::Contact,
         approach,
         smoothed: None,
+        recoil: None,
     };
     let h = contact.duration_s / STEPS;
     let (q, v) = course.release;
-    let mut point = Point { t: 0.0, q, v };
+    let mut point = Point::on_course(0.0, q, v);
     if rig.kinematics(q, v).delta <= NOTHING_LEFT * h * approach {
         return Some(pull);
     }

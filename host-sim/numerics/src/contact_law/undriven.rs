@@ -97,7 +97,7 @@ impl<'a> Undriven<'a> {
     pub fn new(rig: &'a Rig<f64>, (q, v): (f64, f64), scale: (f64, f64), max_step: f64) -> Self {
         Self {
             rig,
-            point: Point { t: 0.0, q, v },
+            point: Point::on_course(0.0, q, v),
             mode: Mode::Flight,
             approach: v.max(0.0),
             units: (TOLERANCE * scale.0, TOLERANCE * scale.1),
@@ -119,6 +119,7 @@ impl<'a> Undriven<'a> {
             mode: self.mode,
             approach: self.approach,
             smoothed: None,
+            recoil: None,
         }
     }
 

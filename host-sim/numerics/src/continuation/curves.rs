@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::diagram::{OrbitsRequest, diagram};
-use super::family::{Node, dot, minus};
+use super::family::{Node, Place, ahead, dot, minus};
 use super::{Along, Special};
 use crate::error::Error;
 use crate::progress::{Progress, WithinStep, step};
@@ -112,8 +112,8 @@ impl Line {
         let last = self.nodes[n - 1].place;
         let before = self.nodes[n.saturating_sub(2)].place;
         let moved = minus(last, before);
-        let expected = [0, 1, 2].map(|i| last[i] + moved[i]);
-        let length = |d: [f64; 3]| dot(d, d).sqrt();
+        let expected = ahead(last, 1.0, moved);
+        let length = |d: Place| dot(d, d).sqrt();
         let off = length(minus(node.place, expected)).min(length(minus(node.place, last)));
         (off, NEAR + length(moved))
     }

@@ -4,12 +4,13 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use super::family::{Along, Family, Node, between, dot, minus};
+use super::family::{Along, Family, Node, Place, UP, between, dot, minus};
 use super::switching::doubled;
 use super::{End, Special, Until, march};
 use crate::engine::Start;
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan};
+use crate::orbit::on_course;
 use crate::progress::{Progress, check, step};
 
 /// What is searched for.
@@ -120,16 +121,19 @@ impl Curve {
             let mut guess = between(a.place, b.place, s);
             guess[2] = parameter;
             let step = minus(b.place, a.place);
-            let near = |place: [f64; 3], reach: f64| {
+            // By the hammer alone: what the cart does follows from it.
+            let near = |place: Place, reach: f64| {
                 strobes.iter().any(|x| {
-                    let off = minus(place, self.family.place(*x, parameter));
+                    let there = self.family.place(on_course(*x), parameter);
+                    let [q, v, parameter, ..] = minus(place, there);
+                    let off = [q, v, parameter, 0.0, 0.0];
                     dot(off, off).sqrt() < reach
                 })
             };
             near(guess, 0.01 + dot(step, step).sqrt())
                 && self
                     .family
-                    .correct(guess, [0.0, 0.0, 1.0])
+                    .correct(guess, UP)
                     .is_some_and(|own| near(own.place, SAME))
         })
     }
@@ -170,7 +174,7 @@ pub fn diagram(
     for found in found {
         step(progress, 1)?;
         let family = family.with_periods(found.periods);
-        let Some(seed) = family.node_at(found.parameter, found.section) else {
+        let Some(seed) = family.node_at(found.parameter, on_course(found.section)) else {
             continue;
         };
         let other = seed.orbit.impacts != found.impacts || !seed.orbit.is_stable();

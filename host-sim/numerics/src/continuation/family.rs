@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::{Matrix5, Vector5};
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
-use crate::orbit::{CLOSURE, Image, Orbit, after_periods};
+use crate::orbit::{CLOSURE, Image, Orbit, Section, after_periods, largest};
 
 /// What is varied along a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,9 +17,17 @@ pub enum Along {
     Gap(f64),
 }
 
-/// A place on a curve: coordinate over 5 A0 and rate over 5 A0 ω (as a displacement and a velocity), and the
-/// parameter. In these units the curves of a hammer that rebounds by some ten A0 are of order one in every direction.
-pub type Place = [f64; 3];
+/// A place on a curve: coordinate over 5 A0 and rate over 5 A0 ω (as a displacement and a velocity), the parameter, and
+/// deviation and rate of the cart in the same units as the hammer's (0 with a prescribed cart). In these units the curves
+/// of a hammer that rebounds by some ten A0 are of order one in every direction.
+pub type Place = [f64; 5];
+
+/// Where the parameter stands in a [`Place`], and the place of each coordinate of the section.
+const PARAMETER: usize = 2;
+const COORDINATES: [usize; 4] = [0, 1, 3, 4];
+
+/// The direction in which only the parameter grows.
+pub const UP: Place = [0.0, 0.0, 1.0, 0.0, 0.0];
 
 /// A0 (or A0 ω) per unit of [`Place`].
 const AMPLITUDES: f64 = 5.0;
@@ -46,7 +55,7 @@ pub struct Family {
     params: RigParams,
     along: Along,
     periods: u8,
-    units: [f64; 2],
+    units: Section,
 }
 
 /// An orbit on a curve.
@@ -67,7 +76,7 @@ pub struct Node {
 impl Node {
     /// Ω/ω or gap/A0.
     pub fn parameter(&self) -> f64 {
-        self.place[2]
+        self.place[PARAMETER]
     }
 
     /// The same node, followed the other way.
@@ -90,11 +99,13 @@ impl Family {
     ) -> Result<Self, shared::model::params::ParamError> {
         let rig = Rig::<f64>::new(params)?;
         let scale = AMPLITUDES * rig.coordinate_scale();
+        let metres = AMPLITUDES * params.amplitude_m;
+        let omega = TAU * params.natural_frequency_hz();
         Ok(Self {
             params: *params,
             along,
             periods,
-            units: [scale, scale * TAU * params.natural_frequency_hz()],
+            units: [scale, scale * omega, metres, metres * omega],
         })
     }
 
@@ -130,54 +141,57 @@ impl Family {
         }
     }
 
+    /// Coordinates of the section that vary: 2, or 4 with a cart that recoils.
+    fn dimensions(&self) -> usize {
+        if self.params.cart.recoils() { 4 } else { 2 }
+    }
+
     /// The section point of a place, in the rig's coordinate.
-    fn section(&self, place: &Place) -> [f64; 2] {
-        [0, 1].map(|i| place[i] * self.units[i])
+    fn section(&self, place: &Place) -> Section {
+        [0, 1, 2, 3].map(|i| place[COORDINATES[i]] * self.units[i])
     }
 
     /// The place of a section point at a value of the parameter.
-    pub fn place(&self, section: [f64; 2], parameter: f64) -> Place {
-        [
-            section[0] / self.units[0],
-            section[1] / self.units[1],
-            parameter,
-        ]
+    pub fn place(&self, section: Section, parameter: f64) -> Place {
+        let [q, v, e, w] = [0, 1, 2, 3].map(|i| section[i] / self.units[i]);
+        [q, v, parameter, e, w]
     }
 
-    /// A direction in the section plane, given in units of A0 and A0 Ω at a node, as a direction in places.
-    pub fn direction(&self, node: &Node, plane: [f64; 2]) -> Place {
+    /// A direction in the section, given in units of A0 and A0 Ω at a node, as a direction in places.
+    pub fn direction(&self, node: &Node, plane: Section) -> Place {
         let share = node.orbit.frequency_hz / self.params.natural_frequency_hz();
-        normalised([plane[0], plane[1] * share, 0.0])
+        let [q, v, e, w] = plane;
+        normalised([q, v * share, 0.0, e, w * share])
     }
 
     /// The orbit at a value of the parameter near a section point, with the curve's direction there towards larger
     /// values of the parameter.
-    pub fn node_at(&self, parameter: f64, section: [f64; 2]) -> Option<Node> {
-        self.correct(self.place(section, parameter), [0.0, 0.0, 1.0])
+    pub fn node_at(&self, parameter: f64, section: Section) -> Option<Node> {
+        self.correct(self.place(section, parameter), UP)
     }
 
     /// The orbit in the plane through `guess` normal to `direction`; its tangent points along `direction`.
     pub fn correct(&self, guess: Place, direction: Place) -> Option<Node> {
         let mut place = guess;
         for _ in 0..ITERATIONS {
-            let (params, frequency_hz) = self.at(place[2]);
+            let (params, frequency_hz) = self.at(place[PARAMETER]);
             if frequency_hz <= 0.0 {
                 return None;
             }
             let section = self.section(&place);
             let image = Image::of(&params, frequency_hz, section, self.periods)?;
             let miss = image.miss(section);
-            if !(miss[0].is_finite() && miss[1].is_finite()) {
+            if !largest(miss).is_finite() {
                 return None;
             }
             let rows = self.rows(&image, &place)?;
             let off = dot(direction, minus(place, guess));
-            let step = solve([rows[0], rows[1], direction], [-miss[0], -miss[1], -off]);
-            let closed = miss[0].abs().max(miss[1].abs());
+            let step = self.solve(&rows, &direction, miss.map(|m| -m), -off);
+            let closed = largest(miss);
             // A nearly grazing contact magnifies the grain of the map a thousandfold, and not that of the orbit.
             let at_rest = step.is_some_and(|s| dot(s, s).sqrt() < STILL);
             if closed < CLOSURE || (closed < LOOSE && at_rest) {
-                let mut tangent = normalised(cross(rows[0], rows[1]));
+                let mut tangent = self.tangent(&rows, &direction)?;
                 if dot(tangent, direction) < 0.0 {
                     tangent = tangent.map(|t| -t);
                 }
@@ -190,7 +204,7 @@ impl Family {
                 });
             }
             let step = step?;
-            for i in 0..3 {
+            for i in 0..5 {
                 place[i] += step[i];
             }
             let moved = minus(place, guess);
@@ -203,37 +217,76 @@ impl Family {
     }
 
     /// The derivatives of the miss (in units of A0 and A0 Ω) by the place.
-    fn rows(&self, image: &Image, place: &Place) -> Option<[Place; 2]> {
+    fn rows(&self, image: &Image, place: &Place) -> Option<[Place; 4]> {
         let monodromy = image.monodromy();
         let section = self.section(place);
-        let ahead = place[2] + DIFFERENCE;
+        let ahead = place[PARAMETER] + DIFFERENCE;
         let (params, frequency_hz) = self.at(ahead);
         let there = after_periods(&params, frequency_hz, section, self.periods)?;
         let miss = image.miss(section);
-        Some([0, 1].map(|i| {
+        Some([0, 1, 2, 3].map(|i| {
             let by = |j: usize| {
                 let own = if i == j { 1.0 } else { 0.0 };
-                (monodromy[i][j] - own) * self.units[j] / image.units[j]
+                (monodromy.entry(i, j) - own) * self.units[j] / image.units[j]
             };
             let moved = (there[i] - section[i]) / image.units[i];
-            [by(0), by(1), (moved - miss[i]) / DIFFERENCE]
+            [by(0), by(1), (moved - miss[i]) / DIFFERENCE, by(2), by(3)]
         }))
+    }
+
+    /// The step with which the rows give `right` and that goes `along` in `direction`.
+    fn solve(
+        &self,
+        rows: &[Place; 4],
+        direction: &Place,
+        right: Section,
+        along: f64,
+    ) -> Option<Place> {
+        if self.dimensions() == 2 {
+            let three = |row: &Place| [row[0], row[1], row[PARAMETER]];
+            let system = [three(&rows[0]), three(&rows[1]), three(direction)];
+            let [q, v, parameter] = solve3(system, [right[0], right[1], along])?;
+            return Some([q, v, parameter, 0.0, 0.0]);
+        }
+        let mut matrix = Matrix5::zeros();
+        for (i, row) in rows.iter().chain([direction]).enumerate() {
+            matrix.set_row(i, &(*row).into());
+        }
+        let [a, b, c, d] = right;
+        let step = matrix.lu().solve(&Vector5::from([a, b, c, d, along]))?;
+        step.iter().all(|x| x.is_finite()).then(|| step.into())
+    }
+
+    /// The curve's direction, of length 1: along it the rows give nothing.
+    fn tangent(&self, rows: &[Place; 4], direction: &Place) -> Option<Place> {
+        if self.dimensions() == 2 {
+            let three = |row: &Place| [row[0], row[1], row[PARAMETER]];
+            let [q, v, parameter] = cross(three(&rows[0]), three(&rows[1]));
+            return Some(normalised([q, v, parameter, 0.0, 0.0]));
+        }
+        let along = self.solve(rows, direction, [0.0; 4], 1.0)?;
+        Some(normalised(along))
     }
 }
 
 /// Scalar product.
 pub fn dot(a: Place, b: Place) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + (a[3] * b[3] + a[4] * b[4])
 }
 
 /// a − b.
 pub fn minus(a: Place, b: Place) -> Place {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    [0, 1, 2, 3, 4].map(|i| a[i] - b[i])
+}
+
+/// The place `step` from `from` along `direction`.
+pub fn ahead(from: Place, step: f64, direction: Place) -> Place {
+    [0, 1, 2, 3, 4].map(|i| from[i] + step * direction[i])
 }
 
 /// The place the fraction `s` of the way from a to b.
 pub fn between(a: Place, b: Place, s: f64) -> Place {
-    [0, 1, 2].map(|i| a[i] + s * (b[i] - a[i]))
+    [0, 1, 2, 3, 4].map(|i| a[i] + s * (b[i] - a[i]))
 }
 
 /// `a` made of length 1.
@@ -242,7 +295,7 @@ pub fn normalised(a: Place) -> Place {
     a.map(|x| x / length)
 }
 
-fn cross(a: Place, b: Place) -> Place {
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -251,10 +304,10 @@ fn cross(a: Place, b: Place) -> Place {
 }
 
 /// Solves three linear equations, given their rows, by Cramer's rule.
-fn solve(rows: [Place; 3], right: Place) -> Option<Place> {
+fn solve3(rows: [[f64; 3]; 3], right: [f64; 3]) -> Option<[f64; 3]> {
     let [a, b, c] = rows;
     let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
-    let determinant = dot(a, bc);
+    let determinant = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
     let x =
         [0, 1, 2].map(|i| (right[0] * bc[i] + right[1] * ca[i] + right[2] * ab[i]) / determinant);
     x.iter().all(|x| x.is_finite()).then_some(x)
@@ -268,10 +321,10 @@ mod tests {
     fn three_equations_are_solved() {
         let rows = [[2.0, -1.0, 0.5], [0.0, 3.0, 1.0], [1.0, 1.0, -4.0]];
         let x = [0.3, -2.0, 1.5];
-        let found = solve(rows, rows.map(|row| dot(row, x))).unwrap();
+        let found = solve3(rows, rows.map(|row: [f64; 3]| (0..3).map(|i| row[i] * x[i]).sum())).unwrap();
         for i in 0..3 {
             assert!((found[i] - x[i]).abs() < 1e-14);
         }
-        assert_eq!(solve([[1.0; 3]; 3], x), None);
+        assert_eq!(solve3([[1.0; 3]; 3], x), None);
     }
 }

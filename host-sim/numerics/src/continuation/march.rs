@@ -1,7 +1,7 @@
 //! Steps along a curve of orbits, and what ends it.
 
 use super::Special;
-use super::family::{Family, Node, Place, between, dot, minus};
+use super::family::{Family, Node, UP, ahead, between, dot, minus};
 use super::locate;
 
 /// What ends a curve.
@@ -93,7 +93,7 @@ pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> 
 
 /// The next orbit, if it is one of the same curve: as many contacts, and no sharp turn.
 fn step(family: &Family, last: &Node, stride: f64) -> Option<Node> {
-    let guess = [0, 1, 2].map(|i| last.place[i] + stride * last.tangent[i]);
+    let guess = ahead(last.place, stride, last.tangent);
     let next = family.correct(guess, last.tangent)?;
     let moved = minus(next.place, last.place);
     let near = dot(moved, moved) < 2.0 * stride * stride;
@@ -177,10 +177,9 @@ fn at_limit(
 ) -> (Vec<Node>, End) {
     let limit = if next.parameter() > high { high } else { low };
     let s = (limit - last.parameter()) / (next.parameter() - last.parameter());
-    let up: Place = [0.0, 0.0, 1.0];
     let mut guess = between(last.place, next.place, s);
     guess[2] = limit;
-    if let Some(mut end) = family.correct(guess, up) {
+    if let Some(mut end) = family.correct(guess, UP) {
         if dot(end.tangent, last.tangent) < 0.0 {
             end = end.turned();
         }

@@ -1,6 +1,7 @@
 //! From one curve to another: onto the doubled orbits at a period doubling, and to the other side of a graze.
 
-use super::family::{Family, Node, dot, minus};
+use super::family::{Family, Node, ahead, dot, minus};
+use crate::orbit::on_course;
 
 /// Lengths of the first step onto another curve that are tried, in units of [`super::family::Place`].
 const FIRST_STEPS: [f64; 6] = [1e-2, 5e-3, 2e-3, 5e-4, 1e-4, 2e-5];
@@ -11,22 +12,13 @@ const FIRST_STEPS: [f64; 6] = [1e-2, 5e-3, 2e-3, 5e-4, 1e-4, 2e-5];
 /// leave. `None` if none with twice as many contacts is found.
 pub fn doubled(family: &Family, node: &Node) -> Option<(Family, Node)> {
     let twice = family.with_periods(2 * family.periods());
-    let [[a, b], [c, d]] = node.orbit.monodromy;
-    let (first, second) = ([-b, 1.0 + a], [1.0 + d, -c]);
-    let size = |e: [f64; 2]| e[0].hypot(e[1]);
-    let e = if size(first) > size(second) {
-        first
-    } else {
-        second
-    };
-    let direction = family.direction(node, e);
+    let direction = family.direction(node, node.orbit.monodromy.turned());
     let found = FIRST_STEPS.into_iter().find_map(|step| {
-        let guess = [0, 1, 2].map(|i| node.place[i] + step * direction[i]);
-        let start = twice.correct(guess, direction)?;
+        let start = twice.correct(ahead(node.place, step, direction), direction)?;
         let moved = minus(start.place, node.place);
         let near = dot(moved, moved) < 9.0 * step * step;
         // The halves of a true doubled orbit lie on either side of the one that doubled.
-        let apart = family.place(start.orbit.asymmetry(2, [1.0; 2]), 0.0);
+        let apart = family.place(on_course(start.orbit.asymmetry(2, [1.0; 2])), 0.0);
         let doubled = dot(apart, apart).sqrt() > 0.5 * step;
         let contacts = start.orbit.impacts == 2 * node.orbit.impacts;
         (near && doubled && contacts).then_some(start)

@@ -1,5 +1,6 @@
 //! Periodic orbits by shooting on the section at drive phase 0, with their monodromy multipliers.
 
+mod monodromy;
 mod watch;
 
 use shared::model::params::RigParams;
@@ -7,7 +8,17 @@ use shared::model::rig::Rig;
 
 use crate::dual::Dual;
 use crate::reference::{Contact, Reference};
+pub use monodromy::{Monodromy, Multipliers};
 pub use watch::Watch;
+
+/// A point of the section: coordinate and rate of the hammer, deviation of the cart from its course (m) and its rate (m/s).
+/// The last two are 0 with a prescribed cart.
+pub type Section = [f64; 4];
+
+/// The section point of a hammer at coordinate and rate `hammer` in a cart that is on its course.
+pub fn on_course(hammer: [f64; 2]) -> Section {
+    [hammer[0], hammer[1], 0.0, 0.0]
+}
 
 /// A fixed point of the section's return map taken `periods` times: an orbit that repeats after as many drive periods.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,10 +29,12 @@ pub struct Orbit {
     pub periods: u8,
     /// Coordinate and rate on the section, in the rig's coordinate ([`shared::model::rig`]).
     pub section: [f64; 2],
+    /// Deviation of the cart from its course there, m, and its rate, m/s: 0 with a prescribed cart.
+    pub cart: [f64; 2],
     /// Every point on the section, `section` first: one for each drive period.
     pub strobes: Vec<[f64; 2]>,
-    /// Monodromy matrix over all periods in units of A0 and A0 Ω, row by row.
-    pub monodromy: [[f64; 2]; 2],
+    /// Monodromy matrix over all periods.
+    pub monodromy: Monodromy,
     /// Onsets in all periods.
     pub impacts: u16,
     /// Largest contact force, N.
@@ -36,60 +49,25 @@ pub struct Orbit {
     pub energy_per_period_j: f64,
 }
 
-/// The two multipliers of an orbit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Multipliers {
-    /// Two real ones, the smaller first.
-    Real(f64, f64),
-    /// A complex pair of this modulus.
-    Complex(f64),
-}
-
-impl Multipliers {
-    /// Largest modulus: below 1 the orbit is stable.
-    pub fn modulus(self) -> f64 {
-        match self {
-            Self::Real(a, b) => a.abs().max(b.abs()),
-            Self::Complex(modulus) => modulus,
-        }
-    }
-
-    /// The smallest real multiplier, if real: −1 is a period doubling.
-    pub fn smallest_real(self) -> Option<f64> {
-        match self {
-            Self::Real(a, _) => Some(a),
-            Self::Complex(_) => None,
-        }
-    }
-}
-
 impl Orbit {
-    /// Eigenvalues of the monodromy matrix.
+    /// The two leading eigenvalues of the monodromy matrix.
     pub fn multipliers(&self) -> Multipliers {
-        let [[a, b], [c, d]] = self.monodromy;
-        let (mean, det) = (0.5 * (a + d), a * d - b * c);
-        let discriminant = 0.25 * (a - d).powi(2) + b * c;
-        if discriminant >= 0.0 {
-            // The larger root directly, the other from the determinant: no cancellation.
-            let big = mean + discriminant.sqrt().copysign(mean);
-            let small = if big == 0.0 { 0.0 } else { det / big };
-            Multipliers::Real(big.min(small), big.max(small))
-        } else {
-            Multipliers::Complex(det.sqrt())
-        }
+        self.monodromy.multipliers()
     }
 
     /// The same as real and imaginary parts.
     pub fn eigenvalues(&self) -> [(f64, f64); 2] {
-        let [[a, _], [_, d]] = self.monodromy;
-        match self.multipliers() {
-            Multipliers::Real(small, big) => [(small, 0.0), (big, 0.0)],
-            Multipliers::Complex(modulus) => {
-                let re = 0.5 * (a + d);
-                let im = (modulus * modulus - re * re).max(0.0).sqrt();
-                [(re, im), (re, -im)]
-            }
-        }
+        self.monodromy.leading()
+    }
+
+    /// Where it is on the section: the hammer and the cart.
+    pub fn at(&self) -> Section {
+        [
+            self.section[0],
+            self.section[1],
+            self.cart[0],
+            self.cart[1],
+        ]
     }
 
     /// Whether this is a stable z = 1/1.
@@ -104,14 +82,12 @@ impl Orbit {
 
     /// det(I + M): passes 0 where a multiplier passes −1, a period doubling.
     pub fn doubling_test(&self) -> f64 {
-        let [[a, b], [c, d]] = self.monodromy;
-        1.0 + (a + d) + (a * d - b * c)
+        self.monodromy.doubling_test()
     }
 
     /// det(I − M): passes 0 where a multiplier passes +1, a fold.
     pub fn fold_test(&self) -> f64 {
-        let [[a, b], [c, d]] = self.monodromy;
-        1.0 - (a + d) + (a * d - b * c)
+        self.monodromy.fold_test()
     }
 
     /// The smallest approach speed of its contacts, m/s: 0 where one of them grazes.
@@ -140,8 +116,8 @@ const ITERATIONS: usize = 15;
 /// A fixed point is found when the return map moves it by less than this share of A0 and A0 Ω.
 pub(crate) const CLOSURE: f64 = 1e-10;
 
-/// Finds the period-one orbit near `guess` (coordinate and rate on the section) by Newton's iteration on
-/// the return map, whose derivative the dual-number integration gives exactly.
+/// Finds the period-one orbit near `guess` (coordinate and rate on the section, the cart on its course) by Newton's
+/// iteration on the return map, whose derivative the dual-number integration gives exactly.
 ///
 /// `None` if Newton's iteration does not settle, or leaves the hammer without contact.
 pub fn shoot(params: &RigParams, frequency_hz: f64, guess: [f64; 2]) -> Option<Orbit> {
@@ -156,38 +132,56 @@ pub fn shoot_periods(
     guess: [f64; 2],
     periods: u8,
 ) -> Option<Orbit> {
+    shoot_at(params, frequency_hz, on_course(guess), periods)
+}
+
+/// The same from a guess of the cart's deviation as well.
+pub fn shoot_at(
+    params: &RigParams,
+    frequency_hz: f64,
+    guess: Section,
+    periods: u8,
+) -> Option<Orbit> {
     let mut x = guess;
     for _ in 0..ITERATIONS {
         let image = Image::of(params, frequency_hz, x, periods)?;
         let miss = image.miss(x);
-        if miss[0].abs().max(miss[1].abs()) < CLOSURE {
+        if largest(miss) < CLOSURE {
             return image.orbit(frequency_hz, x);
         }
         // (I − M) step = miss.
-        let [[a, b], [c, d]] = image.monodromy();
-        let (a, b, c, d) = (1.0 - a, -b, -c, 1.0 - d);
-        let det = a * d - b * c;
-        let step = [
-            (d * miss[0] - b * miss[1]) / det,
-            (a * miss[1] - c * miss[0]) / det,
-        ];
-        let length = step[0].abs().max(step[1].abs());
+        let step = image.monodromy().newton_step(miss);
+        let length = largest(step);
         if !length.is_finite() {
             return None;
         }
         // A step of several amplitudes leads out of where the linearisation holds.
         let damping = (3.0 / length).min(1.0);
-        x[0] += damping * step[0] * image.units[0];
-        x[1] += damping * step[1] * image.units[1];
+        for i in 0..4 {
+            x[i] += damping * step[i] * image.units[i];
+        }
     }
     None
 }
 
+/// The largest magnitude; NaN if a number is none.
+pub(crate) fn largest(x: Section) -> f64 {
+    let mut largest = 0.0_f64;
+    for x in x {
+        if x.is_nan() {
+            return x;
+        }
+        largest = largest.max(x.abs());
+    }
+    largest
+}
+
 /// The return map of some periods with its derivative, and what happened on the way.
 pub(crate) struct Image {
-    end: [Dual<2>; 2],
-    /// A0 and A0 Ω in the rig's coordinate.
-    pub(crate) units: [f64; 2],
+    end: Section,
+    monodromy: Monodromy,
+    /// A0 and A0 Ω in the rig's coordinate, and in m and m/s.
+    pub(crate) units: Section,
     onsets: u16,
     period_forces_n: Vec<f64>,
     strobes: Vec<[f64; 2]>,
@@ -201,16 +195,40 @@ impl Image {
     pub(crate) fn of(
         params: &RigParams,
         frequency_hz: f64,
-        x: [f64; 2],
+        x: Section,
         periods: u8,
     ) -> Option<Self> {
-        let (q, v) = (Dual::variable(x[0], 0), Dual::variable(x[1], 1));
-        let mut hammer = Reference::<Dual<2>>::new(params, frequency_hz, q, v).ok()?;
+        if params.cart.recoils() {
+            Self::along::<4>(params, frequency_hz, x, periods)
+        } else {
+            Self::along::<2>(params, frequency_hz, x, periods)
+        }
+    }
+
+    /// The same, with derivatives along the first `N` directions of the section.
+    fn along<const N: usize>(
+        params: &RigParams,
+        frequency_hz: f64,
+        x: Section,
+        periods: u8,
+    ) -> Option<Self> {
+        let start = [0, 1, 2, 3].map(|i| {
+            if i < N {
+                Dual::<N>::variable(x[i], i)
+            } else {
+                Dual::constant(x[i])
+            }
+        });
+        let mut hammer = Reference::new(params, frequency_hz, start[0], start[1])
+            .ok()?
+            .with_cart([start[2], start[3]]);
         let scale = hammer.rig().coordinate_scale();
-        let units = [scale, scale * std::f64::consts::TAU * frequency_hz];
+        let omega = std::f64::consts::TAU * frequency_hz;
+        let amplitude = hammer.rig().amplitude();
+        let units = [scale, scale * omega, amplitude, amplitude * omega];
         let mut seen = Watch::default();
         let (mut onsets, mut period_forces_n) = (0_u16, Vec::new());
-        let mut strobes = vec![x];
+        let mut strobes = vec![[x[0], x[1]]];
         for _ in 0..periods {
             let (q, v) = hammer.state();
             if !plausible(hammer.rig(), [q.re, v.re], units) {
@@ -224,8 +242,10 @@ impl Image {
         }
         strobes.pop();
         let (q, v) = hammer.state();
+        let cart = hammer.cart();
+        let end = [q, v, cart[0], cart[1]];
         let energy_j = hammer.totals().inertial_work;
-        if in_contact(hammer.rig(), x) && !seen.contacts.is_empty() {
+        if in_contact(hammer.rig(), [x[0], x[1]]) && !seen.contacts.is_empty() {
             // The first contact began before the start. Seen whole, it is the one under way at the end.
             seen.contacts.remove(0);
             let end_s = f64::from(periods) * hammer.period_s();
@@ -234,8 +254,15 @@ impl Image {
             seen.contacts
                 .extend(after.into_iter().filter(|c: &Contact| c.onset_s < end_s));
         }
+        let mut derivative = [[0.0; 4]; 4];
+        for i in 0..N {
+            for j in 0..N {
+                derivative[i][j] = end[i].eps[j] * units[j] / units[i];
+            }
+        }
         Some(Self {
-            end: [q, v],
+            end: end.map(|x| x.re),
+            monodromy: Monodromy::new(N, derivative),
             units,
             onsets,
             period_forces_n,
@@ -246,28 +273,27 @@ impl Image {
     }
 
     /// How far the image is from `x`, in units of A0 and A0 Ω.
-    pub(crate) fn miss(&self, x: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|i| (self.end[i].re - x[i]) / self.units[i])
+    pub(crate) fn miss(&self, x: Section) -> Section {
+        [0, 1, 2, 3].map(|i| (self.end[i] - x[i]) / self.units[i])
     }
 
     /// The derivative in units of A0 and A0 Ω.
-    pub(crate) fn monodromy(&self) -> [[f64; 2]; 2] {
-        let m = |i: usize, j: usize| self.end[i].eps[j] * self.units[j] / self.units[i];
-        [[m(0, 0), m(0, 1)], [m(1, 0), m(1, 1)]]
+    pub(crate) fn monodromy(&self) -> &Monodromy {
+        &self.monodromy
     }
 
     /// The orbit, if `x` is a fixed point. `None` without contact.
-    pub(crate) fn orbit(self, frequency_hz: f64, x: [f64; 2]) -> Option<Orbit> {
-        let monodromy = self.monodromy();
+    pub(crate) fn orbit(self, frequency_hz: f64, x: Section) -> Option<Orbit> {
         let contacts = self.seen.contacts.iter().copied();
         let strongest = contacts.max_by(|a, b| a.peak_force_n.total_cmp(&b.peak_force_n))?;
         let periods = self.strobes.len() as u8;
         Some(Orbit {
             frequency_hz,
             periods,
-            section: x,
+            section: [x[0], x[1]],
+            cart: [x[2], x[3]],
             strobes: self.strobes,
-            monodromy,
+            monodromy: self.monodromy,
             impacts: self.onsets,
             force_n: self.period_forces_n.iter().copied().fold(0.0, f64::max),
             period_forces_n: self.period_forces_n,
@@ -282,15 +308,19 @@ impl Image {
 pub(crate) fn after_periods(
     params: &RigParams,
     frequency_hz: f64,
-    x: [f64; 2],
+    x: Section,
     periods: u8,
-) -> Option<[f64; 2]> {
-    let mut hammer = Reference::<f64>::new(params, frequency_hz, x[0], x[1]).ok()?;
+) -> Option<Section> {
+    let mut hammer = Reference::<f64>::new(params, frequency_hz, x[0], x[1])
+        .ok()?
+        .with_cart([x[2], x[3]]);
     for _ in 0..periods {
         hammer.run_period(&mut ());
     }
     let (q, v) = hammer.state();
-    (q.is_finite() && v.is_finite()).then_some([q, v])
+    let [e, w] = hammer.cart();
+    let end = [q, v, e, w];
+    end.iter().all(|x| x.is_finite()).then_some(end)
 }
 
 fn in_contact(rig: &Rig<f64>, x: [f64; 2]) -> bool {
@@ -300,7 +330,7 @@ fn in_contact(rig: &Rig<f64>, x: [f64; 2]) -> bool {
 
 /// Whether a section point can belong to an orbit: not deep inside the surface, nor far out. Newton's
 /// iteration may propose others, and following them would be long and senseless.
-fn plausible(rig: &Rig<f64>, x: [f64; 2], units: [f64; 2]) -> bool {
+fn plausible(rig: &Rig<f64>, x: [f64; 2], units: Section) -> bool {
     const FAR: f64 = 60.0;
     const DEEP: f64 = 0.2;
     let penetration = rig.kinematics(x[0], x[1]).delta;

@@ -7,7 +7,7 @@ use shared::model::params::RigParams;
 use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::golden::maximum;
-use crate::orbit::{Orbit, shoot};
+use crate::orbit::{Orbit, shoot_at};
 
 /// Frequencies are found to this share of themselves.
 pub const FREQUENCY_TOLERANCE: f64 = 1e-7;
@@ -21,17 +21,17 @@ pub fn follow_member(
     frequency_hz: f64,
 ) -> Option<Orbit> {
     let full = member.apply(nominal, 1.0);
-    let direct = shoot(&full, frequency_hz, orbit.section);
+    let direct = shoot_at(&full, frequency_hz, orbit.at(), 1);
     if let Some(found) = direct.filter(Orbit::is_stable_one_one) {
         return Some(found);
     }
     const STEPS: u32 = 8;
-    let mut section = orbit.section;
+    let mut section = orbit.at();
     let mut found = None;
     for step in 1..=STEPS {
         let rig = member.apply(nominal, f64::from(step) / f64::from(STEPS));
-        let next = shoot(&rig, frequency_hz, section)?;
-        section = next.section;
+        let next = shoot_at(&rig, frequency_hz, section, 1)?;
+        section = next.at();
         found = Some(next);
     }
     found
@@ -198,6 +198,7 @@ pub fn interval_where(
 mod tests {
     use super::*;
     use crate::branch::one_one_branches;
+    use crate::orbit::shoot;
     use crate::pick::uncertainty::Uncertainty;
     use shared::model::params::WIRES;
 

@@ -1,6 +1,7 @@
 //! The smooth flow on one side of the switch: adaptive steps of Dormand–Prince 8(5,3).
 
 use shared::Real;
+use shared::model::cart::Cart;
 use shared::model::rig::{Kinematics, Mode, Rig};
 use shared::model::step::Smoothed;
 
@@ -78,6 +79,20 @@ pub struct Point<R> {
     pub q: R,
     /// Its rate.
     pub v: R,
+    /// Deviation of the cart from its course (m) and its rate (m/s): 0 where the cart is prescribed.
+    pub cart: [R; 2],
+}
+
+impl<R: Scalar> Point<R> {
+    /// At coordinate `q` and rate `v`, `t` s after phase 0, with the cart on its course.
+    pub fn on_course(t: R, q: R, v: R) -> Self {
+        Self {
+            t,
+            q,
+            v,
+            cart: [R::ZERO; 2],
+        }
+    }
 }
 
 /// What the flow is under: rig, drive, side of the switch.
@@ -95,6 +110,20 @@ pub struct Field<'a, R> {
     pub approach: R,
     /// Arctangents in place of the switch; then the side counts for nothing.
     pub smoothed: Option<Smoothed<R>>,
+    /// A cart that recoils, and by what the errors of its deviation and rate are weighed.
+    pub recoil: Option<(&'a Cart<R>, (f64, f64))>,
+}
+
+/// Rates at a point, and what acts there.
+struct Rates<R> {
+    /// q̈.
+    acceleration: R,
+    /// ë of the cart, m/s².
+    deviation: R,
+    /// Contact force, N.
+    force: R,
+    /// Inertial acceleration of the hammer, m/s².
+    drive: R,
 }
 
 /// A step taken.
@@ -128,16 +157,38 @@ impl<R: Scalar> Field<'_, R> {
     /// Acceleration and contact force at a point.
     #[inline]
     pub fn acceleration(&self, p: &Point<R>) -> (R, R) {
-        let at = self.rig.kinematics(p.q, p.v);
-        let force = self.force(&at);
-        let drive = self.drive(p.t);
-        (self.rig.acceleration(&at, p.v, drive, force), force)
+        let rates = self.rates(p, &self.rig.kinematics(p.q, p.v));
+        (rates.acceleration, rates.force)
+    }
+
+    #[inline]
+    fn rates(&self, p: &Point<R>, at: &Kinematics<R>) -> Rates<R> {
+        let force = self.force(at);
+        let course = self.drive(p.t);
+        match self.recoil {
+            None => Rates {
+                acceleration: self.rig.acceleration(at, p.v, course, force),
+                deviation: R::ZERO,
+                force,
+                drive: course,
+            },
+            Some((cart, _)) => {
+                let both = cart.both(self.rig, at, p.v, force, course, p.cart);
+                Rates {
+                    acceleration: both.acceleration,
+                    deviation: both.deviation,
+                    force,
+                    drive: both.drive,
+                }
+            }
+        }
     }
 
     /// One step of length `h` from `from`; errors are weighed by `tolerance` times the scales of
     /// coordinate and rate.
     pub fn step(&self, from: &Point<R>, h: R, (q_unit, v_unit): (f64, f64)) -> Step<R> {
         let mut rates = [(R::ZERO, R::ZERO); STAGES];
+        let mut cart_rates = [[R::ZERO; 2]; STAGES];
         let mut powers = [Totals::default(); STAGES];
         for stage in 0..STAGES {
             let (mut dq, mut dv) = (R::ZERO, R::ZERO);
@@ -150,15 +201,16 @@ impl<R: Scalar> Field<'_, R> {
                 t: from.t + h * R::from_f64(C[stage]),
                 q: from.q + h * dq,
                 v: from.v + h * dv,
+                cart: self.cart_after(from, h, &cart_rates, A[stage]),
             };
             let at = self.rig.kinematics(p.q, p.v);
-            let force = self.force(&at);
-            let drive = self.drive(p.t);
-            rates[stage] = (p.v, self.rig.acceleration(&at, p.v, drive, force));
+            let now = self.rates(&p, &at);
+            rates[stage] = (p.v, now.acceleration);
+            cart_rates[stage] = [p.cart[1], now.deviation];
             powers[stage] = Totals {
-                impulse: force.to_f64(),
-                contact_work: self.rig.contact_power(&at, p.v, force).to_f64(),
-                inertial_work: self.rig.inertial_power(&at, drive).to_f64(),
+                impulse: now.force.to_f64(),
+                contact_work: self.rig.contact_power(&at, p.v, now.force).to_f64(),
+                inertial_work: self.rig.inertial_power(&at, now.drive).to_f64(),
                 damping_work: self.rig.damping_power(p.v).to_f64(),
             };
         }
@@ -183,17 +235,48 @@ impl<R: Scalar> Field<'_, R> {
                 q += w * rates[i].0.to_f64();
                 v += w * rates[i].1.to_f64();
             }
-            (q / q_unit).hypot(v / v_unit) * length.abs()
+            let hammer = (q / q_unit).hypot(v / v_unit);
+            let Some((_, units)) = self.recoil else {
+                return hammer * length.abs();
+            };
+            let (mut e, mut w) = (0.0, 0.0);
+            for &(i, weight) in weights {
+                e += weight * cart_rates[i][0].to_f64();
+                w += weight * cart_rates[i][1].to_f64();
+            }
+            hammer.hypot((e / units.0).hypot(w / units.1)) * length.abs()
         };
         Step {
             end: Point {
                 t: from.t + h,
                 q: from.q + h * dq,
                 v: from.v + h * dv,
+                cart: self.cart_after(from, h, &cart_rates, B),
             },
             error: error(estimate(E5), estimate(E3)),
             totals,
         }
+    }
+
+    /// The cart's deviation and rate after `h` at the weighted rates.
+    #[inline]
+    fn cart_after(
+        &self,
+        from: &Point<R>,
+        h: R,
+        rates: &[[R; 2]; STAGES],
+        weights: &[(usize, f64)],
+    ) -> [R; 2] {
+        if self.recoil.is_none() {
+            return from.cart;
+        }
+        let mut moved = [R::ZERO; 2];
+        for &(i, weight) in weights {
+            let weight = R::from_f64(weight);
+            moved[0] += rates[i][0] * weight;
+            moved[1] += rates[i][1] * weight;
+        }
+        [from.cart[0] + h * moved[0], from.cart[1] + h * moved[1]]
     }
 
     /// The indicator at a point.

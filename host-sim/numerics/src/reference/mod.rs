@@ -14,6 +14,7 @@ pub mod tableau;
 
 use std::f64::consts::TAU;
 
+use shared::model::cart::Cart;
 use shared::model::contacts::{Period, SUSTAINED_CONTACT_S};
 use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Mode, Rig};
@@ -118,12 +119,14 @@ impl Observer for Vec<Contact> {
     }
 }
 
-/// A hammer under prescribed cart motion, integrated from drive phase 0 to drive phase 0.
+/// A hammer in its cart, integrated from drive phase 0 to drive phase 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference<R> {
     rig: Rig<R>,
     /// The same rig in f64, for observers.
     plain: Rig<f64>,
+    /// A cart that recoils.
+    cart: Option<Cart<R>>,
     omega: f64,
     period_s: f64,
     units: (f64, f64),
@@ -171,11 +174,12 @@ impl<R: Scalar> Reference<R> {
         let mut hammer = Self {
             rig,
             plain,
+            cart: Cart::of(params),
             omega,
             period_s: 1.0 / frequency_hz,
             units: (unit, unit * omega),
             max_step: 1.0 / (STEPS_PER_PERIOD * fastest),
-            point: Point { t: R::ZERO, q, v },
+            point: Point::on_course(R::ZERO, q, v),
             mode: Mode::Flight,
             approach,
             cycle: 0,
@@ -203,6 +207,15 @@ impl<R: Scalar> Reference<R> {
         self
     }
 
+    /// The same state with the cart `deviation` (m, m/s) off its course; one that is prescribed keeps to it.
+    #[must_use]
+    pub fn with_cart(mut self, deviation: [R; 2]) -> Self {
+        if self.cart.is_some() {
+            self.point.cart = deviation;
+        }
+        self
+    }
+
     /// The rig in f64.
     pub fn rig(&self) -> &Rig<f64> {
         &self.plain
@@ -211,6 +224,11 @@ impl<R: Scalar> Reference<R> {
     /// Coordinate and rate now.
     pub fn state(&self) -> (R, R) {
         (self.point.q, self.point.v)
+    }
+
+    /// Deviation of the cart from its course (m) and its rate (m/s) now.
+    pub fn cart(&self) -> [R; 2] {
+        self.point.cart
     }
 
     /// Drive period, s.
@@ -243,6 +261,10 @@ impl<R: Scalar> Reference<R> {
             mode: self.mode,
             approach: self.approach,
             smoothed: None,
+            recoil: self.cart.as_ref().map(|cart| {
+                let unit = TOLERANCE * amplitude;
+                (cart, (unit, unit * self.omega))
+            }),
         }
     }
 
@@ -251,6 +273,7 @@ impl<R: Scalar> Reference<R> {
     pub fn redirect(&mut self, f: impl Fn(R) -> R) {
         self.point.q = f(self.point.q);
         self.point.v = f(self.point.v);
+        self.point.cart = self.point.cart.map(&f);
         self.approach = f(self.approach);
     }
 
@@ -306,6 +329,7 @@ impl<R: Scalar> Reference<R> {
             t: R::ZERO,
             q: nowhere,
             v: nowhere,
+            cart: [nowhere; 2],
         };
         period
     }
@@ -397,5 +421,6 @@ fn real<R: Scalar>(p: &Point<R>) -> Point<f64> {
         t: p.t.to_f64(),
         q: p.q.to_f64(),
         v: p.v.to_f64(),
+        cart: p.cart.map(R::to_f64),
     }
 }

@@ -65,7 +65,7 @@ impl<R: Scalar> SmoothedReference<R> {
             period_s: 1.0 / frequency_hz,
             units: (unit, unit * omega),
             max_step: 1.0 / (STEPS_PER_PERIOD * fastest),
-            point: Point { t: R::ZERO, q, v },
+            point: Point::on_course(R::ZERO, q, v),
             next_step: FIRST_STEP_S,
             steps: 0,
         })
@@ -84,6 +84,7 @@ impl<R: Scalar> SmoothedReference<R> {
                 mode: Mode::Flight,
                 approach: R::ZERO,
                 smoothed: Some(self.smoothed),
+                recoil: None,
             };
             let step = field.step(&self.point, R::from_f64(h), self.units);
             self.steps += 1;

@@ -141,11 +141,7 @@ fn out_of_reach<R: Scalar>(field: &Field<R>, from: &Point<R>, h: f64, end: &Poin
 }
 
 fn indicator_of<R: Scalar>(field: &Field<R>, t: f64, q: f64, v: f64) -> f64 {
-    let point = Point {
-        t: R::from_f64(t),
-        q: R::from_f64(q),
-        v: R::from_f64(v),
-    };
+    let point = Point::on_course(R::from_f64(t), R::from_f64(q), R::from_f64(v));
     field.indicator(&point).to_f64()
 }
 
