@@ -192,10 +192,7 @@ mod tests {
     #[test]
     fn tiles_of_another_version_are_refused_in_one_clear_line() {
         let request = MapRequest {
-            rig: NamedRig {
-                name: "wires".into(),
-                params: WIRES,
-            },
+            rig: NamedRig::new("wires", WIRES),
             grid: Grid {
                 gaps_mm: vec![0.0, 1.0],
                 frequencies_hz: vec![3.0, 4.0],

@@ -62,6 +62,7 @@ fn line(error: &Error) -> String {
         Error::SmoothingWidth(width_m) => {
             format!("the smoothing's width is {width_m} m, must be a positive number")
         }
+        Error::Recoil(what) => format!("{what} moves the cart as prescribed only; use --cart prescribed"),
         Error::SmoothingLaw => "the smoothing method has no onset, which the Lankarani-Nikravesh law needs; choose another law".to_owned(),
         Error::Map(error) => map(error),
         Error::Basins(error) => basins(*error),

@@ -94,6 +94,7 @@ impl Constants {
     pub fn new(cell: &Cell) -> Option<Self> {
         let rig = &cell.params;
         let possible = rig.check().is_ok()
+            && !rig.cart.recoils()
             && cell.start.iter().all(|s| s.is_finite())
             && cell.start[0] <= 0.0
             && (0.0..1.0).contains(&cell.phase);

@@ -42,6 +42,8 @@ pub enum Error {
     },
     /// The width of the smoothing, m, is not a positive number.
     SmoothingWidth(f64),
+    /// This moves the cart as prescribed only; the rig's recoils.
+    Recoil(&'static str),
     /// The smoothing method has no onset, which the Lankarani–Nikravesh law needs.
     SmoothingLaw,
     /// A map cannot be made so.

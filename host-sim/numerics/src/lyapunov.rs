@@ -106,6 +106,9 @@ pub fn exponents(
     plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
+    if params.cart.recoils() {
+        return Err(Error::Recoil("a Lyapunov exponent"));
+    }
     let (q, v) = seeds(section);
     let carrier = Reference::<Dual<2>>::new(params, frequency_hz, q, v)?;
     grow(carrier, units(params, frequency_hz)?, frequency_hz, plan)

@@ -1,6 +1,7 @@
 //! One run as a row of a table, and numbers without the noise of a unit conversion.
 
 use serde::{Serialize, Serializer};
+use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::params::{RigParams, preset};
 use shared::model::regime::Regime;
 
@@ -12,17 +13,38 @@ use crate::error::{Error, PickError};
 pub struct NamedRig {
     /// The preset's name, or the stem of the file the rig was read from.
     pub name: String,
-    /// Its parameters.
+    /// Its parameters, with the cart as it is computed with.
     pub params: RigParams,
+    /// The shaker that moves its cart, if one is known.
+    pub shaker: Option<LoopParams>,
 }
 
 impl NamedRig {
-    /// A rig called `name`.
+    /// A rig called `name`, whose shaker is the one its cart is computed with, if any.
     pub fn new(name: impl Into<String>, params: RigParams) -> Self {
+        let shaker = match params.cart {
+            CartDrive::Prescribed => None,
+            CartDrive::Loop(held) => Some(held),
+        };
         Self {
             name: name.into(),
             params,
+            shaker,
         }
+    }
+
+    /// The same rig with its cart moved as prescribed.
+    #[must_use]
+    pub fn prescribed(mut self) -> Self {
+        self.params.cart = CartDrive::Prescribed;
+        self
+    }
+
+    /// The same rig with a cart that recoils under its shaker. `None` if no shaker is known.
+    pub fn recoiling(&self) -> Option<Self> {
+        let mut rig = self.clone();
+        rig.params.cart = CartDrive::Loop(self.shaker?);
+        Some(rig)
     }
 
     /// The preset `name`.

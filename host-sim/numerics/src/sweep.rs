@@ -174,10 +174,7 @@ pub fn single(
     start: Start,
     plan: Plan,
 ) -> Result<Row, Error> {
-    let rig = NamedRig {
-        name: String::new(),
-        params: *params,
-    };
+    let rig = NamedRig::new(String::new(), *params);
     Ok(run_one(&rig, Engine::Event, frequency_hz, start, plan, &())?.0)
 }
 
@@ -192,10 +189,7 @@ mod tests {
     };
 
     fn curve(gap_m: f64, frequencies: &[f64], direction: Direction) -> Vec<Row> {
-        let rig = NamedRig {
-            name: "wires".into(),
-            params: RigParams { gap_m, ..WIRES },
-        };
+        let rig = NamedRig::new("wires".into(), RigParams { gap_m, ..WIRES });
         sweep(&rig, Engine::Event, frequencies, direction, PLAN, &()).unwrap()
     }
 

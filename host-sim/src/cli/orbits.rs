@@ -4,7 +4,7 @@ use clap::ValueEnum;
 
 use super::arguments::output::OutputArgs;
 use super::arguments::range::parse_range;
-use super::arguments::rig::{RigArgs, at_gap};
+use super::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -65,13 +65,16 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.rig.load()?;
+    let rig = args.cart.apply(args.rig.load()?)?;
     if args.curves {
         return run_curves(args, &rig);
     }

@@ -6,7 +6,7 @@ use super::arguments::cycles::{CycleArgs, parse_start};
 use super::arguments::drive::Drive;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Contents, Format, OutputArgs, to_json};
-use super::arguments::rig::RigArgs;
+use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
@@ -35,6 +35,9 @@ pub struct Args {
 
     #[command(flatten)]
     rig: RigArgs,
+
+    #[command(flatten)]
+    cart: CartArg,
 
     #[command(flatten)]
     engine: EngineArgs,
@@ -86,7 +89,7 @@ const SAMPLES_PER_PERIOD: usize = 400;
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.rig.load()?;
+    let rig = args.cart.apply(args.rig.load()?)?;
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();

@@ -7,7 +7,7 @@ use super::arguments::cycles::CycleArgs;
 use super::arguments::drive::Drives;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Format, OutputArgs, to_json};
-use super::arguments::rig::RigArgs;
+use super::arguments::rig::{CartArg, RigArgs};
 use super::terminal::print;
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
@@ -41,6 +41,9 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     engine: EngineArgs,
 
     #[command(flatten)]
@@ -50,7 +53,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.rig.load()?;
+    let rig = args.cart.apply(args.rig.load()?)?;
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();

@@ -14,7 +14,7 @@ use plot::Figure;
 
 /// The preset called `name` at `gap_mm`.
 pub(super) fn rig(name: &str, gap_mm: f64) -> Result<NamedRig, UserError> {
-    let NamedRig { name, params } = NamedRig::preset(name)?;
+    let NamedRig { name, params, .. } = NamedRig::preset(name)?;
     Ok(NamedRig::new(name, params.with_gap_mm(gap_mm)?))
 }
 

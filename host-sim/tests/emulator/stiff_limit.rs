@@ -5,6 +5,7 @@ use emulator::record::Contact;
 use emulator::shaker::ShakerParams;
 use numerics::orbit::shoot;
 use numerics::reference::{self, Reference};
+use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::contacts::Period;
 use shared::model::params::{BEAM_135, BEAM_150, RigParams, WIRES};
 use shared::model::regime::{Detector, Regime};
@@ -58,6 +59,55 @@ fn prescribed_motion_is_the_references() {
         // The cart's course is a cubic per tick, whose acceleration is off by (Ω · tick)²/12 at most.
         assert!(late < 1e-8, "{name}: {late:.1e} s");
         assert!(force < 1e-6, "{name}: {force:.1e}");
+    }
+}
+
+/// Two bodies: the emulator's plant and the reference with a cart that recoils describe the same thing.
+#[test]
+fn a_cart_that_recoils_is_the_references() {
+    for (name, params, ratio) in points() {
+        for (loop_hz, loop_damping_ratio, feed_forward) in
+            [(50.0, 0.7, 1.0), (12.0, 0.7, 1.0), (200.0, 0.4, 0.8)]
+        {
+            let hz = ratio * params.natural_frequency_hz();
+            let cart = CartDrive::Loop(LoopParams {
+                frequency_hz: loop_hz,
+                damping_ratio: loop_damping_ratio,
+                feed_forward,
+            });
+            let shaker = ShakerParams {
+                loop_hz,
+                loop_damping_ratio,
+                feed_forward,
+                force_n: f64::INFINITY,
+                ..ShakerParams::default()
+            };
+            let mut plant = Plant::new(&params, &shaker, TICK_S).unwrap();
+            plant.set_state(on_the_sine(&params, hz, rest(&params), 0.0));
+            let seen = contacts(&mut plant, &params, hz, TICK_S, 25.0 / hz);
+            let mut truth = Vec::<reference::Contact>::new();
+            let recoiling = RigParams { cart, ..params };
+            let mut hammer = Reference::<f64>::at_rest(&recoiling, hz).unwrap();
+            for _ in 0..25 {
+                hammer.run_period(&mut truth);
+            }
+            assert!(truth.len() >= 12, "{name}, {loop_hz} Hz: {}", truth.len());
+            assert!(
+                seen.len().abs_diff(truth.len()) <= 1,
+                "{name}, {loop_hz} Hz"
+            );
+            let (mut late, mut force) = (0.0_f64, 0.0_f64);
+            for (a, b) in seen.iter().zip(&truth) {
+                late = late.max((a.onset_s - b.onset_s).abs());
+                force = force.max((a.peak_force_n / b.peak_force_n - 1.0).abs());
+            }
+            println!(
+                "{name}, {loop_hz} Hz: {} contacts, onset {late:.1e} s, force {force:.1e}",
+                truth.len()
+            );
+            assert!(late < 1e-8, "{name}, {loop_hz} Hz: {late:.1e} s");
+            assert!(force < 1e-6, "{name}, {loop_hz} Hz: {force:.1e}");
+        }
     }
 }
 

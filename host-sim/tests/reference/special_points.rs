@@ -6,7 +6,7 @@ use numerics::continuation::{
     Along, Curve, End, Family, Node, OrbitsRequest, Origin, Special, Until, diagram, march,
 };
 use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
-use numerics::orbit::{shoot, shoot_periods};
+use numerics::orbit::{on_course, shoot, shoot_periods};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::regime::Regime;
 
@@ -40,7 +40,7 @@ fn bisected(mut low: f64, mut high: f64, test: impl Fn(f64) -> f64) -> f64 {
 /// Where the 1/1 followed from `from` (Ω/ω, on the closed form) meets its first special point.
 fn first_special(times: f64, gap_m: f64, from: f64, upwards: bool) -> Node {
     let family = Family::new(&stiffened(times, gap_m), Along::Frequency, 1).unwrap();
-    let seed = family.node_at(from, stable(from, gap_m).section);
+    let seed = family.node_at(from, on_course(stable(from, gap_m).section));
     let seed = seed.expect("the closed form is near enough to start from");
     let seed = if upwards { seed } else { seed.turned() };
     let (nodes, end) = march(&family, &seed, WIDE, Until::Special);
@@ -112,7 +112,9 @@ fn behind_the_fold_lies_the_other_orbit_and_it_ends_at_the_linear_response() {
     let gap_m = 2.4e-3;
     let params = stiffened(8.0, gap_m);
     let family = Family::new(&params, Along::Frequency, 1).unwrap();
-    let seed = family.node_at(1.4, stable(1.4, gap_m).section).unwrap();
+    let seed = family
+        .node_at(1.4, on_course(stable(1.4, gap_m).section))
+        .unwrap();
     let (nodes, end) = march(&family, &seed, WIDE, Until::End);
     assert_eq!(end, End::Special(Special::GrazingLost));
     let swing = |r: f64| params.amplitude_m * r * r / (1.0 - r * r).hypot(2.0 * ZETA * r);

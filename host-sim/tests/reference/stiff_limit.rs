@@ -18,7 +18,7 @@ fn stable() -> Bouncing {
 /// Errors of impact speed, phase, determinant and trace.
 fn errors(orbit: &Orbit, exact: &Bouncing) -> [f64; 4] {
     let phase = orbit.contact.onset_s * orbit.frequency_hz * TAU;
-    let [[a, b], [c, d]] = orbit.monodromy;
+    let [[a, b], [c, d]] = orbit.monodromy.hammer();
     [
         orbit.contact.approach_speed_m_per_s / exact.speed - 1.0,
         (phase - exact.phase + PI).rem_euclid(TAU) - PI,

@@ -45,6 +45,13 @@ pub struct LoopParams {
     pub feed_forward: f64,
 }
 
+/// The shaker that is assumed where none is given: a laboratory shaker of 200 N. The chapter does not describe its own.
+pub const ASSUMED_SHAKER: LoopParams = LoopParams {
+    frequency_hz: 50.0,
+    damping_ratio: 0.7,
+    feed_forward: 1.0,
+};
+
 /// A loop with the cart it holds, ready to be stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cart<R> {
@@ -105,6 +112,11 @@ impl<R: Real> Cart<R> {
             deviation: off,
             drive,
         }
+    }
+
+    /// Natural frequency of the loop with the cart alone, rad/s. Host side only.
+    pub fn omega(&self) -> f64 {
+        libm::sqrt((self.stiffness / self.mass).to_f64())
     }
 
     /// The loop's force on the cart, N.

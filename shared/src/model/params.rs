@@ -60,7 +60,8 @@ pub struct RigParams {
     pub gap_m: f64,
     /// The contact law.
     pub contact: Law<f64>,
-    /// What moves the cart.
+    /// What moves the cart. The controller does not know it: it is neither stored nor sent.
+    #[serde(skip)]
     pub cart: CartDrive,
 }
 
@@ -302,9 +303,9 @@ impl RigParams {
 }
 
 fn check_loop(held: &LoopParams) -> Result<(), ParamError> {
-    within("loop_hz", held.frequency_hz, &LOOP_HZ)?;
-    within("loop_damping_ratio", held.damping_ratio, &LOOP_DAMPING)?;
-    within("feed_forward", held.feed_forward, &FEED_FORWARD)
+    within("shaker_loop_hz", held.frequency_hz, &LOOP_HZ)?;
+    within("shaker_damping_ratio", held.damping_ratio, &LOOP_DAMPING)?;
+    within("shaker_feed_forward", held.feed_forward, &FEED_FORWARD)
 }
 
 fn check_law(law: &Law<f64>) -> Result<(), ParamError> {

@@ -5,7 +5,7 @@ use shared::model::params::ParamError;
 use crate::UserError;
 
 /// Every key a rig file or `--set` may use, with what it means.
-pub const KEYS: [(&str, &str); 19] = [
+pub const KEYS: [(&str, &str); 22] = [
     (
         "preset",
         "rig to start from: wires, beam-170, beam-150 or beam-135",
@@ -14,7 +14,7 @@ pub const KEYS: [(&str, &str); 19] = [
     ("mass_kg", "hammer mass m"),
     (
         "cart_mass_kg",
-        "cart mass M (only for what the shaker must give)",
+        "cart mass M (what the shaker must give, and how far the cart recoils)",
     ),
     ("amplitude_mm", "cart amplitude A0"),
     ("gap_mm", "clearance at rest; negative: pressed on"),
@@ -51,6 +51,15 @@ pub const KEYS: [(&str, &str); 19] = [
         "lambda = ci/ki (hunt-crossley)",
     ),
     ("contact_restitution", "e (lankarani-nikravesh)"),
+    (
+        "shaker_loop_hz",
+        "natural frequency of the shaker's position loop with the cart alone; left out: the cart does not recoil",
+    ),
+    ("shaker_damping_ratio", "damping ratio of that loop"),
+    (
+        "shaker_feed_forward",
+        "share of the force on the cart's mass that the shaker feeds forward",
+    ),
     ("description", "free text"),
 ];
 

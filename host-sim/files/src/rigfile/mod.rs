@@ -8,6 +8,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use numerics::NamedRig;
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
@@ -26,24 +27,29 @@ use table::{from_table, overlay, to_table};
 pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, UserError> {
     let name = name.as_ref();
     let known = name.to_str().and_then(|name| Some((name, preset(name)?)));
-    let mut rig = match known {
-        Some((name, params)) => NamedRig {
-            name: name.to_owned(),
-            params,
-        },
+    let (name, mut params) = match known {
+        Some((name, params)) => (name.to_owned(), with_shaker(params)),
         None => read(Path::new(name))?,
     };
     if !settings.is_empty() {
-        let mut table = to_table(&rig.params);
+        let mut table = to_table(&params);
         let mut changes = Table::new();
         for setting in settings {
             let (key, value) = parse_setting(setting)?;
             changes.insert(key, value);
         }
         let changed = overlay(&mut table, changes).and_then(|()| from_table(&table));
-        rig.params = changed.map_err(|e| UserError::from(e).at("--set"))?;
+        params = changed.map_err(|e| UserError::from(e).at("--set"))?;
     }
-    Ok(rig)
+    Ok(NamedRig::new(name, params).prescribed())
+}
+
+/// A preset with the shaker assumed for it.
+fn with_shaker(params: RigParams) -> RigParams {
+    RigParams {
+        cart: CartDrive::Loop(ASSUMED_SHAKER),
+        ..params
+    }
 }
 
 /// `params` with the `changes` of a table whose keys are those of a rig file.
@@ -53,7 +59,18 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
 pub fn with_table(params: &RigParams, changes: toml::Table) -> Result<RigParams, UserError> {
     let mut table = to_table(params);
     overlay(&mut table, changes.into_iter().collect())?;
-    Ok(from_table(&table)?)
+    Ok(without_shaker(from_table(&table)?)?)
+}
+
+/// The rig, if no shaker was given with it: where it is told elsewhere, or nobody uses it.
+fn without_shaker(params: RigParams) -> Result<RigParams, NoRig> {
+    match params.cart {
+        CartDrive::Prescribed => Ok(params),
+        CartDrive::Loop(_) => {
+            let line = "shaker_loop_hz belongs in a rig file for the analyses; leave it out here";
+            Err(NoRig::new("shaker_loop_hz", line.to_owned()))
+        }
+    }
 }
 
 /// The lines of a rig file: every parameter with its meaning.
@@ -77,11 +94,12 @@ pub fn to_toml(rig: &NamedRig) -> String {
         "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n# A file may also begin with preset = \"{}\" and name only what differs.\n\n{}",
         rig.name,
         rig.name,
-        lines(&rig.params)
+        lines(&rig.recoiling().as_ref().unwrap_or(rig).params)
     )
 }
 
-fn read(path: &Path) -> Result<NamedRig, UserError> {
+/// The name and the rig of a file.
+fn read(path: &Path) -> Result<(String, RigParams), UserError> {
     let place = path.display().to_string();
     let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
     if !looks_like_a_file && !path.exists() {
@@ -92,11 +110,12 @@ fn read(path: &Path) -> Result<NamedRig, UserError> {
             names.join(", ")
         )));
     }
-    let params = parse(&read_text(path)?, &place)?;
+    let text = read_text(path)?;
+    let params = parse(&text, &place)?;
     let name = path
         .file_stem()
         .map_or(place, |s| s.to_string_lossy().into_owned());
-    Ok(NamedRig { name, params })
+    Ok((name, params))
 }
 
 /// The rig in the text of a rig file; complaints begin with `place`.
@@ -111,7 +130,7 @@ pub fn parse(text: &str, place: &str) -> Result<RigParams, UserError> {
             "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
         ))
     })?;
-    parameters(changes).map_err(|error| {
+    parameters(changes, with_shaker).map_err(|error| {
         let line = line_of_key(text, &error.key);
         let error = UserError::from(error);
         match line {
@@ -135,10 +154,12 @@ fn line_of_key(text: &str, key: &str) -> Option<usize> {
 /// # Errors
 /// A key is unknown or missing, or a value out of range.
 pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
-    parameters(changes).map_err(|e| UserError::from(e).at(place))
+    let rig = parameters(changes, |preset| preset).and_then(without_shaker);
+    rig.map_err(|e| UserError::from(e).at(place))
 }
 
-fn parameters(mut changes: Table) -> Result<RigParams, NoRig> {
+/// The rig of `changes`; `from` makes of a preset what they are laid over.
+fn parameters(mut changes: Table, from: fn(RigParams) -> RigParams) -> Result<RigParams, NoRig> {
     let mut table = match changes.remove("preset") {
         None => Table::new(),
         Some(Value::String(name)) => {
@@ -146,7 +167,7 @@ fn parameters(mut changes: Table) -> Result<RigParams, NoRig> {
                 let hint = nearest(&name, PRESETS.iter().map(|(n, _)| *n));
                 NoRig::new("preset", format!("preset = \"{name}\" is not known{hint}"))
             })?;
-            to_table(&params)
+            to_table(&from(params))
         }
         Some(_) => {
             let line = "preset must be a name in quotes".to_owned();
@@ -193,10 +214,7 @@ mod tests {
     fn a_printed_preset_reads_back_the_same() {
         for (name, params) in PRESETS {
             for (_, contact) in LAWS {
-                let rig = NamedRig {
-                    name: name.into(),
-                    params: RigParams { contact, ..params },
-                };
+                let rig = NamedRig::new(name, RigParams { contact, ..params });
                 let back = file(&to_toml(&rig)).unwrap();
                 assert_eq!(back.params, rig.params, "{name}");
             }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::contact::Law;
 use shared::model::params::{LAWS, RigParams, SupportParams, Torque};
 use toml::Value;
@@ -95,6 +96,14 @@ pub(super) fn to_table(params: &RigParams) -> Table {
             table.insert("support".into(), Value::String("beams".into()));
         }
     }
+    let mut put = |key: &str, value: f64| {
+        table.insert(key.to_owned(), Value::Float(value));
+    };
+    if let CartDrive::Loop(held) = params.cart {
+        put("shaker_loop_hz", held.frequency_hz);
+        put("shaker_damping_ratio", held.damping_ratio);
+        put("shaker_feed_forward", held.feed_forward);
+    }
     law_to_table(&params.contact, &mut table);
     table
 }
@@ -148,6 +157,7 @@ pub(super) fn from_table(table: &Table) -> Result<RigParams, NoRig> {
         amplitude_m: take(&mut left, "amplitude_mm")? / 1e3,
         gap_m: take(&mut left, "gap_mm")? / 1e3,
         contact: law_from(&mut left)?,
+        cart: cart_from(&mut left)?,
     };
     if let Some(key) = left.keys().next() {
         let line = format!(
@@ -212,6 +222,28 @@ fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {
             format!("support is '{other}', must be wires or beams"),
         )),
     }
+}
+
+/// The shaker, if its position loop is given; what is left out of it is the assumed one's.
+fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
+    let frequency = optional(table, "shaker_loop_hz")?;
+    let damping = optional(table, "shaker_damping_ratio")?;
+    let forward = optional(table, "shaker_feed_forward")?;
+    let Some(frequency_hz) = frequency else {
+        let orphan = [
+            ("shaker_damping_ratio", damping),
+            ("shaker_feed_forward", forward),
+        ];
+        return match orphan.iter().find(|(_, value)| value.is_some()) {
+            Some((key, _)) => Err(NoRig::new(key, format!("{key} needs shaker_loop_hz"))),
+            None => Ok(CartDrive::Prescribed),
+        };
+    };
+    Ok(CartDrive::Loop(LoopParams {
+        frequency_hz,
+        damping_ratio: damping.unwrap_or(ASSUMED_SHAKER.damping_ratio),
+        feed_forward: forward.unwrap_or(ASSUMED_SHAKER.feed_forward),
+    }))
 }
 
 fn law_from(table: &mut Table) -> Result<Law<f64>, NoRig> {

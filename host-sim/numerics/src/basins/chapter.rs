@@ -60,10 +60,7 @@ impl Point {
     /// If there is no such preset, which no point of [`POINTS`] names.
     pub fn query(&self, columns: usize, rows: usize) -> Result<BasinsRequest, Error> {
         let params = preset(self.rig).ok_or_else(|| Error::Preset(self.rig.to_owned()))?;
-        let mut rig = NamedRig {
-            name: self.rig.to_owned(),
-            params,
-        };
+        let mut rig = NamedRig::new(self.rig.to_owned(), params);
         rig.params.gap_m = self.gap_over_amplitude * params.amplitude_m;
         let frequency_hz = self.ratio * params.natural_frequency_hz();
         Ok(BasinsRequest::usual(rig, frequency_hz, columns, rows))

@@ -7,13 +7,13 @@ use super::*;
 use crate::reference::{Observer, Reference, Segment};
 
 fn rig(name: &str, params: RigParams, gap_over_amplitude: f64) -> NamedRig {
-    NamedRig {
-        name: name.to_owned(),
-        params: RigParams {
+    NamedRig::new(
+        name.to_owned(),
+        RigParams {
             gap_m: gap_over_amplitude * params.amplitude_m,
             ..params
         },
-    }
+    )
 }
 
 /// Linear motion relative to the cart from `start`, without contact: m x″ + c x′ + k x = m A0 Ω² sin Ωt.

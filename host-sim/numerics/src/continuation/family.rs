@@ -321,7 +321,11 @@ mod tests {
     fn three_equations_are_solved() {
         let rows = [[2.0, -1.0, 0.5], [0.0, 3.0, 1.0], [1.0, 1.0, -4.0]];
         let x = [0.3, -2.0, 1.5];
-        let found = solve3(rows, rows.map(|row: [f64; 3]| (0..3).map(|i| row[i] * x[i]).sum())).unwrap();
+        let found = solve3(
+            rows,
+            rows.map(|row: [f64; 3]| (0..3).map(|i| row[i] * x[i]).sum()),
+        )
+        .unwrap();
         for i in 0..3 {
             assert!((found[i] - x[i]).abs() < 1e-14);
         }

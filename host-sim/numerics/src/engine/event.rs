@@ -69,7 +69,8 @@ impl Observer for Sampler<'_> {
             let (q, v) = segment.at(t);
             let turns = segment.cycle as f64 + t * self.frequency_hz;
             let force = segment.force(q, v);
-            let sample = Sample::new(segment.rig, self.frequency_hz, turns, (q, v), force);
+            let cart = segment.cart(t);
+            let sample = Sample::new(segment.rig, self.frequency_hz, turns, (q, v), cart, force);
             self.recorder.samples.push(sample);
         };
         let (start, end) = (segment.start.t, segment.end.t);

@@ -115,6 +115,7 @@ pub fn machine_at(
     let section = start.section(&rig, std::f64::consts::TAU * frequency_hz)?;
     match engine {
         Engine::Event => event::machine(params, frequency_hz, section, phase),
+        Engine::Switch(_) if params.cart.recoils() => Err(Error::Recoil("the switch model")),
         Engine::Switch(_) if phase != 0.0 => Err(StartError::SwitchPhase.into()),
         Engine::Switch(setting) => switch::machine(setting, params, frequency_hz, section),
     }

@@ -33,12 +33,14 @@ pub struct Recorder {
 }
 
 impl Sample {
-    /// The sample at coordinate `q` and rate `v`, `turns` drive periods after the start.
+    /// The sample at coordinate `q` and rate `v`, `turns` drive periods after the start, with the cart `deviation` (m, m/s)
+    /// off its course.
     pub(super) fn new(
         rig: &Rig<f64>,
         frequency_hz: f64,
         turns: f64,
         (q, v): (f64, f64),
+        deviation: [f64; 2],
         force_n: f64,
     ) -> Self {
         let (sin, cos) = (std::f64::consts::TAU * turns.fract()).sin_cos();
@@ -49,8 +51,8 @@ impl Sample {
             time_s: turns / frequency_hz,
             relative_displacement_mm: relative * 1e3,
             relative_velocity_m_per_s: rate,
-            displacement_mm: (relative + rig.amplitude() * sin) * 1e3,
-            velocity_m_per_s: rate + rig.amplitude() * omega * cos,
+            displacement_mm: (relative + rig.amplitude() * sin + deviation[0]) * 1e3,
+            velocity_m_per_s: rate + rig.amplitude() * omega * cos + deviation[1],
             force_n,
         }
     }

@@ -188,7 +188,7 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
             let state = self.twin.state();
             let at = (state.q.hi.to_f64(), state.v.hi.to_f64());
             let now = turns(drive.now());
-            let sample = Sample::new(&self.plain, frequency_hz, now, at, force.to_f64());
+            let sample = Sample::new(&self.plain, frequency_hz, now, at, [0.0; 2], force.to_f64());
             recorder.samples.push(sample);
         }
     }

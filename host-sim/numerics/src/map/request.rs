@@ -188,10 +188,7 @@ mod tests {
             (Direction::Down, Runner::Reference),
         ] {
             let request = MapRequest {
-                rig: NamedRig {
-                    name: "wires".into(),
-                    params: WIRES,
-                },
+                rig: NamedRig::new("wires".into(), WIRES),
                 grid: Grid {
                     gaps_mm: (0..70).map(f64::from).collect(),
                     frequencies_hz: (1..=59).map(f64::from).collect(),

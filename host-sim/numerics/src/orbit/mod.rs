@@ -62,12 +62,7 @@ impl Orbit {
 
     /// Where it is on the section: the hammer and the cart.
     pub fn at(&self) -> Section {
-        [
-            self.section[0],
-            self.section[1],
-            self.cart[0],
-            self.cart[1],
-        ]
+        [self.section[0], self.section[1], self.cart[0], self.cart[1]]
     }
 
     /// Whether this is a stable z = 1/1.

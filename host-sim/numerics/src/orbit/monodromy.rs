@@ -55,9 +55,18 @@ impl Monodromy {
     }
 
     /// The hammer's part: its own two rows and columns.
-    fn hammer(&self) -> [[f64; 2]; 2] {
+    pub fn hammer(&self) -> [[f64; 2]; 2] {
         let [[a, b, ..], [c, d, ..], ..] = self.rows;
         [[a, b], [c, d]]
+    }
+
+    /// Its determinant: by how much volumes of the section shrink in all periods.
+    pub fn determinant(&self) -> f64 {
+        if self.size > 2 {
+            return self.matrix().determinant();
+        }
+        let [[a, b], [c, d]] = self.hammer();
+        a * d - b * c
     }
 
     fn matrix(&self) -> Matrix4<f64> {

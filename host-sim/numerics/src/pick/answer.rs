@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::Serialize;
+use shared::model::cart::LoopParams;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
@@ -45,6 +46,36 @@ pub struct Shaker {
     pub blows_per_second: f64,
 }
 
+/// How the cart is moved in a pick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CartModel {
+    /// As prescribed: the chapter's model.
+    Prescribed,
+    /// By a shaker, recoiling from the contacts.
+    Recoil,
+}
+
+impl CartModel {
+    /// That of `params`.
+    pub fn of(params: &RigParams) -> Self {
+        if params.cart.recoils() {
+            Self::Recoil
+        } else {
+            Self::Prescribed
+        }
+    }
+}
+
+/// Where the hammer is strongest, and how strong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strongest {
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Contact force over m g.
+    pub force_ratio: f64,
+}
+
 /// The answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Answer {
@@ -52,6 +83,20 @@ pub struct Answer {
     pub rig: String,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
+    /// How the cart is moved in this answer.
+    pub cart: CartModel,
+    /// Force ratio with a cart that recoils: of this answer, or where the nominal rig is strongest within the limits. None
+    /// where no shaker is known, or no stable 1/1 is within the limits.
+    pub recoil_force_ratio: Option<f64>,
+    /// The frequency of that, Hz.
+    pub recoil_frequency_hz: Option<f64>,
+    /// The same with the cart as prescribed.
+    pub prescribed_force_ratio: Option<f64>,
+    /// The frequency of that, Hz.
+    pub prescribed_frequency_hz: Option<f64>,
+    /// The shaker whose cart recoils; none where none is known.
+    #[serde(skip)]
+    pub shaker_loop: Option<LoopParams>,
     /// The frequency to run at, Hz.
     pub operating_frequency_hz: f64,
     /// The same over the natural frequency.
@@ -82,6 +127,8 @@ pub struct Answer {
     pub band_hz: [f64; 2],
     /// The part of it where 1/1 is stable over the whole uncertainty and every limit is kept, Hz.
     pub safe_band_hz: [f64; 2],
+    /// Smallest force ratio over the uncertainty at either end of the safe band; none where a member has no stable 1/1.
+    pub safe_band_force_ratio_worst: [Option<f64>; 2],
     /// Where the nominal 1/1 is stable, Hz.
     pub stable_one_one_hz: [f64; 2],
     /// How the stable 1/1 ends, below and above.

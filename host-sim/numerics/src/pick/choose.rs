@@ -152,6 +152,12 @@ impl Field<'_> {
         (spread.strongest_n > max && !known.contains(&member)).then_some(member)
     }
 
+    /// The smallest force over the uncertainty at `hz`, N. None if a member has no stable 1/1 there.
+    pub fn weakest_at(&self, hz: f64) -> Option<f64> {
+        let orbit = self.branch.at(&self.rig.params, hz)?;
+        spread_of_members(&self.rig.params, self.members, &orbit).map(|spread| spread.weakest_n)
+    }
+
     fn spread(&self, orbit: &Orbit) -> Result<Spread, Error> {
         spread_of_members(&self.rig.params, self.members, orbit).ok_or_else(|| {
             self.rig.no_pick(PickError::MemberLost {

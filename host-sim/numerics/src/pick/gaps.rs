@@ -102,8 +102,8 @@ pub fn advise(
 ) -> Result<GapAdvice, Error> {
     let at_gap = |gap_mm: &f64| {
         let params = rig.params.with_gap_mm(tidy(*gap_mm))?;
-        let name = rig.name.clone();
-        Ok(NamedRig { name, params })
+        let there = rig.clone();
+        Ok(NamedRig { params, ..there })
     };
     let rigs: Vec<NamedRig> = gaps_mm.iter().map(at_gap).collect::<Result<_, Error>>()?;
     let mut gaps = Vec::with_capacity(rigs.len());
@@ -263,10 +263,7 @@ mod tests {
     /// The chapter: 0.0 mm does not jump, and has about the largest force over a wider range of frequency.
     #[test]
     fn the_field_s_gap_is_advised_on_wires() {
-        let rig = NamedRig {
-            name: "wires".to_owned(),
-            params: WIRES,
-        };
+        let rig = NamedRig::new("wires".to_owned(), WIRES);
         let found = advise(&rig, &[0.0, 2.4], None, Limits::default(), (40, 1), &()).unwrap();
         assert_eq!(found.advised, Some(0), "{found:?}");
         let [none, large] = [0, 1].map(|i| found.gaps[i].pick.as_ref().unwrap());

@@ -26,7 +26,7 @@ use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, tidy};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
-pub use answer::Answer;
+pub use answer::{Answer, CartModel, Strongest};
 use answer::{impact_power, shaker};
 pub use choose::Limits;
 use choose::{Choice, Field};
@@ -71,7 +71,8 @@ pub struct Pick {
     pub section: [f64; 2],
 }
 
-/// Picks the operating frequency of `rig` (its gap included).
+/// Picks the operating frequency of `rig` (its gap included), for its cart as it is in its parameters. Where the rig's
+/// shaker is known, the answer has beside it how strong the hammer is with the other cart.
 ///
 /// # Errors
 /// If a parameter is out of range; if there is no stable 1/1, or none that uncertainty and limits allow; if a run cannot
@@ -105,6 +106,14 @@ pub fn pick(
     let jumps = Jumps::find(rig, &branch, progress)?;
     let runs = Runs::of(params, uncertainty, &choice.orbit)?;
     let sensitivity = sensitivity::table(params, &nominal);
+    let other = other_cart(rig, limits, progress);
+    let band = force_band(params, &branch, &choice.orbit);
+    let (low, high) = (band.0.max(choice.allowed.0), band.1.min(choice.allowed.1));
+    let worst = |hz: f64| Some(field.weakest_at(hz)? / params.weight_n());
+    let safe_band = SafeBand {
+        hz: (low, high),
+        force_ratio_worst: [low, high].map(worst),
+    };
     step(progress, 1)?;
 
     let curve = curve(params, &branch);
@@ -115,7 +124,9 @@ pub fn pick(
         nominal: &nominal,
         power: &strongest_power,
         robust,
-        band: force_band(params, &branch, &choice.orbit),
+        band,
+        safe_band,
+        other,
         choice,
         jumps: &jumps.at_hz,
         runs,
@@ -237,6 +248,35 @@ impl Runs {
     }
 }
 
+/// The part of the band that uncertainty and limits allow.
+struct SafeBand {
+    hz: (f64, f64),
+    /// Smallest force ratio over the uncertainty at its ends.
+    force_ratio_worst: [Option<f64>; 2],
+}
+
+/// Where the nominal rig is strongest within the limits with its cart moved the other way. None where its shaker is not
+/// known, or no stable 1/1 is within the limits.
+fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<Strongest> {
+    let other = if rig.params.cart.recoils() {
+        rig.clone().prescribed()
+    } else {
+        rig.recoiling()?
+    };
+    let branch = best_branch(&other).ok()?;
+    let field = Field {
+        rig: &other,
+        branch: &branch,
+        members: &[],
+        progress,
+    };
+    let orbit = field.choose(range(&branch), limits).ok()?.orbit;
+    Some(Strongest {
+        frequency_hz: orbit.frequency_hz,
+        force_ratio: orbit.force_n / other.params.weight_n(),
+    })
+}
+
 /// Everything the answer is made of.
 struct Found<'a> {
     rig: &'a NamedRig,
@@ -249,6 +289,9 @@ struct Found<'a> {
     robust: (f64, f64),
     /// [`force_band`] of the orbit chosen.
     band: (f64, f64),
+    safe_band: SafeBand,
+    /// With the other cart.
+    other: Option<Strongest>,
     choice: Choice,
     /// [`Jumps::at_hz`].
     jumps: &'a [f64],
@@ -264,13 +307,27 @@ impl Found<'_> {
         let weight = params.weight_n();
         let chosen = &self.choice.orbit;
         let spread = &self.choice.spread;
-        let (band, allowed) = (self.band, self.choice.allowed);
-        let safe_band = (band.0.max(allowed.0), band.1.min(allowed.1));
+        let (band, safe_band) = (self.band, self.safe_band.hz);
+        let cart = CartModel::of(params);
+        let own = Some(Strongest {
+            frequency_hz: chosen.frequency_hz,
+            force_ratio: chosen.force_n / weight,
+        });
+        let (recoil, prescribed) = match cart {
+            CartModel::Recoil => (own, self.other),
+            CartModel::Prescribed => (self.other, own),
+        };
         let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
         let doubles = self.branch.high.end == End::PeriodDoubling;
         Answer {
             rig: self.rig.name.clone(),
             gap_mm: tidy(params.gap_m * 1e3),
+            cart,
+            recoil_force_ratio: recoil.map(|s| s.force_ratio),
+            recoil_frequency_hz: recoil.map(|s| s.frequency_hz),
+            prescribed_force_ratio: prescribed.map(|s| s.force_ratio),
+            prescribed_frequency_hz: prescribed.map(|s| s.frequency_hz),
+            shaker_loop: self.rig.shaker,
             operating_frequency_hz: chosen.frequency_hz,
             frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
             regime: self.runs.on_orbit,
@@ -285,6 +342,7 @@ impl Found<'_> {
             contact_time_ms: chosen.contact.duration_s * 1e3,
             band_hz: band.into(),
             safe_band_hz: safe_band.into(),
+            safe_band_force_ratio_worst: self.safe_band.force_ratio_worst,
             stable_one_one_hz: range(self.branch).into(),
             stable_one_one_ends: [self.branch.low.end, self.branch.high.end],
             robust_band_hz: self.robust.into(),

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
+use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
@@ -86,6 +87,22 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
             }) as Change,
         ),
     ];
+    if params.cart.recoils() {
+        rows.push((
+            "cart_mass_kg (same loop frequency)",
+            percent,
+            relative(|rig, by| rig.cart_mass_kg *= by),
+        ));
+        rows.push((
+            "shaker_loop_hz",
+            percent,
+            relative(|rig, by| {
+                if let CartDrive::Loop(held) = &mut rig.cart {
+                    held.frequency_hz *= by;
+                }
+            }),
+        ));
+    }
     if let SupportParams::Beams { .. } = params.support {
         rows.push((
             "damping_ratio",

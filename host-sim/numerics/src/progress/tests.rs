@@ -55,13 +55,13 @@ fn ends_when_asked<T: std::fmt::Debug>(
 }
 
 fn wires(gap_mm: f64) -> NamedRig {
-    NamedRig {
-        name: "wires".into(),
-        params: RigParams {
+    NamedRig::new(
+        "wires".into(),
+        RigParams {
             gap_m: gap_mm * 1e-3,
             ..WIRES
         },
-    }
+    )
 }
 
 const PLAN: lanes::CellPlan = lanes::CellPlan {

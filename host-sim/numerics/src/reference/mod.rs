@@ -89,6 +89,29 @@ impl Segment<'_> {
         arc.at((t - self.start.t) / arc.length)
     }
 
+    /// Deviation of the cart from its course (m) and its rate (m/s) at `t`, on the cubic through both ends.
+    pub fn cart(&self, t: f64) -> [f64; 2] {
+        let length = self.end.t - self.start.t;
+        let ([e0, w0], [e1, w1]) = (self.start.cart, self.end.cart);
+        let s = if length > 0.0 {
+            (t - self.start.t) / length
+        } else {
+            0.0
+        };
+        let (rise, w0, w1) = (e1 - e0, w0 * length, w1 * length);
+        let (bend, jerk) = (3.0 * rise - 2.0 * w0 - w1, w0 + w1 - 2.0 * rise);
+        let e = e0 + s * (w0 + s * (bend + s * jerk));
+        let rate = w0 + s * (2.0 * bend + s * (3.0 * jerk));
+        [
+            e,
+            if length > 0.0 {
+                rate / length
+            } else {
+                self.start.cart[1]
+            },
+        ]
+    }
+
     /// Contact force, N, at a coordinate and rate of this segment.
     pub fn force(&self, q: f64, v: f64) -> f64 {
         match self.mode {
@@ -263,7 +286,7 @@ impl<R: Scalar> Reference<R> {
             smoothed: None,
             recoil: self.cart.as_ref().map(|cart| {
                 let unit = TOLERANCE * amplitude;
-                (cart, (unit, unit * self.omega))
+                (cart, (unit, unit * self.omega.max(cart.omega())))
             }),
         }
     }

@@ -43,6 +43,9 @@ impl<R: Scalar> SmoothedReference<R> {
     ) -> Result<Self, Error> {
         let rig = Rig::<R>::new(params)?;
         let scale = rig.coordinate_scale().to_f64();
+        if params.cart.recoils() {
+            return Err(Error::Recoil("the smoothing method"));
+        }
         if !(epsilon_m > 0.0 && epsilon_m.is_finite()) {
             return Err(Error::SmoothingWidth(epsilon_m));
         }

@@ -25,6 +25,30 @@ pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     })
 }
 
+/// How the cart is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cart {
+    /// Along A0 sin Ωt.
+    Prescribed,
+    /// By the rig's shaker.
+    Recoil,
+}
+
+impl Choice for Cart {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        (
+            "prescribed",
+            "Along its course whatever force that takes, as in the chapter",
+            Self::Prescribed,
+        ),
+        (
+            "recoil",
+            "By the rig's shaker (shaker_loop_hz): contacts push it off its course",
+            Self::Recoil,
+        ),
+    ];
+}
+
 impl Choice for Direction {
     const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
         ("rest", "Each frequency from rest", Self::Rest),

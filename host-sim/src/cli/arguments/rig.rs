@@ -7,6 +7,7 @@ use files::rigfile;
 use numerics::NamedRig;
 use shared::model::params::RigParams;
 
+use super::choice::{Cart, choice};
 use super::range::parse_range;
 
 /// A rig without a choice of gap.
@@ -92,6 +93,38 @@ impl RigArgs {
     /// Whether `--gap` is there.
     pub fn has_gap_option(&self) -> bool {
         self.gap.is_some()
+    }
+}
+
+/// How the cart is moved.
+#[derive(Clone, Copy, Debug, clap::Args)]
+#[command(next_help_heading = "Rig")]
+pub struct CartArg {
+    /// How the cart is moved [default: prescribed; pick: recoil where the rig's shaker is known]
+    #[arg(long, value_parser = choice::<Cart>())]
+    cart: Option<Cart>,
+}
+
+impl CartArg {
+    /// The cart asked for.
+    pub fn chosen(&self) -> Option<Cart> {
+        self.cart
+    }
+
+    /// `rig` with its cart moved as asked for, or as prescribed.
+    ///
+    /// # Errors
+    /// If it should recoil and its shaker is not known.
+    pub fn apply(&self, rig: NamedRig) -> Result<NamedRig, UserError> {
+        match self.cart {
+            None | Some(Cart::Prescribed) => Ok(rig.prescribed()),
+            Some(Cart::Recoil) => rig.recoiling().ok_or_else(|| {
+                UserError::new(format!(
+                    "--cart recoil: the shaker of rig {} is not known; give shaker_loop_hz in its file or with --set",
+                    rig.name
+                ))
+            }),
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use super::arguments::choice::choice;
 use super::arguments::drive::Drives;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Contents, Format, OutputArgs, emit};
-use super::arguments::rig::RigAtGaps;
+use super::arguments::rig::{CartArg, RigAtGaps};
 use super::interrupt;
 use super::terminal::print_bytes;
 use crate::pictures;
@@ -96,6 +96,9 @@ pub struct Args {
 
     #[command(flatten)]
     rig: RigAtGaps,
+
+    #[command(flatten)]
+    cart: CartArg,
 
     #[command(flatten)]
     engine: EngineArgs,

@@ -86,7 +86,9 @@ pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
             .chain(beside)
             .collect()
     };
-    let rigs = names.iter().map(|name| args.rig.name.load_named(name));
+    let rigs = names
+        .iter()
+        .map(|name| args.cart.apply(args.rig.name.load_named(name)?));
     let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
     for (i, rig) in rigs.iter().enumerate() {
         if rigs[..i].iter().any(|other| other.name == rig.name) {

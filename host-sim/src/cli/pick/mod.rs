@@ -8,8 +8,9 @@ use std::path::Path;
 use serde::Serialize;
 use shared::model::params::PRESETS;
 
+use super::arguments::choice::Cart;
 use super::arguments::output::{Format, OutputArgs, to_json};
-use super::arguments::rig::RigArgs;
+use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::Progress;
@@ -112,6 +113,9 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -126,14 +130,16 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             starts: args.starts,
             seed: args.seed,
         };
-        return gaps::run(&args.rig.load()?, output, &gaps, uncertainty, limits);
+        // The random starts of every gap take the lanes' speed, and these move the cart as prescribed.
+        let rig = args.cart.apply(args.rig.load()?)?;
+        return gaps::run(&rig, output, &gaps, uncertainty, limits);
     }
     let names: Vec<&str> = if args.all {
         PRESETS.iter().map(|(name, _)| *name).collect()
     } else {
         vec![args.rig.name.name()]
     };
-    let rigs = names.iter().map(|name| load(&args.rig, output, name));
+    let rigs = names.iter().map(|name| load(args, output, name));
     let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
     let progress = Progress::new(
         "rigs tried",
@@ -153,12 +159,20 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// The rig `name`, at a gap of 0 unless the command line sets one.
-fn load(args: &RigArgs, output: &OutputArgs, name: &str) -> Result<NamedRig, UserError> {
-    let mut rig = args.load_named(name)?;
-    if !args.sets_gap() {
+fn load(args: &Args, output: &OutputArgs, name: &str) -> Result<NamedRig, UserError> {
+    let mut rig = moved(args.cart, args.rig.load_named(name)?)?;
+    if !args.rig.sets_gap() {
         default_to_zero_gap(&mut rig, output);
     }
     Ok(rig)
+}
+
+/// `rig` with the cart asked for; without one, that of the machine: recoiling where its shaker is known.
+fn moved(cart: CartArg, rig: NamedRig) -> Result<NamedRig, UserError> {
+    match cart.chosen() {
+        None => Ok(rig.recoiling().unwrap_or(rig)),
+        Some(Cart::Prescribed | Cart::Recoil) => cart.apply(rig),
+    }
 }
 
 /// Sets the gap to 0.0 mm, at which the hammer is used in the field, and says so if the rig had another one.

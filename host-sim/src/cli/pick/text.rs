@@ -3,7 +3,7 @@
 use crate::words::pick::{jumping_at, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
-use numerics::pick::{Answer, Pick};
+use numerics::pick::{Answer, CartModel, Pick};
 use plot::chart::Chart;
 
 /// One answer in full, several side by side.
@@ -88,15 +88,16 @@ fn operation(a: &Answer) -> Lines {
         "{:.5} W; at most {:.5} W, at {:.4} Hz",
         a.impact_power_w, a.power_optimum_w, a.power_optimum_hz
     );
-    let mut lines = vec![
-        ("regime", from_rest(a)),
-        ("force", force + &spread),
-        ("impact power", power),
-        (
-            "safe band",
-            format!("{low:.4} to {high:.4} Hz: 1/1 stable{over}, force above 90 %"),
+    let mut lines = vec![("regime", from_rest(a)), ("force", force + &spread)];
+    lines.extend(cart(a));
+    lines.push(("impact power", power));
+    lines.push((
+        "safe band",
+        format!(
+            "{low:.4} to {high:.4} Hz: 1/1 stable{over}, nominal force above 90 %{}",
+            at_the_ends(a)
         ),
-    ];
+    ));
     let margin = (high / a.operating_frequency_hz - 1.0) * 100.0;
     if margin < EDGE_PERCENT {
         lines.push((
@@ -108,6 +109,60 @@ fn operation(a: &Answer) -> Lines {
         ));
     }
     lines
+}
+
+/// Which cart the answer is for, and what the other would give.
+fn cart(a: &Answer) -> Lines {
+    let Some(held) = a.shaker_loop else {
+        let what =
+            "moved as prescribed: its shaker is not known (shaker_loop_hz), so it cannot recoil";
+        return vec![("cart", what.to_owned())];
+    };
+    let held = format!(
+        "a position loop of {} Hz damped at {}",
+        held.frequency_hz, held.damping_ratio
+    );
+    let mut lines = vec![(
+        "cart",
+        match a.cart {
+            CartModel::Recoil => format!("recoils from the contacts, held by {held}"),
+            CartModel::Prescribed => "moved as prescribed, whatever force that takes".to_owned(),
+        },
+    )];
+    let other = match a.cart {
+        CartModel::Recoil => (
+            "moved as prescribed",
+            a.prescribed_force_ratio,
+            a.prescribed_frequency_hz,
+        ),
+        CartModel::Prescribed => ("recoiling", a.recoil_force_ratio, a.recoil_frequency_hz),
+    };
+    if let (name, Some(force), Some(hz)) = other {
+        lines.push((
+            "with the other",
+            format!(
+                "{force:.2} times the weight at {hz:.4} Hz ({name}: {:+.1} % of force)",
+                100.0 * (force / a.force_ratio - 1.0)
+            ),
+        ));
+    }
+    lines
+}
+
+/// The weakest of the uncertainty at the ends of the safe band, where there is an uncertainty.
+fn at_the_ends(a: &Answer) -> String {
+    let [Some(low), Some(high)] = a.safe_band_force_ratio_worst else {
+        return String::new();
+    };
+    if a.uncertainty.is_none() {
+        return String::new();
+    }
+    let percent = |force: f64| 100.0 * force / a.force_ratio;
+    format!(
+        " (at worst {:.0} % at the lower end, {:.0} % at the upper)",
+        percent(low),
+        percent(high)
+    )
 }
 
 fn stability(a: &Answer) -> Lines {

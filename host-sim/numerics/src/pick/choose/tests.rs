@@ -24,10 +24,7 @@ impl Made {
             ..Uncertainty::default()
         };
         Self {
-            rig: NamedRig {
-                name: "wires".into(),
-                params: WIRES,
-            },
+            rig: NamedRig::new("wires".into(), WIRES),
             branch: one_one_branches(&WIRES, (1.0, 3.0)).swap_remove(0),
             members: uncertainty.members(),
         }
