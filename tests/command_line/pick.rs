@@ -15,7 +15,7 @@ fn wires() -> &'static Value {
 }
 
 fn simulate(hz: f64) -> Value {
-    answer(&format!("simulate --frequency {hz:?}"))
+    answer(&format!("simulate --cart recoil --frequency {hz:?}"))
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn simulate_confirms_the_force_at_the_operating_frequency_and_resonance() {
         let (said, seen) = (number(a, key), number(&there, key));
         assert!((seen / said - 1.0).abs() < 1e-6, "{key}: {said} {seen}");
     }
-    let resonance = answer("simulate --ratio 1");
+    let resonance = answer("simulate --cart recoil --ratio 1");
     let (seen, said) = (
         number(&resonance, "force_ratio"),
         number(a, "force_ratio_at_natural_frequency"),
@@ -103,7 +103,7 @@ fn no_frequency_of_a_fine_sweep_in_the_stable_one_one_is_stronger() {
     let best = number(a, "force_n");
     let range = format!("{:?}:{:?}:0.02", low + 0.001, 0.98 * high);
     let rows = answer(&format!(
-        "sweep --frequency {range} --cycles 120 --transient 100"
+        "sweep --cart recoil --frequency {range} --cycles 120 --transient 100"
     ));
     let rows = rows.as_array().expect("rows");
     assert!(rows.len() > 100);
@@ -149,6 +149,11 @@ fn json_has_every_field_promised() {
     let promised = [
         "rig",
         "gap_mm",
+        "cart",
+        "recoil_force_ratio",
+        "recoil_frequency_hz",
+        "prescribed_force_ratio",
+        "prescribed_frequency_hz",
         "operating_frequency_hz",
         "frequency_ratio",
         "regime",
@@ -195,7 +200,56 @@ fn json_has_every_field_promised() {
         (&uncertainty["samples"], &uncertainty["seed"]),
         (&256.into(), &1.into())
     );
-    assert_eq!(wires()["sensitivity"].as_array().map(Vec::len), Some(8));
+    assert_eq!(wires()["sensitivity"].as_array().map(Vec::len), Some(10));
+}
+
+/// The emulator's two bodies, and an independent model of them, say 29.7 (wires) and 72.5 (beam-170) times the weight where
+/// a prescribed cart gives 32.9 and 80.3.
+#[test]
+fn the_answer_is_for_the_cart_that_recoils_and_has_the_prescribed_one_beside_it() {
+    for (rig, recoil, prescribed) in [("wires", 29.70, 32.85), ("beam-170", 72.55, 80.27)] {
+        let [ours, chapter] = ["recoil", "prescribed"]
+            .map(|cart| answer(&format!("pick --rig {rig} --nominal --cart {cart}")));
+        assert_eq!(ours["cart"], "recoil");
+        assert_eq!(chapter["cart"], "prescribed");
+        for a in [&ours, &chapter] {
+            let [r, p] = ["recoil_force_ratio", "prescribed_force_ratio"].map(|key| number(a, key));
+            assert!((r / recoil - 1.0).abs() < 2e-3, "{r} for {recoil}");
+            assert!((p / prescribed - 1.0).abs() < 2e-3, "{p} for {prescribed}");
+        }
+        assert_eq!(ours["force_ratio"], ours["recoil_force_ratio"]);
+        assert_eq!(chapter["force_ratio"], chapter["prescribed_force_ratio"]);
+        for (key, own) in [
+            ("recoil_frequency_hz", &ours),
+            ("prescribed_frequency_hz", &chapter),
+        ] {
+            let [a, b] = [&ours, &chapter].map(|a| number(a, key));
+            assert!((a / b - 1.0).abs() < 1e-6, "{key}: {a} {b}");
+            assert_eq!(own[key], own["operating_frequency_hz"]);
+        }
+    }
+}
+
+#[test]
+fn a_rig_without_a_shaker_is_answered_as_prescribed_and_says_so() {
+    let whole = Folder::new().run("rigs wires").well().out;
+    let kept = whole.lines().filter(|line| !line.starts_with("shaker_"));
+    let bare = kept.collect::<Vec<_>>().join("\n");
+    let folder = Folder::new().with("bare.toml", &bare);
+    let said = folder
+        .run("pick --nominal --rig bare.toml --format json --quiet")
+        .well()
+        .json();
+    assert_eq!(
+        (&said["cart"], &said["recoil_force_ratio"]),
+        (&"prescribed".into(), &Value::Null)
+    );
+    let text = folder.run("pick --nominal --rig bare.toml").well().out;
+    assert!(text.contains("its shaker is not known"), "{text}");
+    let refused = folder.run("sweep --ratio 2:2:1 --cart recoil --rig bare.toml");
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("give shaker_loop_hz"), "{refused:?}");
+    assert_eq!(refused.err.lines().count(), 1, "{refused:?}");
 }
 
 /// Uncertain in its natural frequency alone, the rig that strikes hardest lies between the two corners,

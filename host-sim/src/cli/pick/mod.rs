@@ -19,7 +19,7 @@ use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
 use numerics::pick::uncertainty::Uncertainty;
-use numerics::pick::{Answer, Limits, Pick, pick, steps};
+use numerics::pick::{Answer, CartModel, Limits, Pick, pick, steps};
 use numerics::row::regime_as_text;
 use shared::model::regime::Regime;
 
@@ -315,6 +315,11 @@ struct Line<'a> {
     force_ratio_at_natural_frequency: f64,
     energy_per_blow_j: f64,
     blows_per_second: f64,
+    cart: CartModel,
+    recoil_force_ratio: Option<f64>,
+    recoil_frequency_hz: Option<f64>,
+    prescribed_force_ratio: Option<f64>,
+    prescribed_frequency_hz: Option<f64>,
 }
 
 impl<'a> From<&'a Answer> for Line<'a> {
@@ -338,6 +343,11 @@ impl<'a> From<&'a Answer> for Line<'a> {
             force_ratio_at_natural_frequency: a.force_ratio_at_natural_frequency,
             energy_per_blow_j: a.shaker.energy_per_blow_j,
             blows_per_second: a.shaker.blows_per_second,
+            cart: a.cart,
+            recoil_force_ratio: a.recoil_force_ratio,
+            recoil_frequency_hz: a.recoil_frequency_hz,
+            prescribed_force_ratio: a.prescribed_force_ratio,
+            prescribed_frequency_hz: a.prescribed_frequency_hz,
         }
     }
 }
