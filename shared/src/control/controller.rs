@@ -368,3 +368,6 @@ fn start_frequency(settings: &Settings) -> f32 {
         .max(limits.min_frequency_hz)
         .min(limits.max_frequency_hz)
 }
+
+#[cfg(test)]
+mod tests;

@@ -93,3 +93,22 @@ impl Events {
         self.dropped
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_beyond_the_room_for_them_are_counted_and_the_oldest_kept() {
+        let mut events = Events::default();
+        for tick in 0..EVENT_CAPACITY as u32 + 3 {
+            events.push(tick, EventKind::Cleared);
+        }
+        assert_eq!(events.dropped(), 3);
+        for tick in 0..EVENT_CAPACITY as u32 {
+            assert_eq!(events.take().map(|event| event.tick), Some(tick));
+        }
+        assert_eq!(events.take(), None);
+        assert_eq!(events.dropped(), 3);
+    }
+}

@@ -372,16 +372,35 @@ mod tests {
     }
 
     #[test]
+    fn travel_is_of_the_hammer_relative_to_the_cart() {
+        let settings = Settings::for_rig(&WIRES);
+        let trips = |hammer_m: f32, cart_m: f32| {
+            trips_after(Frame {
+                hammer: AdcCode((2048.0 + hammer_m / settings.hammer.unit_per_code) as u16),
+                cart: AdcCode((2048.0 + cart_m / settings.cart.unit_per_code) as u16),
+                ..quiet()
+            })
+        };
+        assert_eq!(trips(9e-3, 1.9e-3), None);
+        assert_eq!(trips(11e-3, 1.9e-3), None);
+        let beyond = Some((4, Fault::OverTravel, Origin::Hammer));
+        assert_eq!(trips(9e-3, -1.9e-3), beyond);
+        assert_eq!(trips(-9e-3, 1.9e-3), beyond);
+    }
+
+    #[test]
     fn a_code_that_stands_still_for_a_whole_period_is_frozen() {
         let mut guard = Guard::new(&Settings::for_rig(&WIRES));
         guard.set_force_is_live(true);
-        guard.restart(at(5, 100));
         let mut frame = quiet();
+        // Before the start nothing had to move.
+        guard.check(&frame, at(0, 0), false, false);
+        guard.restart(at(5, 100));
         guard.check(&frame, at(5, 101), true, true);
         // Hammer and cart move on, the force's code does not.
         frame.hammer.0 += 1;
         frame.cart.0 += 1;
-        let (_, early) = guard.check(&frame, at(6, 100), true, true);
+        let (_, early) = guard.check(&frame, at(6, 99), true, true);
         assert_eq!(early, None);
         let (_, late) = guard.check(&frame, at(6, 102), true, true);
         assert_eq!(

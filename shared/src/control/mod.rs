@@ -37,6 +37,8 @@ mod sampling;
 mod search;
 mod self_test;
 mod supervise;
+#[cfg(test)]
+mod test_rig;
 mod trim;
 
 pub use controller::Controller;

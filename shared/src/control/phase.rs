@@ -139,3 +139,56 @@ impl Seeking {
         self.ticks_without_one_one > ticks_of(limit_s)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forecast::{Orbit, Target};
+    use crate::model::params::WIRES;
+
+    #[test]
+    fn a_start_waits_two_minutes_for_the_forecast() {
+        let mut start = Start::new(Mode::Automatic, &Settings::for_rig(&WIRES));
+        start.pass(ticks_of(120.0) - 1);
+        assert!(start.can_wait());
+        start.pass(1);
+        assert!(!start.can_wait());
+    }
+
+    #[test]
+    fn one_one_that_does_not_come_back_is_missed_after_the_limit() {
+        let orbit = Orbit {
+            force_n: 96.0,
+            impulse_n_s: 0.031,
+            approach_m_per_s: 0.08,
+            onset_turns: 0.4,
+            trace: -0.3,
+            determinant: 0.1,
+        };
+        let target = Target {
+            frequency_hz: 3.6,
+            orbit,
+            band_hz: (2.5, 4.8),
+            doubling_hz: None,
+            entry_hz: 3.6,
+        };
+        let second = ticks_of(1.0);
+        let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
+        let strobes = |seeking: &mut Seeking, contacts: [u16; 8]| {
+            for number in contacts {
+                seeking.strobe(number);
+            }
+        };
+        assert!(!seeking.is_without_one_one(second - 10, 1.0));
+        // Eight drive periods with one contact each bring it back.
+        strobes(&mut seeking, [1; 8]);
+        strobes(&mut seeking, [0; 8]);
+        assert!(!seeking.is_without_one_one(second - 10, 1.0));
+        // Seven do not.
+        strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 0]);
+        strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 2]);
+        assert!(!seeking.is_without_one_one(10, 1.0), "exactly the limit");
+        assert!(seeking.is_without_one_one(1, 1.0));
+        assert!(seeking.is_without_one_one(1, 1.0));
+    }
+}

@@ -163,12 +163,56 @@ mod tests {
     }
 
     #[test]
+    fn zeros_are_means_and_a_first_sample_that_is_off_is_nothing_special() {
+        let off = |t: f32| if t == 0.0 { 1.0 } else { 0.0 };
+        let (ticks, zero) = run(|t| Sample {
+            force_n: 2.5 + 8.0 * off(t),
+            hammer_m: 0.4e-3 + 3e-3 * off(t),
+            cart_m: -0.1e-3 - 0.5e-3 * off(t),
+        });
+        let zero = zero.unwrap();
+        assert!(ticks < 22_000, "two natural periods: {ticks}");
+        assert!((zero.force_n - 2.5).abs() < 1e-3, "{zero:?}");
+        assert!((zero.relative_m.unwrap() - 0.5e-3).abs() < 1e-6, "{zero:?}");
+        assert!((zero.cart_m + 0.1e-3).abs() < 1e-6, "{zero:?}");
+    }
+
+    #[test]
+    fn a_force_is_live_if_its_code_moves_while_the_hammer_rests() {
+        let settings = Settings::for_rig(&WIRES);
+        let is_live = |noise: u16, swing_m: f32| {
+            let mut test = SelfTest::new(&settings);
+            let zero = (0..2_000_000_u32).find_map(|tick| {
+                let force = AdcCode(600 + (tick % 2) as u16 * noise);
+                let frame = Frame {
+                    force,
+                    ..Frame::default()
+                };
+                let t = tick as f32 / 20_000.0;
+                let hammer_m = swing_m * libm::sinf(11.4 * t);
+                test.tick(
+                    &frame,
+                    &Sample {
+                        hammer_m,
+                        ..Sample::default()
+                    },
+                )
+            });
+            zero.unwrap().unwrap().force_is_live
+        };
+        assert!(is_live(1, 0.0));
+        assert!(!is_live(0, 0.0), "a signal that stands");
+        assert!(!is_live(1, 1e-3), "the hammer may strike");
+    }
+
+    #[test]
     fn a_hammer_that_swings_is_waited_for_and_then_not_zeroed() {
         let (ticks, zero) = run(|t| Sample {
             hammer_m: 1e-3 * libm::sinf(11.4 * t),
             ..Sample::default()
         });
-        assert!(ticks > 400_000, "{ticks}");
+        // Twenty windows of two natural periods.
+        assert!((430_000..450_000).contains(&ticks), "{ticks}");
         assert_eq!(zero.unwrap().relative_m, None);
     }
 

@@ -330,3 +330,6 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -277,4 +277,86 @@ mod tests {
         assert!((command / 0.89e-3 - 1.0).abs() < 1e-3, "{command}");
         assert_eq!(trim.limits(), ActiveLimits::NONE);
     }
+
+    /// The amplitude over A0 after each of so many drive periods with a force of `over` times the limit.
+    fn shares(over: f32, periods: usize) -> std::vec::Vec<f32> {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        let strobe = |command_m: f32| Strobe {
+            amplitude_m: command_m,
+            peak_n: over * settings.limits.force_n,
+            ..Strobe::default()
+        };
+        (0..periods)
+            .map(|_| run(&mut trim, 1, strobe) / 0.89e-3)
+            .collect()
+    }
+
+    #[test]
+    fn a_force_far_above_the_limit_is_answered_every_other_period_and_one_just_above_every_fifth() {
+        for (over, every) in [(1.05, 5), (1.3, 2)] {
+            let shares = shares(over, 11);
+            for (period, share) in shares.iter().enumerate() {
+                let wanted = libm::powf(over, -(1.0 + (period / every) as f32));
+                assert!((share - wanted).abs() < 1e-3, "{over}: {shares:?}");
+            }
+        }
+        assert_eq!(shares(0.99, 10), [1.0; 10]);
+    }
+
+    #[test]
+    fn travel_above_its_limit_draws_the_amplitude_back_too_and_it_returns_by_a_hundredth_a_period()
+    {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        let travel = |over: f32| {
+            move |command_m: f32| Strobe {
+                amplitude_m: command_m,
+                travel_m: over * settings.limits.travel_m,
+                ..Strobe::default()
+            }
+        };
+        let low = run(&mut trim, 1, travel(1.5)) / 0.89e-3;
+        assert!((low - 1.0 / 1.5).abs() < 1e-3, "{low}");
+        assert_eq!(trim.limits(), ActiveLimits::TRAVEL);
+        // The hammer needs four periods to respond, and close to the limit nothing moves.
+        let held = run(&mut trim, 4, travel(0.5)) / 0.89e-3;
+        assert!((held - low).abs() < 1e-4, "{held}");
+        let held = run(&mut trim, 10, travel(0.97)) / 0.89e-3;
+        assert!((held - low).abs() < 1e-4, "{held}");
+        let back = run(&mut trim, 10, travel(0.9)) / 0.89e-3;
+        assert!((back / low - libm::powf(1.01, 10.0)).abs() < 1e-3, "{back}");
+    }
+
+    #[test]
+    fn a_cart_that_moves_too_far_is_corrected_at_once_and_under_suspicion_only_downwards() {
+        let after = |response: f32, closed: bool| {
+            let mut trim = Trim::new(&Settings::for_rig(&WIRES));
+            let strobe = Strobe {
+                amplitude_m: response * 0.89e-3,
+                ..Strobe::default()
+            };
+            trim.strobe(&strobe, 0.89e-3, closed);
+            trim.command() / 0.89e-3
+        };
+        for closed in [false, true] {
+            assert!((after(1.5, closed) - 1.0 / 1.5).abs() < 1e-3);
+            assert!((after(1.05, closed) - 0.99).abs() < 1e-3);
+        }
+        assert!((after(0.9, true) - 1.02).abs() < 1e-3);
+        assert_eq!(after(0.9, false), 1.0);
+    }
+
+    #[test]
+    fn a_surge_is_one_against_the_amplitude_that_the_limits_leave() {
+        let settings = Settings::for_rig(&WIRES);
+        let mut trim = Trim::new(&settings);
+        trim.expect(1.5 * settings.limits.force_n);
+        let command_m = trim.command();
+        assert!(!trim.surge(1.2 * command_m, command_m));
+        assert!(trim.surge(1.3 * command_m, command_m));
+        // Seven tenths of the command that makes the amplitude: the motion still grows.
+        let answer = trim.command() / command_m;
+        assert!((answer - 0.7 / 1.3).abs() < 1e-3, "{answer}");
+    }
 }

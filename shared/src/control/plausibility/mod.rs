@@ -360,4 +360,147 @@ mod tests {
             assert_eq!(tripped, None, "{hz}");
         }
     }
+
+    fn contact(ratio: f32) -> Pulse {
+        Pulse {
+            approach_m_per_s: 0.08,
+            rebound_m_per_s: 0.025,
+            impulse_n_s: ratio * reduced_kg() * 0.105,
+            ..Pulse::default()
+        }
+    }
+
+    #[test]
+    fn a_trip_tells_the_ratio_and_whose_it_is() {
+        let trip_of = |pulse: Pulse| {
+            let mut plausibility = plausibility();
+            let trip = (0..100).find_map(|_| plausibility.pulse(&pulse)).unwrap();
+            (trip.origin, trip.value)
+        };
+        let (origin, ratio) = trip_of(contact(1.5));
+        assert_eq!(origin, Origin::Force);
+        assert!((ratio - 1.5).abs() < 1e-3, "{ratio}");
+        let away = Pulse {
+            approach_m_per_s: -0.08,
+            rebound_m_per_s: -0.025,
+            ..contact(1.0)
+        };
+        let (origin, ratio) = trip_of(away);
+        assert_eq!(origin, Origin::Hammer);
+        assert!((ratio + 1.0).abs() < 1e-3, "{ratio}");
+        // A number that is none is told as 0.
+        let none = Pulse {
+            approach_m_per_s: f32::NAN,
+            ..contact(1.0)
+        };
+        assert_eq!(trip_of(none).1, 0.0);
+    }
+
+    #[test]
+    fn a_gain_that_goes_wrong_later_is_found_and_five_misread_contacts_are_not_one() {
+        let mut plausibility = plausibility();
+        assert!((0..100).all(|_| plausibility.pulse(&contact(1.0)).is_none()));
+        assert!((0..5).all(|_| plausibility.pulse(&contact(1.5)).is_none()));
+        assert!((0..50).all(|_| plausibility.pulse(&contact(1.0)).is_none()));
+        let found = (1..100).find(|_| plausibility.pulse(&contact(1.5)).is_some());
+        assert!(found.is_some_and(|contacts| contacts < 24), "{found:?}");
+    }
+
+    #[test]
+    fn the_distance_is_from_the_gap_as_contacts_have_shown_it() {
+        let at = |relative_m| Pulse {
+            relative_m,
+            ..contact(1.0)
+        };
+        let trips = |relative_m: f32| {
+            let mut plausibility = plausibility();
+            plausibility.believe_gap(2e-3);
+            (0..10).any(|_| plausibility.pulse(&at(relative_m)).is_some())
+        };
+        assert!(!trips(2e-3) && !trips(0.6e-3) && !trips(3.4e-3));
+        assert!(trips(0.4e-3) && trips(3.6e-3));
+    }
+
+    #[test]
+    fn a_start_begins_every_count_anew() {
+        let far = Pulse {
+            relative_m: 2e-3,
+            ..contact(1.0)
+        };
+        let limit_n = Settings::for_rig(&WIRES).limits.force_n;
+        type Count = (u8, fn(&mut Plausibility, f32, &Pulse) -> Option<Trip>);
+        // All but one of the periods or contacts that trip, for each check.
+        let counts: [Count; 5] = [
+            (2, |p, _, far| p.pulse(far)),
+            (15, |p, _, _| p.pulse(&contact(1.4))),
+            (3, |p, limit_n, _| p.free_force((0.06 * limit_n, 1))),
+            (15, |p, _, _| p.ratio(Some((1.3, 48)))),
+            (47, |p, _, _| p.held(&strobe(1.0, 0.1), 4.5, 3.6)),
+        ];
+        for (count, one) in counts {
+            let mut plausibility = plausibility();
+            for _ in 0..2 {
+                plausibility.restart();
+                let tripped = (0..count).find_map(|_| one(&mut plausibility, limit_n, &far));
+                assert_eq!(tripped, None, "{count}");
+            }
+            assert!(one(&mut plausibility, limit_n, &far).is_some(), "{count}");
+        }
+    }
+
+    #[test]
+    fn the_response_of_the_shaker_is_learnt_anew_after_a_start_and_at_another_frequency() {
+        let run = |p: &mut Plausibility, ratio: f32, hz: f32| {
+            (0..20).any(|_| p.strobe(&strobe(ratio, 0.1), 0.89e-3, hz, false).is_some())
+        };
+        let mut plausibility = plausibility();
+        assert!(!run(&mut plausibility, 1.0, 3.6));
+        plausibility.restart();
+        assert!(!run(&mut plausibility, 0.8, 3.6));
+        assert!(!run(&mut plausibility, 1.0, 1.05 * 3.6));
+        // At nearly the same frequency it is the same shaker.
+        assert!(run(&mut plausibility, 0.8, 1.07 * 3.6));
+    }
+
+    #[test]
+    fn what_the_first_periods_show_is_no_step_and_a_slow_fall_is() {
+        let mut plausibility = plausibility();
+        let mut trips = |ratio: f32| {
+            let seen = strobe(ratio, 0.1);
+            plausibility.strobe(&seen, 0.89e-3, 3.6, false).is_some()
+        };
+        assert!(!trips(1.0) && !trips(1.0));
+        assert!((0..30).all(|_| !trips(0.8)));
+        assert!((0..60).all(|_| !trips(0.99)));
+        // Two hundredths a period down to three quarters.
+        assert!((0..30).any(|k| trips((0.99 - 0.02 * k as f32).max(0.75))));
+    }
+
+    #[test]
+    fn a_cart_is_doubted_from_the_first_bad_period_until_a_good_one() {
+        for bad in [strobe(0.5, 0.1), strobe(0.8, 0.1), strobe(1.0, 3.0)] {
+            let mut plausibility = plausibility();
+            let mut see = |seen: &Strobe| {
+                assert_eq!(plausibility.strobe(seen, 0.89e-3, 3.6, false), None);
+                plausibility.doubts_the_cart()
+            };
+            assert!((0..30).all(|_| !see(&strobe(1.0, 0.1))));
+            assert!(see(&bad), "{bad:?}");
+            assert!(!see(&strobe(1.0, 0.1)), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn a_command_below_a_tenth_of_the_amplitude_is_not_judged() {
+        for (share, expected) in [(0.09, None), (0.11, Some(4)), (0.0, None)] {
+            let mut plausibility = plausibility();
+            plausibility.restart();
+            let still = strobe(0.0, 0.0);
+            let tripped = (1..20).find(|_| {
+                let command_m = share * 0.89e-3;
+                plausibility.strobe(&still, command_m, 3.6, true).is_some()
+            });
+            assert_eq!(tripped, expected, "{share}");
+        }
+    }
 }
