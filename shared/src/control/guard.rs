@@ -4,11 +4,12 @@
 //! that come again and again trip as well, once they are more than one in five; one in five and fewer, each alone,
 //! never do. Latencies are in the fault table of the documentation, and held by tests.
 
+use super::plausibility::Doubt;
 use crate::fault::{Fault, Origin};
 use crate::io::{AdcCode, Channel, Frame, Reading};
 use crate::model::drive::Stamp;
 use crate::sense::Sample;
-use crate::settings::Settings;
+use crate::settings::{Settings, Trips};
 
 /// What a bad tick adds to its count; a good one takes one off.
 const BAD: u8 = 4;
@@ -152,6 +153,13 @@ impl Guard {
             cart: ChannelMonitor::default(),
             force_is_live: false,
         }
+    }
+
+    /// The trip levels from now on: those of the settings, nearer by what is doubted.
+    pub fn set_levels(&mut self, trips: &Trips, doubt: &Doubt) {
+        self.force_trip_n = trips.force_n / doubt.force;
+        self.travel_trip_m = trips.travel_m / doubt.travel;
+        self.cart_trip_m = trips.cart_m / doubt.cart;
     }
 
     /// Sets whether the force sensor's code varied with the drive off: only then can a constant one be frozen.

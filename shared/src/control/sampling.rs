@@ -100,6 +100,14 @@ impl Controller {
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
         }
+        self.go_by_the_worse();
+    }
+
+    /// Limits and trip levels go by the worse of two measurements that contradict each other.
+    pub(super) fn go_by_the_worse(&mut self) {
+        let doubt = self.plausibility.doubt();
+        self.guard.set_levels(&self.settings.trips, &doubt);
+        self.trim.set_limits(&self.settings.limits, &doubt);
     }
 
     /// A drive period has ended while the drive is on.
@@ -161,6 +169,7 @@ impl Controller {
             self.trip(trip);
             return true;
         }
+        self.go_by_the_worse();
         let closed = !self.plausibility.doubts_the_cart();
         if closed && command_m > 0.9 * self.probe_m() {
             self.seen.proven = self.seen.proven.saturating_add(1);
@@ -174,9 +183,9 @@ impl Controller {
 
     /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.
     fn stop_a_motor_beyond_its_limits(&mut self, strobe: &Strobe) -> bool {
-        let limits = &self.settings.limits;
-        let beyond = ActiveLimits::FORCE.when(strobe.peak_n > limits.force_n)
-            | ActiveLimits::TRAVEL.when(strobe.travel_m > limits.travel_m);
+        let (limits, doubt) = (&self.settings.limits, self.plausibility.doubt());
+        let beyond = ActiveLimits::FORCE.when(strobe.peak_n * doubt.force > limits.force_n)
+            | ActiveLimits::TRAVEL.when(strobe.travel_m * doubt.travel > limits.travel_m);
         if beyond.is_empty() {
             self.seen.beyond = 0;
             return false;
@@ -214,7 +223,9 @@ impl Controller {
             return;
         }
         let clamped = !self.trim.limits().is_empty();
-        if self.force.strobe(strobe.peak_n, clamped) {
+        // No harder than asked, by either measurement.
+        let peak_n = strobe.peak_n * self.plausibility.doubt().force;
+        if self.force.strobe(peak_n, clamped) {
             let wanted_m = self.wanted_amplitude_m() * self.force.factor();
             self.trim.set_wanted_amplitude(wanted_m);
             self.command_amplitude();

@@ -5,8 +5,9 @@
 //! resonance of the shaker, is met within half a drive period: [`Trim::surge`].
 
 use super::limits::ActiveLimits;
+use super::plausibility::Doubt;
 use crate::sense::Strobe;
-use crate::settings::Settings;
+use crate::settings::{Limits, Settings};
 
 /// Share of the amplitude error corrected per drive period.
 const GAIN: f32 = 0.2;
@@ -35,7 +36,10 @@ const RELEASE: f32 = 1.01;
 #[derive(Clone, Copy, Debug)]
 pub struct Trim {
     wanted_m: f32,
+    /// Largest command.
     largest_m: f32,
+    /// How many times its reading the cart's amplitude may be.
+    cart_doubt: f32,
     force_n: f32,
     travel_m: f32,
     /// Command over amplitude.
@@ -53,6 +57,7 @@ impl Trim {
         Self {
             wanted_m: settings.rig.amplitude_m as f32,
             largest_m: settings.limits.amplitude_m,
+            cart_doubt: 1.0,
             force_n: settings.limits.force_n,
             travel_m: settings.limits.travel_m,
             gain: 1.0,
@@ -60,6 +65,13 @@ impl Trim {
             wait: 0,
             limits: ActiveLimits::NONE,
         }
+    }
+
+    /// The limits from now on: those of the settings, nearer by what is doubted.
+    pub fn set_limits(&mut self, limits: &Limits, doubt: &Doubt) {
+        self.force_n = limits.force_n / doubt.force;
+        self.travel_m = limits.travel_m / doubt.travel;
+        self.cart_doubt = doubt.cart;
     }
 
     /// The amplitude wanted, m (clamped by [`Self::command`]).
@@ -148,14 +160,20 @@ impl Trim {
 
     /// The amplitude to command, m.
     pub fn command(&mut self) -> f32 {
-        let command = self.wanted_m * self.draw * self.gain;
-        if command > self.largest_m {
-            self.limits |= ActiveLimits::AMPLITUDE;
-            self.largest_m
+        // Neither the command nor what the amplitude may truly be beyond its reading exceeds the limit.
+        let largest_reading_m = self.largest_m / self.cart_doubt;
+        let reading_m = self.wanted_m * self.draw;
+        let doubted = self.cart_doubt > 1.0 && reading_m > largest_reading_m;
+        let reading_m = if doubted {
+            largest_reading_m
         } else {
-            self.limits -= ActiveLimits::AMPLITUDE;
-            command
-        }
+            reading_m
+        };
+        let command = reading_m * self.gain;
+        let beyond = command > self.largest_m;
+        self.limits -= ActiveLimits::AMPLITUDE;
+        self.limits |= ActiveLimits::AMPLITUDE.when(doubted || beyond);
+        if beyond { self.largest_m } else { command }
     }
 }
 
