@@ -100,13 +100,13 @@ impl Controller {
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
         }
-        self.go_by_the_worse();
     }
 
     /// Limits and trip levels go by the worse of two measurements that contradict each other.
     pub(super) fn go_by_the_worse(&mut self) {
         let doubt = self.plausibility.doubt();
-        self.guard.set_levels(&self.settings.trips, &doubt);
+        let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
+        self.guard.set_levels(&self.settings.trips, &doubt, rest);
         self.trim.set_limits(&self.settings.limits, &doubt);
     }
 
@@ -158,18 +158,21 @@ impl Controller {
         let now_m = self.oscillator.amplitude_m();
         let command_m = 0.5 * (now_m + self.seen.command_m);
         self.seen.command_m = now_m;
+        let ratio = self.rig.identification.hammer_over_cart();
+        if let Some(trip) = self.plausibility.ratio(ratio) {
+            self.trip(trip);
+            return true;
+        }
+        self.go_by_the_worse();
         if self.is_motor() {
             return self.stop_a_motor_beyond_its_limits(strobe);
         }
         let hz = self.oscillator.frequency_hz();
         let rising = matches!(self.life.phase, Phase::Ramp(_));
-        let ratio = self.rig.identification.hammer_over_cart();
-        let followed = self.plausibility.strobe(strobe, command_m, hz, rising);
-        if let Some(trip) = followed.or_else(|| self.plausibility.ratio(ratio)) {
+        if let Some(trip) = self.plausibility.strobe(strobe, command_m, hz, rising) {
             self.trip(trip);
             return true;
         }
-        self.go_by_the_worse();
         let closed = !self.plausibility.doubts_the_cart();
         if closed && command_m > 0.9 * self.probe_m() {
             self.seen.proven = self.seen.proven.saturating_add(1);
