@@ -162,3 +162,24 @@ fn a_trip_level_of_a_cart_that_reads_less_trips_by_the_truth() {
     assert_eq!(found.faults, [Fault::OverTravel]);
     assert_eq!(truth(&tables).faults, []);
 }
+
+#[test]
+fn a_trip_level_is_not_passed_by_a_hammer_whose_zero_is_off() {
+    // The travel goes beyond its limit for a second after the start, to 4.3 mm. With a zero that was 1.2 mm off, this
+    // tripped nothing at 3.8 mm.
+    let with = |trip_mm: f64, offset_um: f64| {
+        truth(&format!(
+            "hammer_offset_um = {offset_um:?}\n[limits]\ntravel_mm = 3.4\n[trips]\ntravel_mm = {trip_mm:?}\n{ITSELF}"
+        ))
+    };
+    for offset_um in [0.0, 1200.0, -1200.0] {
+        assert_eq!(
+            with(3.8, offset_um).faults,
+            [Fault::OverTravel],
+            "{offset_um}"
+        );
+    }
+    for offset_um in [0.0, 1200.0] {
+        assert_eq!(with(4.6, offset_um).faults, [], "{offset_um}");
+    }
+}
