@@ -27,6 +27,8 @@ pub struct Zero {
     pub relative_m: Option<f32>,
     /// The cart with the drive off, m.
     pub cart_m: f32,
+    /// Amplitude of the hammer's swing relative to the cart, m.
+    pub swing_m: f32,
     /// Whether the force sensor's code varied with the hammer at rest.
     pub force_is_live: bool,
 }
@@ -94,36 +96,39 @@ impl SelfTest {
         self.ticks = 0;
         self.windows = self.windows.saturating_add(1);
         let mean = self.relative_sum * share;
-        let at_rest = self.relative_squares * share - mean * mean <= self.quiet_m2;
+        let variance_m2 = self.relative_squares * share - mean * mean;
+        let at_rest = variance_m2 <= self.quiet_m2;
         if !at_rest && self.windows < MAX_WINDOWS {
             return None;
         }
         let force_n = self.first.force_n + self.force_sum * share;
         let relative_m = self.first.hammer_m - self.first.cart_m + mean;
         let cart_m = self.first.cart_m + self.cart_sum * share;
-        Some(self.judge(force_n, at_rest.then_some(relative_m), cart_m))
+        let zero = Zero {
+            force_n,
+            relative_m: at_rest.then_some(relative_m),
+            cart_m,
+            swing_m: libm::sqrtf(2.0 * variance_m2.max(0.0)),
+            // A swinging hammer may strike; that is not noise.
+            force_is_live: at_rest && self.codes.0 != self.codes.1,
+        };
+        Some(self.judge(zero))
     }
 
-    fn judge(&self, force_n: f32, relative_m: Option<f32>, cart_m: f32) -> Result<Zero, Trip> {
+    fn judge(&self, zero: Zero) -> Result<Zero, Trip> {
         let out_of_family = |origin, value| Trip {
             fault: Fault::SensorOutOfFamily,
             origin,
             value,
         };
-        if libm::fabsf(force_n) > self.max_force_n {
-            return Err(out_of_family(Origin::Force, force_n));
+        if libm::fabsf(zero.force_n) > self.max_force_n {
+            return Err(out_of_family(Origin::Force, zero.force_n));
         }
-        match relative_m {
+        match zero.relative_m {
             Some(rest_m) if libm::fabsf(rest_m) > MAX_REST_M => {
                 Err(out_of_family(Origin::Hammer, rest_m))
             }
-            _ => Ok(Zero {
-                force_n,
-                relative_m,
-                cart_m,
-                // A swinging hammer may strike; that is not noise.
-                force_is_live: relative_m.is_some() && self.codes.0 != self.codes.1,
-            }),
+            _ => Ok(zero),
         }
     }
 }

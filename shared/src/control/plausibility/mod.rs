@@ -30,7 +30,7 @@ use momentum::Momentum;
 #[cfg(test)]
 use momentum::MOMENTUM_RANGE;
 
-pub use follow::BAD_PERIODS;
+pub use follow::{BAD_PERIODS, LEAST_FOLLOW};
 pub use momentum::BAD_PULSES;
 
 /// Gain of the hammer's sensor over the cart's.
