@@ -13,6 +13,8 @@ use shared::settings::{Settings, TICK_S};
 struct Plant {
     twin: Twin<f64, Corrected>,
     amplitude_m: f64,
+    /// The set-points have had their full amplitude.
+    full: bool,
     on: bool,
     last: DacCode,
 }
@@ -24,18 +26,22 @@ impl Plant {
         Self {
             twin: Twin::at_rest(rig, drive, Corrected),
             amplitude_m: params.amplitude_m,
+            full: false,
             on: false,
             last: DacCode::MIDDLE,
         }
     }
 
-    /// The cart moves at full amplitude, in step with the set-points, from where they first rise through the middle.
+    /// Up to their full amplitude the cart follows the set-points and takes the hammer along, as if it were pressed on.
+    /// From where they rise through the middle next, the cart moves at full amplitude in step with them.
     fn tick(&mut self, settings: &Settings, output: &Output) -> Frame {
         let code = |channel: &Channel, value: f64| {
             let code = value / f64::from(channel.unit_per_code) + f64::from(channel.zero_code);
             AdcCode((code + 0.5).clamp(0.0, 4095.0) as u16)
         };
-        let rises = self.last < DacCode::MIDDLE && output.dac >= DacCode::MIDDLE;
+        let set_m = (f64::from(output.dac.0) - 2048.0) * f64::from(settings.drive.m_per_code);
+        self.full |= set_m > 0.98 * self.amplitude_m;
+        let rises = self.full && self.last < DacCode::MIDDLE && output.dac >= DacCode::MIDDLE;
         self.last = output.dac;
         self.on = output.enable && (self.on || rises);
         let mut force_n = 0.0;
@@ -51,7 +57,7 @@ impl Plant {
         let cart = if self.on {
             self.amplitude_m * self.twin.drive().sin()
         } else {
-            0.0
+            set_m
         };
         Frame {
             force: code(&settings.force, force_n),

@@ -51,7 +51,12 @@ fn start(rig: &str, tables: &str) -> Start {
     );
     let scenario = parse("proof", &text, "proof").unwrap();
     let mut start = Start::default();
-    run(&scenario, &mut Local::new(&scenario.settings).unwrap(), &mut start).unwrap();
+    run(
+        &scenario,
+        &mut Local::new(&scenario.settings).unwrap(),
+        &mut start,
+    )
+    .unwrap();
     println!("{rig} {tables:?}: {start:?}");
     start
 }
@@ -84,13 +89,13 @@ fn wrong_sensors_are_found_before_the_ramp_and_before_any_blow() {
     let rigs = ["wires", "beam-135"];
     let gaps = [-0.2, 0.0, 1.0];
     let all = rigs.iter().flat_map(|rig| gaps.map(|gap_mm| (rig, gap_mm)));
-    let all: Vec<_> = all.flat_map(|at| cases.iter().map(move |case| (at, case))).collect();
+    let all: Vec<_> = all
+        .flat_map(|at| cases.iter().map(move |case| (at, case)))
+        .collect();
     let wrong = all.par_iter().filter_map(|((rig, gap_mm), (lie, origin))| {
         let found = start(rig, &format!("gap_mm = {gap_mm:?}\n{lie}"));
         let named = found.fault.is_some_and(|(fault, named, at_s)| {
-            fault == Fault::SensorOutOfFamily
-                && named == *origin
-                && at_s < 5.5
+            fault == Fault::SensorOutOfFamily && named == *origin && at_s < 5.5
         });
         let unharmed = !found.has_ramped && found.force_n < BLOW_N;
         (!named || !unharmed).then(|| format!("{rig} {gap_mm} {lie:?}: {found:?}"))
