@@ -139,13 +139,14 @@ impl Proof {
         self.amplitude_m
     }
 
-    /// The frequency, Hz, of a motion that is due: it begins now, at phase 0.
+    /// Begins a motion that is due. For the first, its frequency, Hz: at phase 0. The next one goes on where it ended, at
+    /// phase 0 again.
     pub fn begin(&mut self) -> Option<f32> {
         let due = self.stage == Stage::Due;
         if due {
             self.stage = Stage::Moving(0);
         }
-        due.then_some(self.hz)
+        (due && self.tries == 0).then_some(self.hz)
     }
 
     /// Share of the amplitude now.
@@ -421,7 +422,7 @@ mod tests {
         let mut proof = Proof::new(Mode::Automatic, &settings, &Zero::default(), (1.0, 1e-3));
         let mut ends = std::vec::Vec::new();
         for motion in 0..3 {
-            assert_eq!(proof.begin().is_some(), motion < 2, "{motion}");
+            assert_eq!(proof.begin().is_some(), motion == 0, "{motion}");
             for tick in 0..40_000 {
                 let command_m = 1e-4 * libm::sinf(1.9e-4 * tick as f32);
                 let known = if motion == 0 { -1.0 } else { 1.0 };
