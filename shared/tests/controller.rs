@@ -137,7 +137,8 @@ impl Bench {
         };
         let mut sound = Frame {
             force: AdcCode(600 + push + self.random(noise + 1)),
-            hammer: AdcCode((2048.0 + 0.3 * cart) as u16 + self.random(noise + 1)),
+            // The hammer goes with the cart; its sensor reads 4.8 times as far.
+            hammer: AdcCode((2048.0 + cart / 4.8) as u16 + self.random(noise + 1)),
             cart: AdcCode((2048.0 + cart) as u16 + self.random(noise + 1)),
             emergency: false,
         };

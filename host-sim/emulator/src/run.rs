@@ -302,5 +302,12 @@ fn in_words(what: &control::EventKind) -> String {
             let names: Vec<_> = limits.names().collect();
             format!("limited by {}", names.join(", "))
         }
+        Kind::Proven { cart, hammer } => {
+            let rest = match hammer {
+                Some(ratio) => format!("hammer {ratio:.3} of the cart"),
+                None => "not the hammer: limits.min_frequency_hz is too high".into(),
+            };
+            format!("proven: cart {cart:.3} of its command, {rest}")
+        }
     }
 }

@@ -77,12 +77,13 @@ impl World {
         let rig = scenario.true_rig;
         let plant = Plant::mounted(&rig, &scenario.drive(), &scenario.mounting, tick_s)?;
         let settings = &scenario.settings;
+        let polarity = if scenario.shaker.reversed { -1.0 } else { 1.0 };
         Ok(Self {
             plant,
             smoother: Smoother::new(&scenario.shaker, tick_s),
             sensors: Sensors::new(&scenario.sensors, settings, tick_s, scenario.seed),
             chain: Chain::default(),
-            m_per_code: f64::from(settings.drive.m_per_code),
+            m_per_code: f64::from(settings.drive.m_per_code) * polarity,
             tick_s,
             ground: rig,
             rig,

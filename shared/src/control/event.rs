@@ -57,6 +57,13 @@ pub enum EventKind {
     Basin(Basin),
     /// The set of limits that clamp has changed.
     Limits(ActiveLimits),
+    /// A small motion has proven the sensors.
+    Proven {
+        /// Cart over command.
+        cart: f32,
+        /// Hammer over cart; none if the limits allow no motion slow enough to prove it.
+        hammer: Option<f32>,
+    },
 }
 
 /// An event with its time.

@@ -32,6 +32,7 @@ mod oscillator;
 mod phase;
 mod plausibility;
 mod probe;
+mod proof;
 mod rig_estimate;
 mod sampling;
 mod search;
@@ -77,6 +78,8 @@ pub enum State {
     Fault = 6,
     /// Frequency and amplitude are given by hand.
     Manual = 7,
+    /// Drive on, a small and slow motion that proves the sensors.
+    Prove = 8,
 }
 
 /// Who chooses the frequency.

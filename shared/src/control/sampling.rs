@@ -4,6 +4,7 @@ use super::controller::Controller;
 use super::event::EventKind;
 use super::guard::Trip;
 use super::phase::Phase;
+use super::proof::Proven;
 use super::search::{Beat, Step};
 use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
@@ -18,7 +19,7 @@ impl Controller {
     #[inline]
     pub(super) fn sample(&mut self, frame: &Frame) {
         let driving = self.life.phase.is_driving();
-        let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.wanted_amplitude_m();
+        let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.full_amplitude_m();
         let now = self.sensed_drive.now();
         let (sample, trip) = self.guard.check(frame, now, moving, driving);
         self.watch_the_cart(&sample, driving);
@@ -26,15 +27,31 @@ impl Controller {
             self.trip(trip);
             return;
         }
-        if let Phase::SelfTest(start) = &mut self.life.phase
-            && let Some(end) = start.test.tick(frame, &sample)
-        {
-            match end {
-                Ok(zero) => self.finish_self_test(zero),
-                Err(trip) => self.trip(trip),
-            }
-        }
+        self.test(frame, &sample);
         self.process(sample, driving);
+    }
+
+    /// The self test and the motion that proves the sensors.
+    #[inline]
+    fn test(&mut self, frame: &Frame, sample: &Sample) {
+        match &mut self.life.phase {
+            Phase::SelfTest(start) => match start.test.tick(frame, sample) {
+                None => {}
+                Some(Ok(zero)) => self.finish_self_test(zero),
+                Some(Err(trip)) => self.trip(trip),
+            },
+            Phase::Prove(proof) => {
+                let command_m = self.oscillator.amplitude_m() * self.sensed_drive.sin();
+                match proof.tick(sample, command_m) {
+                    None => {}
+                    Some(Ok(Proven { cart, hammer })) => {
+                        self.life.push(EventKind::Proven { cart, hammer });
+                    }
+                    Some(Err(trip)) => self.trip(trip),
+                }
+            }
+            _ => {}
+        }
     }
 
     /// The cart must not move with the drive off, and no further than wanted with the drive on.
@@ -58,7 +75,9 @@ impl Controller {
     #[inline]
     fn process(&mut self, sample: Sample, driving: bool) {
         let found = self.sense.tick(sample, self.life.tick, &self.sensed_drive);
-        if driving {
+        // The small motion proves the sensors by itself; it is too slow and too small for the checks of a run.
+        let running = driving && !matches!(self.life.phase, Phase::Prove(_));
+        if running {
             let in_contact = self.sense.in_contact();
             self.note_contact(in_contact);
             if !in_contact {
@@ -76,7 +95,7 @@ impl Controller {
             if measured.periods > 0 {
                 self.seen.regime = measured.regime;
             }
-            if driving {
+            if running {
                 self.strobe(&strobe);
             }
         }
@@ -174,9 +193,6 @@ impl Controller {
             return true;
         }
         let closed = !self.plausibility.doubts_the_cart();
-        if closed && command_m > 0.9 * self.probe_m() {
-            self.seen.proven = self.seen.proven.saturating_add(1);
-        }
         self.trim.strobe(strobe, command_m, closed);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();

@@ -7,10 +7,9 @@ use crate::settings::{Settings, TICK_RATE_HZ};
 
 use super::guard::Trip;
 
-/// Natural periods averaged: a hammer that still swings averages out over whole ones.
-const PERIODS: f32 = 2.0;
-/// Windows waited for the hammer to come to rest; wires have no damping and may swing for long.
-const MAX_WINDOWS: u8 = 20;
+/// Windows of one natural period, over which a hammer that still swings averages out, waited for it to come to rest: wires
+/// have no damping and may swing for long.
+const MAX_WINDOWS: u8 = 40;
 /// A hammer whose displacement varies less than this share of A0 (r.m.s.) is at rest.
 const AT_REST: f32 = 0.25;
 /// Largest rest displacement of the hammer taken for a sensor's offset, m.
@@ -27,6 +26,8 @@ pub struct Zero {
     pub relative_m: Option<f32>,
     /// The cart with the drive off, m.
     pub cart_m: f32,
+    /// Amplitude of the hammer's swing relative to the cart, m.
+    pub swing_m: f32,
     /// Whether the force sensor's code varied with the hammer at rest.
     pub force_is_live: bool,
 }
@@ -53,7 +54,7 @@ impl SelfTest {
         let natural_hz = (settings.rig.natural_frequency_hz() as f32).max(0.1);
         let at_rest_m = AT_REST * settings.rig.amplitude_m as f32;
         Self {
-            window: (PERIODS * TICK_RATE_HZ as f32 / natural_hz) as u32,
+            window: (TICK_RATE_HZ as f32 / natural_hz) as u32,
             quiet_m2: at_rest_m * at_rest_m,
             max_force_n: MAX_FORCE_OFFSET * settings.limits.force_n,
             ticks: 0,
@@ -94,36 +95,39 @@ impl SelfTest {
         self.ticks = 0;
         self.windows = self.windows.saturating_add(1);
         let mean = self.relative_sum * share;
-        let at_rest = self.relative_squares * share - mean * mean <= self.quiet_m2;
+        let variance_m2 = self.relative_squares * share - mean * mean;
+        let at_rest = variance_m2 <= self.quiet_m2;
         if !at_rest && self.windows < MAX_WINDOWS {
             return None;
         }
         let force_n = self.first.force_n + self.force_sum * share;
         let relative_m = self.first.hammer_m - self.first.cart_m + mean;
         let cart_m = self.first.cart_m + self.cart_sum * share;
-        Some(self.judge(force_n, at_rest.then_some(relative_m), cart_m))
+        let zero = Zero {
+            force_n,
+            relative_m: at_rest.then_some(relative_m),
+            cart_m,
+            swing_m: libm::sqrtf(2.0 * variance_m2.max(0.0)),
+            // A swinging hammer may strike; that is not noise.
+            force_is_live: at_rest && self.codes.0 != self.codes.1,
+        };
+        Some(self.judge(zero))
     }
 
-    fn judge(&self, force_n: f32, relative_m: Option<f32>, cart_m: f32) -> Result<Zero, Trip> {
+    fn judge(&self, zero: Zero) -> Result<Zero, Trip> {
         let out_of_family = |origin, value| Trip {
             fault: Fault::SensorOutOfFamily,
             origin,
             value,
         };
-        if libm::fabsf(force_n) > self.max_force_n {
-            return Err(out_of_family(Origin::Force, force_n));
+        if libm::fabsf(zero.force_n) > self.max_force_n {
+            return Err(out_of_family(Origin::Force, zero.force_n));
         }
-        match relative_m {
+        match zero.relative_m {
             Some(rest_m) if libm::fabsf(rest_m) > MAX_REST_M => {
                 Err(out_of_family(Origin::Hammer, rest_m))
             }
-            _ => Ok(Zero {
-                force_n,
-                relative_m,
-                cart_m,
-                // A swinging hammer may strike; that is not noise.
-                force_is_live: relative_m.is_some() && self.codes.0 != self.codes.1,
-            }),
+            _ => Ok(zero),
         }
     }
 }
@@ -156,7 +160,10 @@ mod tests {
             cart_m: -0.1e-3,
         });
         let zero = zero.unwrap();
-        assert!(ticks < 22_000, "two natural periods: {ticks}");
+        assert!(
+            (10_500..11_500).contains(&ticks),
+            "a natural period: {ticks}"
+        );
         assert!((zero.force_n - 2.5).abs() < 1e-5);
         assert!((zero.relative_m.unwrap() - 0.5e-3).abs() < 1e-8);
         assert!(zero.force_is_live);

@@ -393,6 +393,7 @@ mod tests {
             move |command_m: f32| Strobe {
                 amplitude_m: command_m,
                 travel_m: over * settings.limits.travel_m,
+                contacts: 1,
                 ..Strobe::default()
             }
         };

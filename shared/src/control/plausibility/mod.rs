@@ -32,7 +32,7 @@ use momentum::Momentum;
 use momentum::MOMENTUM_RANGE;
 
 pub use doubt::Doubt;
-pub use follow::BAD_PERIODS;
+pub use follow::{BAD_PERIODS, LEAST_FOLLOW};
 pub use momentum::BAD_PULSES;
 
 /// Gain of the hammer's sensor over the cart's.
