@@ -65,7 +65,7 @@ impl Plant {
 /// When Hold was reached, s, and the best frequency then, Hz.
 fn held(params: &RigParams) -> Option<(f64, f32)> {
     let settings = Settings::for_rig(params);
-    let mut node = Lockstep::new(&settings, &BootInfo::default()).unwrap();
+    let mut node = Lockstep::new(&settings, &BootInfo::STORED).unwrap();
     let mut plant = Plant::new(params);
     let mut outputs = [Output::SAFE; 10];
     let start = Command::Start(Mode::Automatic);

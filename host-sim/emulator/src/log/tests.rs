@@ -83,7 +83,7 @@ fn block(k: usize) -> Block {
         inputs: match k {
             0 => vec![Input::Command(Command::Start(Mode::Automatic))],
             3 => vec![Input::Overrun, Input::Settings(header().settings)],
-            4 => vec![Input::Born(header().settings, BootInfo::default())],
+            4 => vec![Input::Born(header().settings, BootInfo::STORED)],
             _ => Vec::new(),
         },
         samples: match k {
