@@ -111,7 +111,7 @@ impl Loop {
         change(&mut settings);
         Self {
             settings,
-            node: Lockstep::new(&settings, &BootInfo::default()).unwrap(),
+            node: Lockstep::new(&settings, &BootInfo::STORED).unwrap(),
             plant: Plant::new(params),
             outputs: [Output::SAFE; 10],
             events: Vec::new(),

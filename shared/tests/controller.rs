@@ -109,7 +109,7 @@ impl Bench {
         let settings = Settings::for_rig(&WIRES);
         Self {
             settings,
-            controller: Controller::new(&settings, &BootInfo::default()).unwrap(),
+            controller: Controller::new(&settings, &BootInfo::STORED).unwrap(),
             outputs: [Output::SAFE; MAX_BLOCK],
             noise: 1,
         }
@@ -287,7 +287,7 @@ fn why_the_board_started_is_taken_account_of() {
         record,
         settings: SettingsState::Stored,
     };
-    assert_eq!(born(BootInfo::default()), (State::Idle, None));
+    assert_eq!(born(BootInfo::STORED), (State::Idle, None));
     let after = |cause| born(kept(cause, Some(record)));
     assert_eq!(
         after(ResetCause::Pin),
@@ -318,7 +318,7 @@ fn why_the_board_started_is_taken_account_of() {
     }
     let corrupt = BootInfo {
         settings: SettingsState::Damaged,
-        ..BootInfo::default()
+        ..BootInfo::STORED
     };
     assert_eq!(born(corrupt), (State::Fault, Some(Fault::CorruptSettings)));
 }
@@ -328,7 +328,7 @@ fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
     let settings = Settings::for_rig(&WIRES);
     let boot = BootInfo {
         settings: SettingsState::Damaged,
-        ..BootInfo::default()
+        ..BootInfo::STORED
     };
     let mut controller = Controller::new(&settings, &boot).unwrap();
     let clear = Command::ClearFault;

@@ -214,7 +214,7 @@ mod tests {
             Faults::of_boot(&BootInfo {
                 reset,
                 settings,
-                ..BootInfo::default()
+                ..BootInfo::STORED
             })
         };
         for good in [SettingsState::Stored, SettingsState::Model] {
@@ -237,7 +237,7 @@ mod tests {
     fn a_fault_is_cleared_only_when_its_cause_has_gone() {
         let corrupt = BootInfo {
             settings: SettingsState::Damaged,
-            ..BootInfo::default()
+            ..BootInfo::STORED
         };
         let mut faults = Faults::at_boot(&corrupt);
         faults.block_ends(true);

@@ -103,7 +103,7 @@ mod tests {
 
     /// Exchanges until the forecast is delivered.
     fn exchanges(exchange: impl Fn(&mut Lockstep) -> Exchanged) -> u32 {
-        let mut node = Lockstep::new(&Settings::for_rig(&WIRES), &BootInfo::default()).unwrap();
+        let mut node = Lockstep::new(&Settings::for_rig(&WIRES), &BootInfo::STORED).unwrap();
         for count in 1..1_000_000 {
             let had_one = node.forecast().is_some();
             let delivered = exchange(&mut node).delivered;

@@ -206,11 +206,11 @@ pub enum ResetCause {
 #[serde(rename_all = "kebab-case")]
 pub enum SettingsState {
     /// Somebody sent them for this rig: the newest that are stored, or sent since the start.
-    #[default]
     Stored,
     /// Those stored cannot be read; defaults stand in for them.
     Damaged,
     /// None were ever stored; defaults stand in for them.
+    #[default]
     Missing,
     /// The newest that were stored cannot be read; an older copy stands in for them.
     OlderCopy,
@@ -225,7 +225,7 @@ impl SettingsState {
     }
 }
 
-/// Why and with what the board started.
+/// Why and with what the board started. By default no settings were ever stored, so it drives nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BootInfo {
     /// Why the board started.
@@ -234,4 +234,13 @@ pub struct BootInfo {
     pub record: Option<Record>,
     /// Where the settings come from.
     pub settings: SettingsState,
+}
+
+impl BootInfo {
+    /// A plain power-on with stored settings.
+    pub const STORED: Self = Self {
+        reset: ResetCause::PowerOn,
+        record: None,
+        settings: SettingsState::Stored,
+    };
 }

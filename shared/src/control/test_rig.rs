@@ -43,7 +43,7 @@ impl Rig {
         let mut settings = Settings::for_rig(&WIRES);
         change(&mut settings);
         Self {
-            controller: Controller::new(&settings, &BootInfo::default()).unwrap(),
+            controller: Controller::new(&settings, &BootInfo::STORED).unwrap(),
             outputs: [Output::SAFE; 10],
             chain_open: false,
             cart_gain: 1.0,

@@ -106,7 +106,7 @@ fn header(scenario: &Scenario) -> Header {
     Header {
         source: "emulator".into(),
         settings: scenario.settings,
-        birth: BootInfo::default(),
+        birth: BootInfo::STORED,
         block_ticks: scenario.block_ticks as u32,
         scenario: None,
     }
