@@ -284,6 +284,7 @@ mod tests {
         let mut trim = Trim::new(&settings);
         let strobe = |command_m: f32| Strobe {
             amplitude_m: command_m,
+            contacts: 1,
             peak_n: over * settings.limits.force_n,
             ..Strobe::default()
         };
@@ -312,6 +313,7 @@ mod tests {
         let travel = |over: f32| {
             move |command_m: f32| Strobe {
                 amplitude_m: command_m,
+                contacts: 1,
                 travel_m: over * settings.limits.travel_m,
                 ..Strobe::default()
             }
@@ -334,6 +336,7 @@ mod tests {
             let mut trim = Trim::new(&Settings::for_rig(&WIRES));
             let strobe = Strobe {
                 amplitude_m: response * 0.89e-3,
+                contacts: 1,
                 ..Strobe::default()
             };
             trim.strobe(&strobe, 0.89e-3, closed);
