@@ -182,7 +182,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             }
             self.happened(EventKind::Scenario { text: due.text });
             match due.what {
-                Doing::Emergency(open) => self.world.set_emergency(open),
+                Doing::Emergency(open, at_s) => self.world.set_emergency(open, at_s),
                 Doing::Defects(id, defects) => self.world.begin_defects(id, &defects),
                 Doing::DefectsOver(id) => self.world.end_defects(id),
                 Doing::Push(speed) => self.world.push(speed),

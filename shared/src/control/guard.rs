@@ -4,11 +4,12 @@
 //! that come again and again trip as well, once they are more than one in five; one in five and fewer, each alone,
 //! never do. Latencies are in the fault table of the documentation, and held by tests.
 
+use super::plausibility::Doubt;
 use crate::fault::{Fault, Origin};
 use crate::io::{AdcCode, Channel, Frame, Reading};
 use crate::model::drive::Stamp;
 use crate::sense::Sample;
-use crate::settings::Settings;
+use crate::settings::{Settings, Trips};
 
 /// What a bad tick adds to its count; a good one takes one off.
 const BAD: u8 = 4;
@@ -129,7 +130,8 @@ pub struct Guard {
     hammer_channel: Channel,
     cart_channel: Channel,
     force_trip_n: f32,
-    travel_trip_m: f32,
+    /// Lowest and highest reading of the hammer relative to the cart.
+    travel_trip_m: (f32, f32),
     cart_trip_m: f32,
     force: ChannelMonitor<OVER_FORCE_TICKS>,
     hammer: ChannelMonitor<OVER_TRAVEL_TICKS>,
@@ -145,13 +147,23 @@ impl Guard {
             hammer_channel: settings.hammer,
             cart_channel: settings.cart,
             force_trip_n: settings.trips.force_n,
-            travel_trip_m: settings.trips.travel_m,
+            travel_trip_m: (-settings.trips.travel_m, settings.trips.travel_m),
             cart_trip_m: settings.trips.cart_m,
             force: ChannelMonitor::default(),
             hammer: ChannelMonitor::default(),
             cart: ChannelMonitor::default(),
             force_is_live: false,
         }
+    }
+
+    /// The trip levels from now on: those of the settings, nearer by what is doubted, and by as much as the readings at rest
+    /// (of the force, N, and of the hammer relative to the cart, m) are on the far side of 0. The cart goes as far to either
+    /// side, so a zero off its middle makes one of them trip early by itself.
+    pub fn set_levels(&mut self, trips: &Trips, doubt: &Doubt, (rest_n, rest_m): (f32, f32)) {
+        let travel_m = trips.travel_m / doubt.travel;
+        self.force_trip_n = trips.force_n / doubt.force + rest_n.min(0.0);
+        self.travel_trip_m = (rest_m.max(0.0) - travel_m, rest_m.min(0.0) + travel_m);
+        self.cart_trip_m = trips.cart_m / doubt.cart;
     }
 
     /// Sets whether the force sensor's code varied with the drive off: only then can a constant one be frozen.
@@ -195,10 +207,12 @@ impl Guard {
         if self.force.over.tick(force_n > self.force_trip_n) {
             return (sample, trip(Fault::OverForce, Origin::Force, force_n));
         }
-        let relative_m = libm::fabsf(hammer_m - cart_m);
-        let travels = relative_m > self.travel_trip_m;
+        let relative_m = hammer_m - cart_m;
+        let (lowest_m, highest_m) = self.travel_trip_m;
+        let travels = relative_m < lowest_m || relative_m > highest_m;
         if self.hammer.over.tick(enabled && travels) {
-            return (sample, trip(Fault::OverTravel, Origin::Hammer, relative_m));
+            let size_m = libm::fabsf(relative_m);
+            return (sample, trip(Fault::OverTravel, Origin::Hammer, size_m));
         }
         let cart_travels = libm::fabsf(cart_m) > self.cart_trip_m;
         if self.cart.over.tick(enabled && cart_travels) {
@@ -386,6 +400,51 @@ mod tests {
         let beyond = Some((4, Fault::OverTravel, Origin::Hammer));
         assert_eq!(trips(9e-3, -1.9e-3), beyond);
         assert_eq!(trips(-9e-3, 1.9e-3), beyond);
+    }
+
+    #[test]
+    fn levels_come_nearer_by_what_is_doubted_and_by_a_zero_on_the_far_side() {
+        let settings = Settings::for_rig(&WIRES);
+        let doubt = Doubt {
+            force: 1.25,
+            travel: 1.2,
+            cart: 1.1,
+        };
+        let trips = settings.trips;
+        // Zeros, and the readings that trip: force, lowest and highest travel, cart.
+        for (rest, levels) in [
+            (
+                (0.0, 0.0),
+                [trips.force_n / 1.25, -8.333e-3, 8.333e-3, 1.818e-3],
+            ),
+            (
+                (-20.0, 1e-3),
+                [trips.force_n / 1.25 - 20.0, -7.333e-3, 8.333e-3, 1.818e-3],
+            ),
+            (
+                (20.0, -1e-3),
+                [trips.force_n / 1.25, -8.333e-3, 7.333e-3, 1.818e-3],
+            ),
+        ] {
+            for (k, level) in levels.into_iter().enumerate() {
+                for (share, trips_there) in [(1.01, true), (0.99, false)] {
+                    let mut guard = Guard::new(&settings);
+                    guard.set_levels(&trips, &doubt, rest);
+                    let code = |channel: &Channel| {
+                        AdcCode((channel.zero_code + share * level / channel.unit_per_code) as u16)
+                    };
+                    let mut frame = quiet();
+                    match k {
+                        0 => frame.force = code(&settings.force),
+                        3 => frame.cart = code(&settings.cart),
+                        _ => frame.hammer = code(&settings.hammer),
+                    }
+                    let tripped =
+                        (0..9).any(|_| guard.check(&frame, at(0, 0), true, true).1.is_some());
+                    assert_eq!(tripped, trips_there, "{rest:?} {k} {share}");
+                }
+            }
+        }
     }
 
     #[test]

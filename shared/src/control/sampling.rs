@@ -102,6 +102,14 @@ impl Controller {
         }
     }
 
+    /// Limits and trip levels go by the worse of two measurements that contradict each other.
+    pub(super) fn go_by_the_worse(&mut self) {
+        let doubt = self.plausibility.doubt();
+        let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
+        self.guard.set_levels(&self.settings.trips, &doubt, rest);
+        self.trim.set_limits(&self.settings.limits, &doubt);
+    }
+
     /// A drive period has ended while the drive is on.
     fn strobe(&mut self, strobe: &Strobe) {
         let arrived = self.oscillator.frequency_has_arrived();
@@ -150,14 +158,18 @@ impl Controller {
         let now_m = self.oscillator.amplitude_m();
         let command_m = 0.5 * (now_m + self.seen.command_m);
         self.seen.command_m = now_m;
+        let ratio = self.rig.identification.hammer_over_cart();
+        if let Some(trip) = self.plausibility.ratio(ratio) {
+            self.trip(trip);
+            return true;
+        }
+        self.go_by_the_worse();
         if self.is_motor() {
             return self.stop_a_motor_beyond_its_limits(strobe);
         }
         let hz = self.oscillator.frequency_hz();
         let rising = matches!(self.life.phase, Phase::Ramp(_));
-        let ratio = self.rig.identification.hammer_over_cart();
-        let followed = self.plausibility.strobe(strobe, command_m, hz, rising);
-        if let Some(trip) = followed.or_else(|| self.plausibility.ratio(ratio)) {
+        if let Some(trip) = self.plausibility.strobe(strobe, command_m, hz, rising) {
             self.trip(trip);
             return true;
         }
@@ -174,9 +186,9 @@ impl Controller {
 
     /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.
     fn stop_a_motor_beyond_its_limits(&mut self, strobe: &Strobe) -> bool {
-        let limits = &self.settings.limits;
-        let beyond = ActiveLimits::FORCE.when(strobe.peak_n > limits.force_n)
-            | ActiveLimits::TRAVEL.when(strobe.travel_m > limits.travel_m);
+        let (limits, doubt) = (&self.settings.limits, self.plausibility.doubt());
+        let beyond = ActiveLimits::FORCE.when(strobe.peak_n * doubt.force > limits.force_n)
+            | ActiveLimits::TRAVEL.when(strobe.travel_m * doubt.travel > limits.travel_m);
         if beyond.is_empty() {
             self.seen.beyond = 0;
             return false;
@@ -214,7 +226,9 @@ impl Controller {
             return;
         }
         let clamped = !self.trim.limits().is_empty();
-        if self.force.strobe(strobe.peak_n, clamped) {
+        // No harder than asked, by either measurement.
+        let peak_n = strobe.peak_n * self.plausibility.doubt().force;
+        if self.force.strobe(peak_n, clamped) {
             let wanted_m = self.wanted_amplitude_m() * self.force.factor();
             self.trim.set_wanted_amplitude(wanted_m);
             self.command_amplitude();

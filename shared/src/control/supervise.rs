@@ -138,6 +138,7 @@ impl Controller {
         self.seen.ticks_without_contact = 0;
         self.seen.cart_peak_m = 0.0;
         self.trim = Trim::new(&self.settings);
+        self.go_by_the_worse();
         if let Some(search) = &search {
             self.oscillator.jump(search.goal_hz());
             let (_, force_n) = self.forecast.target_point();

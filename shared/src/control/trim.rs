@@ -5,8 +5,9 @@
 //! resonance of the shaker, is met within half a drive period: [`Trim::surge`].
 
 use super::limits::ActiveLimits;
+use super::plausibility::Doubt;
 use crate::sense::Strobe;
-use crate::settings::Settings;
+use crate::settings::{Limits, Settings};
 
 /// Share of the amplitude error corrected per drive period.
 const GAIN: f32 = 0.2;
@@ -30,12 +31,17 @@ const URGENT_PERIODS: u8 = 1;
 const LEAST_DRAW: f32 = 0.05;
 /// Factor by which a reduced amplitude recovers per drive period.
 const RELEASE: f32 = 1.01;
+/// The same after a period without contact, which says nothing of the force.
+const BLIND_RELEASE: f32 = 1.005;
 
 /// The amplitude loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Trim {
     wanted_m: f32,
+    /// Largest command.
     largest_m: f32,
+    /// How many times its reading the cart's amplitude may be.
+    cart_doubt: f32,
     force_n: f32,
     travel_m: f32,
     /// Command over amplitude.
@@ -53,6 +59,7 @@ impl Trim {
         Self {
             wanted_m: settings.rig.amplitude_m as f32,
             largest_m: settings.limits.amplitude_m,
+            cart_doubt: 1.0,
             force_n: settings.limits.force_n,
             travel_m: settings.limits.travel_m,
             gain: 1.0,
@@ -60,6 +67,13 @@ impl Trim {
             wait: 0,
             limits: ActiveLimits::NONE,
         }
+    }
+
+    /// The limits from now on: those of the settings, nearer by what is doubted.
+    pub fn set_limits(&mut self, limits: &Limits, doubt: &Doubt) {
+        self.force_n = limits.force_n / doubt.force;
+        self.travel_m = limits.travel_m / doubt.travel;
+        self.cart_doubt = doubt.cart;
     }
 
     /// The amplitude wanted, m (clamped by [`Self::command`]).
@@ -106,7 +120,12 @@ impl Trim {
             self.draw = (reached / over.min(2.0)).max(LEAST_DRAW);
             self.wait = ANSWER_PERIODS + 1;
         } else if self.wait == 0 && over < 0.95 {
-            self.draw = (self.draw * RELEASE).min(1.0);
+            let release = if strobe.contacts > 0 {
+                RELEASE
+            } else {
+                BLIND_RELEASE
+            };
+            self.draw = (self.draw * release).min(1.0);
         }
         if self.draw < 1.0 {
             let limit = if over_force >= over_travel {
@@ -148,14 +167,20 @@ impl Trim {
 
     /// The amplitude to command, m.
     pub fn command(&mut self) -> f32 {
-        let command = self.wanted_m * self.draw * self.gain;
-        if command > self.largest_m {
-            self.limits |= ActiveLimits::AMPLITUDE;
-            self.largest_m
+        // Neither the command nor what the amplitude may truly be beyond its reading exceeds the limit.
+        let largest_reading_m = self.largest_m / self.cart_doubt;
+        let reading_m = self.wanted_m * self.draw;
+        let doubted = self.cart_doubt > 1.0 && reading_m > largest_reading_m;
+        let reading_m = if doubted {
+            largest_reading_m
         } else {
-            self.limits -= ActiveLimits::AMPLITUDE;
-            command
-        }
+            reading_m
+        };
+        let command = reading_m * self.gain;
+        let beyond = command > self.largest_m;
+        self.limits -= ActiveLimits::AMPLITUDE;
+        self.limits |= ActiveLimits::AMPLITUDE.when(doubted || beyond);
+        if beyond { self.largest_m } else { command }
     }
 }
 
@@ -271,11 +296,66 @@ mod tests {
         assert_eq!(trim.limits(), ActiveLimits::FORCE);
         let weak = |m: f32| Strobe {
             amplitude_m: m,
+            contacts: 1,
             ..Strobe::default()
         };
-        let command = run(&mut trim, 100, weak);
+        let mut blind = trim;
+        let command = run(&mut trim, 50, weak);
         assert!((command / 0.89e-3 - 1.0).abs() < 1e-3, "{command}");
         assert_eq!(trim.limits(), ActiveLimits::NONE);
+        let unseen = |m: f32| Strobe {
+            contacts: 0,
+            ..weak(m)
+        };
+        let command = run(&mut blind, 50, unseen);
+        assert!((0.75..0.9).contains(&(command / 0.89e-3)), "{command}");
+    }
+
+    #[test]
+    fn what_is_doubted_comes_nearer_to_its_limit_and_nothing_further_away() {
+        let settings = Settings::for_rig(&WIRES);
+        let doubt = Doubt {
+            force: 1.25,
+            travel: 1.2,
+            cart: 1.1,
+        };
+        let limited = |strobe: Strobe, wanted_m: f32| {
+            let mut trim = Trim::new(&settings);
+            trim.set_wanted_amplitude(wanted_m);
+            trim.set_limits(&settings.limits, &doubt);
+            run(&mut trim, 20, |m| Strobe {
+                amplitude_m: m,
+                contacts: 1,
+                ..strobe
+            });
+            trim.limits()
+        };
+        let (n, m) = (settings.limits.force_n, settings.limits.travel_m);
+        let force = |peak_n| Strobe {
+            peak_n,
+            ..Strobe::default()
+        };
+        let travel = |travel_m| Strobe {
+            travel_m,
+            ..Strobe::default()
+        };
+        assert_eq!(limited(force(0.81 * n), 0.89e-3), ActiveLimits::FORCE);
+        assert_eq!(limited(force(0.79 * n), 0.89e-3), ActiveLimits::NONE);
+        assert_eq!(limited(travel(0.84 * m), 0.89e-3), ActiveLimits::TRAVEL);
+        assert_eq!(limited(travel(0.82 * m), 0.89e-3), ActiveLimits::NONE);
+        let most_m = settings.limits.amplitude_m;
+        let still = Strobe::default();
+        assert_eq!(limited(still, 0.92 * most_m), ActiveLimits::AMPLITUDE);
+        assert_eq!(limited(still, 0.9 * most_m), ActiveLimits::NONE);
+        // A cart that reads a tenth less, of a shaker that makes a tenth more of its command.
+        let mut trim = Trim::new(&settings);
+        trim.set_wanted_amplitude(most_m);
+        trim.set_limits(&settings.limits, &doubt);
+        let command = run(&mut trim, 100, |m| Strobe {
+            amplitude_m: m,
+            ..still
+        });
+        assert!((command * 1.1 / most_m - 1.0).abs() < 1e-3, "{command}");
     }
 
     /// The amplitude over A0 after each of so many drive periods with a force of `over` times the limit.

@@ -16,6 +16,7 @@
 //! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
 //! believed.
 
+mod doubt;
 mod follow;
 mod momentum;
 
@@ -30,6 +31,7 @@ use momentum::Momentum;
 #[cfg(test)]
 use momentum::MOMENTUM_RANGE;
 
+pub use doubt::Doubt;
 pub use follow::BAD_PERIODS;
 pub use momentum::BAD_PULSES;
 
@@ -70,6 +72,9 @@ pub struct Plausibility {
     bad_ratios: u8,
     momentum: Momentum,
     follow: Follow,
+    /// Impulse over momentum, and gain of the hammer's sensor over the cart's, as last known.
+    impulse_over_momentum: f32,
+    hammer_over_cart: f32,
 }
 
 impl Plausibility {
@@ -85,10 +90,12 @@ impl Plausibility {
             bad_ratios: 0,
             momentum: Momentum::new(&settings.rig),
             follow: Follow::new(settings.rig.amplitude_m as f32),
+            impulse_over_momentum: 1.0,
+            hammer_over_cart: 1.0,
         }
     }
 
-    /// The drive starts anew.
+    /// The drive starts anew. What was doubted remains so until the sensors show otherwise.
     pub fn restart(&mut self) {
         self.far_pulses = 0;
         self.bad_zeros = 0;
@@ -109,7 +116,11 @@ impl Plausibility {
         if run(&mut self.far_pulses, far_m > FAR_M, FAR_PULSES) {
             return trip(Origin::Force, far_m);
         }
-        let ratio = self.momentum.pulse(pulse)?;
+        let found = self.momentum.pulse(pulse);
+        if let Some(ratio) = self.momentum.ratio() {
+            self.impulse_over_momentum = ratio;
+        }
+        let ratio = found?;
         // A hammer that bounces the wrong way is the hammer's sensor; which of the two has a wrong gain is not known.
         let origin = if ratio > 0.0 {
             Origin::Force
@@ -147,6 +158,9 @@ impl Plausibility {
     pub fn ratio(&mut self, found: Option<(f32, u32)>) -> Option<Trip> {
         let (ratio, windows) = found?;
         let (low, high) = RATIO_RANGE;
+        if windows >= RATIO_WINDOWS && ratio > 0.0 {
+            self.hammer_over_cart = ratio;
+        }
         let outside = !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
         let trips = run(&mut self.bad_ratios, outside, RATIO_PERIODS);
         trips.then_some(())?;
@@ -163,6 +177,11 @@ impl Plausibility {
         let trips = run(&mut self.bad_targets, off, TARGET_PERIODS);
         trips.then_some(())?;
         trip(Origin::Cart, share)
+    }
+
+    /// How much too little the sensors may read.
+    pub fn doubt(&self) -> Doubt {
+        Doubt::new(self.impulse_over_momentum, self.hammer_over_cart)
     }
 
     /// Whether the cart is under suspicion: nothing may be made good by its measured amplitude meanwhile.
