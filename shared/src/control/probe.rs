@@ -111,11 +111,11 @@ mod tests {
     #[test]
     fn a_climb_goes_six_degrees_up_down_down_up_and_back() {
         let mut probe = PhaseProbe::default();
-        for degrees in [6.0, -6.0, -6.0, 6.0, 0.0] {
-            for _ in 0..30 {
+        for (visit, degrees) in [6.0, -6.0, -6.0, 6.0, 0.0].into_iter().enumerate() {
+            for period in 1..=30 {
                 assert!((360.0 * probe.offset_turns() - degrees).abs() < 1e-4);
-                let end = probe.strobe(0.024);
-                assert!(end.is_none() || degrees == 0.0);
+                let ends = probe.strobe(0.024).is_some();
+                assert_eq!(ends, visit == 4 && period == 30);
             }
         }
         assert_eq!(probe.offset_turns(), 0.0);

@@ -185,6 +185,7 @@ impl Trim {
 }
 
 #[cfg(test)]
+<<<<<<< HEAD
 mod tests {
     use super::*;
     use crate::model::params::WIRES;
@@ -441,3 +442,6 @@ mod tests {
         assert!((answer - 0.7 / 1.3).abs() < 1e-3, "{answer}");
     }
 }
+=======
+mod tests;
+>>>>>>> mut
