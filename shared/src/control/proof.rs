@@ -2,11 +2,11 @@
 //! before any blow.
 //!
 //! ```text
-//!  set-point     _.                       one drive period at a third of the natural frequency,
-//!             .-'  '.                     that is three natural periods (1.6 s on the wires);
-//!  ---------='-------\-------------.=--   its amplitude rises evenly until the middle
-//!                     '.        .-'       and falls evenly afterwards
-//!                       '-.__.-'
+//!                   .-.                 one drive period at a third of the natural frequency,
+//!                .-'   \                that is three natural periods (1.6 s on the wires);
+//!  set-point  .-'-------\-------.-'--   its amplitude rises evenly until the middle
+//!                        \   .-'        and falls evenly afterwards
+//!                         '-'
 //! ```
 //!
 //! So slow a cart takes the hammer along: hammer over cart is about 1/(1 − r²) in flight (r = Ω/ω), 1 while the hammer is
