@@ -4,7 +4,7 @@
 //! |---|---|
 //! | Idle | one short flash in 2 s; two in bench mode |
 //! | SelfTest | even blinking, 1 Hz |
-//! | Ramp, Seek | even blinking, 4 Hz |
+//! | Prove, Ramp, Seek | even blinking, 4 Hz |
 //! | Hold | on |
 //! | Manual | on, with a short gap in every second |
 //! | Stop | even blinking, 2 Hz |
@@ -54,7 +54,7 @@ impl LedPattern {
                 _ => false,
             },
             State::SelfTest => even(RATE_HZ),
-            State::Ramp | State::Seek => even(RATE_HZ / 4),
+            State::Prove | State::Ramp | State::Seek => even(RATE_HZ / 4),
             State::Hold => true,
             State::Manual => step % RATE_HZ < RATE_HZ - 10,
             State::Stop => even(RATE_HZ / 2),

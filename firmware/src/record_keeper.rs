@@ -48,7 +48,7 @@ mod tests {
         fn started(memory: Persisted) -> Self {
             let boot = BootInfo {
                 record: memory.record(),
-                ..BootInfo::default()
+                ..BootInfo::STORED
             };
             let controller = Controller::new(&Settings::for_rig(&WIRES), &boot).unwrap();
             Self {

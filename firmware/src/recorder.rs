@@ -136,7 +136,7 @@ mod tests {
 
     fn recorder() -> Recorder {
         let settings = Settings::for_rig(&WIRES);
-        Recorder::new(Controller::new(&settings, &BootInfo::default()).unwrap())
+        Recorder::new(Controller::new(&settings, &BootInfo::STORED).unwrap())
     }
 
     #[test]

@@ -159,7 +159,7 @@ mod tests {
         Header {
             source: "test".into(),
             settings: Settings::for_rig(&rig),
-            birth: BootInfo::default(),
+            birth: BootInfo::STORED,
             block_ticks: BLOCK as u32,
             scenario: None,
         }

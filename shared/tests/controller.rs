@@ -109,7 +109,7 @@ impl Bench {
         let settings = Settings::for_rig(&WIRES);
         Self {
             settings,
-            controller: Controller::new(&settings, &BootInfo::default()).unwrap(),
+            controller: Controller::new(&settings, &BootInfo::STORED).unwrap(),
             outputs: [Output::SAFE; MAX_BLOCK],
             noise: 1,
         }
@@ -137,7 +137,8 @@ impl Bench {
         };
         let mut sound = Frame {
             force: AdcCode(600 + push + self.random(noise + 1)),
-            hammer: AdcCode((2048.0 + 0.3 * cart) as u16 + self.random(noise + 1)),
+            // The hammer goes with the cart; its sensor reads 4.8 times as far.
+            hammer: AdcCode((2048.0 + cart / 4.8) as u16 + self.random(noise + 1)),
             cart: AdcCode((2048.0 + cart) as u16 + self.random(noise + 1)),
             emergency: false,
         };
@@ -286,7 +287,7 @@ fn why_the_board_started_is_taken_account_of() {
         record,
         settings: SettingsState::Stored,
     };
-    assert_eq!(born(BootInfo::default()), (State::Idle, None));
+    assert_eq!(born(BootInfo::STORED), (State::Idle, None));
     let after = |cause| born(kept(cause, Some(record)));
     assert_eq!(
         after(ResetCause::Pin),
@@ -317,7 +318,7 @@ fn why_the_board_started_is_taken_account_of() {
     }
     let corrupt = BootInfo {
         settings: SettingsState::Damaged,
-        ..BootInfo::default()
+        ..BootInfo::STORED
     };
     assert_eq!(born(corrupt), (State::Fault, Some(Fault::CorruptSettings)));
 }
@@ -327,7 +328,7 @@ fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
     let settings = Settings::for_rig(&WIRES);
     let boot = BootInfo {
         settings: SettingsState::Damaged,
-        ..BootInfo::default()
+        ..BootInfo::STORED
     };
     let mut controller = Controller::new(&settings, &boot).unwrap();
     let clear = Command::ClearFault;

@@ -171,7 +171,7 @@ impl Board {
     fn with(change: impl FnOnce(&mut Settings)) -> Self {
         let mut settings = Settings::for_rig(&WIRES);
         change(&mut settings);
-        Self::new(&settings, &BootInfo::default())
+        Self::new(&settings, &BootInfo::STORED)
     }
 
     fn frame(message: ToBoard) -> Vec<u8> {
@@ -422,12 +422,12 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
 fn a_reset_acknowledges_no_emergency_stop() {
     let mut settings = Settings::for_rig(&WIRES);
     settings.operator.acknowledge = true;
-    let mut before = Board::new(&settings, &BootInfo::default());
+    let mut before = Board::new(&settings, &BootInfo::STORED);
     after_an_emergency_stop(&mut before, 30);
     let boot = BootInfo {
         reset: ResetCause::Pin,
         record: before.rig.controller.persisted().record(),
-        ..BootInfo::default()
+        ..BootInfo::STORED
     };
     let mut board = Board::new(&settings, &boot);
     board.open();
@@ -445,7 +445,7 @@ fn a_board_whose_settings_are_not_known_to_be_its_rigs_does_not_start() {
     for state in [Stored, Model, Missing, Damaged, OlderCopy] {
         let boot = BootInfo {
             settings: state,
-            ..BootInfo::default()
+            ..BootInfo::STORED
         };
         let mut board = Board::new(&settings, &boot);
         board.open();

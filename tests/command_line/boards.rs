@@ -112,7 +112,7 @@ impl Toy {
     /// At rest.
     pub fn new() -> Self {
         let settings = Settings::for_rig(&WIRES);
-        let controller = Controller::new(&settings, &BootInfo::default()).expect("good settings");
+        let controller = Controller::new(&settings, &BootInfo::STORED).expect("good settings");
         Self {
             status: controller.status(),
             aim_hz: 2.0,

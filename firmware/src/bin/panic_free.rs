@@ -21,7 +21,7 @@ use shared::settings::Settings;
 #[entry]
 fn main() -> ! {
     let settings = Settings::for_rig(&WIRES);
-    let node = Lockstep::new(&black_box(settings), &black_box(BootInfo::default()));
+    let node = Lockstep::new(&black_box(settings), &black_box(BootInfo::STORED));
     let mut outputs = [Output::SAFE; MAX_BLOCK];
     let Ok(mut node) = node else { loop {} };
     loop {
@@ -44,7 +44,7 @@ fn main() -> ! {
 /// A block as the board runs it, in bench mode and recorded.
 #[inline(never)]
 fn board(settings: &Settings) {
-    let Ok(controller) = Controller::new(settings, &black_box(BootInfo::default())) else {
+    let Ok(controller) = Controller::new(settings, &black_box(BootInfo::STORED)) else {
         return;
     };
     let mut recorder = Recorder::new(controller);

@@ -55,7 +55,7 @@ mod app {
         let settings = Settings::for_rig(&WIRES);
         let boot = BootInfo {
             settings: SettingsState::Model,
-            ..BootInfo::default()
+            ..BootInfo::STORED
         };
         let Ok(mut lockstep) = Lockstep::new(&settings, &boot) else {
             panic!("the preset's settings are refused by their own check");

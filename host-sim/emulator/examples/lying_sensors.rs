@@ -1,9 +1,11 @@
 //! Every sensor made to lie in every way, before the start and in Hold: what the controller finds, how soon, and what the
 //! plant truly did until then. Prints a table; `--csv FILE` writes it as well.
 //!
-//!     cargo run --release -p emulator --example lying_sensors -- [RIG] [--limits FORCE_N,CART_MM] [--csv FILE]
+//!     cargo run --release -p emulator --example lying_sensors -- [RIG] [--limits FORCE_N,CART_MM,TRAVEL_MM]
+//!         [--aim FORCE_N] [--csv FILE]
 //!
-//! RIG is `wires` if left out. `--limits` sets `limits.force_n` and `limits.amplitude_mm` in place of the rig's own.
+//! RIG is `wires` if left out. `--limits` sets `limits.force_n`, `limits.amplitude_mm` and `limits.travel_mm` in
+//! place of the rig's own; one left empty stays. `--aim` sets `aim.force_n`.
 
 use std::fmt::Write as _;
 
@@ -27,6 +29,7 @@ struct Truth {
     fault: Option<(Fault, Origin, f64)>,
     force_n: f64,
     cart_mm: f64,
+    travel_mm: f64,
     is_limited: bool,
     on: bool,
 }
@@ -36,6 +39,8 @@ impl Observer for Truth {
         self.on = row.output.enable;
         if self.on {
             self.cart_mm = self.cart_mm.max(row.cart_m.abs() * 1e3);
+            let travel_mm = (row.hammer_m - row.cart_m).abs() * 1e3;
+            self.travel_mm = self.travel_mm.max(travel_mm);
         }
     }
     fn contact(&mut self, contact: &Contact) {
@@ -108,6 +113,7 @@ struct Row {
     found: Option<(f64, &'static str, Origin)>,
     force_share: f64,
     cart_share: f64,
+    travel_share: f64,
     is_limited: bool,
 }
 
@@ -133,13 +139,15 @@ impl Row {
             found: truth.fault.map(|(f, o, at_s)| (after(at_s), f.name(), o)),
             force_share: truth.force_n / f64::from(bounds.force_n),
             cart_share: 1e-3 * truth.cart_mm / f64::from(bounds.amplitude_m),
+            travel_share: 1e-3 * truth.travel_mm / f64::from(bounds.travel_m),
             is_limited: truth.is_limited,
         }
     }
 
     /// Whether a limit was passed, and whether the controller had seen it.
     fn mark(&self) -> &'static str {
-        let passed = self.force_share.max(self.cart_share) > PASSED;
+        let largest = self.force_share.max(self.cart_share).max(self.travel_share);
+        let passed = largest > PASSED;
         match (passed, self.found.is_some(), self.is_limited) {
             (false, true, _) => "found",
             (false, false, _) => "harmless",
@@ -149,7 +157,7 @@ impl Row {
         }
     }
 
-    fn cells(&self) -> [String; 8] {
+    fn cells(&self) -> [String; 9] {
         let [when, what, who] = match self.found {
             Some((s, what, who)) => [format!("{s:.1}"), what.into(), format!("{who:?}")],
             None => ["–", "–", "–"].map(String::from),
@@ -162,12 +170,13 @@ impl Row {
             who.to_lowercase(),
             format!("{:.0} %", 100.0 * self.force_share),
             format!("{:.0} %", 100.0 * self.cart_share),
+            format!("{:.0} %", 100.0 * self.travel_share),
             self.mark().into(),
         ]
     }
 }
 
-const HEAD: [&str; 8] = [
+const HEAD: [&str; 9] = [
     "lie",
     "from, s",
     "found after, s",
@@ -175,6 +184,7 @@ const HEAD: [&str; 8] = [
     "sensor named",
     "force of its limit",
     "cart of its limit",
+    "travel of its limit",
     "mark",
 ];
 
@@ -185,9 +195,21 @@ fn main() {
         match argument.as_str() {
             "--csv" => csv = Some(arguments.next().expect("--csv FILE")),
             "--limits" => {
-                let both = arguments.next().expect("--limits FORCE_N,CART_MM");
-                let (n, mm) = both.split_once(',').expect("--limits FORCE_N,CART_MM");
-                limits = format!("[limits]\nforce_n = {n}\namplitude_mm = {mm}\n");
+                let all = arguments
+                    .next()
+                    .expect("--limits FORCE_N,CART_MM,TRAVEL_MM");
+                limits += "[limits]\n";
+                for (key, value) in ["force_n", "amplitude_mm", "travel_mm"]
+                    .into_iter()
+                    .zip(all.split(','))
+                    .filter(|(_, value)| !value.is_empty())
+                {
+                    writeln!(limits, "{key} = {value}").expect("text");
+                }
+            }
+            "--aim" => {
+                let n = arguments.next().expect("--aim FORCE_N");
+                write!(limits, "[aim]\nforce_n = {n}\n").expect("text");
             }
             name => rig = name.to_string(),
         }

@@ -47,7 +47,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
     /// # Errors
     /// The settings are invalid, or a pipe fails.
     pub fn begin(requests: W, replies: R, settings: &Settings) -> Result<Self, UserError> {
-        let desktop = Lockstep::new(settings, &BootInfo::default())?;
+        let desktop = Lockstep::new(settings, &BootInfo::STORED)?;
         let status = desktop.controller.status();
         let mut both = Self {
             replies,
@@ -60,7 +60,7 @@ impl<R: Read, W: Write> InTheLoop<R, W> {
             broken: None,
             blocks: Vec::new(),
         };
-        both.born(&BootInfo::default());
+        both.born(&BootInfo::STORED);
         match both.broken.take() {
             Some(why) => Err(UserError::new(why)),
             None => Ok(both),

@@ -12,7 +12,7 @@
 //! | [`bodies`] | the equations of cart and hammer, and a step of them |
 //! | [`plant`] | a tick of true motion, switches located |
 //! | [`filter`], [`sensors`] | from what is true to codes |
-//! | [`mock`] | the pin of the emergency-stop chain |
+//! | [`chain`] | the emergency-stop chain and its pin |
 //! | [`names`] | states and basins by name |
 //! | [`scenario`], [`schedule`] | what happens when; TOML |
 //! | [`stuck`] | the motion of a drive that does not obey |
@@ -29,11 +29,11 @@
 
 pub mod bodies;
 pub mod cart;
+pub mod chain;
 pub mod filter;
 pub mod in_the_loop;
 pub mod local;
 pub mod log;
-pub mod mock;
 pub mod motor;
 pub mod names;
 pub mod optimum;

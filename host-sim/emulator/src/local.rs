@@ -25,7 +25,7 @@ impl Local {
     pub fn new(settings: &Settings) -> Result<Self, ParamError> {
         Ok(Self {
             settings: *settings,
-            lockstep: Lockstep::new(settings, &BootInfo::default())?,
+            lockstep: Lockstep::new(settings, &BootInfo::STORED)?,
         })
     }
 

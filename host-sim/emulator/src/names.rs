@@ -3,7 +3,7 @@
 use shared::control::{Basin, State};
 
 /// Every state.
-pub const STATES: [State; 8] = [
+pub const STATES: [State; 9] = [
     State::Idle,
     State::SelfTest,
     State::Ramp,
@@ -12,6 +12,7 @@ pub const STATES: [State; 8] = [
     State::Stop,
     State::Fault,
     State::Manual,
+    State::Prove,
 ];
 
 /// Every basin.
@@ -28,6 +29,7 @@ pub fn state_name(state: State) -> &'static str {
         State::Stop => "stop",
         State::Fault => "fault",
         State::Manual => "manual",
+        State::Prove => "prove",
     }
 }
 

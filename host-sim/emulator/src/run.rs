@@ -182,7 +182,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             }
             self.happened(EventKind::Scenario { text: due.text });
             match due.what {
-                Doing::Emergency(open) => self.world.set_emergency(open),
+                Doing::Emergency(open, at_s) => self.world.set_emergency(open, at_s),
                 Doing::Defects(id, defects) => self.world.begin_defects(id, &defects),
                 Doing::DefectsOver(id) => self.world.end_defects(id),
                 Doing::Push(speed) => self.world.push(speed),
@@ -301,6 +301,13 @@ fn in_words(what: &control::EventKind) -> String {
         Kind::Limits(limits) => {
             let names: Vec<_> = limits.names().collect();
             format!("limited by {}", names.join(", "))
+        }
+        Kind::Proven { cart, hammer } => {
+            let rest = match hammer {
+                Some(ratio) => format!("hammer {ratio:.3} of the cart"),
+                None => "not the hammer: limits.min_frequency_hz is too high".into(),
+            };
+            format!("proven: cart {cart:.3} of its command, {rest}")
         }
     }
 }

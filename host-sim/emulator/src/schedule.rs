@@ -26,8 +26,8 @@ pub enum Doing {
     Command(Command),
     /// The link takes command, or falls silent.
     Link(bool),
-    /// The emergency-stop chain opens or closes.
-    Emergency(bool),
+    /// The emergency-stop chain opens or closes, at this time in the tick, s.
+    Emergency(bool, f64),
     /// Sensors go wrong, in the order of their codes.
     Defects(usize, [Option<Defect>; 3]),
     /// The defects that this number was given to are over.
@@ -57,7 +57,7 @@ impl Doing {
     pub fn is_physical(&self) -> bool {
         matches!(
             self,
-            Self::Emergency(_)
+            Self::Emergency(..)
                 | Self::Defects(..)
                 | Self::DefectsOver(_)
                 | Self::Push(_)
@@ -106,20 +106,30 @@ impl Spell {
     }
 }
 
+/// A time that is a whole number of ticks but for its rounding is one, ticks.
+const ROUNDING: f64 = 1e-6;
+
 /// The actions of a scenario, by rising tick.
 pub fn schedule(scenario: &Scenario) -> Vec<Due> {
-    let tick_at = |s: f64| (s / scenario.tick_s()).round() as u64;
+    // The emergency-stop chain opens and closes within a tick, everything else between two.
+    let tick_at = |s: f64, what: &Doing| {
+        let ticks = s / scenario.tick_s();
+        match what {
+            Doing::Emergency(..) => (ticks + ROUNDING).floor() as u64,
+            _ => ticks.round() as u64,
+        }
+    };
     let mut due = Vec::new();
     for (id, Timed { at_s, act }) in scenario.events.iter().enumerate() {
-        let (what, end) = doing(act, id, scenario);
+        let (what, end) = doing(act, id, *at_s, scenario);
         due.push(Due {
-            tick: tick_at(*at_s),
+            tick: tick_at(*at_s, &what),
             what,
             text: act.text(),
         });
         if let Some((for_s, what)) = end {
             due.push(Due {
-                tick: tick_at(at_s + for_s),
+                tick: tick_at(at_s + for_s, &what),
                 what,
                 text: format!("over: {}", act.text()),
             });
@@ -129,8 +139,8 @@ pub fn schedule(scenario: &Scenario) -> Vec<Due> {
     due
 }
 
-/// The action of an act with this number, and the one that ends it after so many seconds.
-fn doing(act: &Act, id: usize, scenario: &Scenario) -> (Doing, Option<(f64, Doing)>) {
+/// The action of an act with this number at this time, and the one that ends it after so many seconds.
+fn doing(act: &Act, id: usize, at_s: f64, scenario: &Scenario) -> (Doing, Option<(f64, Doing)>) {
     let command = |command| (Doing::Command(command), None);
     match *act {
         Act::Start { mode } => command(Command::Start(mode.into())),
@@ -147,8 +157,8 @@ fn doing(act: &Act, id: usize, scenario: &Scenario) -> (Doing, Option<(f64, Doin
         Act::Link {} => (Doing::Link(true), None),
         Act::LinkLoss {} => (Doing::Link(false), None),
         Act::EmergencyStop { for_s } => {
-            let end = for_s.map(|s| (s, Doing::Emergency(false)));
-            (Doing::Emergency(true), end)
+            let end = for_s.map(|s| (s, Doing::Emergency(false, at_s + s)));
+            (Doing::Emergency(true, at_s), end)
         }
         Act::SensorFault { for_s, .. } => {
             let end = for_s.map(|s| (s, Doing::DefectsOver(id)));

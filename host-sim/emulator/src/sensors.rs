@@ -142,6 +142,7 @@ pub struct Sensors {
     tick_s: f64,
     noise: Noise,
     noisy: bool,
+    swapped: bool,
 }
 
 impl Sensors {
@@ -163,6 +164,7 @@ impl Sensors {
             noisy: [params.force, params.hammer, params.cart]
                 .iter()
                 .any(|e| e.noise != 0.0),
+            swapped: false,
         }
     }
 
@@ -170,11 +172,17 @@ impl Sensors {
     pub fn begin(&mut self, sensor: Sensor, id: usize, defect: Defect) {
         self.noisy |= matches!(defect, Defect::Dead(Some(_)));
         self.lines[sensor as usize].begin(id, defect);
+        self.wire();
     }
 
     /// The defects of this `id` are over.
     pub fn end(&mut self, id: usize) {
         self.lines.iter_mut().for_each(|line| line.end(id));
+        self.wire();
+    }
+
+    fn wire(&mut self) {
+        self.swapped = self.lines.iter().any(Line::is_swapped);
     }
 
     /// Whether a sensor is defective.
@@ -196,6 +204,9 @@ impl Sensors {
         for ((code, line), value) in codes.iter_mut().zip(&mut self.lines).zip(values) {
             let noise = if self.noisy { self.noise.sample() } else { 0.0 };
             *code = line.read(value, noise);
+        }
+        if self.swapped {
+            codes.swap(Sensor::Hammer as usize, Sensor::Cart as usize);
         }
         codes
     }

@@ -32,6 +32,8 @@ pub struct ShakerParams {
     pub suspension_damping_ratio: f64,
     /// Force lost per speed, N·s/m: the shaker's mechanical impedance.
     pub impedance_n_s_per_m: f64,
+    /// Whether its wires are exchanged: it moves the other way.
+    pub reversed: bool,
     /// An armature that is not rigidly joined to the cart.
     pub armature: Option<ArmatureParams>,
 }
@@ -83,6 +85,7 @@ impl Default for ShakerParams {
             suspension_hz: 5.0,
             suspension_damping_ratio: 0.5,
             impedance_n_s_per_m: 0.0,
+            reversed: false,
             armature: None,
         }
     }

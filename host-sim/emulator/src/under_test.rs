@@ -172,7 +172,7 @@ impl ControlUnderTest for FixedFrequency {
 
     fn reset(&mut self, _cause: Reset) -> BootInfo {
         *self = Self::new(self.settings, self.start_hz);
-        BootInfo::default()
+        BootInfo::STORED
     }
 
     fn settings(&self) -> &Settings {

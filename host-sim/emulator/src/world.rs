@@ -1,10 +1,10 @@
 //! Everything outside the controller: DAC, drive, rig, sensors, ADC. One tick at a time.
 
-use shared::io::{Frame, NormallyClosed, Output};
+use shared::io::{Frame, Output};
 use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams, SupportParams};
 
 use super::cart::Friction;
-use super::mock::ChainPin;
+use super::chain::Chain;
 use super::plant::Plant;
 use super::scenario::{Change, Scenario, Stuck};
 use super::sensors::{Defect, Sensor, Sensors};
@@ -47,7 +47,7 @@ pub struct World {
     plant: Plant,
     smoother: Smoother,
     sensors: Sensors,
-    chain: NormallyClosed<ChainPin>,
+    chain: Chain,
     m_per_code: f64,
     tick_s: f64,
     /// The rig without what has receded, and as it is.
@@ -77,12 +77,13 @@ impl World {
         let rig = scenario.true_rig;
         let plant = Plant::mounted(&rig, &scenario.drive(), &scenario.mounting, tick_s)?;
         let settings = &scenario.settings;
+        let polarity = if scenario.shaker.reversed { -1.0 } else { 1.0 };
         Ok(Self {
             plant,
             smoother: Smoother::new(&scenario.shaker, tick_s),
             sensors: Sensors::new(&scenario.sensors, settings, tick_s, scenario.seed),
-            chain: NormallyClosed(ChainPin::default()),
-            m_per_code: f64::from(settings.drive.m_per_code),
+            chain: Chain::default(),
+            m_per_code: f64::from(settings.drive.m_per_code) * polarity,
             tick_s,
             ground: rig,
             rig,
@@ -117,7 +118,7 @@ impl World {
 
     /// Whether something of the scenario's is wrong with sensors, chain or drive.
     pub fn is_faulty(&self) -> bool {
-        self.chain.0.open || self.stuck.is_some() || self.sensors.is_defective()
+        self.chain.is_open() || self.stuck.is_some() || self.sensors.is_defective()
     }
 
     /// A tick with `output` at the drive; returns what the ADC reads at its end.
@@ -131,6 +132,7 @@ impl World {
             self.converter_hz += follow * (hz - self.converter_hz);
             self.plant.set_motor_hz(self.converter_hz);
         }
+        let from_s = self.plant.time_s();
         self.plant.tick(path, self.powered);
         if self.recession.is_some() {
             self.wear();
@@ -140,7 +142,7 @@ impl World {
             force,
             hammer,
             cart,
-            emergency: self.chain.is_open(),
+            emergency: self.chain.tick(from_s, self.plant.time_s()),
         }
     }
 
@@ -172,9 +174,9 @@ impl World {
         self.receded_m += by;
     }
 
-    /// Opens or closes the emergency-stop chain.
-    pub fn set_emergency(&mut self, open: bool) {
-        self.chain.0.open = open;
+    /// The emergency-stop chain opens or closes at `at_s`, within the next tick.
+    pub fn set_emergency(&mut self, open: bool, at_s: f64) {
+        self.chain.flip(open, at_s);
     }
 
     /// Sensors get defects, in the order of their codes; `id` ends them again.

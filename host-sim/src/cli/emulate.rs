@@ -134,7 +134,7 @@ impl Watch {
                 let header = Header {
                     source: "emulator".into(),
                     settings: scenario.settings,
-                    birth: BootInfo::default(),
+                    birth: BootInfo::STORED,
                     block_ticks: u32::try_from(scenario.block_ticks).unwrap_or(u32::MAX),
                     scenario: Some(scenario_text(name)?),
                 };

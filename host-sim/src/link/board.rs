@@ -37,7 +37,7 @@ impl Board {
     /// If a setting is out of range.
     pub fn new(settings: &Settings, block_ticks: u8) -> Result<Self, ParamError> {
         Ok(Self {
-            lockstep: Lockstep::new(settings, &BootInfo::default())?,
+            lockstep: Lockstep::new(settings, &BootInfo::STORED)?,
             block_ticks,
             notes: BlockNotes::default(),
             too_many: false,

@@ -49,7 +49,7 @@ pub fn record<P: Read + Write>(
     let header = Header {
         source: hello.board.to_string(),
         settings,
-        birth: BootInfo::default(),
+        birth: BootInfo::STORED,
         block_ticks: u32::from(hello.block_ticks),
         scenario: None,
     };

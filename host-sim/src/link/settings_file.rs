@@ -35,7 +35,11 @@ const NUMBERS: [(&str, &str, &str); 24] = [
     ("detection", "on_n", "a contact begins above"),
     ("detection", "off_n", "and may end below"),
     ("detection", "refractory_s", "having stayed there so long"),
-    ("aim", "force_n", "mean peak force wanted; 0: as it comes"),
+    (
+        "aim",
+        "force_n",
+        "mean peak force wanted, or force_ratio in units of the weight; 0: as it comes",
+    ),
 ];
 
 /// Every switch: section, key, meaning.
@@ -166,6 +170,7 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
         ))
     })?;
     let mut settings = *base;
+    let mut wanted = Wanted::default();
     for (section, value) in file {
         if !value.is_table() && !SECTIONS.contains(&section.as_str()) {
             return Err(UserError::new(format!(
@@ -189,11 +194,31 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
             continue;
         }
         for (key, value) in entries {
-            set(&mut settings, &section, &key, &value)?;
+            match (section.as_str(), key.as_str()) {
+                ("aim", "force_n") => wanted.force_n = Some(a_number(&section, &key, &value)?),
+                ("aim", "force_ratio") => wanted.ratio = Some(a_number(&section, &key, &value)?),
+                _ => set(&mut settings, &section, &key, &value)?,
+            }
         }
+    }
+    // In units of the weight of the rig that the file leads to, wherever in it that stands.
+    if let Some(force_n) = rigfile::force_wanted(wanted.force_n, wanted.ratio, &settings.rig)? {
+        settings.aim.force_n = force_n;
     }
     settings.check()?;
     Ok(settings)
+}
+
+/// The two ways to say which force is wanted.
+#[derive(Default)]
+struct Wanted {
+    force_n: Option<f64>,
+    ratio: Option<f64>,
+}
+
+fn a_number(section: &str, key: &str, value: &Value) -> Result<f64, UserError> {
+    rigfile::as_number(value)
+        .ok_or_else(|| UserError::new(format!("{section}.{key} is {value}, must be a number")))
 }
 
 fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Result<(), UserError> {
@@ -219,15 +244,14 @@ fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Resu
         let keys = NUMBERS.iter().filter(|(s, _, _)| *s == section);
         let keys = keys.map(|(_, key, _)| *key);
         let switches = SWITCHES.iter().filter(|(s, _, _)| *s == section);
-        let hint = nearest(key, keys.chain(switches.map(|(_, key, _)| *key)));
+        let ratio = (section == "aim").then_some("force_ratio");
+        let keys = keys.chain(switches.map(|(_, key, _)| *key)).chain(ratio);
+        let hint = nearest(key, keys);
         return Err(UserError::new(format!(
             "there is no setting {section}.{key}{hint}; `host-sim link PORT get` prints them all"
         )));
     };
-    let given = rigfile::as_number(value);
-    *place = given
-        .ok_or_else(|| UserError::new(format!("{section}.{key} is {value}, must be a number")))?
-        as f32;
+    *place = a_number(section, key, value)? as f32;
     Ok(())
 }
 
@@ -290,5 +314,31 @@ mod tests {
         assert!(new.operator.heartbeat && !new.operator.acknowledge);
         assert!(complaint("[operator]\nheartbeat = 1\n").contains("must be true or false"));
         assert!(complaint("[operator]\nheart = true\n").contains("did you mean 'heartbeat'"));
+    }
+
+    #[test]
+    fn the_force_wanted_is_in_newtons_or_in_units_of_the_weight() {
+        let base = Settings::for_rig(&WIRES);
+        let wanted = |text: &str| overlay(&base, text).unwrap().aim.force_n;
+        assert_eq!(wanted("[aim]\nforce_n = 80\n"), 80.0);
+        let twenty = wanted("[aim]\nforce_ratio = 20\n");
+        assert_eq!(twenty, (20.0 * WIRES.weight_n()) as f32);
+        // The weight of the rig of the same file, which stands after it or before.
+        let text = "[aim]\nforce_ratio = 20\n[rig]\nmass_kg = 0.2\n";
+        let heavier = wanted(text);
+        let ratio = f64::from(heavier / twenty) * WIRES.mass_kg / 0.2;
+        assert!((ratio - 1.0).abs() < 1e-6, "{heavier}");
+        // What is not named stays.
+        let asked = overlay(&base, "[aim]\nforce_n = 80\n").unwrap();
+        let power = overlay(&asked, "[aim]\npower = true\n").unwrap();
+        assert_eq!((power.aim.force_n, power.aim.power), (80.0, true));
+        let complaint = |text: &str| overlay(&base, text).unwrap_err().to_string();
+        assert_eq!(
+            complaint("[aim]\nforce_n = 80\nforce_ratio = 20\n"),
+            "[aim] has force_n and force_ratio; give one of them"
+        );
+        assert!(complaint("[aim]\nforce_ratio = 2000\n").contains("at most limits.force_n"));
+        assert!(complaint("[aim]\nforce_ratio = true\n").contains("must be a number"));
+        assert!(complaint("[aim]\nforce_rato = 2\n").contains("did you mean 'force_ratio'"));
     }
 }

@@ -270,7 +270,7 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
 fn state_color(state: State) -> Option<Color> {
     match state {
         State::Idle => None,
-        State::SelfTest => Some(Color::PURPLE),
+        State::SelfTest | State::Prove => Some(Color::PURPLE),
         State::Ramp => Some(Color::SKY),
         State::Seek => Some(Color::ORANGE),
         State::Hold => Some(Color::GREEN),

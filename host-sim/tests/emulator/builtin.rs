@@ -67,4 +67,6 @@ scenarios! {
     preload: "preload",
     force_wanted: "force-wanted",
     jump: "jump",
+    sudden_softening: "sudden-softening",
+    sudden_gap: "sudden-gap",
 }

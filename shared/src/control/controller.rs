@@ -69,8 +69,6 @@ pub(super) struct Seen {
     pub free_force: (f32, u32),
     /// Which half that is.
     pub half: u32,
-    /// Drive periods in which the cart followed the small motion at the start.
-    pub proven: u8,
     /// Drive periods in a row with a motor drive beyond a limit.
     pub beyond: u8,
 }
@@ -88,7 +86,6 @@ impl Seen {
         cart_peak_m: 0.0,
         free_force: (0.0, 0),
         half: 0,
-        proven: 0,
         beyond: 0,
     };
 }
@@ -349,6 +346,14 @@ impl Controller {
         self.settings.rig.amplitude_m as f32
     }
 
+    /// The amplitude that the present motion is to reach, m.
+    pub(super) fn full_amplitude_m(&self) -> f32 {
+        match &self.life.phase {
+            Phase::Prove(proof) => proof.amplitude_m(),
+            _ => self.wanted_amplitude_m(),
+        }
+    }
+
     pub(super) fn range_hz(&self) -> (f32, f32) {
         let limits = &self.settings.limits;
         (limits.min_frequency_hz, limits.max_frequency_hz)
@@ -362,9 +367,12 @@ impl Controller {
 }
 
 /// Where the frequency stands before there is a forecast: at the natural frequency, within the limits.
-fn start_frequency(settings: &Settings) -> f32 {
+pub(super) fn start_frequency(settings: &Settings) -> f32 {
     let limits = &settings.limits;
     (settings.rig.natural_frequency_hz() as f32)
         .max(limits.min_frequency_hz)
         .min(limits.max_frequency_hz)
 }
+
+#[cfg(test)]
+mod tests;

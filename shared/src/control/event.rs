@@ -57,6 +57,13 @@ pub enum EventKind {
     Basin(Basin),
     /// The set of limits that clamp has changed.
     Limits(ActiveLimits),
+    /// A small motion has proven the sensors.
+    Proven {
+        /// Cart over command.
+        cart: f32,
+        /// Hammer over cart; none if the limits allow no motion slow enough to prove it.
+        hammer: Option<f32>,
+    },
 }
 
 /// An event with its time.
@@ -91,5 +98,24 @@ impl Events {
     /// Events dropped so far.
     pub fn dropped(&self) -> u16 {
         self.dropped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_beyond_the_room_for_them_are_counted_and_the_oldest_kept() {
+        let mut events = Events::default();
+        for tick in 0..EVENT_CAPACITY as u32 + 3 {
+            events.push(tick, EventKind::Cleared);
+        }
+        assert_eq!(events.dropped(), 3);
+        for tick in 0..EVENT_CAPACITY as u32 {
+            assert_eq!(events.take().map(|event| event.tick), Some(tick));
+        }
+        assert_eq!(events.take(), None);
+        assert_eq!(events.dropped(), 3);
     }
 }

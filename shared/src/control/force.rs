@@ -154,4 +154,30 @@ mod tests {
         let (_, last) = run(ForceLoop::new(200.0, 1.5), 400, |_| f32::NAN);
         assert!(last.is_nan());
     }
+
+    #[test]
+    fn the_force_begins_at_nine_tenths_and_the_amplitude_ends_at_its_limit() {
+        let mut settings = Settings::for_rig(&crate::model::params::WIRES);
+        settings.aim.force_n = 60.0;
+        let mut force_loop = ForceLoop::of(&settings);
+        // The forecast has 96 N at the rig's amplitude.
+        force_loop.expect(96.0);
+        assert!((96.0 * force_loop.factor() - 54.0).abs() < 1e-4);
+        settings.aim.force_n = 500.0;
+        settings.limits.amplitude_m = 1.7 * settings.rig.amplitude_m as f32;
+        let (_, last) = run(ForceLoop::of(&settings), 400, |factor| 96.0 * factor);
+        assert!((last / 96.0 - 1.7).abs() < 1e-5, "{last}");
+    }
+
+    #[test]
+    fn a_mean_is_of_contacts_without_an_interruption() {
+        let mut force_loop = ForceLoop::new(60.0, 1.5);
+        let all = usize::from(SETTLE_PERIODS + MEAN_PERIODS);
+        assert!((1..all).all(|_| !force_loop.strobe(600.0, false)));
+        force_loop.interrupt();
+        assert!((1..all).all(|_| !force_loop.strobe(60.0, false)));
+        assert!(force_loop.strobe(60.0, false));
+        // What was before it is forgotten: the force is as wanted.
+        assert_eq!(force_loop.factor(), 1.0);
+    }
 }

@@ -239,4 +239,18 @@ mod tests {
         assert!((2.0..2.6).contains(&target.entry_hz), "{target:?}");
         assert_eq!(target.frequency_hz, 3.7);
     }
+
+    #[test]
+    fn a_small_motion_need_not_strike_and_the_force_goes_with_the_amplitude() {
+        let mut cache = ForecastCache::default();
+        cache.request(0, &WIRES, (1.0, 5.0));
+        assert!(cache.take_in(&forecast(0, &[(2.0, true), (3.0, true)], 3.7), &WIRES));
+        let full_m = WIRES.amplitude_m as f32;
+        // 80 N at A0: 40 N at half of it.
+        assert!(cache.must_strike_at(2.5, 0.5 * full_m, 39.0));
+        assert!(!cache.must_strike_at(2.5, 0.5 * full_m, 41.0));
+        // Below two fifths of A0 the forecast says nothing.
+        assert!(cache.must_strike_at(2.5, 0.41 * full_m, 1.0));
+        assert!(!cache.must_strike_at(2.5, 0.39 * full_m, 1.0));
+    }
 }

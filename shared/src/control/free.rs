@@ -63,7 +63,9 @@ mod tests {
 
     #[test]
     fn at_no_gap_it_must_touch_everywhere_and_at_a_large_one_near_resonance() {
+        assert_eq!(FreeSwing::default().share_of_full(1e-3), 0.0);
         let closed = FreeSwing::new(&WIRES);
+        assert_eq!(closed.share_of_full(0.5 * WIRES.amplitude_m as f32), 0.5);
         assert!(closed.must_touch(1.0, 1e-4) && closed.must_touch(9.0, 1e-4));
         assert_eq!(closed.certain_up_to(3.66), 3.66);
         let open = FreeSwing::new(&RigParams {

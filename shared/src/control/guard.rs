@@ -4,11 +4,12 @@
 //! that come again and again trip as well, once they are more than one in five; one in five and fewer, each alone,
 //! never do. Latencies are in the fault table of the documentation, and held by tests.
 
+use super::plausibility::Doubt;
 use crate::fault::{Fault, Origin};
 use crate::io::{AdcCode, Channel, Frame, Reading};
 use crate::model::drive::Stamp;
 use crate::sense::Sample;
-use crate::settings::Settings;
+use crate::settings::{Settings, Trips};
 
 /// What a bad tick adds to its count; a good one takes one off.
 const BAD: u8 = 4;
@@ -129,7 +130,8 @@ pub struct Guard {
     hammer_channel: Channel,
     cart_channel: Channel,
     force_trip_n: f32,
-    travel_trip_m: f32,
+    /// Lowest and highest reading of the hammer relative to the cart.
+    travel_trip_m: (f32, f32),
     cart_trip_m: f32,
     force: ChannelMonitor<OVER_FORCE_TICKS>,
     hammer: ChannelMonitor<OVER_TRAVEL_TICKS>,
@@ -145,13 +147,23 @@ impl Guard {
             hammer_channel: settings.hammer,
             cart_channel: settings.cart,
             force_trip_n: settings.trips.force_n,
-            travel_trip_m: settings.trips.travel_m,
+            travel_trip_m: (-settings.trips.travel_m, settings.trips.travel_m),
             cart_trip_m: settings.trips.cart_m,
             force: ChannelMonitor::default(),
             hammer: ChannelMonitor::default(),
             cart: ChannelMonitor::default(),
             force_is_live: false,
         }
+    }
+
+    /// The trip levels from now on: those of the settings, nearer by what is doubted, and by as much as the readings at rest
+    /// (of the force, N, and of the hammer relative to the cart, m) are on the far side of 0. The cart goes as far to either
+    /// side, so a zero off its middle makes one of them trip early by itself.
+    pub fn set_levels(&mut self, trips: &Trips, doubt: &Doubt, (rest_n, rest_m): (f32, f32)) {
+        let travel_m = trips.travel_m / doubt.travel;
+        self.force_trip_n = trips.force_n / doubt.force + rest_n.min(0.0);
+        self.travel_trip_m = (rest_m.max(0.0) - travel_m, rest_m.min(0.0) + travel_m);
+        self.cart_trip_m = trips.cart_m / doubt.cart;
     }
 
     /// Sets whether the force sensor's code varied with the drive off: only then can a constant one be frozen.
@@ -195,10 +207,12 @@ impl Guard {
         if self.force.over.tick(force_n > self.force_trip_n) {
             return (sample, trip(Fault::OverForce, Origin::Force, force_n));
         }
-        let relative_m = libm::fabsf(hammer_m - cart_m);
-        let travels = relative_m > self.travel_trip_m;
+        let relative_m = hammer_m - cart_m;
+        let (lowest_m, highest_m) = self.travel_trip_m;
+        let travels = relative_m < lowest_m || relative_m > highest_m;
         if self.hammer.over.tick(enabled && travels) {
-            return (sample, trip(Fault::OverTravel, Origin::Hammer, relative_m));
+            let size_m = libm::fabsf(relative_m);
+            return (sample, trip(Fault::OverTravel, Origin::Hammer, size_m));
         }
         let cart_travels = libm::fabsf(cart_m) > self.cart_trip_m;
         if self.cart.over.tick(enabled && cart_travels) {
@@ -245,233 +259,4 @@ fn trip(fault: Fault, origin: Origin, value: f32) -> Option<Trip> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::params::WIRES;
-
-    fn at(cycle: u32, phase: u32) -> Stamp {
-        Stamp { cycle, phase }
-    }
-
-    /// Ticks until the guard trips on `frame`, if it does within 10,000.
-    fn trips_after(frame: Frame) -> Option<(usize, Fault, Origin)> {
-        let mut guard = Guard::new(&Settings::for_rig(&WIRES));
-        (1..10_000).find_map(|tick| {
-            let (_, trip) = guard.check(&frame, at(0, 0), true, true);
-            trip.map(|trip| (tick, trip.fault, trip.origin))
-        })
-    }
-
-    fn quiet() -> Frame {
-        Frame {
-            force: AdcCode(600),
-            hammer: AdcCode(2048),
-            cart: AdcCode(2048),
-            emergency: false,
-        }
-    }
-
-    #[test]
-    fn each_condition_trips_after_its_ticks_and_just_below_it_nothing_does() {
-        let settings = Settings::for_rig(&WIRES);
-        let force = |n: f32| AdcCode((600.0 + n / settings.force.unit_per_code) as u16);
-        let far = |m: f32| AdcCode((2048.0 + m / settings.hammer.unit_per_code) as u16);
-        let cart = |m: f32| AdcCode((2048.0 + m / settings.cart.unit_per_code) as u16);
-        let trip_n = settings.trips.force_n;
-        assert_eq!(trips_after(quiet()), None);
-        type Case = (Frame, Option<(usize, Fault, Origin)>);
-        let cases: [Case; 12] = [
-            (
-                Frame {
-                    emergency: true,
-                    ..quiet()
-                },
-                Some((1, Fault::EmergencyStop, Origin::System)),
-            ),
-            (
-                Frame {
-                    force: force(1.01 * trip_n),
-                    ..quiet()
-                },
-                Some((2, Fault::OverForce, Origin::Force)),
-            ),
-            (
-                Frame {
-                    force: force(0.99 * trip_n),
-                    ..quiet()
-                },
-                None,
-            ),
-            (
-                Frame {
-                    hammer: far(-10.1e-3),
-                    ..quiet()
-                },
-                Some((4, Fault::OverTravel, Origin::Hammer)),
-            ),
-            (
-                Frame {
-                    hammer: far(-9.9e-3),
-                    ..quiet()
-                },
-                None,
-            ),
-            (
-                Frame {
-                    cart: cart(2.02e-3),
-                    ..quiet()
-                },
-                Some((4, Fault::OverTravel, Origin::Cart)),
-            ),
-            (
-                Frame {
-                    cart: cart(1.98e-3),
-                    ..quiet()
-                },
-                None,
-            ),
-            (
-                Frame {
-                    cart: AdcCode(40),
-                    ..quiet()
-                },
-                Some((3, Fault::SensorOpen, Origin::Cart)),
-            ),
-            (
-                Frame {
-                    force: AdcCode(0),
-                    ..quiet()
-                },
-                Some((3, Fault::SensorOpen, Origin::Force)),
-            ),
-            (
-                Frame {
-                    force: AdcCode(124),
-                    ..quiet()
-                },
-                Some((20, Fault::SensorSaturated, Origin::Force)),
-            ),
-            (
-                Frame {
-                    force: AdcCode(125),
-                    ..quiet()
-                },
-                None,
-            ),
-            (
-                Frame {
-                    force: AdcCode(4000),
-                    ..quiet()
-                },
-                Some((2, Fault::OverForce, Origin::Force)),
-            ),
-        ];
-        for (frame, expected) in cases {
-            assert_eq!(trips_after(frame), expected, "{frame:?}");
-        }
-    }
-
-    #[test]
-    fn a_code_that_stands_still_for_a_whole_period_is_frozen() {
-        let mut guard = Guard::new(&Settings::for_rig(&WIRES));
-        guard.set_force_is_live(true);
-        guard.restart(at(5, 100));
-        let mut frame = quiet();
-        guard.check(&frame, at(5, 101), true, true);
-        // Hammer and cart move on, the force's code does not.
-        frame.hammer.0 += 1;
-        frame.cart.0 += 1;
-        let (_, early) = guard.check(&frame, at(6, 100), true, true);
-        assert_eq!(early, None);
-        let (_, late) = guard.check(&frame, at(6, 102), true, true);
-        assert_eq!(
-            late.map(|t| (t.fault, t.origin)),
-            Some((Fault::SensorFrozen, Origin::Force))
-        );
-        let (_, still) = guard.check(&frame, at(9, 0), false, true);
-        assert_eq!(still, None, "nothing has to move");
-    }
-
-    /// What trips, and after how many ticks within 300,000, if `spoil` changes the frame of the ticks for which
-    /// `bad` says so.
-    fn spoilt(
-        spoil: impl Fn(&mut Frame),
-        bad: impl Fn(usize) -> bool,
-    ) -> Option<(usize, Fault, Origin)> {
-        let mut guard = Guard::new(&Settings::for_rig(&WIRES));
-        (0..300_000).find_map(|tick| {
-            let mut frame = quiet();
-            if bad(tick) {
-                spoil(&mut frame);
-            }
-            let (_, trip) = guard.check(&frame, at(0, 0), false, true);
-            trip.map(|trip| (tick + 1, trip.fault, trip.origin))
-        })
-    }
-
-    /// Every condition by a count, with the ticks in a row that trip it.
-    type Spoil = (fn(&mut Frame), Fault, Origin, usize);
-    const SPOILS: [Spoil; 6] = [
-        (|f| f.force.0 = 0, Fault::SensorOpen, Origin::Force, 3),
-        (|f| f.hammer.0 = 0, Fault::SensorOpen, Origin::Hammer, 3),
-        (|f| f.cart.0 = 0, Fault::SensorOpen, Origin::Cart, 3),
-        (
-            |f| f.force.0 = 100,
-            Fault::SensorSaturated,
-            Origin::Force,
-            20,
-        ),
-        (|f| f.force.0 = 4095, Fault::OverForce, Origin::Force, 2),
-        (|f| f.hammer.0 = 4095, Fault::OverTravel, Origin::Hammer, 4),
-    ];
-
-    #[test]
-    fn a_spoilt_sample_in_five_trips_nothing_and_two_in_nine_do() {
-        for (spoil, fault, origin, in_a_row) in SPOILS {
-            assert_eq!(spoilt(spoil, |tick| tick % 5 == 0), None, "{fault:?}");
-            let two_in_nine = spoilt(spoil, |tick| matches!(tick % 9, 0 | 4));
-            let Some((ticks, seen, of)) = two_in_nine else {
-                panic!("{fault:?}");
-            };
-            assert_eq!((seen, of), (fault, origin));
-            // Every nine ticks add one to a level of four per tick in a row.
-            assert!(ticks <= 9 * 4 * in_a_row, "{fault:?}: {ticks}");
-        }
-    }
-
-    #[test]
-    fn a_wire_open_two_ticks_of_three_and_a_rail_nineteen_of_twenty_trip() {
-        for (spoil, fault, origin, in_a_row) in SPOILS {
-            let two_of_three = spoilt(spoil, |tick| tick % 3 != 2).unwrap();
-            assert_eq!((two_of_three.1, two_of_three.2), (fault, origin));
-            assert!(
-                two_of_three.0 <= 2 * in_a_row,
-                "{fault:?}: {two_of_three:?}"
-            );
-            let most = spoilt(spoil, |tick| tick % 20 != 19).unwrap();
-            assert!(most.0 <= in_a_row + 2, "{fault:?}: {most:?}");
-        }
-    }
-
-    #[test]
-    fn a_blow_of_eleven_ticks_at_the_lower_rail_in_each_period_trips_nothing() {
-        let blow = spoilt(|f| f.force.0 = 100, |tick| tick % 2000 < 11);
-        assert_eq!(blow, None);
-    }
-
-    #[test]
-    fn a_count_is_quiet_again_some_ticks_after_its_condition_has_gone() {
-        let mut guard = Guard::new(&Settings::for_rig(&WIRES));
-        let mut frame = quiet();
-        frame.cart = AdcCode(4095);
-        for _ in 0..10_000 {
-            guard.check(&frame, at(0, 0), false, false);
-        }
-        assert!(!guard.is_quiet());
-        let ticks = (1..1000).find(|_| {
-            guard.check(&quiet(), at(0, 0), false, false);
-            guard.is_quiet()
-        });
-        assert_eq!(ticks, Some(84));
-    }
-}
+mod tests;

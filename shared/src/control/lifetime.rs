@@ -214,7 +214,7 @@ mod tests {
             Faults::of_boot(&BootInfo {
                 reset,
                 settings,
-                ..BootInfo::default()
+                ..BootInfo::STORED
             })
         };
         for good in [SettingsState::Stored, SettingsState::Model] {
@@ -237,7 +237,7 @@ mod tests {
     fn a_fault_is_cleared_only_when_its_cause_has_gone() {
         let corrupt = BootInfo {
             settings: SettingsState::Damaged,
-            ..BootInfo::default()
+            ..BootInfo::STORED
         };
         let mut faults = Faults::at_boot(&corrupt);
         faults.block_ends(true);
@@ -269,5 +269,30 @@ mod tests {
         assert!(!remote.is_lost(0.0), "no timeout");
         remote.alive();
         assert!(!remote.is_lost(0.5));
+    }
+
+    #[test]
+    fn an_episode_names_each_fault_once_and_a_sensor_on_its_way_to_the_rail_once() {
+        use crate::fault::Origin;
+        let record = |fault, origin| Record::new(fault, origin, 7, 400.0, 3.6);
+        let mut faults = Faults::default();
+        assert!(faults.add(record(Fault::OverForce, Origin::Force)));
+        assert!(!faults.add(record(Fault::OverForce, Origin::Force)));
+        // The force goes on to its rail; then the wire of another sensor lies at one.
+        assert!(!faults.add(record(Fault::SensorSaturated, Origin::Force)));
+        assert!(faults.add(record(Fault::SensorSaturated, Origin::Hammer)));
+        let episode = faults.record.unwrap().episode;
+        assert!(episode.contains(Fault::OverForce) && episode.contains(Fault::SensorSaturated));
+    }
+
+    #[test]
+    fn after_a_block_without_samples_nothing_can_be_cleared() {
+        let mut faults = Faults::default();
+        faults.block_begins();
+        faults.block_ends(true);
+        assert!(faults.can_be_cleared());
+        faults.block_begins();
+        faults.block_was_blind();
+        assert!(!faults.can_be_cleared());
     }
 }

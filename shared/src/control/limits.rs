@@ -142,5 +142,6 @@ mod tests {
         assert_eq!(limits, ActiveLimits::AMPLITUDE);
         assert!(!limits.contains(ActiveLimits::ALL));
         assert_eq!(limits | ActiveLimits::FORCE.when(false), limits);
+        assert_eq!(limits | limits, limits);
     }
 }

@@ -147,6 +147,9 @@ mod tests {
             lock.correct(1.0);
         }
         assert!((lock.wanted_turns() - (0.95 + 5.0 / 360.0)).abs() < 1e-4);
+        // A new forecast keeps what the climbs have found.
+        lock.retarget(0.9);
+        assert!((lock.wanted_turns() - (0.9 + 5.0 / 360.0)).abs() < 1e-4);
     }
 
     #[test]

@@ -95,3 +95,46 @@ impl Lockstep {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::params::WIRES;
+
+    /// Exchanges until the forecast is delivered.
+    fn exchanges(exchange: impl Fn(&mut Lockstep) -> Exchanged) -> u32 {
+        let mut node = Lockstep::new(&Settings::for_rig(&WIRES), &BootInfo::STORED).unwrap();
+        for count in 1..1_000_000 {
+            let had_one = node.forecast().is_some();
+            let delivered = exchange(&mut node).delivered;
+            assert_eq!(
+                delivered, had_one,
+                "delivered with the block after it is done"
+            );
+            let target_hz = node.controller.status().target_hz;
+            if delivered {
+                let made = node.forecast().and_then(|forecast| forecast.target);
+                assert_eq!(made.map(|target| target.frequency_hz), Some(target_hz));
+                return count;
+            }
+            assert_eq!(target_hz, 0.0);
+        }
+        panic!("no forecast");
+    }
+
+    #[test]
+    fn a_forecast_takes_its_slices_with_samples_and_without_and_is_delivered_once() {
+        let blind = |slices: u32| {
+            exchanges(move |node| node.exchange_blind(&mut [Output::SAFE; 10], slices))
+        };
+        let sighted = |slices: u32| {
+            exchanges(move |node| {
+                node.exchange(&[Frame::default(); 10], &mut [Output::SAFE; 10], slices)
+            })
+        };
+        let count = sighted(2000);
+        assert!(count > 10, "{count}");
+        assert_eq!(blind(2000), count);
+        assert!(sighted(4000).abs_diff(count / 2) <= 1);
+    }
+}

@@ -1,12 +1,12 @@
 //! The controller: from samples to set-points, and when to switch off.
 //!
 //! ```text
-//!                 Start             zeros found          amplitude reached
-//!        Idle ----------> SelfTest ------------> Ramp -------------------> Seek
-//!         ^ ^                                     |                        |  ^
-//!         | |  amplitude 0                        |  (by hand)     at goal |  |1/1 lost
-//!         | +-------------- Stop <--- Stop -------+------> Manual          v  |
-//!         |                                                              Hold-+
+//!              Start             zeros found        sensors proven        amplitude reached
+//!        Idle -------> SelfTest ------------> Prove ---------------> Ramp -------------------> Seek
+//!         ^ ^                                   |                     |                        |  ^
+//!         | |  amplitude 0                      |                     |  (by hand)     at goal |  |1/1 lost
+//!         | +-------------- Stop <---- Stop ----+---------------------+------> Manual          v  |
+//!         |                                                                                  Hold-+
 //!         | ClearFault, cause gone
 //!        Fault <--- any state: a condition of the fault table; the drive is off first
 //! ```
@@ -32,11 +32,14 @@ mod oscillator;
 mod phase;
 mod plausibility;
 mod probe;
+mod proof;
 mod rig_estimate;
 mod sampling;
 mod search;
 mod self_test;
 mod supervise;
+#[cfg(test)]
+mod test_rig;
 mod trim;
 
 pub use controller::Controller;
@@ -75,6 +78,8 @@ pub enum State {
     Fault = 6,
     /// Frequency and amplitude are given by hand.
     Manual = 7,
+    /// Drive on, a small and slow motion that proves the sensors.
+    Prove = 8,
 }
 
 /// Who chooses the frequency.
@@ -201,11 +206,11 @@ pub enum ResetCause {
 #[serde(rename_all = "kebab-case")]
 pub enum SettingsState {
     /// Somebody sent them for this rig: the newest that are stored, or sent since the start.
-    #[default]
     Stored,
     /// Those stored cannot be read; defaults stand in for them.
     Damaged,
     /// None were ever stored; defaults stand in for them.
+    #[default]
     Missing,
     /// The newest that were stored cannot be read; an older copy stands in for them.
     OlderCopy,
@@ -220,7 +225,7 @@ impl SettingsState {
     }
 }
 
-/// Why and with what the board started.
+/// Why and with what the board started. By default no settings were ever stored, so it drives nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BootInfo {
     /// Why the board started.
@@ -229,4 +234,13 @@ pub struct BootInfo {
     pub record: Option<Record>,
     /// Where the settings come from.
     pub settings: SettingsState,
+}
+
+impl BootInfo {
+    /// A plain power-on with stored settings.
+    pub const STORED: Self = Self {
+        reset: ResetCause::PowerOn,
+        record: None,
+        settings: SettingsState::Stored,
+    };
 }

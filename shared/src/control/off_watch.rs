@@ -193,4 +193,19 @@ mod tests {
     fn a_cart_that_comes_to_rest_trips_nothing() {
         assert_eq!(trips_after(1.5, 3.66, 0.2), None);
     }
+
+    #[test]
+    fn after_every_drive_the_cart_has_time_to_come_to_rest() {
+        let mut watch = OffWatch::new(&Settings::for_rig(&WIRES));
+        for _ in 0..3 {
+            assert!((0..200_000).all(|_| watch.tick(0.3e-3, 1e-3).is_none()));
+            watch.driving();
+            for tick in 0..100_000_u32 {
+                let t = tick as f32 / 20_000.0;
+                let size = 1.5 * 0.89e-3 * libm::expf(-t / 0.2);
+                let motion_m = size * libm::sinf(core::f32::consts::TAU * 3.66 * t);
+                assert_eq!(watch.tick(0.3e-3 + motion_m, 1e-3), None, "{t} s");
+            }
+        }
+    }
 }

@@ -42,3 +42,21 @@ impl Operator {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chain_must_have_been_closed_for_20_ms() {
+        let mut operator = Operator::default();
+        assert_eq!(operator.acknowledge(0), Err(Refused::WrongState));
+        // The count of ticks wraps meanwhile.
+        let open_at = u32::MAX - 100;
+        operator.emergency(open_at, true);
+        let after = |ticks: u32| open_at.wrapping_add(ticks);
+        assert_eq!(operator.acknowledge(after(399)), Err(Refused::StillFaulty));
+        assert_eq!(operator.acknowledge(after(400)), Ok(()));
+        assert!(!operator.is_awaited());
+    }
+}

@@ -48,6 +48,15 @@ impl Oscillator {
         self.retune(self.frequency_goal_hz);
     }
 
+    /// Sets the frequency at once, and the phase to 0: for a drive at amplitude 0.
+    pub fn restart(&mut self, frequency_hz: f32) {
+        if let Ok(drive) = Drive::new(f64::from(frequency_hz), TICK_S) {
+            self.drive = drive;
+            self.frequency_hz = frequency_hz;
+            self.frequency_goal_hz = frequency_hz;
+        }
+    }
+
     /// Sets the goal of the amplitude; NaN and infinity are ignored.
     pub fn aim_amplitude(&mut self, amplitude_m: f32) {
         if amplitude_m.is_finite() {

@@ -1,14 +1,13 @@
 //! The controller's state with the data that belongs to it.
 
+use super::proof::Proof;
 use super::search::Search;
 use super::self_test::SelfTest;
 use super::{Mode, State};
-use crate::settings::{Settings, ticks_of};
+use crate::settings::ticks_of;
 
 /// Drive periods with one contact each, in a row, after which 1/1 counts as regained.
 const REGAINED_PERIODS: u8 = 8;
-/// How long a start waits for the forecast, s.
-const FORECAST_PATIENCE_S: f32 = 120.0;
 
 /// What the controller is doing, with what it needs for it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,6 +15,8 @@ pub(super) enum Phase {
     #[default]
     Idle,
     SelfTest(Start),
+    /// The small motion that proves the sensors, then waiting for the forecast.
+    Prove(Proof),
     /// The amplitude rises; then the search takes over, or manual set-points without one.
     Ramp(Option<Search>),
     Seek(Seeking),
@@ -31,6 +32,7 @@ impl Phase {
         match self {
             Self::Idle => State::Idle,
             Self::SelfTest(_) => State::SelfTest,
+            Self::Prove(_) => State::Prove,
             Self::Ramp(_) => State::Ramp,
             Self::Seek(_) => State::Seek,
             Self::Hold(_) => State::Hold,
@@ -44,13 +46,22 @@ impl Phase {
     pub fn is_driving(&self) -> bool {
         matches!(
             self,
-            Self::Ramp(_) | Self::Seek(_) | Self::Hold(_) | Self::Stop | Self::Manual
+            Self::Prove(_)
+                | Self::Ramp(_)
+                | Self::Seek(_)
+                | Self::Hold(_)
+                | Self::Stop
+                | Self::Manual
         )
     }
 
     /// Whether set-points are given by hand.
     pub fn is_manual(&self) -> bool {
-        matches!(self, Self::Ramp(None) | Self::Manual)
+        match self {
+            Self::Ramp(None) | Self::Manual => true,
+            Self::Prove(proof) => proof.mode == Mode::Manual,
+            _ => false,
+        }
     }
 
     /// The search, from the ramp on.
@@ -71,36 +82,11 @@ impl Phase {
     }
 }
 
-/// A start: the self test, and what comes after it.
+/// A start: the self test, and who is to choose the frequency after it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start {
     pub mode: Mode,
     pub test: SelfTest,
-    /// Whether a test has been passed.
-    pub tested: bool,
-    /// Ticks since the start.
-    ticks: u32,
-}
-
-impl Start {
-    pub fn new(mode: Mode, settings: &Settings) -> Self {
-        Self {
-            mode,
-            test: SelfTest::new(settings),
-            tested: false,
-            ticks: 0,
-        }
-    }
-
-    /// A block has passed.
-    pub fn pass(&mut self, ticks: u32) {
-        self.ticks = self.ticks.saturating_add(ticks);
-    }
-
-    /// Whether a forecast that has not come yet is still waited for.
-    pub fn can_wait(&self) -> bool {
-        self.ticks < ticks_of(FORECAST_PATIENCE_S)
-    }
 }
 
 /// The search, and how long it has been without what it needs.
@@ -137,5 +123,48 @@ impl Seeking {
     pub fn is_without_one_one(&mut self, ticks: u32, limit_s: f32) -> bool {
         self.ticks_without_one_one = self.ticks_without_one_one.saturating_add(ticks);
         self.ticks_without_one_one > ticks_of(limit_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forecast::{Orbit, Target};
+
+    #[test]
+    fn one_one_that_does_not_come_back_is_missed_after_the_limit() {
+        let orbit = Orbit {
+            force_n: 96.0,
+            impulse_n_s: 0.031,
+            approach_m_per_s: 0.08,
+            onset_turns: 0.4,
+            trace: -0.3,
+            determinant: 0.1,
+        };
+        let target = Target {
+            frequency_hz: 3.6,
+            orbit,
+            band_hz: (2.5, 4.8),
+            doubling_hz: None,
+            entry_hz: 3.6,
+        };
+        let second = ticks_of(1.0);
+        let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
+        let strobes = |seeking: &mut Seeking, contacts: [u16; 8]| {
+            for number in contacts {
+                seeking.strobe(number);
+            }
+        };
+        assert!(!seeking.is_without_one_one(second - 10, 1.0));
+        // Eight drive periods with one contact each bring it back.
+        strobes(&mut seeking, [1; 8]);
+        strobes(&mut seeking, [0; 8]);
+        assert!(!seeking.is_without_one_one(second - 10, 1.0));
+        // Seven do not.
+        strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 0]);
+        strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 2]);
+        assert!(!seeking.is_without_one_one(10, 1.0), "exactly the limit");
+        assert!(seeking.is_without_one_one(1, 1.0));
+        assert!(seeking.is_without_one_one(1, 1.0));
     }
 }

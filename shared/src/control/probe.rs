@@ -107,4 +107,36 @@ mod tests {
         assert!(climb(183.0, 1, |_, _| 0.0).is_nan());
         assert_eq!(climb(183.0, 1, |_, _| 1.0), 183.0);
     }
+
+    #[test]
+    fn a_climb_goes_six_degrees_up_down_down_up_and_back() {
+        let mut probe = PhaseProbe::default();
+        for (visit, degrees) in [6.0, -6.0, -6.0, 6.0, 0.0].into_iter().enumerate() {
+            for period in 1..=30 {
+                assert!((360.0 * probe.offset_turns() - degrees).abs() < 1e-4);
+                let ends = probe.strobe(0.024).is_some();
+                assert_eq!(ends, visit == 4 && period == 30);
+            }
+        }
+        assert_eq!(probe.offset_turns(), 0.0);
+    }
+
+    #[test]
+    fn the_six_contacts_after_each_change_do_not_count_and_the_mean_of_the_others_does() {
+        let hill = |phase: f32| 0.024 * (1.0 - 1.45e-4 * (phase - 183.0) * (phase - 183.0));
+        let top = climb(181.0, 1, |phase, period| match (period - 1) % 30 {
+            0..6 => 10.0,
+            // Contacts alternate by 2 %.
+            k if k % 2 == 0 => 1.01 * hill(phase),
+            _ => 0.99 * hill(phase),
+        });
+        assert!((top - 183.0).abs() < 0.1, "{top}");
+        // Nor does what comes while the phase returns.
+        let top = climb(
+            181.0,
+            1,
+            |phase, period| if period > 120 { 0.0 } else { hill(phase) },
+        );
+        assert!((top - 183.0).abs() < 0.1, "{top}");
+    }
 }

@@ -196,4 +196,26 @@ mod tests {
             assert!((hz / wanted - 1.0).abs() < 1e-3, "{hz} {wanted}");
         }
     }
+
+    #[test]
+    fn a_surface_that_has_receded_too_far_asks_for_feed() {
+        let a0_m = WIRES.amplitude_m as f32;
+        // The gap set and the gap at which the tool is to be fed, in A0.
+        for (set, feed) in [(0.0, 1.5), (0.5, 2.0), (1.5, 2.5), (2.7, 3.2)] {
+            let settings =
+                Settings::for_rig(&WIRES.with_gap_mm(1e3 * set * WIRES.amplitude_m).unwrap());
+            let at = |gap: f32| {
+                let mut estimate = RigEstimate::new(&settings);
+                assert!(!estimate.is_out_of_reach(), "nothing is known");
+                for _ in 0..100 {
+                    estimate.identification.pulse(&crate::sense::Pulse {
+                        relative_m: gap * a0_m,
+                        ..Default::default()
+                    });
+                }
+                estimate.is_out_of_reach()
+            };
+            assert!(!at(feed - 0.02) && at(feed + 0.02), "{set}");
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::controller::Controller;
 use super::event::EventKind;
 use super::guard::Trip;
 use super::phase::Phase;
+use super::proof::Proven;
 use super::search::{Beat, Step};
 use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
@@ -18,7 +19,7 @@ impl Controller {
     #[inline]
     pub(super) fn sample(&mut self, frame: &Frame) {
         let driving = self.life.phase.is_driving();
-        let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.wanted_amplitude_m();
+        let moving = driving && self.oscillator.amplitude_m() > 0.5 * self.full_amplitude_m();
         let now = self.sensed_drive.now();
         let (sample, trip) = self.guard.check(frame, now, moving, driving);
         self.watch_the_cart(&sample, driving);
@@ -26,15 +27,31 @@ impl Controller {
             self.trip(trip);
             return;
         }
-        if let Phase::SelfTest(start) = &mut self.life.phase
-            && let Some(end) = start.test.tick(frame, &sample)
-        {
-            match end {
-                Ok(zero) => self.finish_self_test(zero),
-                Err(trip) => self.trip(trip),
-            }
-        }
+        self.test(frame, &sample);
         self.process(sample, driving);
+    }
+
+    /// The self test and the motion that proves the sensors.
+    #[inline]
+    fn test(&mut self, frame: &Frame, sample: &Sample) {
+        match &mut self.life.phase {
+            Phase::SelfTest(start) => match start.test.tick(frame, sample) {
+                None => {}
+                Some(Ok(zero)) => self.finish_self_test(zero),
+                Some(Err(trip)) => self.trip(trip),
+            },
+            Phase::Prove(proof) => {
+                let command_m = self.oscillator.amplitude_m() * self.sensed_drive.sin();
+                match proof.tick(sample, command_m) {
+                    None => {}
+                    Some(Ok(Proven { cart, hammer })) => {
+                        self.life.push(EventKind::Proven { cart, hammer });
+                    }
+                    Some(Err(trip)) => self.trip(trip),
+                }
+            }
+            _ => {}
+        }
     }
 
     /// The cart must not move with the drive off, and no further than wanted with the drive on.
@@ -58,7 +75,9 @@ impl Controller {
     #[inline]
     fn process(&mut self, sample: Sample, driving: bool) {
         let found = self.sense.tick(sample, self.life.tick, &self.sensed_drive);
-        if driving {
+        // The small motion proves the sensors by itself; it is too slow and too small for the checks of a run.
+        let running = driving && !matches!(self.life.phase, Phase::Prove(_));
+        if running {
             let in_contact = self.sense.in_contact();
             self.note_contact(in_contact);
             if !in_contact {
@@ -76,7 +95,7 @@ impl Controller {
             if measured.periods > 0 {
                 self.seen.regime = measured.regime;
             }
-            if driving {
+            if running {
                 self.strobe(&strobe);
             }
         }
@@ -100,6 +119,14 @@ impl Controller {
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
         }
+    }
+
+    /// Limits and trip levels go by the worse of two measurements that contradict each other.
+    pub(super) fn go_by_the_worse(&mut self) {
+        let doubt = self.plausibility.doubt();
+        let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
+        self.guard.set_levels(&self.settings.trips, &doubt, rest);
+        self.trim.set_limits(&self.settings.limits, &doubt);
     }
 
     /// A drive period has ended while the drive is on.
@@ -150,21 +177,22 @@ impl Controller {
         let now_m = self.oscillator.amplitude_m();
         let command_m = 0.5 * (now_m + self.seen.command_m);
         self.seen.command_m = now_m;
+        let ratio = self.rig.identification.hammer_over_cart();
+        if let Some(trip) = self.plausibility.ratio(ratio) {
+            self.trip(trip);
+            return true;
+        }
+        self.go_by_the_worse();
         if self.is_motor() {
             return self.stop_a_motor_beyond_its_limits(strobe);
         }
         let hz = self.oscillator.frequency_hz();
         let rising = matches!(self.life.phase, Phase::Ramp(_));
-        let ratio = self.rig.identification.hammer_over_cart();
-        let followed = self.plausibility.strobe(strobe, command_m, hz, rising);
-        if let Some(trip) = followed.or_else(|| self.plausibility.ratio(ratio)) {
+        if let Some(trip) = self.plausibility.strobe(strobe, command_m, hz, rising) {
             self.trip(trip);
             return true;
         }
         let closed = !self.plausibility.doubts_the_cart();
-        if closed && command_m > 0.9 * self.probe_m() {
-            self.seen.proven = self.seen.proven.saturating_add(1);
-        }
         self.trim.strobe(strobe, command_m, closed);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();
@@ -174,9 +202,9 @@ impl Controller {
 
     /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.
     fn stop_a_motor_beyond_its_limits(&mut self, strobe: &Strobe) -> bool {
-        let limits = &self.settings.limits;
-        let beyond = ActiveLimits::FORCE.when(strobe.peak_n > limits.force_n)
-            | ActiveLimits::TRAVEL.when(strobe.travel_m > limits.travel_m);
+        let (limits, doubt) = (&self.settings.limits, self.plausibility.doubt());
+        let beyond = ActiveLimits::FORCE.when(strobe.peak_n * doubt.force > limits.force_n)
+            | ActiveLimits::TRAVEL.when(strobe.travel_m * doubt.travel > limits.travel_m);
         if beyond.is_empty() {
             self.seen.beyond = 0;
             return false;
@@ -214,7 +242,9 @@ impl Controller {
             return;
         }
         let clamped = !self.trim.limits().is_empty();
-        if self.force.strobe(strobe.peak_n, clamped) {
+        // No harder than asked, by either measurement.
+        let peak_n = strobe.peak_n * self.plausibility.doubt().force;
+        if self.force.strobe(peak_n, clamped) {
             let wanted_m = self.wanted_amplitude_m() * self.force.factor();
             self.trim.set_wanted_amplitude(wanted_m);
             self.command_amplitude();

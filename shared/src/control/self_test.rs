@@ -7,10 +7,9 @@ use crate::settings::{Settings, TICK_RATE_HZ};
 
 use super::guard::Trip;
 
-/// Natural periods averaged: a hammer that still swings averages out over whole ones.
-const PERIODS: f32 = 2.0;
-/// Windows waited for the hammer to come to rest; wires have no damping and may swing for long.
-const MAX_WINDOWS: u8 = 20;
+/// Windows of one natural period, over which a hammer that still swings averages out, waited for it to come to rest: wires
+/// have no damping and may swing for long.
+const MAX_WINDOWS: u8 = 40;
 /// A hammer whose displacement varies less than this share of A0 (r.m.s.) is at rest.
 const AT_REST: f32 = 0.25;
 /// Largest rest displacement of the hammer taken for a sensor's offset, m.
@@ -27,6 +26,8 @@ pub struct Zero {
     pub relative_m: Option<f32>,
     /// The cart with the drive off, m.
     pub cart_m: f32,
+    /// Amplitude of the hammer's swing relative to the cart, m.
+    pub swing_m: f32,
     /// Whether the force sensor's code varied with the hammer at rest.
     pub force_is_live: bool,
 }
@@ -53,7 +54,7 @@ impl SelfTest {
         let natural_hz = (settings.rig.natural_frequency_hz() as f32).max(0.1);
         let at_rest_m = AT_REST * settings.rig.amplitude_m as f32;
         Self {
-            window: (PERIODS * TICK_RATE_HZ as f32 / natural_hz) as u32,
+            window: (TICK_RATE_HZ as f32 / natural_hz) as u32,
             quiet_m2: at_rest_m * at_rest_m,
             max_force_n: MAX_FORCE_OFFSET * settings.limits.force_n,
             ticks: 0,
@@ -94,36 +95,39 @@ impl SelfTest {
         self.ticks = 0;
         self.windows = self.windows.saturating_add(1);
         let mean = self.relative_sum * share;
-        let at_rest = self.relative_squares * share - mean * mean <= self.quiet_m2;
+        let variance_m2 = self.relative_squares * share - mean * mean;
+        let at_rest = variance_m2 <= self.quiet_m2;
         if !at_rest && self.windows < MAX_WINDOWS {
             return None;
         }
         let force_n = self.first.force_n + self.force_sum * share;
         let relative_m = self.first.hammer_m - self.first.cart_m + mean;
         let cart_m = self.first.cart_m + self.cart_sum * share;
-        Some(self.judge(force_n, at_rest.then_some(relative_m), cart_m))
+        let zero = Zero {
+            force_n,
+            relative_m: at_rest.then_some(relative_m),
+            cart_m,
+            swing_m: libm::sqrtf(2.0 * variance_m2.max(0.0)),
+            // A swinging hammer may strike; that is not noise.
+            force_is_live: at_rest && self.codes.0 != self.codes.1,
+        };
+        Some(self.judge(zero))
     }
 
-    fn judge(&self, force_n: f32, relative_m: Option<f32>, cart_m: f32) -> Result<Zero, Trip> {
+    fn judge(&self, zero: Zero) -> Result<Zero, Trip> {
         let out_of_family = |origin, value| Trip {
             fault: Fault::SensorOutOfFamily,
             origin,
             value,
         };
-        if libm::fabsf(force_n) > self.max_force_n {
-            return Err(out_of_family(Origin::Force, force_n));
+        if libm::fabsf(zero.force_n) > self.max_force_n {
+            return Err(out_of_family(Origin::Force, zero.force_n));
         }
-        match relative_m {
+        match zero.relative_m {
             Some(rest_m) if libm::fabsf(rest_m) > MAX_REST_M => {
                 Err(out_of_family(Origin::Hammer, rest_m))
             }
-            _ => Ok(Zero {
-                force_n,
-                relative_m,
-                cart_m,
-                // A swinging hammer may strike; that is not noise.
-                force_is_live: relative_m.is_some() && self.codes.0 != self.codes.1,
-            }),
+            _ => Ok(zero),
         }
     }
 }
@@ -156,10 +160,56 @@ mod tests {
             cart_m: -0.1e-3,
         });
         let zero = zero.unwrap();
-        assert!(ticks < 22_000, "two natural periods: {ticks}");
+        assert!(
+            (10_500..11_500).contains(&ticks),
+            "a natural period: {ticks}"
+        );
         assert!((zero.force_n - 2.5).abs() < 1e-5);
         assert!((zero.relative_m.unwrap() - 0.5e-3).abs() < 1e-8);
         assert!(zero.force_is_live);
+    }
+
+    #[test]
+    fn zeros_are_means_and_a_first_sample_that_is_off_is_nothing_special() {
+        let off = |t: f32| if t == 0.0 { 1.0 } else { 0.0 };
+        let (ticks, zero) = run(|t| Sample {
+            force_n: 2.5 + 8.0 * off(t),
+            hammer_m: 0.4e-3 + 3e-3 * off(t),
+            cart_m: -0.1e-3 - 0.5e-3 * off(t),
+        });
+        let zero = zero.unwrap();
+        assert!(ticks < 22_000, "two natural periods: {ticks}");
+        assert!((zero.force_n - 2.5).abs() < 1e-3, "{zero:?}");
+        assert!((zero.relative_m.unwrap() - 0.5e-3).abs() < 1e-6, "{zero:?}");
+        assert!((zero.cart_m + 0.1e-3).abs() < 1e-6, "{zero:?}");
+    }
+
+    #[test]
+    fn a_force_is_live_if_its_code_moves_while_the_hammer_rests() {
+        let settings = Settings::for_rig(&WIRES);
+        let is_live = |noise: u16, swing_m: f32| {
+            let mut test = SelfTest::new(&settings);
+            let zero = (0..2_000_000_u32).find_map(|tick| {
+                let force = AdcCode(600 + (tick % 2) as u16 * noise);
+                let frame = Frame {
+                    force,
+                    ..Frame::default()
+                };
+                let t = tick as f32 / 20_000.0;
+                let hammer_m = swing_m * libm::sinf(11.4 * t);
+                test.tick(
+                    &frame,
+                    &Sample {
+                        hammer_m,
+                        ..Sample::default()
+                    },
+                )
+            });
+            zero.unwrap().unwrap().force_is_live
+        };
+        assert!(is_live(1, 0.0));
+        assert!(!is_live(0, 0.0), "a signal that stands");
+        assert!(!is_live(1, 1e-3), "the hammer may strike");
     }
 
     #[test]
@@ -168,7 +218,8 @@ mod tests {
             hammer_m: 1e-3 * libm::sinf(11.4 * t),
             ..Sample::default()
         });
-        assert!(ticks > 400_000, "{ticks}");
+        // Twenty windows of two natural periods.
+        assert!((430_000..450_000).contains(&ticks), "{ticks}");
         assert_eq!(zero.unwrap().relative_m, None);
     }
 

@@ -2,12 +2,13 @@
 
 use super::basin::BasinTracker;
 use super::block_health::BlockHealth;
-use super::controller::Controller;
+use super::controller::{Controller, start_frequency};
 use super::event::EventKind;
 use super::force::ForceLoop;
 use super::guard::Trip;
 use super::lifetime::Remote;
 use super::phase::{Phase, Seeking, Start};
+use super::proof::Proof;
 use super::search::Search;
 use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
@@ -15,10 +16,8 @@ use super::{ActiveLimits, Mode, Refused, SettingsState, State};
 use crate::fault::{Fault, Record};
 use crate::settings::{DriveKind, ticks_of};
 
-/// Amplitude of the active part of the self test, in units of A0.
-const PROBE: f32 = 0.2;
-/// Drive periods in which the cart must be seen to follow it.
-const PROOFS: u8 = 2;
+/// How long a start waits for the forecast after the sensors are proven, s.
+const FORECAST_PATIENCE_S: f32 = 120.0;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -31,13 +30,9 @@ impl Controller {
             self.trip(Trip::system(Fault::LinkTimeout, timeout_s));
         }
         self.check_contact(ticks);
-        let probing = self.is_probing();
         match &mut self.life.phase {
-            Phase::SelfTest(start) => {
-                start.pass(ticks);
-                self.begin_ramp();
-            }
-            Phase::Ramp(search) if !probing && self.oscillator.amplitude_has_arrived() => {
+            Phase::Prove(_) => self.prove(),
+            Phase::Ramp(search) if self.oscillator.amplitude_has_arrived() => {
                 let next = match *search {
                     Some(search) => Phase::Seek(Seeking::new(search)),
                     None => Phase::Manual,
@@ -99,26 +94,67 @@ impl Controller {
         let rest_m = zero.relative_m.unwrap_or(0.0);
         self.sense.set_zero(zero.force_n, rest_m, zero.cart_m);
         self.guard.set_force_is_live(zero.force_is_live);
-        let Phase::SelfTest(start) = &mut self.life.phase else {
-            return;
-        };
-        // Until the forecast has come, the sensors are tested on.
-        start.test = SelfTest::new(&self.settings);
-        start.tested = true;
-        self.begin_ramp();
-    }
-
-    /// The ramp begins as soon as the sensors have been tested and there is a forecast to go by.
-    fn begin_ramp(&mut self) {
         let Phase::SelfTest(start) = &self.life.phase else {
             return;
         };
-        if !start.tested {
+        let mode = start.mode;
+        if self.is_given_up(mode) {
             return;
         }
-        let search = match start.mode {
+        if self.is_motor() {
+            self.begin_ramp(mode, self.first_set_point());
+            return;
+        }
+        let proof = Proof::new(mode, &self.settings, &zero, self.first_set_point());
+        self.trim = Trim::new(&self.settings);
+        self.trim.set_wanted_amplitude(proof.amplitude_m());
+        self.seen.cart_peak_m = 0.0;
+        self.change(Phase::Prove(proof));
+    }
+
+    /// The set-point of a start by hand to which none is sent.
+    fn first_set_point(&self) -> (f32, f32) {
+        (start_frequency(&self.settings), self.wanted_amplitude_m())
+    }
+
+    /// Whether there is nothing to go to: the forecast has come and found no stable 1/1. Then it goes back to Idle.
+    fn is_given_up(&mut self, mode: Mode) -> bool {
+        let nothing = self.forecast.has_come() && self.forecast.entered_target().is_none();
+        let given_up = nothing && mode == Mode::Automatic;
+        if given_up {
+            self.life.push(EventKind::NoTarget);
+            self.change(Phase::Idle);
+        }
+        given_up
+    }
+
+    /// The small motion that proves the sensors: begins it, moves its amplitude, and goes on once it is over and there is
+    /// a forecast to go by.
+    fn prove(&mut self) {
+        let Phase::Prove(proof) = &mut self.life.phase else {
+            return;
+        };
+        if let Some(hz) = proof.begin() {
+            self.oscillator.restart(hz);
+            self.guard.restart(self.oscillator.drive().now());
+        }
+        let goal_m = self.trim.command() * proof.envelope();
+        self.oscillator.aim_amplitude(goal_m);
+        let (mode, by_hand) = (proof.mode, proof.by_hand);
+        let Some(waited) = proof.over() else {
+            return;
+        };
+        let patient = waited < ticks_of(FORECAST_PATIENCE_S);
+        if mode == Mode::Automatic && !self.forecast.has_come() && patient {
+            return;
+        }
+        self.begin_ramp(mode, by_hand);
+    }
+
+    /// The ramp begins: to the forecast's entry, or by hand to this set-point.
+    fn begin_ramp(&mut self, mode: Mode, by_hand: (f32, f32)) {
+        let search = match mode {
             Mode::Manual => None,
-            Mode::Automatic if !self.forecast.has_come() && start.can_wait() => return,
             Mode::Automatic => {
                 let Some(target) = self.forecast.entered_target() else {
                     self.life.push(EventKind::NoTarget);
@@ -138,6 +174,8 @@ impl Controller {
         self.seen.ticks_without_contact = 0;
         self.seen.cart_peak_m = 0.0;
         self.trim = Trim::new(&self.settings);
+        self.go_by_the_worse();
+        self.oscillator.silence();
         if let Some(search) = &search {
             self.oscillator.jump(search.goal_hz());
             let (_, force_n) = self.forecast.target_point();
@@ -146,8 +184,10 @@ impl Controller {
             let wanted_m = self.wanted_amplitude_m() * self.force.factor();
             self.trim.set_wanted_amplitude(wanted_m);
             self.trim.expect(force_n * self.force.factor());
+        } else {
+            self.oscillator.jump(by_hand.0);
+            self.trim.set_wanted_amplitude(by_hand.1);
         }
-        self.seen.proven = 0;
         self.change(Phase::Ramp(search));
         self.command_amplitude();
     }
@@ -157,29 +197,9 @@ impl Controller {
         self.settings.drive.kind == DriveKind::Motor
     }
 
-    /// The active part of the self test, at the beginning of the ramp: whether the motion is still kept small, until
-    /// the cart is seen to follow it in sense and size.
-    pub(super) fn is_probing(&mut self) -> bool {
-        let is_shaker = !self.is_motor();
-        matches!(self.life.phase, Phase::Ramp(_))
-            && is_shaker
-            && self.seen.proven < PROOFS
-            && self.trim.command() > self.probe_m()
-    }
-
-    /// Amplitude of the active part of the self test, m.
-    pub(super) fn probe_m(&self) -> f32 {
-        PROBE * self.wanted_amplitude_m()
-    }
-
-    /// Sets the goal of the amplitude: what loop and limits allow, and little before the sensors are proven.
+    /// Sets the goal of the amplitude: what loop and limits allow.
     pub(super) fn command_amplitude(&mut self) {
-        let wanted_m = self.trim.command();
-        let goal_m = if self.is_probing() {
-            wanted_m.min(self.probe_m())
-        } else {
-            wanted_m
-        };
+        let goal_m = self.trim.command();
         self.oscillator.aim_amplitude(goal_m);
     }
 
@@ -198,7 +218,8 @@ impl Controller {
         self.oscillator.aim(self.oscillator.frequency_hz());
         self.sense.reset();
         self.rig.identification.reset();
-        self.change(Phase::SelfTest(Start::new(mode, &self.settings)));
+        let test = SelfTest::new(&self.settings);
+        self.change(Phase::SelfTest(Start { mode, test }));
         Ok(())
     }
 
@@ -243,10 +264,14 @@ impl Controller {
         }
         let (low, high) = self.range_hz();
         let clamped_hz = frequency_hz.max(low).min(high);
+        let amplitude_m = amplitude_m.min(self.settings.limits.amplitude_m);
+        if let Phase::Prove(proof) = &mut self.life.phase {
+            proof.by_hand = (clamped_hz, amplitude_m);
+            return Ok(());
+        }
         self.limits.active = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
         self.oscillator.aim(clamped_hz);
-        self.trim
-            .set_wanted_amplitude(amplitude_m.min(self.settings.limits.amplitude_m));
+        self.trim.set_wanted_amplitude(amplitude_m);
         self.command_amplitude();
         Ok(())
     }
@@ -330,3 +355,6 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

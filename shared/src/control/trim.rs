@@ -5,8 +5,9 @@
 //! resonance of the shaker, is met within half a drive period: [`Trim::surge`].
 
 use super::limits::ActiveLimits;
+use super::plausibility::Doubt;
 use crate::sense::Strobe;
-use crate::settings::Settings;
+use crate::settings::{Limits, Settings};
 
 /// Share of the amplitude error corrected per drive period.
 const GAIN: f32 = 0.2;
@@ -30,12 +31,17 @@ const URGENT_PERIODS: u8 = 1;
 const LEAST_DRAW: f32 = 0.05;
 /// Factor by which a reduced amplitude recovers per drive period.
 const RELEASE: f32 = 1.01;
+/// The same after a period without contact, which says nothing of the force.
+const BLIND_RELEASE: f32 = 1.005;
 
 /// The amplitude loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Trim {
     wanted_m: f32,
+    /// Largest command.
     largest_m: f32,
+    /// How many times its reading the cart's amplitude may be.
+    cart_doubt: f32,
     force_n: f32,
     travel_m: f32,
     /// Command over amplitude.
@@ -53,6 +59,7 @@ impl Trim {
         Self {
             wanted_m: settings.rig.amplitude_m as f32,
             largest_m: settings.limits.amplitude_m,
+            cart_doubt: 1.0,
             force_n: settings.limits.force_n,
             travel_m: settings.limits.travel_m,
             gain: 1.0,
@@ -60,6 +67,13 @@ impl Trim {
             wait: 0,
             limits: ActiveLimits::NONE,
         }
+    }
+
+    /// The limits from now on: those of the settings, nearer by what is doubted.
+    pub fn set_limits(&mut self, limits: &Limits, doubt: &Doubt) {
+        self.force_n = limits.force_n / doubt.force;
+        self.travel_m = limits.travel_m / doubt.travel;
+        self.cart_doubt = doubt.cart;
     }
 
     /// The amplitude wanted, m (clamped by [`Self::command`]).
@@ -106,7 +120,12 @@ impl Trim {
             self.draw = (reached / over.min(2.0)).max(LEAST_DRAW);
             self.wait = ANSWER_PERIODS + 1;
         } else if self.wait == 0 && over < 0.95 {
-            self.draw = (self.draw * RELEASE).min(1.0);
+            let release = if strobe.contacts > 0 {
+                RELEASE
+            } else {
+                BLIND_RELEASE
+            };
+            self.draw = (self.draw * release).min(1.0);
         }
         if self.draw < 1.0 {
             let limit = if over_force >= over_travel {
@@ -148,133 +167,22 @@ impl Trim {
 
     /// The amplitude to command, m.
     pub fn command(&mut self) -> f32 {
-        let command = self.wanted_m * self.draw * self.gain;
-        if command > self.largest_m {
-            self.limits |= ActiveLimits::AMPLITUDE;
-            self.largest_m
+        // Neither the command nor what the amplitude may truly be beyond its reading exceeds the limit.
+        let largest_reading_m = self.largest_m / self.cart_doubt;
+        let reading_m = self.wanted_m * self.draw;
+        let doubted = self.cart_doubt > 1.0 && reading_m > largest_reading_m;
+        let reading_m = if doubted {
+            largest_reading_m
         } else {
-            self.limits -= ActiveLimits::AMPLITUDE;
-            command
-        }
+            reading_m
+        };
+        let command = reading_m * self.gain;
+        let beyond = command > self.largest_m;
+        self.limits -= ActiveLimits::AMPLITUDE;
+        self.limits |= ActiveLimits::AMPLITUDE.when(doubted || beyond);
+        if beyond { self.largest_m } else { command }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::params::WIRES;
-
-    fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
-        for _ in 0..periods {
-            let command = trim.command();
-            trim.strobe(&plant(command), command, true);
-        }
-        trim.command()
-    }
-
-    #[test]
-    fn a_shaker_that_moves_less_gets_a_larger_command() {
-        let mut trim = Trim::new(&Settings::for_rig(&WIRES));
-        let command = run(&mut trim, 40, |m| Strobe {
-            amplitude_m: 0.8 * m,
-            ..Strobe::default()
-        });
-        assert!((0.8 * command - 0.89e-3).abs() < 1e-6, "{command}");
-        assert_eq!(trim.limits(), ActiveLimits::NONE);
-    }
-
-    #[test]
-    fn a_sensor_that_reads_far_less_raises_the_command_by_no_more_than_a_third() {
-        let mut trim = Trim::new(&Settings::for_rig(&WIRES));
-        let command = run(&mut trim, 100, |m| Strobe {
-            amplitude_m: 0.64 * m,
-            ..Strobe::default()
-        });
-        assert!((command / 0.89e-3 - 1.3).abs() < 1e-3, "{command}");
-    }
-
-    #[test]
-    fn a_resonance_is_met_at_once_and_the_wanted_amplitude_held() {
-        for response in [1.5, 3.0, 10.0] {
-            let mut trim = Trim::new(&Settings::for_rig(&WIRES));
-            let mut command = 0.3e-3;
-            for _ in 0..10 {
-                if trim.surge(response * command, command) {
-                    command = command.min(trim.command());
-                }
-            }
-            assert!(response * command < 1.25 * 0.89e-3, "{response}: {command}");
-            let command = run(&mut trim, 40, |m| Strobe {
-                amplitude_m: response * m,
-                ..Strobe::default()
-            });
-            let share = response * command / 0.89e-3;
-            assert!((share - 1.0).abs() < 0.01, "{response}: {share}");
-        }
-    }
-
-    #[test]
-    fn a_force_above_the_limit_while_the_amplitude_rises_stops_the_rise() {
-        let settings = Settings::for_rig(&WIRES);
-        let mut trim = Trim::new(&settings);
-        // Half of the amplitude makes 1.05 times the force allowed.
-        let strobe = Strobe {
-            amplitude_m: 0.445e-3,
-            peak_n: 1.05 * settings.limits.force_n,
-            ..Strobe::default()
-        };
-        trim.strobe(&strobe, 0.445e-3, true);
-        let share = trim.command() / 0.89e-3;
-        assert!((share - 0.5 / 1.05).abs() < 1e-3, "{share}");
-    }
-
-    #[test]
-    fn a_dead_shaker_does_not_wind_up_beyond_the_limit() {
-        let settings = Settings::for_rig(&WIRES);
-        let mut trim = Trim::new(&settings);
-        let command = run(&mut trim, 100, |_| Strobe::default());
-        assert!((command / 0.89e-3 - RANGE.1).abs() < 1e-3, "{command}");
-        let mut trim = Trim::new(&settings);
-        trim.set_wanted_amplitude(1.2e-3);
-        let command = run(&mut trim, 100, |_| Strobe::default());
-        assert_eq!(command, settings.limits.amplitude_m);
-        assert_eq!(trim.limits(), ActiveLimits::AMPLITUDE);
-    }
-
-    #[test]
-    fn a_force_that_is_forecast_above_the_limit_is_never_reached() {
-        let settings = Settings::for_rig(&WIRES);
-        let mut trim = Trim::new(&settings);
-        trim.expect(1.5 * settings.limits.force_n);
-        let command = trim.command();
-        assert!((command / 0.89e-3 - 0.6).abs() < 1e-3, "{command}");
-        assert_eq!(trim.limits(), ActiveLimits::FORCE);
-        trim.expect(0.5 * settings.limits.force_n);
-        assert_eq!(
-            trim.command(),
-            command,
-            "a force below the limit changes nothing"
-        );
-    }
-
-    #[test]
-    fn force_above_the_limit_draws_the_amplitude_back_and_lets_it_return() {
-        let settings = Settings::for_rig(&WIRES);
-        let mut trim = Trim::new(&settings);
-        let strong = |m: f32| Strobe {
-            amplitude_m: m,
-            peak_n: 1.5 * settings.limits.force_n * m / 0.89e-3,
-            ..Strobe::default()
-        };
-        let command = run(&mut trim, 50, strong);
-        assert!((0.6..0.69).contains(&(command / 0.89e-3)), "{command}");
-        assert_eq!(trim.limits(), ActiveLimits::FORCE);
-        let weak = |m: f32| Strobe {
-            amplitude_m: m,
-            ..Strobe::default()
-        };
-        let command = run(&mut trim, 100, weak);
-        assert!((command / 0.89e-3 - 1.0).abs() < 1e-3, "{command}");
-        assert_eq!(trim.limits(), ActiveLimits::NONE);
-    }
-}
+mod tests;

@@ -127,7 +127,7 @@ mod tests {
         for (_, rig) in PRESETS {
             there_and_back(&ExchangeRequest::Begin {
                 settings: Settings::for_rig(&rig),
-                boot: BootInfo::default(),
+                boot: BootInfo::STORED,
             });
         }
         let frame = Frame {

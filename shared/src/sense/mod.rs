@@ -338,6 +338,16 @@ impl Sense {
         self.force_offset_n
     }
 
+    /// What the force sensor reads at zero now, N.
+    pub fn force_zero_n(&self) -> f32 {
+        self.force_offset_n + self.force_drift_n
+    }
+
+    /// What the hammer read at rest in the self test relative to the cart, m; 0 if it did not come to rest.
+    pub fn rest_relative_m(&self) -> f32 {
+        self.rest_relative_m
+    }
+
     /// Outside contacts the force was `free_n` on average, by the zero of the self test: the zero follows it.
     pub fn follow_zero(&mut self, free_n: f32) {
         if free_n.is_finite() {

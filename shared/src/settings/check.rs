@@ -401,7 +401,7 @@ mod tests {
             (
                 "limits.max_frequency_hz",
                 |s| &mut s.limits.max_frequency_hz,
-                1.3,
+                0.5,
                 501.0,
             ),
             (

@@ -22,7 +22,7 @@ impl Bench {
     /// A board just started.
     pub fn new() -> Self {
         let settings = Settings::for_rig(&WIRES);
-        let controller = Controller::new(&settings, &BootInfo::default());
+        let controller = Controller::new(&settings, &BootInfo::STORED);
         Self {
             status: controller.expect("good settings").status(),
             settings,

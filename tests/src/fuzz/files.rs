@@ -135,7 +135,7 @@ fn good_log() -> &'static [u8] {
         let header = Header {
             source: "test".into(),
             settings: Settings::for_rig(&WIRES),
-            birth: BootInfo::default(),
+            birth: BootInfo::STORED,
             block_ticks: 10,
             scenario: None,
         };

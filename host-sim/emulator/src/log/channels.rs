@@ -26,6 +26,7 @@ pub(super) const STATUS: Channel = Channel {
         ),
         ("fault_value", "number", "The value that tripped it"),
         ("fault_frequency_hz", "number", "Drive frequency then, Hz"),
+        ("episode", "string", "All faults until they are cleared"),
         (
             "limits",
             "integer",

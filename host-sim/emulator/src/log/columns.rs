@@ -3,11 +3,15 @@
 
 use files::columns::{Field, Kind, Packing};
 
-/// The version of the columns. 1 called the impulse `impulse_ns`; from 3 on every byte is under a check sum.
-pub(super) const VERSION: u32 = 3;
+/// The version of the columns. 1 called the impulse `impulse_ns`; from 3 on every byte is under a check sum; from 4 on
+/// there is the episode.
+pub(super) const VERSION: u32 = 4;
 
 /// The first version whose bytes are under check sums.
 pub(super) const CHECKED: u32 = 3;
+
+/// The first version with the episode, the last column.
+const WITH_EPISODE: u32 = 4;
 
 /// The value of the key `format`, before the version's number.
 pub(super) const FORMAT: &str = "vibro-impact run ";
@@ -83,6 +87,7 @@ columns! {
     Basin "basin" Text Block;
     Reseeks "reseeks" Long Block;
     Overruns "overruns" Long Block;
+    Episode "episode" Text Block;
 }
 
 impl Col {
@@ -97,6 +102,9 @@ pub(super) fn fields(version: u32) -> Vec<Field> {
     let mut fields: Vec<Field> = COLUMNS.iter().map(Spec::field).collect();
     if version == 1 {
         fields[Col::Impulse as usize].name = "impulse_ns".into();
+    }
+    if version < WITH_EPISODE {
+        fields.truncate(Col::Episode as usize);
     }
     fields
 }

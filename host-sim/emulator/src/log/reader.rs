@@ -30,7 +30,8 @@ pub struct Logged {
     pub ticks: Vec<Tick>,
     /// The state after the block, if it was known.
     pub state: Option<String>,
-    /// The cells of the status after the block, in the order of [`super::names`], if it was known.
+    /// The cells of the status after the block, in the order of [`super::names`], if it was known: those that the log's
+    /// version has.
     pub status: Option<Vec<Cell>>,
 }
 
@@ -223,9 +224,10 @@ impl Rows {
             Some(bytes) => postcard::from_bytes(&bytes).ok()?,
             None => Vec::new(),
         };
-        let rest: Vec<_> = STATUS[1..].iter().map(|col| self.cell(*col)).collect();
-        let per_block = (Col::BlockTicks as usize)..=(Col::Overruns as usize);
-        for cursor in &mut self.columns[per_block] {
+        let there = self.columns.len();
+        let known = STATUS[1..].iter().filter(|col| (**col as usize) < there);
+        let rest: Vec<_> = known.map(|col| self.cell(*col)).collect();
+        for cursor in &mut self.columns[Col::BlockTicks as usize..] {
             // Within the block these columns must be empty.
             for _ in 1..length {
                 if cursor.step().is_some() {

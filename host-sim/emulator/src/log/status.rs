@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use shared::control::Status;
+use shared::fault::{Fault, FaultSet};
 
 use super::columns::Col;
 use crate::names::{basin_name, state_name};
@@ -45,8 +46,8 @@ impl fmt::Display for Cell {
     }
 }
 
-/// The columns of a status, in the order of [`cells`]; the state comes first.
-pub(super) const STATUS: [Col; 20] = [
+/// The columns of a status, in the order of [`cells`]; the state comes first. Logs of versions before 4 lack the last.
+pub(super) const STATUS: [Col; 21] = [
     Col::State,
     Col::StatusTick,
     Col::Fault,
@@ -67,6 +68,7 @@ pub(super) const STATUS: [Col; 20] = [
     Col::Basin,
     Col::Reseeks,
     Col::Overruns,
+    Col::Episode,
 ];
 
 /// The names of the cells of a status, with units, as the log's columns are called.
@@ -84,6 +86,12 @@ fn kebab(variant: &impl fmt::Debug) -> String {
         name.extend(letter.to_lowercase());
     }
     name
+}
+
+/// The names of the faults of an episode, by number.
+fn episode(faults: FaultSet) -> String {
+    let names: Vec<_> = faults.faults().map(Fault::name).collect();
+    names.join(" ")
 }
 
 /// The cells of a status.
@@ -130,5 +138,6 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         Cell::Text(Cow::Borrowed(basin_name(basin))),
         Cell::Int(i64::from(reseeks)),
         Cell::Int(i64::from(overruns)),
+        of_fault(&|record| text(episode(record.episode))),
     ]
 }

@@ -38,7 +38,11 @@ fn status(k: usize) -> Status {
     Status {
         tick: (k * BLOCK) as u32,
         state: if k < 7 { State::Idle } else { State::Hold },
-        fault: (k > 20).then_some(Record::new(Fault::OverForce, Origin::Force, 77, 401.5, 3.5)),
+        fault: (k > 20).then(|| {
+            let first = Record::new(Fault::OverForce, Origin::Force, 77, 401.5, 3.5);
+            let then = Record::new(Fault::SensorOpen, Origin::Cart, 90, 0.0, 3.5);
+            then.after(Some(first))
+        }),
         limits: ActiveLimits::FORCE | ActiveLimits::TRAVEL,
         frequency_hz: 3.0 + 0.1 * k as f32,
         amplitude_m: -0.0,
@@ -83,7 +87,7 @@ fn block(k: usize) -> Block {
         inputs: match k {
             0 => vec![Input::Command(Command::Start(Mode::Automatic))],
             3 => vec![Input::Overrun, Input::Settings(header().settings)],
-            4 => vec![Input::Born(header().settings, BootInfo::default())],
+            4 => vec![Input::Born(header().settings, BootInfo::STORED)],
             _ => Vec::new(),
         },
         samples: match k {
@@ -139,6 +143,15 @@ fn what_is_written_is_read_bit_for_bit() {
         assert_eq!(reader.block().unwrap().unwrap(), as_logged(k), "block {k}");
     }
     assert_eq!(reader.block().unwrap(), None);
+}
+
+#[test]
+fn the_episode_names_all_its_faults() {
+    let last = |k: usize| cells(&status(k)).last().cloned();
+    assert_eq!(last(20), Some(Cell::Null));
+    let both = Cell::Text("over-force sensor-open".into());
+    assert_eq!(last(21), Some(both));
+    assert_eq!(names().last(), Some(&"episode"));
 }
 
 #[test]
@@ -277,10 +290,15 @@ fn a_log_of_the_first_version_is_read_with_its_own_name_of_the_impulse() {
     assert!(has(b"impulse_ns") && !has(b"impulse_n_s"));
     let mut reader = Reader::open(dir.path().join("other.parquet")).unwrap();
     for k in 0..40 {
-        assert_eq!(reader.block().unwrap().unwrap(), as_logged(k), "block {k}");
+        let mut logged = as_logged(k);
+        // Its status is that of today but for the episode.
+        if let Some(cells) = &mut logged.status {
+            cells.pop();
+        }
+        assert_eq!(reader.block().unwrap().unwrap(), logged, "block {k}");
     }
     // Neither version takes the other's columns.
-    for (version, columns) in [(1, 2), (2, 1)] {
+    for (version, columns) in [(1, 2), (2, 1), (3, 4), (4, 3)] {
         let line = read_all(&as_version(version, columns, &path)).unwrap_err();
         assert!(line.to_string().contains("its columns"), "{line}");
     }
@@ -291,13 +309,13 @@ fn another_version_is_named() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("run.parquet");
     write(&path, 4);
-    for version in [0, 4, u32::MAX] {
+    for version in [0, 5, u32::MAX] {
         let line = read_all(&as_version(version, 2, &path))
             .unwrap_err()
             .to_string();
         let named = format!("a log of version {version}, written by host-sim ");
         assert!(line.contains(&named), "{line}");
-        assert!(line.contains("reads versions 1 to 3"), "{line}");
+        assert!(line.contains("reads versions 1 to 4"), "{line}");
     }
 }
 

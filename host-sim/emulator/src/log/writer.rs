@@ -137,8 +137,7 @@ impl Writer {
         for (i, col) in STATUS.into_iter().enumerate().skip(1) {
             self.push(col, cells.and_then(|cells| value(&cells[i])));
         }
-        let per_block = (Col::BlockTicks as usize)..=(Col::Overruns as usize);
-        for column in &mut self.columns[per_block] {
+        for column in &mut self.columns[Col::BlockTicks as usize..] {
             let absent = column.absent(block.ticks.len() - 1);
             absent.expect("what stands once a block may be absent");
         }

@@ -8,13 +8,15 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 32] = scenarios![
+pub const BUILTIN: [(&str, &str); 34] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
     "held-beam-150",
     "held-beam-135",
     "jump",
+    "sudden-softening",
+    "sudden-gap",
     "push",
     "push-stays",
     "drift",

@@ -99,15 +99,11 @@ struct Aim {
 }
 
 impl Aim {
-    /// What `rig` is to aim at; a force ratio is of the rig's weight.
+    /// What `rig` is to aim at.
     fn of(&self, rig: &RigParams) -> Result<shared::settings::Aim, UserError> {
-        let of_weight = self.force_ratio.map(|ratio| ratio * rig.weight_n());
-        if of_weight.is_some() && self.force_n.is_some() {
-            let what = "[aim] has force_n and force_ratio; give one of them";
-            return Err(UserError::new(what));
-        }
+        let wanted = rigfile::force_wanted(self.force_n, self.force_ratio, rig)?;
         Ok(shared::settings::Aim {
-            force_n: self.force_n.or(of_weight).unwrap_or(0.0) as f32,
+            force_n: wanted.unwrap_or(0.0),
             power: self.power,
         })
     }

@@ -28,6 +28,7 @@ pub struct Shaker {
     suspension_hz: Option<f64>,
     suspension_damping_ratio: Option<f64>,
     impedance_n_s_per_m: Option<f64>,
+    reversed: Option<bool>,
     armature_kg: Option<f64>,
     armature_hz: Option<f64>,
     armature_damping_ratio: Option<f64>,
@@ -143,6 +144,7 @@ pub fn shaker(file: &Shaker) -> Result<ShakerParams, UserError> {
             1.0,
             d.impedance_n_s_per_m,
         )?,
+        reversed: file.reversed.unwrap_or_default(),
         armature: armature(file)?,
     })
 }

@@ -70,6 +70,8 @@ pub enum Fault {
     Dead,
     /// It reads `delay_ms` late.
     Delayed,
+    /// Its wire and that of the other displacement are exchanged.
+    Swapped,
     /// It is at an end (`at`) in so many `ticks` `of` so many.
     Intermittent,
 }
@@ -140,7 +142,8 @@ impl SensorFault {
             | Fault::Saturated
             | Fault::SaturatedLow
             | Fault::Frozen
-            | Fault::Reversed => (vec![], false),
+            | Fault::Reversed
+            | Fault::Swapped => (vec![], false),
         }
     }
 
@@ -162,6 +165,11 @@ impl SensorFault {
         if self.at.is_some() && self.fault != Fault::Intermittent {
             return Err(UserError::new(
                 "at goes with fault = \"intermittent\" alone; leave it out",
+            ));
+        }
+        if self.fault == Fault::Swapped && self.sensor != Which::Displacements {
+            return Err(UserError::new(
+                "fault = \"swapped\" goes with sensor = \"displacements\"",
             ));
         }
         match takes.iter().find(|key| needed && !given.contains(key)) {
@@ -192,6 +200,7 @@ impl SensorFault {
             Fault::Supply => Defect::Supply(times),
             Fault::GainDrift => Defect::GainDrift(0.01 * self.percent_per_s.unwrap_or(0.0)),
             Fault::Reversed => Defect::Reversed,
+            Fault::Swapped => Defect::Swapped,
             Fault::Offset => Defect::Offset(of(self.offset).unwrap_or(0.0)),
             Fault::OffsetDrift => Defect::OffsetDrift(of(self.drift).unwrap_or(0.0)),
             Fault::Dead => Defect::Dead(of(self.noise)),
@@ -228,6 +237,7 @@ impl SensorFault {
                 format!("reads {} % more each second", number(self.percent_per_s))
             }
             Fault::Reversed => "reads with its sign reversed".to_owned(),
+            Fault::Swapped => "exchanged with one another".to_owned(),
             Fault::Offset => format!("is off by {}", both(self.offset, "")),
             Fault::OffsetDrift => format!("drifts by {}", both(self.drift, "/s")),
             Fault::Dead => "is dead but noisy".to_owned(),

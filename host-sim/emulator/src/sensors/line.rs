@@ -60,6 +60,8 @@ pub enum Defect {
     Dead(Option<f64>),
     /// The value is read this many ticks late.
     Delayed(u32),
+    /// The wires of hammer and cart are exchanged.
+    Swapped,
     /// A bad contact: so many ticks of each so many, the signal is at an end.
     Intermittent {
         /// Where.
@@ -141,6 +143,10 @@ impl Line {
 
     pub(super) fn is_defective(&self) -> bool {
         !self.defects.is_empty()
+    }
+
+    pub(super) fn is_swapped(&self) -> bool {
+        self.defects.iter().any(|d| d.defect == Defect::Swapped)
     }
 
     /// Reads `value` disturbed by `noise` standard deviations.

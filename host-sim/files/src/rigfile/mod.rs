@@ -197,6 +197,23 @@ fn parse_setting(setting: &str) -> Result<(String, Value), UserError> {
     Ok((key.to_owned(), value))
 }
 
+/// The force wanted of `rig`, N, from an `[aim]` in newtons or in units of the rig's weight; nothing if neither is given.
+///
+/// # Errors
+/// Both are given.
+pub fn force_wanted(
+    force_n: Option<f64>,
+    force_ratio: Option<f64>,
+    rig: &RigParams,
+) -> Result<Option<f32>, UserError> {
+    if force_n.is_some() && force_ratio.is_some() {
+        let what = "[aim] has force_n and force_ratio; give one of them";
+        return Err(UserError::new(what));
+    }
+    let of_weight = force_ratio.map(|ratio| ratio * rig.weight_n());
+    Ok(force_n.or(of_weight).map(|n| n as f32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

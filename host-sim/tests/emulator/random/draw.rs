@@ -9,9 +9,20 @@ use shared::settings::DriveKind;
 
 use super::lies::{Random, sensor_fault};
 
-/// Rig time, s; the last seconds are for the stop to be obeyed.
-const DURATION_S: f64 = 16.0;
+/// When it is stopped, s; the last seconds are for the stop to be obeyed.
 const STOP_S: f64 = 11.0;
+const OBEYED_S: f64 = 5.0;
+
+/// One scenario in so many is long, and nothing happens in it until Hold may be there: stopped after, and left alone
+/// for, s.
+pub const LONG: u64 = 4;
+const LONG_STOP_S: f64 = 35.0;
+const ALONE_S: f64 = 13.0;
+
+/// When `scenario` is stopped, s.
+pub fn stop_s(scenario: &Scenario) -> f64 {
+    scenario.duration_s - OBEYED_S
+}
 
 macro_rules! kinds {
     ($($kind:ident: $name:literal),* $(,)?) => {
@@ -231,8 +242,15 @@ pub fn scenario(number: u64, kinds: &[Kind]) -> Scenario {
     let (hz, stiffness) = (r.within(-10.0, 10.0), r.within(-30.0, 30.0));
     let (damping, noise) = (r.within(-30.0, 30.0), r.within(0.0, 3.0));
     let block_ticks = r.count(1, 11);
+    let long = number % LONG == LONG - 1;
+    let (from_s, stop_s) = if long {
+        (ALONE_S, LONG_STOP_S)
+    } else {
+        (2.0, STOP_S)
+    };
+    let duration_s = stop_s + OBEYED_S;
     let text = format!(
-        "duration_s = {DURATION_S:?}\nblock_ticks = {block_ticks}\n[true_rig]\npreset = \"{rig}\"\ngap_mm = {gap_mm:?}\nnatural_frequency_percent = {hz:?}\ncontact_stiffness_percent = {stiffness:?}\ncontact_damping_percent = {damping:?}\n[sensors]\nnoise_percent = {noise:?}\n"
+        "duration_s = {duration_s:?}\nblock_ticks = {block_ticks}\n[true_rig]\npreset = \"{rig}\"\ngap_mm = {gap_mm:?}\nnatural_frequency_percent = {hz:?}\ncontact_stiffness_percent = {stiffness:?}\ncontact_damping_percent = {damping:?}\n[sensors]\nnoise_percent = {noise:?}\n"
     );
     let mut scenario = parse("random", &text, "random").unwrap();
     scenario.seed = r.next();
@@ -249,9 +267,9 @@ pub fn scenario(number: u64, kinds: &[Kind]) -> Scenario {
         if kind == Kind::ByHand {
             mode = Mode::Manual;
         }
-        // One in five is there from the start.
+        // One in five is there from the start, also in a long one.
         let from_start = r.below(5) == 0 && kind != Kind::Reset;
-        let at_s = r.within(2.0, STOP_S);
+        let at_s = r.within(from_s, stop_s);
         if let Some(act) = mishap(kind, &scenario, r) {
             events.push((if from_start { 0.0 } else { at_s }, act));
         }
@@ -259,11 +277,11 @@ pub fn scenario(number: u64, kinds: &[Kind]) -> Scenario {
     if mode == Mode::Manual {
         // As a person does: several set-points, also soon after one another.
         for _ in 0..r.count(1, 8) {
-            let at_s = r.within(1.5, STOP_S);
+            let at_s = r.within(1.5, stop_s);
             events.extend(mishap(Kind::ByHand, &scenario, r).map(|act| (at_s, act)));
         }
     }
-    events.extend([(0.1, Act::Start { mode }), (STOP_S, Act::Stop {})]);
+    events.extend([(0.1, Act::Start { mode }), (stop_s, Act::Stop {})]);
     events.sort_by(|a, b| a.0.total_cmp(&b.0));
     scenario.events = events
         .into_iter()

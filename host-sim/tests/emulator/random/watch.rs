@@ -6,6 +6,8 @@ use shared::control::State;
 use shared::io::{AdcCode, Channel, Reading};
 use shared::settings::Settings;
 
+use super::draw::stop_s;
+
 /// Blocks of ten ticks: the rest of the sample's own, one more; and one in which the controller has just come to
 /// drive and its outputs have not yet.
 const GRACE: u64 = 30;
@@ -57,11 +59,16 @@ impl Level {
 pub struct Watch {
     settings: Settings,
     seen: [Level; 2],
-    truth: [Level; 2],
+    /// Force, cart, and hammer relative to the cart.
+    truth: [Level; 3],
     /// Tick by which the drive must be off.
     deadline: Option<u64>,
     /// Last tick at which something of the scenario's was wrong.
     faulty: Option<u64>,
+    /// Tick of the stop at the end.
+    stop: u64,
+    /// Whether the last block before it left the controller in Hold.
+    pub held: bool,
     pub wrong: Option<String>,
 }
 
@@ -80,6 +87,8 @@ impl Watch {
             truth: Default::default(),
             deadline: None,
             faulty: None,
+            stop: (stop_s(scenario) / scenario.tick_s()) as u64,
+            held: false,
             wrong: None,
         }
     }
@@ -126,10 +135,12 @@ impl Watch {
         let (on, trips) = (row.output.enable, self.settings.trips);
         let force = row.true_force_n / f64::from(trips.force_n);
         let cart = row.cart_m.abs() / f64::from(trips.cart_m);
-        let [strong, far] = &mut self.truth;
+        let travel = (row.hammer_m - row.cart_m).abs() / f64::from(trips.travel_m);
+        let [strong, far, wide] = &mut self.truth;
         let now = [
             ("force", strong.passes(on, force, BEYOND, 2, row.tick)),
             ("cart", far.passes(on, cart, BEYOND, 4, row.tick)),
+            ("travel", wide.passes(on, travel, BEYOND, 4, row.tick)),
         ];
         let mut wrong = None;
         for ((what, passes), level) in now.into_iter().zip(&self.truth) {
@@ -183,6 +194,9 @@ impl Observer for Watch {
         ];
         if !told.iter().all(|x| x.is_finite()) {
             self.wrong(format!("no number told at tick {}: {s:?}", row.tick));
+        }
+        if row.tick < self.stop {
+            self.held = s.state == State::Hold;
         }
         let driven = row.outputs.iter().any(|output| output.enable);
         if driven && matches!(s.state, State::Idle | State::SelfTest | State::Fault) {

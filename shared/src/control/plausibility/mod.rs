@@ -16,6 +16,7 @@
 //! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
 //! believed.
 
+mod doubt;
 mod follow;
 mod momentum;
 
@@ -30,7 +31,8 @@ use momentum::Momentum;
 #[cfg(test)]
 use momentum::MOMENTUM_RANGE;
 
-pub use follow::BAD_PERIODS;
+pub use doubt::Doubt;
+pub use follow::{BAD_PERIODS, LEAST_FOLLOW};
 pub use momentum::BAD_PULSES;
 
 /// Gain of the hammer's sensor over the cart's.
@@ -70,6 +72,9 @@ pub struct Plausibility {
     bad_ratios: u8,
     momentum: Momentum,
     follow: Follow,
+    /// Impulse over momentum, and gain of the hammer's sensor over the cart's, as last known.
+    impulse_over_momentum: f32,
+    hammer_over_cart: f32,
 }
 
 impl Plausibility {
@@ -85,10 +90,12 @@ impl Plausibility {
             bad_ratios: 0,
             momentum: Momentum::new(&settings.rig),
             follow: Follow::new(settings.rig.amplitude_m as f32),
+            impulse_over_momentum: 1.0,
+            hammer_over_cart: 1.0,
         }
     }
 
-    /// The drive starts anew.
+    /// The drive starts anew. What was doubted remains so until the sensors show otherwise.
     pub fn restart(&mut self) {
         self.far_pulses = 0;
         self.bad_zeros = 0;
@@ -109,7 +116,11 @@ impl Plausibility {
         if run(&mut self.far_pulses, far_m > FAR_M, FAR_PULSES) {
             return trip(Origin::Force, far_m);
         }
-        let ratio = self.momentum.pulse(pulse)?;
+        let found = self.momentum.pulse(pulse);
+        if let Some(ratio) = self.momentum.ratio() {
+            self.impulse_over_momentum = ratio;
+        }
+        let ratio = found?;
         // A hammer that bounces the wrong way is the hammer's sensor; which of the two has a wrong gain is not known.
         let origin = if ratio > 0.0 {
             Origin::Force
@@ -147,6 +158,9 @@ impl Plausibility {
     pub fn ratio(&mut self, found: Option<(f32, u32)>) -> Option<Trip> {
         let (ratio, windows) = found?;
         let (low, high) = RATIO_RANGE;
+        if windows >= RATIO_WINDOWS && ratio > 0.0 {
+            self.hammer_over_cart = ratio;
+        }
         let outside = !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
         let trips = run(&mut self.bad_ratios, outside, RATIO_PERIODS);
         trips.then_some(())?;
@@ -163,6 +177,11 @@ impl Plausibility {
         let trips = run(&mut self.bad_targets, off, TARGET_PERIODS);
         trips.then_some(())?;
         trip(Origin::Cart, share)
+    }
+
+    /// How much too little the sensors may read.
+    pub fn doubt(&self) -> Doubt {
+        Doubt::new(self.impulse_over_momentum, self.hammer_over_cart)
     }
 
     /// Whether the cart is under suspicion: nothing may be made good by its measured amplitude meanwhile.
@@ -186,178 +205,4 @@ fn trip(origin: Origin, value: f32) -> Option<Trip> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::params::WIRES;
-
-    fn plausibility() -> Plausibility {
-        Plausibility::new(&Settings::for_rig(&WIRES))
-    }
-
-    fn trips_after(mut one: impl FnMut(&mut Plausibility) -> Option<Trip>) -> Option<usize> {
-        let mut plausibility = plausibility();
-        (1..100).find(|_| one(&mut plausibility).is_some())
-    }
-
-    fn reduced_kg() -> f32 {
-        (WIRES.mass_kg / (1.0 + WIRES.mass_kg / WIRES.cart_mass_kg)) as f32
-    }
-
-    #[test]
-    fn contacts_no_contact_can_make_trip_and_possible_ones_do_not() {
-        let pulse = |ratio: f32| Pulse {
-            approach_m_per_s: 0.08,
-            rebound_m_per_s: 0.025,
-            impulse_n_s: ratio * reduced_kg() * 0.105,
-            ..Pulse::default()
-        };
-        let (low, high) = MOMENTUM_RANGE;
-        for (ratio, expected) in [
-            (1.02 * high, Some(16)),
-            (0.98 * high, None),
-            (1.0, None),
-            (1.02 * low, None),
-            (0.98 * low, Some(16)),
-        ] {
-            assert_eq!(trips_after(|p| p.pulse(&pulse(ratio))), expected, "{ratio}");
-        }
-        let at = |relative_m: f32| Pulse {
-            relative_m,
-            ..pulse(1.0)
-        };
-        assert_eq!(trips_after(|p| p.pulse(&at(-1.6e-3))), Some(3));
-        assert_eq!(trips_after(|p| p.pulse(&at(-1.4e-3))), None);
-    }
-
-    #[test]
-    fn a_zero_of_the_force_that_moves_trips() {
-        let limit_n = Settings::for_rig(&WIRES).limits.force_n;
-        for (share, expected) in [(0.052, Some(4)), (-0.052, Some(4)), (0.048, None)] {
-            let sum = (share * limit_n * 5000.0, 5000);
-            assert_eq!(trips_after(|p| p.free_force(sum)), expected, "{share}");
-        }
-        assert_eq!(trips_after(|p| p.free_force((0.0, 0))), None);
-    }
-
-    #[test]
-    fn a_hammer_that_reads_more_or_less_than_the_cart_trips() {
-        for (ratio, windows, expected) in [
-            (0.79, 48, Some(16)),
-            (0.81, 48, None),
-            (1.19, 48, None),
-            (1.21, 48, Some(16)),
-            (-1.0, 48, Some(16)),
-            (f32::NAN, 48, Some(16)),
-            (-1.0, 47, None),
-        ] {
-            let tripped = trips_after(|p| p.ratio(Some((ratio, windows))));
-            assert_eq!(tripped, expected, "{ratio} {windows}");
-        }
-        assert_eq!(trips_after(|p| p.ratio(None)), None);
-    }
-
-    #[test]
-    fn a_hammer_that_flies_from_the_surface_into_it_trips() {
-        let reversed = Pulse {
-            approach_m_per_s: -0.08,
-            rebound_m_per_s: -0.025,
-            impulse_n_s: reduced_kg() * 0.105,
-            ..Pulse::default()
-        };
-        assert_eq!(trips_after(|p| p.pulse(&reversed)), Some(6));
-    }
-
-    #[test]
-    fn one_contact_in_three_that_was_misread_trips_nothing() {
-        let mut plausibility = plausibility();
-        for k in 0..300 {
-            let ratio = if k % 3 == 0 { 1.3 } else { 0.95 };
-            let pulse = Pulse {
-                approach_m_per_s: 0.08,
-                rebound_m_per_s: 0.025,
-                impulse_n_s: ratio * reduced_kg() * 0.105,
-                ..Pulse::default()
-            };
-            assert_eq!(plausibility.pulse(&pulse), None);
-        }
-    }
-
-    fn strobe(ratio: f32, lag_rad: f32) -> Strobe {
-        Strobe {
-            amplitude_m: ratio * 0.89e-3,
-            lag_rad,
-            ..Strobe::default()
-        }
-    }
-
-    #[test]
-    fn a_cart_that_does_not_follow_or_goes_the_other_way_trips_and_one_that_droops_does_not() {
-        for (ratio, lag, expected) in [
-            (0.72, 0.3, None),
-            (0.68, 0.3, Some(4)),
-            (1.0, 2.0, None),
-            (1.0, -2.0, None),
-            (1.0, 2.2, Some(4)),
-            (1.0, -3.1, Some(4)),
-            (5.0, 0.1, None),
-        ] {
-            let tripped = trips_after(|p| p.strobe(&strobe(ratio, lag), 0.89e-3, 3.6, false));
-            assert_eq!(tripped, expected, "{ratio} {lag}");
-        }
-    }
-
-    #[test]
-    fn a_cart_that_follows_less_or_more_from_one_period_to_the_next_trips() {
-        for (before, after, expected) in [
-            (1.0, 0.84, Some(4)),
-            (1.0, 0.87, None),
-            (0.9, 0.79, None),
-            (1.0, 1.31, Some(4)),
-            (1.0, 1.25, None),
-        ] {
-            let mut plausibility = plausibility();
-            for _ in 0..30 {
-                assert_eq!(
-                    plausibility.strobe(&strobe(before, 0.1), 0.89e-3, 3.6, false),
-                    None
-                );
-            }
-            let tripped = (1..50).find(|_| {
-                let after = strobe(after, 0.1);
-                plausibility.strobe(&after, 0.89e-3, 3.6, false).is_some()
-            });
-            assert_eq!(tripped, expected, "{before} {after}");
-        }
-    }
-
-    #[test]
-    fn a_frequency_held_far_from_the_forecast_trips() {
-        for (hz, amplitude, target_hz, expected) in [
-            (1.205, 1.0, 1.0, Some(48)),
-            (0.795, 1.0, 1.0, Some(48)),
-            (1.195, 1.0, 1.0, None),
-            (0.805, 1.0, 1.0, None),
-            (1.205, 0.86, 1.0, Some(48)),
-            (1.205, 0.84, 1.0, None),
-            (1.205, 1.0, 0.0, None),
-            (1.205, 1.0, f32::NAN, None),
-        ] {
-            let tripped =
-                trips_after(|p| p.held(&strobe(amplitude, 0.1), 3.6 * hz, 3.6 * target_hz));
-            assert_eq!(tripped, expected, "{hz} {amplitude} {target_hz}");
-        }
-    }
-
-    #[test]
-    fn a_shaker_with_a_resonance_may_be_passed() {
-        // Its response rises and falls four-fold while the frequency moves by a fifth.
-        let mut plausibility = plausibility();
-        for k in 0..60_u8 {
-            let hz = 3.0 + 0.01 * f32::from(k);
-            let off = 2.0 * 4.0 * (hz / 3.3 - 1.0);
-            let ratio = 4.0 / libm::sqrtf(1.0 + off * off);
-            let tripped = plausibility.strobe(&strobe(ratio, 1.5), 0.89e-3, hz, false);
-            assert_eq!(tripped, None, "{hz}");
-        }
-    }
-}
+mod tests;

@@ -17,6 +17,8 @@ pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
 pub const GROSS_PULSES: u8 = 6;
 /// Contacts in the sums.
 const MEMORY: f32 = 16.0;
+/// Contacts after which limits and trip levels go by the sums.
+const FEW: u8 = 4;
 /// Contacts before the sums are judged.
 const FEWEST: u8 = 12;
 
@@ -49,6 +51,12 @@ impl Momentum {
         self.pulses = 0;
         self.bad = 0;
         self.gross = 0;
+    }
+
+    /// Impulse over momentum of the last contacts, if there were enough and both have a sign.
+    pub fn ratio(&self) -> Option<f32> {
+        let ratio = quotient(self.impulse_n_s, self.reduced_kg * self.speed_m_per_s);
+        (self.pulses >= FEW && ratio > 0.0).then_some(ratio)
     }
 
     /// A contact has ended; the ratio of the sums if it trips.

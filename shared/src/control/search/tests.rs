@@ -235,3 +235,74 @@ fn climbs_bring_a_phase_that_was_forecast_wrong_to_the_best() {
         assert!(rig.off().abs() < 0.1 * before.abs(), "{}", rig.off());
     }
 }
+
+/// A drive period with so many contacts at the goal frequency, or on the way to it.
+fn contacts(search: &mut Search, contacts: u16, arrived: bool) {
+    let beat = Beat {
+        contacts,
+        impulse_n_s: 0.031,
+        phase_turns: 0.5,
+        regime: Regime::None,
+    };
+    let hz = search.goal_hz();
+    assert_eq!(search.strobe(&beat, hz, arrived), Step::On);
+}
+
+#[test]
+fn eight_periods_are_waited_at_the_entry_and_the_way_to_it_is_none_of_them() {
+    let mut search = Search::new(&TARGET, RANGE_HZ, false);
+    for arrived in [true, false] {
+        let periods = if arrived { 8 } else { 30 };
+        for _ in 0..periods {
+            contacts(&mut search, 0, arrived);
+            assert_eq!(search.goal_hz(), TARGET.entry_hz);
+        }
+    }
+    contacts(&mut search, 0, true);
+    let step = search.goal_hz() / TARGET.entry_hz;
+    assert!((step - 0.985).abs() < 1e-4, "{step}");
+}
+
+#[test]
+fn chatter_leads_upwards_to_the_highest_frequency_and_then_back_to_the_entry() {
+    let mut search = Search::new(&TARGET, RANGE_HZ, false);
+    let mut highest_hz = 0.0_f32;
+    for _ in 0..200 {
+        contacts(&mut search, 3, true);
+        highest_hz = highest_hz.max(search.goal_hz());
+        if highest_hz > TARGET.entry_hz && search.goal_hz() == TARGET.entry_hz {
+            break;
+        }
+    }
+    assert!((7.2..=7.3).contains(&highest_hz), "{highest_hz}");
+    assert_eq!(search.goal_hz(), TARGET.entry_hz);
+}
+
+#[test]
+fn three_hundredths_are_kept_from_the_ends_of_a_band_and_no_climb_is_tried_there() {
+    for (entry_hz, best_hz, end_hz) in [(3.664, 6.0, 4.84 * 0.97), (2.4, 2.0, 2.1 * 1.03)] {
+        let target = Target {
+            doubling_hz: None,
+            entry_hz,
+            ..TARGET
+        };
+        let mut rig = Rig::new(best_hz);
+        rig.search = Search::new(&target, RANGE_HZ, false);
+        (rig.frequency_hz, rig.one_one) = (entry_hz, (0.0, 9.0));
+        rig.hold();
+        assert_eq!(rig.run(1300), None, "nothing to climb");
+        assert!((rig.frequency_hz - end_hz).abs() < 1e-4, "{best_hz}");
+        assert!(rig.search.is_at_bound());
+    }
+}
+
+#[test]
+fn three_contacts_in_three_periods_are_no_doubling() {
+    let mut rig = Rig::new(3.664);
+    rig.hold();
+    rig.regime = Regime::Periodic {
+        impacts: 3,
+        periods: 3,
+    };
+    assert_eq!(rig.run(60), None);
+}

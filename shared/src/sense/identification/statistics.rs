@@ -3,6 +3,12 @@
 use super::FEWEST_WINDOWS as FEWEST;
 use super::MEMORY;
 
+/// F of 15 for two parameters and 24 points (22 degrees of freedom): noise alone passes it once in ten thousand times.
+const DIFFERENT: f32 = 2.0 * 15.0 / FEWEST as f32;
+
+/// Difference of two slopes that does not matter: 1 % of natural frequency.
+const SAME_SLOPE: f32 = 0.02;
+
 /// Mean and variance that forget: of the last `M` values, older ones faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Average<const M: u32 = MEMORY> {
@@ -49,6 +55,22 @@ impl Line {
         self.xx = keep * (self.xx + weight * dx * dx);
         self.xy = keep * (self.xy + weight * dx * dy);
         self.yy = keep * (self.yy + weight * dy * dy);
+    }
+
+    /// Whether `newest`, the last [`FEWEST`] points, lie on another line: F test of both its parameters, and a slope that
+    /// is off by more than [`SAME_SLOPE`].
+    pub fn differs_from(&self, newest: &Self) -> bool {
+        let (Some((slope, _)), Some((new_slope, square))) = (self.fit(), newest.fit()) else {
+            return false;
+        };
+        let (off, turned) = (
+            newest.y - self.y - slope * (newest.x - self.x),
+            new_slope - slope,
+        );
+        // What their mean square residual about this line has more than that about their own.
+        let more = turned * turned * newest.xx + off * off;
+        let same = SAME_SLOPE * slope;
+        more > DIFFERENT * square && turned * turned > same * same
     }
 
     /// Slope and mean square residual.

@@ -1,0 +1,100 @@
+//! By how much a sensor may read too little: limits and trip levels go by the worse of two measurements.
+//!
+//! Two sensors that contradict each other a little trip nothing, since nobody knows which of them is wrong. Until it is
+//! known, the more dangerous of the two counts: the limit and the trip level of what may be larger than it reads are divided
+//! by how much larger. Nothing here ever makes a limit or a trip level wider.
+
+/// How many times its reading each value may truly be, from 1 to [`Doubt::MOST`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    /// Contact force.
+    pub force: f32,
+    /// Displacement of the hammer relative to the cart.
+    pub travel: f32,
+    /// Displacement of the cart.
+    pub cart: f32,
+}
+
+/// Sensors that differ by no more than this agree: ringing and thresholds cost some 2 % of a contact's impulse.
+const AGREES: f32 = 0.97;
+
+impl Doubt {
+    /// The most: sensors that are further apart trip.
+    pub const MOST: f32 = 4.0 / 3.0;
+
+    /// From the impulse of the contacts over the momentum they change (`momentum`) and the gain of the hammer's sensor over
+    /// the cart's (`ratio`); 1 for what is not known.
+    pub fn new(momentum: f32, ratio: f32) -> Self {
+        let hammer = at_least_one(AGREES / ratio);
+        Self {
+            // A hammer that reads less makes the momentum too small as well.
+            force: at_least_one(hammer * AGREES / momentum),
+            travel: hammer.max(at_least_one(AGREES * momentum)),
+            cart: at_least_one(AGREES * ratio),
+        }
+    }
+}
+
+fn at_least_one(factor: f32) -> f32 {
+    // Written so that NaN doubts nothing.
+    if factor > 1.0 {
+        factor.min(Doubt::MOST)
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensors_that_agree_are_not_doubted() {
+        for momentum in [0.98, 1.0, 1.02] {
+            for ratio in [0.98, 1.0, 1.02] {
+                let none = Doubt {
+                    force: 1.0,
+                    travel: 1.0,
+                    cart: 1.0,
+                };
+                assert_eq!(Doubt::new(momentum, ratio), none);
+            }
+        }
+    }
+
+    #[test]
+    fn what_may_be_larger_than_it_reads_is_doubted_by_as_much() {
+        for times in [0.76_f32, 0.8, 0.85, 0.9] {
+            // The truth stays below 110 %, and little is given away.
+            let enough = |doubt: f32| doubt * times > 0.93 && doubt * times < 1.03;
+            let force = Doubt::new(times, 1.0);
+            assert!(enough(force.force) && force.cart == 1.0, "{force:?}");
+            let hammer = Doubt::new(1.0, times);
+            assert!(enough(hammer.travel) && hammer.cart == 1.0, "{hammer:?}");
+            // The contacts tell it before the flights do.
+            let early = Doubt::new(1.0 / times, 1.0);
+            assert!(enough(early.travel) && early.force == 1.0, "{early:?}");
+            let cart = Doubt::new(1.0, 1.0 / times);
+            assert!(enough(cart.cart) && cart.force == 1.0, "{cart:?}");
+            let both = Doubt::new(1.0, times);
+            assert!(enough(both.force), "force and hammer alike: {both:?}");
+        }
+    }
+
+    #[test]
+    fn no_number_makes_a_limit_wider_or_closes_it() {
+        let odd = [0.0, -1.0, 1e-30, 1e30, f32::NAN, f32::INFINITY, -0.0];
+        for momentum in odd {
+            for ratio in odd {
+                let Doubt {
+                    force,
+                    travel,
+                    cart,
+                } = Doubt::new(momentum, ratio);
+                for doubt in [force, travel, cart] {
+                    assert!((1.0..=Doubt::MOST).contains(&doubt), "{momentum} {ratio}");
+                }
+            }
+        }
+    }
+}
