@@ -189,7 +189,7 @@ mod tests {
     };
 
     fn curve(gap_m: f64, frequencies: &[f64], direction: Direction) -> Vec<Row> {
-        let rig = NamedRig::new("wires".into(), RigParams { gap_m, ..WIRES });
+        let rig = NamedRig::new("wires", RigParams { gap_m, ..WIRES });
         sweep(&rig, Engine::Event, frequencies, direction, PLAN, &()).unwrap()
     }
 

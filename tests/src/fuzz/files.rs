@@ -25,10 +25,7 @@ pub fn rig(data: &[u8]) {
         Err(error) => one_line(&error),
         Ok(params) => {
             assert!(params.check().is_ok(), "{params:?}");
-            let named = NamedRig {
-                name: "fuzz".into(),
-                params,
-            };
+            let named = NamedRig::new("fuzz", params);
             let printed = rigfile::to_toml(&named);
             let back = rigfile::parse(&printed, "printed.toml");
             let back = back.unwrap_or_else(|e| panic!("{e}\n{printed}"));

@@ -263,7 +263,7 @@ mod tests {
         let map = |params: RigParams, odd: Regime| {
             let regimes = [periodic(1, 1), Regime::None, periodic(1, 2), odd];
             Map {
-                rig: NamedRig::new("r".into(), params),
+                rig: NamedRig::new("r", params),
                 grid: Grid {
                     gaps_mm: [0.5, 1.0].map(|r| r * params.amplitude_m * 1e3).to_vec(),
                     frequencies_hz: [1.5, 2.5]

@@ -188,7 +188,7 @@ mod tests {
             (Direction::Down, Runner::Reference),
         ] {
             let request = MapRequest {
-                rig: NamedRig::new("wires".into(), WIRES),
+                rig: NamedRig::new("wires", WIRES),
                 grid: Grid {
                     gaps_mm: (0..70).map(f64::from).collect(),
                     frequencies_hz: (1..=59).map(f64::from).collect(),

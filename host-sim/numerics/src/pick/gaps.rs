@@ -263,7 +263,7 @@ mod tests {
     /// The chapter: 0.0 mm does not jump, and has about the largest force over a wider range of frequency.
     #[test]
     fn the_field_s_gap_is_advised_on_wires() {
-        let rig = NamedRig::new("wires".to_owned(), WIRES);
+        let rig = NamedRig::new("wires", WIRES);
         let found = advise(&rig, &[0.0, 2.4], None, Limits::default(), (40, 1), &()).unwrap();
         assert_eq!(found.advised, Some(0), "{found:?}");
         let [none, large] = [0, 1].map(|i| found.gaps[i].pick.as_ref().unwrap());

@@ -24,7 +24,7 @@ impl Made {
             ..Uncertainty::default()
         };
         Self {
-            rig: NamedRig::new("wires".into(), WIRES),
+            rig: NamedRig::new("wires", WIRES),
             branch: one_one_branches(&WIRES, (1.0, 3.0)).swap_remove(0),
             members: uncertainty.members(),
         }
