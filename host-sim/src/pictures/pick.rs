@@ -1,8 +1,8 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
 use crate::pictures::regimes::{OTHER_PERIODIC, regime_points};
-use crate::words::pick::why;
-use numerics::pick::Pick;
+use crate::words::pick::{other_cart, why};
+use numerics::pick::{CartModel, Pick};
 use numerics::row::Row;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
@@ -19,7 +19,14 @@ pub fn figure(picks: &[Pick]) -> Figure {
         _ => "At which frequency to run the hammer".to_owned(),
     };
     let subtitle = match picks {
-        [one] => format!("{} Dots: sweeps up and down, by regime.", why(&one.answer)),
+        [one] => {
+            let cart = match one.answer.cart {
+                CartModel::Recoil => "The cart recoils",
+                CartModel::Prescribed => "The cart is prescribed",
+            };
+            let why = why(&one.answer);
+            format!("{why} {cart}. Dots: sweeps up and down, by regime.")
+        }
         _ => "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. Dots: sweeps up and down, by regime.".to_owned(),
     };
     let columns = if picks.len() > 1 { 2 } else { 1 };
@@ -84,6 +91,10 @@ fn panel(pick: &Pick) -> Panel {
             answer.stable_one_one_hz[1],
         )),
     };
+    if let Some((what, force_ratio, hz)) = other_cart(answer) {
+        let label = format!("{force_ratio:.1} {what}");
+        panel = panel.item(Item::mark_point(label, hz, force_ratio));
+    }
     panel.item(Item::mark_point(
         format!(
             "{:.3} Hz: {:.1} N",

@@ -1,6 +1,6 @@
 //! Why this frequency, in one sentence.
 
-use numerics::pick::Answer;
+use numerics::pick::{Answer, CartModel};
 use serde::Serialize;
 
 /// An answer with its sentence, as JSON has it.
@@ -27,6 +27,23 @@ pub fn jumping_at(low_hz: f64, high_hz: f64) -> String {
     } else {
         format!("between {low_hz:.3} and {high_hz:.3} Hz")
     }
+}
+
+/// The strongest 1/1 with the cart moved the other way: how, force ratio, Hz.
+pub fn other_cart(answer: &Answer) -> Option<(&'static str, f64, f64)> {
+    let (what, force_ratio, hz) = match answer.cart {
+        CartModel::Recoil => (
+            "with a prescribed cart",
+            answer.prescribed_force_ratio,
+            answer.prescribed_frequency_hz,
+        ),
+        CartModel::Prescribed => (
+            "with a recoiling cart",
+            answer.recoil_force_ratio,
+            answer.recoil_frequency_hz,
+        ),
+    };
+    Some((what, force_ratio?, hz?))
 }
 
 /// Why this frequency, in one sentence.

@@ -56,7 +56,7 @@ fn ends_when_asked<T: std::fmt::Debug>(
 
 fn wires(gap_mm: f64) -> NamedRig {
     NamedRig::new(
-        "wires".into(),
+        "wires",
         RigParams {
             gap_m: gap_mm * 1e-3,
             ..WIRES

@@ -1,6 +1,6 @@
 //! The answer as a person reads it.
 
-use crate::words::pick::{jumping_at, why};
+use crate::words::pick::{jumping_at, other_cart, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
 use numerics::pick::{Answer, CartModel, Pick};
@@ -129,21 +129,11 @@ fn cart(a: &Answer) -> Lines {
             CartModel::Prescribed => "moved as prescribed, whatever force that takes".to_owned(),
         },
     )];
-    let other = match a.cart {
-        CartModel::Recoil => (
-            "moved as prescribed",
-            a.prescribed_force_ratio,
-            a.prescribed_frequency_hz,
-        ),
-        CartModel::Prescribed => ("recoiling", a.recoil_force_ratio, a.recoil_frequency_hz),
-    };
-    if let (name, Some(force), Some(hz)) = other {
+    if let Some((what, force, hz)) = other_cart(a) {
+        let more = 100.0 * (force / a.force_ratio - 1.0);
         lines.push((
-            "with the other",
-            format!(
-                "{force:.2} times the weight at {hz:.4} Hz ({name}: {:+.1} % of force)",
-                100.0 * (force / a.force_ratio - 1.0)
-            ),
+            "other cart",
+            format!("{force:.2} times the weight at {hz:.4} Hz {what} ({more:+.1} % of force)"),
         ));
     }
     lines
