@@ -1,12 +1,12 @@
 //! The controller: from samples to set-points, and when to switch off.
 //!
 //! ```text
-//!                 Start             zeros found          amplitude reached
-//!        Idle ----------> SelfTest ------------> Ramp -------------------> Seek
-//!         ^ ^                                     |                        |  ^
-//!         | |  amplitude 0                        |  (by hand)     at goal |  |1/1 lost
-//!         | +-------------- Stop <--- Stop -------+------> Manual          v  |
-//!         |                                                              Hold-+
+//!              Start             zeros found        sensors proven        amplitude reached
+//!        Idle -------> SelfTest ------------> Prove ---------------> Ramp -------------------> Seek
+//!         ^ ^                                   |                     |                        |  ^
+//!         | |  amplitude 0                      |                     |  (by hand)     at goal |  |1/1 lost
+//!         | +-------------- Stop <---- Stop ----+---------------------+------> Manual          v  |
+//!         |                                                                                  Hold-+
 //!         | ClearFault, cause gone
 //!        Fault <--- any state: a condition of the fault table; the drive is off first
 //! ```
