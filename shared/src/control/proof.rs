@@ -209,7 +209,8 @@ impl Proof {
         let [command, cart, hammer] = self.sums;
         let (cart, hammer) = (cart / command, hammer / command);
         // Written so that NaN is too little.
-        if !(cart >= LEAST_FOLLOW) {
+        let follows = cart >= LEAST_FOLLOW;
+        if !follows {
             return Err(out_of_family(Origin::Cart, cart));
         }
         let Some((low, high)) = self.range else {
