@@ -73,6 +73,8 @@ pub(super) struct Seen {
     pub proven: u8,
     /// Drive periods in a row with a motor drive beyond a limit.
     pub beyond: u8,
+    /// Drive periods in a row with one contact each.
+    pub clean: u8,
 }
 
 impl Seen {
@@ -90,6 +92,7 @@ impl Seen {
         half: 0,
         proven: 0,
         beyond: 0,
+        clean: 0,
     };
 }
 
