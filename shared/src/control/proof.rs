@@ -208,8 +208,9 @@ impl Proof {
         };
         let [command, cart, hammer] = self.sums;
         let (cart, hammer) = (cart / command, hammer / command);
-        // Written so that NaN is too little.
-        if !(cart >= LEAST_FOLLOW) {
+        // Written so that NaN does not follow.
+        let follows = cart >= LEAST_FOLLOW;
+        if !follows {
             return Err(out_of_family(Origin::Cart, cart));
         }
         let Some((low, high)) = self.range else {
