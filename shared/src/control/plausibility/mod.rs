@@ -12,6 +12,8 @@
 //! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
 //! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
 //!
+//! Before any of these, a small motion has proven sign and gain of the cart's and the hammer's sensor ([`super::proof`]).
+//!
 //! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
 //! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
 //! believed.
