@@ -160,7 +160,7 @@ fn sensor_open() {
 
 #[test]
 fn sensor_frozen() {
-    // A drive period is 5458 ticks; the slowest drive allowed would have 14652.
+    // A drive period is 5458 ticks; the slowest drive allowed would have 36630.
     trips("sensor-frozen", Some(5500 + BLOCKS));
     does_not_trip("sensor-frozen", for_ticks(5000.0));
 }

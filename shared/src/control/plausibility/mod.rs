@@ -14,6 +14,8 @@
 //!
 //! Sensors that contradict each other by less are doubted, and limits go by the worse of the two ([`Doubt`]).
 //!
+//! Before any of these, a small motion has proven sign and gain of the cart's and the hammer's sensor ([`super::proof`]).
+//!
 //! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
 //! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
 //! believed.
