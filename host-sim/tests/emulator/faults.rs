@@ -54,8 +54,8 @@ fn each(change: impl Fn(&mut Act) -> bool) -> impl Fn(&mut Scenario) {
 
 fn for_ticks(ticks: f64) -> impl Fn(&mut Scenario) {
     each(move |act| {
-        if let Act::SensorFault { for_s, .. } = act {
-            *for_s = Some(ticks / TICKS_PER_S);
+        if let Act::SensorFault(how) = act {
+            how.for_s = Some(ticks / TICKS_PER_S);
         }
         true
     })
@@ -173,8 +173,8 @@ fn sensor_out_of_family() {
     does_not_trip(
         "sensor-out-of-family",
         each(|act| {
-            if let Act::SensorFault { times, .. } = act {
-                *times = Some(0.8);
+            if let Act::SensorFault(how) = act {
+                how.times = Some(0.8);
             }
             true
         }),
