@@ -314,7 +314,7 @@ fn a_hammer_that_no_longer_strikes_where_it_must_is_missed_after_five_seconds() 
 fn the_zero_of_the_force_is_followed_and_one_that_is_far_off_is_found() {
     let mut hand = by_hand();
     // It drifts by 8 N.
-    for _ in 1..=16 {
+    for _ in 0..16 {
         hand.plant.force_zero_n += 0.5;
         hand.pass(0.3);
     }

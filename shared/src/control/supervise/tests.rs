@@ -25,7 +25,24 @@ fn set_points_are_taken_by_hand_only_and_held_within_the_limits() {
     );
     rig.controller.command(Command::Stop).unwrap();
     rig.pass(2.0);
-    // On the way up already.
+    // In the proof of the sensors already: it comes into force after it.
+    rig.starts(Mode::Manual, State::Prove);
+    assert_eq!(rig.controller.command(at(2.5, 3e-4)), Ok(()));
+    assert!(rig.controller.status().frequency_hz < 2.0);
+    while rig.controller.state() == State::Prove {
+        rig.block();
+    }
+    assert_eq!(rig.controller.status().frequency_hz, 2.5);
+    rig.pass(8.0);
+    let status = rig.controller.status();
+    assert!((status.amplitude_m / 3e-4 - 1.0).abs() < 0.02, "{status:?}");
+    rig.controller.command(Command::Stop).unwrap();
+    rig.pass(2.0);
+    rig.starts(Mode::Automatic, State::Prove);
+    assert_eq!(rig.controller.command(at(2.5, 3e-4)), wrong);
+    rig.controller.command(Command::Stop).unwrap();
+    rig.pass(2.0);
+    // On the way up.
     rig.starts(Mode::Manual, State::Ramp);
     assert_eq!(rig.controller.command(at(3.0, 5e-4)), Ok(()));
     rig.pass(8.0);
@@ -79,6 +96,10 @@ fn the_motion_is_kept_small_until_the_cart_has_followed_it() {
     // Up to half of the amplitude, until the cart is known to follow.
     let mut rig = Rig::with(|_| {});
     rig.starts(Mode::Manual, State::Prove);
+    rig.block();
+    // Far below the natural frequency the cart takes the hammer along.
+    let r = rig.controller.status().frequency_hz / WIRES.natural_frequency_hz() as f32;
+    assert!((r - 1.0 / 3.0).abs() < 1e-3, "{r}");
     let mut largest = 0.0_f32;
     while rig.controller.state() == State::Prove {
         largest = largest.max(share(&rig));
