@@ -100,12 +100,12 @@ impl Family {
         let rig = Rig::<f64>::new(params)?;
         let scale = AMPLITUDES * rig.coordinate_scale();
         let metres = AMPLITUDES * params.amplitude_m;
-        let omega = TAU * params.natural_frequency_hz();
+        let rate = |unit: f64| unit * (TAU * params.natural_frequency_hz());
         Ok(Self {
             params: *params,
             along,
             periods,
-            units: [scale, scale * omega, metres, metres * omega],
+            units: [scale, rate(scale), metres, rate(metres)],
         })
     }
 

@@ -218,9 +218,9 @@ impl Image {
             .ok()?
             .with_cart([start[2], start[3]]);
         let scale = hammer.rig().coordinate_scale();
-        let omega = std::f64::consts::TAU * frequency_hz;
         let amplitude = hammer.rig().amplitude();
-        let units = [scale, scale * omega, amplitude, amplitude * omega];
+        let rate = |unit: f64| unit * std::f64::consts::TAU * frequency_hz;
+        let units = [scale, rate(scale), amplitude, rate(amplitude)];
         let mut seen = Watch::default();
         let (mut onsets, mut period_forces_n) = (0_u16, Vec::new());
         let mut strobes = vec![[x[0], x[1]]];
