@@ -169,6 +169,7 @@ fn rest_m(rig: &RigParams) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::control::{BootInfo, Command, Lockstep, Mode, State as ControllerState};
     use shared::model::params::WIRES;
     use std::f64::consts::TAU;
 
@@ -219,5 +220,24 @@ mod tests {
             && frame.force.0.abs_diff(600) <= 1));
         // And yet the sensors are alive.
         assert!(frames.windows(2).any(|w| w[0].force != w[1].force));
+    }
+
+    #[test]
+    fn the_controller_proves_the_sensors_of_the_bench_and_seeks() {
+        let settings = Settings::for_rig(&WIRES);
+        let mut bench = Bench::new(&settings);
+        let mut node = Lockstep::new(&settings, &BootInfo::default()).unwrap();
+        let start = Command::Start(Mode::Automatic);
+        node.controller.command(start).unwrap();
+        let mut outputs = [Output::SAFE; 10];
+        let mut frames = [Frame::default(); 10];
+        for _ in 0..10 * 2000 {
+            bench.block(&outputs, &mut frames);
+            node.exchange(&frames, &mut outputs, 20);
+            if node.controller.state() == ControllerState::Seek {
+                return;
+            }
+        }
+        panic!("{:?}", node.controller.status());
     }
 }

@@ -160,8 +160,8 @@ fn doing(act: &Act, id: usize, at_s: f64, scenario: &Scenario) -> (Doing, Option
             let end = for_s.map(|s| (s, Doing::Emergency(false, at_s + s)));
             (Doing::Emergency(true, at_s), end)
         }
-        Act::SensorFault { for_s, .. } => {
-            let end = for_s.map(|s| (s, Doing::DefectsOver(id)));
+        Act::SensorFault(how) => {
+            let end = how.for_s.map(|s| (s, Doing::DefectsOver(id)));
             (Doing::Defects(id, act.defects()), end)
         }
         Act::Push { speed_m_per_s } => (Doing::Push(speed_m_per_s), None),

@@ -54,8 +54,8 @@ fn each(change: impl Fn(&mut Act) -> bool) -> impl Fn(&mut Scenario) {
 
 fn for_ticks(ticks: f64) -> impl Fn(&mut Scenario) {
     each(move |act| {
-        if let Act::SensorFault { for_s, .. } = act {
-            *for_s = Some(ticks / TICKS_PER_S);
+        if let Act::SensorFault(how) = act {
+            how.for_s = Some(ticks / TICKS_PER_S);
         }
         true
     })
@@ -160,7 +160,7 @@ fn sensor_open() {
 
 #[test]
 fn sensor_frozen() {
-    // A drive period is 5458 ticks; the slowest drive allowed would have 14652.
+    // A drive period is 5458 ticks; the slowest drive allowed would have 36630.
     trips("sensor-frozen", Some(5500 + BLOCKS));
     does_not_trip("sensor-frozen", for_ticks(5000.0));
 }
@@ -173,8 +173,8 @@ fn sensor_out_of_family() {
     does_not_trip(
         "sensor-out-of-family",
         each(|act| {
-            if let Act::SensorFault { times, .. } = act {
-                *times = Some(0.8);
+            if let Act::SensorFault(how) = act {
+                how.times = Some(0.8);
             }
             true
         }),

@@ -71,6 +71,8 @@ pub(super) struct Seen {
     pub half: u32,
     /// Drive periods in a row with a motor drive beyond a limit.
     pub beyond: u8,
+    /// Drive periods in a row with one contact each.
+    pub clean: u8,
 }
 
 impl Seen {
@@ -87,6 +89,7 @@ impl Seen {
         free_force: (0.0, 0),
         half: 0,
         beyond: 0,
+        clean: 0,
     };
 }
 

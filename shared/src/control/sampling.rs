@@ -11,6 +11,8 @@ use crate::fault::{Fault, Origin};
 use crate::io::Frame;
 use crate::sense::{Pulse, Sample, Strobe};
 
+/// Drive periods with one contact each, in a row, after which no contact too weak to be seen hides in the flights.
+const CLEAN_PERIODS: u8 = 4;
 /// Drive periods in a row beyond a limit after which a motor is switched off.
 const BEYOND_PERIODS: u8 = 2;
 
@@ -177,8 +179,10 @@ impl Controller {
         let now_m = self.oscillator.amplitude_m();
         let command_m = 0.5 * (now_m + self.seen.command_m);
         self.seen.command_m = now_m;
+        self.note_clean_period(strobe);
         let ratio = self.rig.identification.hammer_over_cart();
-        if let Some(trip) = self.plausibility.ratio(ratio) {
+        let clean = self.seen.clean >= CLEAN_PERIODS;
+        if let Some(trip) = self.plausibility.ratio(ratio, clean) {
             self.trip(trip);
             return true;
         }
@@ -193,11 +197,24 @@ impl Controller {
             return true;
         }
         let closed = !self.plausibility.doubts_the_cart();
-        self.trim.strobe(strobe, command_m, closed);
+        self.trim.strobe(strobe, command_m, hz, closed);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();
         }
         false
+    }
+
+    /// Counts the periods with one contact each. What flights showed before, with chatter in them, is forgotten.
+    fn note_clean_period(&mut self, strobe: &Strobe) {
+        let clean = if strobe.contacts == 1 {
+            self.seen.clean.saturating_add(1)
+        } else {
+            0
+        };
+        if clean == CLEAN_PERIODS && self.seen.clean < CLEAN_PERIODS {
+            self.rig.identification.at_amplitude();
+        }
+        self.seen.clean = clean;
     }
 
     /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.

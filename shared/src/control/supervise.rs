@@ -98,7 +98,9 @@ impl Controller {
             return;
         };
         let mode = start.mode;
-        if self.is_given_up(mode) {
+        let nothing = self.forecast.has_come() && self.forecast.entered_target().is_none();
+        if nothing && mode == Mode::Automatic {
+            self.give_up();
             return;
         }
         if self.is_motor() {
@@ -117,15 +119,10 @@ impl Controller {
         (start_frequency(&self.settings), self.wanted_amplitude_m())
     }
 
-    /// Whether there is nothing to go to: the forecast has come and found no stable 1/1. Then it goes back to Idle.
-    fn is_given_up(&mut self, mode: Mode) -> bool {
-        let nothing = self.forecast.has_come() && self.forecast.entered_target().is_none();
-        let given_up = nothing && mode == Mode::Automatic;
-        if given_up {
-            self.life.push(EventKind::NoTarget);
-            self.change(Phase::Idle);
-        }
-        given_up
+    /// There is no stable 1/1 to go to.
+    fn give_up(&mut self) {
+        self.life.push(EventKind::NoTarget);
+        self.change(Phase::Idle);
     }
 
     /// The small motion that proves the sensors: begins it, moves its amplitude, and goes on once it is over and there is
@@ -157,8 +154,7 @@ impl Controller {
             Mode::Manual => None,
             Mode::Automatic => {
                 let Some(target) = self.forecast.entered_target() else {
-                    self.life.push(EventKind::NoTarget);
-                    self.change(Phase::Idle);
+                    self.give_up();
                     return;
                 };
                 Some(Search::new(

@@ -27,12 +27,16 @@ const LEAST_COMMAND: f32 = 0.2;
 const ANSWER_PERIODS: u8 = 4;
 /// The same where a limit is exceeded by more than a tenth.
 const URGENT_PERIODS: u8 = 1;
+/// Share of a limit at which the amplitude begins where more is expected.
+const EXPECTED: f32 = 0.9;
 /// Least share of the wanted amplitude that the limits leave.
 const LEAST_DRAW: f32 = 0.05;
 /// Factor by which a reduced amplitude recovers per drive period.
 const RELEASE: f32 = 1.01;
-/// The same after a period without contact, which says nothing of the force.
-const BLIND_RELEASE: f32 = 1.005;
+/// The same after a period without contact, which says nothing of the force: share per second.
+const BLIND_RELEASE: f32 = 0.02;
+/// Travel of the strongest 1/1 over its amplitude: wires and beams alike.
+const STRONG_TRAVEL: f32 = 5.0;
 
 /// The amplitude loop.
 #[derive(Clone, Copy, Debug)]
@@ -81,12 +85,18 @@ impl Trim {
         self.wanted_m = amplitude_m.max(0.0);
     }
 
-    /// Takes the force forecast at the wanted amplitude: if it exceeds the force limit, the initial amplitude is
-    /// reduced accordingly (the force of a 1/1 at no gap is proportional to the amplitude).
+    /// Takes the force forecast at the wanted amplitude: if it, or the travel of a strong 1/1, exceeds its limit, the
+    /// initial amplitude is reduced accordingly (both are proportional to the amplitude of a 1/1 at no gap).
     pub fn expect(&mut self, force_n: f32) {
-        if force_n > self.force_n {
-            self.draw = (0.9 * self.force_n / force_n).max(LEAST_DRAW);
-            self.limits |= ActiveLimits::FORCE;
+        let travel_m = STRONG_TRAVEL * self.wanted_m;
+        for (share, limit) in [
+            (force_n / self.force_n, ActiveLimits::FORCE),
+            (travel_m / self.travel_m, ActiveLimits::TRAVEL),
+        ] {
+            if share > 1.0 {
+                self.draw = (EXPECTED / share).min(self.draw).max(LEAST_DRAW);
+                self.limits |= limit;
+            }
         }
     }
 
@@ -95,9 +105,9 @@ impl Trim {
         self.limits
     }
 
-    /// A drive period has ended, in which the command was `command_m` on average. `closed`: whether the loop may
+    /// A drive period at `hz` has ended, in which the command was `command_m` on average. `closed`: whether the loop may
     /// correct upwards, too.
-    pub fn strobe(&mut self, strobe: &Strobe, command_m: f32, closed: bool) {
+    pub fn strobe(&mut self, strobe: &Strobe, command_m: f32, hz: f32, closed: bool) {
         // The amplitude that this command was to make.
         let expected_m = command_m / self.gain;
         if expected_m > LEAST_COMMAND * self.wanted_m {
@@ -123,7 +133,7 @@ impl Trim {
             let release = if strobe.contacts > 0 {
                 RELEASE
             } else {
-                BLIND_RELEASE
+                1.0 + BLIND_RELEASE / hz.max(1.0)
             };
             self.draw = (self.draw * release).min(1.0);
         }

@@ -9,9 +9,9 @@ use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::LONGEST_S;
 use super::hardware::{TILT_DEG, friction};
-use super::sensor_fault::{Fault, SensorFault, Which};
+use super::sensor_fault::SensorFault;
 use crate::cart::Friction;
-use crate::sensors::{Defect, End};
+use crate::sensors::Defect;
 use crate::under_test::Reset;
 use files::UserError;
 
@@ -92,38 +92,7 @@ pub enum Act {
         for_s: Option<f64>,
     },
     /// Sensors go wrong.
-    SensorFault {
-        /// Which.
-        sensor: Which,
-        /// How.
-        fault: Fault,
-        /// How many times too large it reads, or its supply is.
-        times: Option<f64>,
-        /// For so long, s; left out: to the end.
-        for_s: Option<f64>,
-        /// How fast its gain grows, %/s.
-        percent_per_s: Option<f64>,
-        /// Added to the force, N.
-        offset_n: Option<f64>,
-        /// Added to a displacement, µm.
-        offset_um: Option<f64>,
-        /// Added to the force per second, N/s.
-        drift_n_per_s: Option<f64>,
-        /// Added to a displacement per second, µm/s.
-        drift_um_per_s: Option<f64>,
-        /// Noise of a dead force sensor, N.
-        noise_n: Option<f64>,
-        /// Noise of a dead displacement sensor, µm.
-        noise_um: Option<f64>,
-        /// How late it reads, ms.
-        delay_ms: Option<f64>,
-        /// Ticks at an end.
-        ticks: Option<u32>,
-        /// Of so many.
-        of: Option<u32>,
-        /// At which end.
-        at: Option<End>,
-    },
+    SensorFault(SensorFault),
     /// The hammer is pushed.
     Push {
         /// Change of its speed towards the surface, m/s.
@@ -238,45 +207,12 @@ impl Act {
         }
     }
 
-    /// What is wrong with which sensors, of a sensor fault.
-    pub(super) fn how(&self) -> Option<SensorFault> {
-        match *self {
-            Self::SensorFault {
-                sensor,
-                fault,
-                times,
-                percent_per_s,
-                offset_n,
-                offset_um,
-                drift_n_per_s,
-                drift_um_per_s,
-                noise_n,
-                noise_um,
-                delay_ms,
-                ticks,
-                of,
-                at,
-                ..
-            } => Some(SensorFault {
-                sensor,
-                fault,
-                times,
-                percent_per_s,
-                offset: [offset_n, offset_um],
-                drift: [drift_n_per_s, drift_um_per_s],
-                noise: [noise_n, noise_um],
-                delay_ms,
-                ticks,
-                of,
-                at,
-            }),
-            _ => None,
-        }
-    }
-
     /// The defects of a sensor fault, in the order of the sensors' codes.
     pub fn defects(&self) -> [Option<Defect>; 3] {
-        self.how().map_or([None; 3], |how| how.defects())
+        match self {
+            Self::SensorFault(how) => how.defects(),
+            _ => [None; 3],
+        }
     }
 
     /// Numbers with a range: key, value, and the range.
@@ -291,9 +227,9 @@ impl Act {
                 ("amplitude_mm", amplitude_mm, (0.0, 100.0)),
             ],
             Self::EmergencyStop { for_s } => vec![long(for_s)],
-            Self::SensorFault { for_s, .. } => {
-                let mut numbers = self.how().map_or(vec![], |how| how.numbers());
-                numbers.push(long(for_s));
+            Self::SensorFault(how) => {
+                let mut numbers = how.numbers();
+                numbers.push(long(how.for_s));
                 numbers
             }
             Self::Push { speed_m_per_s } => vec![("speed_m_per_s", speed_m_per_s, (-10.0, 10.0))],
@@ -333,7 +269,7 @@ impl Act {
             }
         }
         match *self {
-            Self::SensorFault { .. } => self.how().map_or(Ok(()), |how| how.check()),
+            Self::SensorFault(how) => how.check(),
             Self::Drift { .. } => {
                 let (change, _) = self.change().unwrap_or_default();
                 if change == Change::default() {

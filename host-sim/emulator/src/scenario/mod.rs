@@ -22,7 +22,7 @@ pub use change::Change;
 pub use definition::{Expect, Scenario};
 pub use event::{Act, Mode, Stuck, Timed};
 pub use file::parse;
-pub use sensor_fault::{Fault, Which};
+pub use sensor_fault::{Fault, SensorFault, Which};
 
 /// The built-in scenario called `name`, or the one in the file of that path.
 ///

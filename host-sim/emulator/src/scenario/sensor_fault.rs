@@ -76,20 +76,40 @@ pub enum Fault {
     Intermittent,
 }
 
-/// A sensor fault with the keys it may have; those of two units as (N, µm).
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SensorFault {
-    pub(super) sensor: Which,
-    pub(super) fault: Fault,
-    pub(super) times: Option<f64>,
-    pub(super) percent_per_s: Option<f64>,
-    pub(super) offset: [Option<f64>; 2],
-    pub(super) drift: [Option<f64>; 2],
-    pub(super) noise: [Option<f64>; 2],
-    pub(super) delay_ms: Option<f64>,
-    pub(super) ticks: Option<u32>,
-    pub(super) of: Option<u32>,
-    pub(super) at: Option<End>,
+/// A sensor fault with the keys it may have.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorFault {
+    /// Which sensors.
+    pub sensor: Which,
+    /// What is wrong with them.
+    pub fault: Fault,
+    /// How many times too large it reads, or its supply is.
+    pub times: Option<f64>,
+    /// For so long, s; left out: to the end.
+    pub for_s: Option<f64>,
+    /// How fast its gain grows, %/s.
+    pub percent_per_s: Option<f64>,
+    /// Added to the force, N.
+    pub offset_n: Option<f64>,
+    /// Added to a displacement, µm.
+    pub offset_um: Option<f64>,
+    /// Added to the force per second, N/s.
+    pub drift_n_per_s: Option<f64>,
+    /// Added to a displacement per second, µm/s.
+    pub drift_um_per_s: Option<f64>,
+    /// Noise of a dead force sensor, N.
+    pub noise_n: Option<f64>,
+    /// Noise of a dead displacement sensor, µm.
+    pub noise_um: Option<f64>,
+    /// How late it reads, ms.
+    pub delay_ms: Option<f64>,
+    /// Ticks at an end.
+    pub ticks: Option<u32>,
+    /// Of so many.
+    pub of: Option<u32>,
+    /// At which end.
+    pub at: Option<End>,
 }
 
 /// Keys in N and µm of offset, drift and noise.
@@ -98,7 +118,28 @@ const DRIFT: [&str; 2] = ["drift_n_per_s", "drift_um_per_s"];
 const NOISE: [&str; 2] = ["noise_n", "noise_um"];
 
 impl SensorFault {
-    /// Every number that was given: key, value and range.
+    /// A fault without a number, to the end.
+    pub fn new(sensor: Which, fault: Fault) -> Self {
+        Self {
+            sensor,
+            fault,
+            times: None,
+            for_s: None,
+            percent_per_s: None,
+            offset_n: None,
+            offset_um: None,
+            drift_n_per_s: None,
+            drift_um_per_s: None,
+            noise_n: None,
+            noise_um: None,
+            delay_ms: None,
+            ticks: None,
+            of: None,
+            at: None,
+        }
+    }
+
+    /// Every number that was given but `for_s`: key, value and range.
     pub(super) fn numbers(&self) -> Vec<(&'static str, f64, (f64, f64))> {
         const REACH: (f64, f64) = (-1e5, 1e5);
         let count = |n: Option<u32>| n.map(f64::from);
@@ -106,12 +147,12 @@ impl SensorFault {
         [
             ("times", self.times, (-100.0, 100.0)),
             ("percent_per_s", self.percent_per_s, (-1e4, 1e4)),
-            (OFFSET[0], self.offset[0], REACH),
-            (OFFSET[1], self.offset[1], REACH),
-            (DRIFT[0], self.drift[0], REACH),
-            (DRIFT[1], self.drift[1], REACH),
-            (NOISE[0], self.noise[0], (0.0, REACH.1)),
-            (NOISE[1], self.noise[1], (0.0, REACH.1)),
+            (OFFSET[0], self.offset_n, REACH),
+            (OFFSET[1], self.offset_um, REACH),
+            (DRIFT[0], self.drift_n_per_s, REACH),
+            (DRIFT[1], self.drift_um_per_s, REACH),
+            (NOISE[0], self.noise_n, (0.0, REACH.1)),
+            (NOISE[1], self.noise_um, (0.0, REACH.1)),
             ("delay_ms", self.delay_ms, (0.05, 10_000.0)),
             ("of", count(self.of), (1.0, 1e9)),
             ("ticks", count(self.ticks), (1.0, of)),
@@ -201,9 +242,11 @@ impl SensorFault {
             Fault::GainDrift => Defect::GainDrift(0.01 * self.percent_per_s.unwrap_or(0.0)),
             Fault::Reversed => Defect::Reversed,
             Fault::Swapped => Defect::Swapped,
-            Fault::Offset => Defect::Offset(of(self.offset).unwrap_or(0.0)),
-            Fault::OffsetDrift => Defect::OffsetDrift(of(self.drift).unwrap_or(0.0)),
-            Fault::Dead => Defect::Dead(of(self.noise)),
+            Fault::Offset => Defect::Offset(of([self.offset_n, self.offset_um]).unwrap_or(0.0)),
+            Fault::OffsetDrift => {
+                Defect::OffsetDrift(of([self.drift_n_per_s, self.drift_um_per_s]).unwrap_or(0.0))
+            }
+            Fault::Dead => Defect::Dead(of([self.noise_n, self.noise_um])),
             Fault::Delayed => {
                 let ticks = 1e-3 * self.delay_ms.unwrap_or(0.0) / TICK_S;
                 Defect::Delayed(ticks.round() as u32)
@@ -238,8 +281,11 @@ impl SensorFault {
             }
             Fault::Reversed => "reads with its sign reversed".to_owned(),
             Fault::Swapped => "exchanged with one another".to_owned(),
-            Fault::Offset => format!("is off by {}", both(self.offset, "")),
-            Fault::OffsetDrift => format!("drifts by {}", both(self.drift, "/s")),
+            Fault::Offset => format!("is off by {}", both([self.offset_n, self.offset_um], "")),
+            Fault::OffsetDrift => format!(
+                "drifts by {}",
+                both([self.drift_n_per_s, self.drift_um_per_s], "/s")
+            ),
             Fault::Dead => "is dead but noisy".to_owned(),
             Fault::Delayed => format!("is {} ms late", number(self.delay_ms)),
             Fault::Intermittent => {

@@ -21,10 +21,7 @@ impl Act {
             Self::Link {} => "link in command".into(),
             Self::LinkLoss {} => "link silent".into(),
             Self::EmergencyStop { for_s } => format!("emergency stop{}", for_so_long(*for_s)),
-            Self::SensorFault { for_s, .. } => {
-                let how = self.how().map_or(String::new(), |how| how.text());
-                format!("{how}{}", for_so_long(*for_s))
-            }
+            Self::SensorFault(how) => format!("{}{}", how.text(), for_so_long(how.for_s)),
             Self::Push { speed_m_per_s } => format!("push by {speed_m_per_s} m/s"),
             Self::Overrun { blocks, every } => format!("{blocks} overruns, one block in {every}"),
             Self::LostBlock { blocks, every } => {

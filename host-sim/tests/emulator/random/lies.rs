@@ -1,6 +1,6 @@
 //! Random numbers, and sensors that lie at random.
 
-use emulator::scenario::{Act, Fault, Which};
+use emulator::scenario::{Act, Fault, SensorFault, Which};
 use emulator::sensors::End;
 
 use super::draw::Kind;
@@ -34,40 +34,18 @@ impl Random {
     }
 }
 
-/// A sensor fault without its numbers.
-fn fault(sensor: Which, fault: Fault, for_s: Option<f64>) -> Act {
-    Act::SensorFault {
-        sensor,
-        fault,
-        times: None,
-        for_s,
-        percent_per_s: None,
-        offset_n: None,
-        offset_um: None,
-        drift_n_per_s: None,
-        drift_um_per_s: None,
-        noise_n: None,
-        noise_um: None,
-        delay_ms: None,
-        ticks: None,
-        of: None,
-        at: None,
-    }
-}
-
 /// A sensor fault of this kind; `strong_n` is the force of a strong 1/1.
 pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
     let one = r.one(&[Which::Force, Which::Hammer, Which::Cart]);
     // Half of them stay.
     let stays = r.below(2) == 0;
     let for_s = (!stays).then(|| r.within(0.5, 8.0));
-    let numbers = |act: Act, set: &mut dyn FnMut(&mut Numbers)| {
-        let mut numbers = Numbers::default();
-        set(&mut numbers);
-        numbers.put(act)
-    };
     let (length, force) = (one != Which::Force, one == Which::Force);
-    match kind {
+    let lie = |fault| SensorFault {
+        for_s,
+        ..SensorFault::new(one, fault)
+    };
+    Act::SensorFault(match kind {
         Kind::Short => {
             let how = r.one(&[
                 Fault::Open,
@@ -75,114 +53,70 @@ pub fn sensor_fault(kind: Kind, strong_n: f64, r: &mut Random) -> Act {
                 Fault::SaturatedLow,
                 Fault::Frozen,
             ]);
-            fault(one, how, Some(r.within(1e-4, 2.0)))
+            SensorFault {
+                for_s: Some(r.within(1e-4, 2.0)),
+                ..lie(how)
+            }
         }
-        Kind::Gain => {
-            let times = r.within(0.3, 1.8);
-            numbers(fault(one, Fault::Gain, for_s), &mut |n| {
-                n.times = Some(times)
-            })
-        }
+        Kind::Gain => SensorFault {
+            times: Some(r.within(0.3, 1.8)),
+            ..lie(Fault::Gain)
+        },
         Kind::Common | Kind::Supply => {
-            let which = r.one(&[Which::Displacements, Which::All]);
+            let sensor = r.one(&[Which::Displacements, Which::All]);
             let how = if kind == Kind::Common {
                 Fault::Gain
             } else {
                 Fault::Supply
             };
-            let times = r.within(0.4, 1.4);
-            numbers(fault(which, how, for_s), &mut |n| n.times = Some(times))
+            SensorFault {
+                sensor,
+                times: Some(r.within(0.4, 1.4)),
+                ..lie(how)
+            }
         }
-        Kind::GainDrift => {
-            let rate = r.within(-12.0, 12.0);
-            numbers(fault(one, Fault::GainDrift, for_s), &mut |n| {
-                n.percent_per_s = Some(rate)
-            })
-        }
-        Kind::Reversed => fault(one, Fault::Reversed, for_s),
+        Kind::GainDrift => SensorFault {
+            percent_per_s: Some(r.within(-12.0, 12.0)),
+            ..lie(Fault::GainDrift)
+        },
+        Kind::Reversed => lie(Fault::Reversed),
         Kind::Offset => {
             let (um, newtons) = (r.within(-1500.0, 1500.0), strong_n * r.within(-0.5, 0.5));
-            numbers(fault(one, Fault::Offset, for_s), &mut |n| {
-                n.offset_um = length.then_some(um);
-                n.offset_n = force.then_some(newtons);
-            })
+            SensorFault {
+                offset_um: length.then_some(um),
+                offset_n: force.then_some(newtons),
+                ..lie(Fault::Offset)
+            }
         }
         Kind::OffsetDrift => {
             let (um, newtons) = (r.within(-300.0, 300.0), strong_n * r.within(-0.1, 0.1));
-            numbers(fault(one, Fault::OffsetDrift, for_s), &mut |n| {
-                n.drift_um_per_s = length.then_some(um);
-                n.drift_n_per_s = force.then_some(newtons);
-            })
+            SensorFault {
+                drift_um_per_s: length.then_some(um),
+                drift_n_per_s: force.then_some(newtons),
+                ..lie(Fault::OffsetDrift)
+            }
         }
         Kind::Dead => {
             let (um, newtons) = (r.within(0.0, 60.0), strong_n * r.within(0.0, 0.04));
-            numbers(fault(one, Fault::Dead, for_s), &mut |n| {
-                n.noise_um = length.then_some(um);
-                n.noise_n = force.then_some(newtons);
-            })
+            SensorFault {
+                noise_um: length.then_some(um),
+                noise_n: force.then_some(newtons),
+                ..lie(Fault::Dead)
+            }
         }
-        Kind::Delayed => {
-            let ms = r.within(0.1, 120.0);
-            numbers(fault(one, Fault::Delayed, for_s), &mut |n| {
-                n.delay_ms = Some(ms)
-            })
-        }
+        Kind::Delayed => SensorFault {
+            delay_ms: Some(r.within(0.1, 120.0)),
+            ..lie(Fault::Delayed)
+        },
         _ => {
             let of = r.count(2, 400);
             let ticks = r.count(1, of + 1);
-            let at = r.one(&[End::Open, End::High, End::Low]);
-            numbers(fault(one, Fault::Intermittent, for_s), &mut |n| {
-                n.ticks = Some(ticks);
-                n.of = Some(of);
-                n.at = Some(at);
-            })
+            SensorFault {
+                ticks: Some(ticks),
+                of: Some(of),
+                at: Some(r.one(&[End::Open, End::High, End::Low])),
+                ..lie(Fault::Intermittent)
+            }
         }
-    }
-}
-
-/// The numbers of a sensor fault.
-#[derive(Default)]
-struct Numbers {
-    times: Option<f64>,
-    percent_per_s: Option<f64>,
-    offset_n: Option<f64>,
-    offset_um: Option<f64>,
-    drift_n_per_s: Option<f64>,
-    drift_um_per_s: Option<f64>,
-    noise_n: Option<f64>,
-    noise_um: Option<f64>,
-    delay_ms: Option<f64>,
-    ticks: Option<u32>,
-    of: Option<u32>,
-    at: Option<End>,
-}
-
-impl Numbers {
-    fn put(self, act: Act) -> Act {
-        match act {
-            Act::SensorFault {
-                sensor,
-                fault,
-                for_s,
-                ..
-            } => Act::SensorFault {
-                sensor,
-                fault,
-                for_s,
-                times: self.times,
-                percent_per_s: self.percent_per_s,
-                offset_n: self.offset_n,
-                offset_um: self.offset_um,
-                drift_n_per_s: self.drift_n_per_s,
-                drift_um_per_s: self.drift_um_per_s,
-                noise_n: self.noise_n,
-                noise_um: self.noise_um,
-                delay_ms: self.delay_ms,
-                ticks: self.ticks,
-                of: self.of,
-                at: self.at,
-            },
-            act => act,
-        }
-    }
+    })
 }

@@ -23,15 +23,29 @@ impl Doubt {
     pub const MOST: f32 = 4.0 / 3.0;
 
     /// From the impulse of the contacts over the momentum they change (`momentum`) and the gain of the hammer's sensor over
-    /// the cart's (`ratio`); 1 for what is not known.
-    pub fn new(momentum: f32, ratio: f32) -> Self {
+    /// the cart's (`ratio`), 1 for what is not known; and from how much farther out than set the surface was found, as a
+    /// share of the travel limit (`farther`): it has receded, or the hammer's zero has moved and it swings as much farther
+    /// to the other side than it reads.
+    pub fn new(momentum: f32, ratio: f32, farther: f32) -> Self {
         let hammer = at_least_one(AGREES / ratio);
         Self {
             // A hammer that reads less makes the momentum too small as well.
             force: at_least_one(hammer * AGREES / momentum),
-            travel: hammer.max(at_least_one(AGREES * momentum)),
+            travel: hammer
+                .max(at_least_one(AGREES * momentum))
+                .max(shifted(farther)),
             cart: at_least_one(AGREES * ratio),
         }
+    }
+}
+
+/// The doubt of a value that may be this share of its limit larger than it reads.
+fn shifted(share: f32) -> f32 {
+    let left = 1.0 - share;
+    if left > 0.0 {
+        at_least_one(1.0 / left)
+    } else {
+        Doubt::MOST
     }
 }
 
@@ -57,7 +71,7 @@ mod tests {
                     travel: 1.0,
                     cart: 1.0,
                 };
-                assert_eq!(Doubt::new(momentum, ratio), none);
+                assert_eq!(Doubt::new(momentum, ratio, 0.0), none);
             }
         }
     }
@@ -67,17 +81,25 @@ mod tests {
         for times in [0.76_f32, 0.8, 0.85, 0.9] {
             // The truth stays below 110 %, and little is given away.
             let enough = |doubt: f32| doubt * times > 0.93 && doubt * times < 1.03;
-            let force = Doubt::new(times, 1.0);
+            let force = Doubt::new(times, 1.0, 0.0);
             assert!(enough(force.force) && force.cart == 1.0, "{force:?}");
-            let hammer = Doubt::new(1.0, times);
+            let hammer = Doubt::new(1.0, times, 0.0);
             assert!(enough(hammer.travel) && hammer.cart == 1.0, "{hammer:?}");
             // The contacts tell it before the flights do.
-            let early = Doubt::new(1.0 / times, 1.0);
+            let early = Doubt::new(1.0 / times, 1.0, 0.0);
             assert!(enough(early.travel) && early.force == 1.0, "{early:?}");
-            let cart = Doubt::new(1.0, 1.0 / times);
+            let cart = Doubt::new(1.0, 1.0 / times, 0.0);
             assert!(enough(cart.cart) && cart.force == 1.0, "{cart:?}");
-            let both = Doubt::new(1.0, times);
+            let both = Doubt::new(1.0, times, 0.0);
             assert!(enough(both.force), "force and hammer alike: {both:?}");
+        }
+    }
+
+    #[test]
+    fn a_surface_found_farther_out_than_set_may_be_a_zero_that_moved() {
+        for (farther, doubt) in [(0.0, 1.0), (-0.3, 1.0), (0.2, 1.25), (0.3, Doubt::MOST)] {
+            let found = Doubt::new(1.0, 1.0, farther).travel;
+            assert!((found - doubt).abs() < 1e-6, "{farther}: {found}");
         }
     }
 
@@ -86,13 +108,11 @@ mod tests {
         let odd = [0.0, -1.0, 1e-30, 1e30, f32::NAN, f32::INFINITY, -0.0];
         for momentum in odd {
             for ratio in odd {
-                let Doubt {
-                    force,
-                    travel,
-                    cart,
-                } = Doubt::new(momentum, ratio);
-                for doubt in [force, travel, cart] {
-                    assert!((1.0..=Doubt::MOST).contains(&doubt), "{momentum} {ratio}");
+                for farther in odd {
+                    let doubt = Doubt::new(momentum, ratio, farther);
+                    for one in [doubt.force, doubt.travel, doubt.cart] {
+                        assert!((1.0..=Doubt::MOST).contains(&one), "{doubt:?}");
+                    }
                 }
             }
         }

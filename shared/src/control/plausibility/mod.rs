@@ -12,6 +12,10 @@
 //! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
 //! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
 //!
+//! Sensors that contradict each other by less are doubted, and limits go by the worse of the two ([`Doubt`]).
+//!
+//! Before any of these, a small motion has proven sign and gain of the cart's and the hammer's sensor ([`super::proof`]).
+//!
 //! What they cannot tell apart: which of the two sensors of a pair has the wrong gain; all three sensors with the same
 //! wrong gain from the start on, within what `follow` allows; a cart's sensor that is late from a rig that is not the one
 //! believed.
@@ -64,6 +68,8 @@ pub const FAR_M: f32 = 1.5e-3;
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
     gap_m: f32,
+    gap_set_m: f32,
+    travel_limit_m: f32,
     amplitude_m: f32,
     zero_n: f32,
     bad_zeros: u8,
@@ -82,6 +88,8 @@ impl Plausibility {
     pub fn new(settings: &Settings) -> Self {
         Self {
             gap_m: settings.rig.gap_m as f32,
+            gap_set_m: settings.rig.gap_m as f32,
+            travel_limit_m: settings.limits.travel_m,
             amplitude_m: settings.rig.amplitude_m as f32,
             zero_n: ZERO_SHARE * settings.limits.force_n,
             bad_zeros: 0,
@@ -154,11 +162,12 @@ impl Plausibility {
         trip(Origin::Force, mean_n)
     }
 
-    /// A drive period has ended with this gain of the hammer's sensor over the cart's, from so many windows.
-    pub fn ratio(&mut self, found: Option<(f32, u32)>) -> Option<Trip> {
+    /// A drive period has ended with this gain of the hammer's sensor over the cart's, from so many windows; `clean`: of
+    /// flights in which no contact hides, so that limits may go by it.
+    pub fn ratio(&mut self, found: Option<(f32, u32)>, clean: bool) -> Option<Trip> {
         let (ratio, windows) = found?;
         let (low, high) = RATIO_RANGE;
-        if windows >= RATIO_WINDOWS && ratio > 0.0 {
+        if clean && windows >= RATIO_WINDOWS && ratio > 0.0 {
             self.hammer_over_cart = ratio;
         }
         let outside = !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
@@ -181,7 +190,8 @@ impl Plausibility {
 
     /// How much too little the sensors may read.
     pub fn doubt(&self) -> Doubt {
-        Doubt::new(self.impulse_over_momentum, self.hammer_over_cart)
+        let farther = (self.gap_m - self.gap_set_m) / self.travel_limit_m;
+        Doubt::new(self.impulse_over_momentum, self.hammer_over_cart, farther)
     }
 
     /// Whether the cart is under suspicion: nothing may be made good by its measured amplitude meanwhile.

@@ -61,10 +61,10 @@ fn a_hammer_that_reads_more_or_less_than_the_cart_trips() {
         (f32::NAN, 48, Some(16)),
         (-1.0, 47, None),
     ] {
-        let tripped = trips_after(|p| p.ratio(Some((ratio, windows))));
+        let tripped = trips_after(|p| p.ratio(Some((ratio, windows)), true));
         assert_eq!(tripped, expected, "{ratio} {windows}");
     }
-    assert_eq!(trips_after(|p| p.ratio(None)), None);
+    assert_eq!(trips_after(|p| p.ratio(None, true)), None);
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn a_start_begins_every_count_anew() {
         (2, |p, _, far| p.pulse(far)),
         (15, |p, _, _| p.pulse(&contact(1.4))),
         (3, |p, limit_n, _| p.free_force((0.06 * limit_n, 1))),
-        (15, |p, _, _| p.ratio(Some((1.3, 48)))),
+        (15, |p, _, _| p.ratio(Some((1.3, 48)), true)),
         (47, |p, _, _| p.held(&strobe(1.0, 0.1), 4.5, 3.6)),
     ];
     for (count, one) in counts {
@@ -318,7 +318,7 @@ fn a_command_below_a_tenth_of_the_amplitude_is_not_judged() {
 fn the_gain_of_the_hammer_over_the_cart_is_doubted_once_it_is_known() {
     let doubted = |ratio: f32, windows: u32| {
         let mut plausibility = plausibility();
-        assert_eq!(plausibility.ratio(Some((ratio, windows))), None);
+        assert_eq!(plausibility.ratio(Some((ratio, windows)), true), None);
         plausibility.doubt().travel
     };
     // A hammer that reads a fifth less may go 0.97/0.8 times as far.

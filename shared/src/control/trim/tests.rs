@@ -4,7 +4,7 @@ use crate::model::params::WIRES;
 fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
     for _ in 0..periods {
         let command = trim.command();
-        trim.strobe(&plant(command), command, true);
+        trim.strobe(&plant(command), command, 4.0, true);
     }
     trim.command()
 }
@@ -60,7 +60,7 @@ fn a_force_above_the_limit_while_the_amplitude_rises_stops_the_rise() {
         peak_n: 1.05 * settings.limits.force_n,
         ..Strobe::default()
     };
-    trim.strobe(&strobe, 0.445e-3, true);
+    trim.strobe(&strobe, 0.445e-3, 4.0, true);
     let share = trim.command() / 0.89e-3;
     assert!((share - 0.5 / 1.05).abs() < 1e-3, "{share}");
 }
@@ -92,6 +92,19 @@ fn a_force_that_is_forecast_above_the_limit_is_never_reached() {
         command,
         "a force below the limit changes nothing"
     );
+}
+
+#[test]
+fn a_travel_that_is_expected_beyond_the_limit_is_never_reached() {
+    let mut settings = Settings::for_rig(&WIRES);
+    for (travel_m, begins) in [(4.5e-3, 1.0), (4.4e-3, 0.89), (3.4e-3, 0.688)] {
+        settings.limits.travel_m = travel_m;
+        let mut trim = Trim::new(&settings);
+        trim.expect(0.5 * settings.limits.force_n);
+        let share = trim.command() / 0.89e-3;
+        assert!((share - begins).abs() < 2e-3, "{travel_m}: {share}");
+        assert_eq!(trim.limits().is_empty(), begins == 1.0);
+    }
 }
 
 #[test]
@@ -230,7 +243,7 @@ fn a_cart_that_moves_too_far_is_corrected_at_once_and_under_suspicion_only_downw
             contacts: 1,
             ..Strobe::default()
         };
-        trim.strobe(&strobe, 0.89e-3, closed);
+        trim.strobe(&strobe, 0.89e-3, 4.0, closed);
         trim.command() / 0.89e-3
     };
     for closed in [false, true] {

@@ -1,12 +1,9 @@
 //! Who must be there: the program that steers over the link, the person at the board, and whoever sent the settings. The
 //! real controller behind the real end of the link.
 
-use shared::control::{
-    BootInfo, Command, Controller, Mode, Refused, ResetCause, SettingsState, State, Status,
-};
+use shared::control::{BootInfo, Command, Mode, Refused, ResetCause, SettingsState, State, Status};
 use shared::fault::{Fault, Record};
-use shared::forecast::{Forecast, Orbit, Target};
-use shared::io::{AdcCode, Frame, Output};
+use shared::forecast::Forecast;
 use shared::link::{
     Act, Answer, Boot, Decoder, Device, ForecastPage, FromBoard, Hello, Identified, MAX_FRAME,
     Name, PROTOCOL_VERSION, Packet, RecordedBlock, Refusal, Session, ToBoard, encode,
@@ -14,83 +11,48 @@ use shared::link::{
 use shared::model::params::WIRES;
 use shared::settings::Settings;
 
+use crate::bench::{Bench, Happening, forecast};
+
 /// Ticks of a block.
 const BLOCK: usize = 10;
 /// Blocks of a millisecond.
 const PER_MS: u32 = 2;
 
-/// A controller at a rig whose cart goes where it is told and whose hammer moves with it.
+/// A controller at a rig, behind the board's end of the link.
 struct Rig {
-    controller: Controller,
-    outputs: [Output; BLOCK],
+    bench: Bench,
     chain_open: bool,
     boot: u32,
-    random: u32,
 }
 
 impl Rig {
     fn new(settings: &Settings, boot: &BootInfo) -> Self {
+        // Nobody expects a contact of its hammer.
+        let mut bench = Bench::born(settings, boot);
+        bench.forecast = |id| Forecast {
+            rows: Default::default(),
+            ..forecast(id)
+        };
         Self {
-            controller: Controller::new(settings, boot).unwrap(),
-            outputs: [Output::SAFE; BLOCK],
+            bench,
             chain_open: false,
             boot: 5,
-            random: 1,
         }
-    }
-
-    fn noise(&mut self) -> u16 {
-        self.random = self
-            .random
-            .wrapping_mul(1_664_525)
-            .wrapping_add(1_013_904_223);
-        (self.random >> 16) as u16 % 4
     }
 
     fn block(&mut self) {
-        let frames = self.outputs.map(|output| {
-            // The cart's sensor has about the shaker's scale.
-            let cart = (f32::from(output.dac.0) - 2048.0) * 1900.0 / 2047.0;
-            Frame {
-                force: AdcCode(600 + self.noise()),
-                hammer: AdcCode((2048.0 + 0.3 * cart) as u16 + self.noise()),
-                cart: AdcCode((2048.0 + cart) as u16 + self.noise()),
-                emergency: self.chain_open,
-            }
-        });
-        self.controller.block(&frames, &mut self.outputs);
-        while self.controller.take_event().is_some() {}
-        if let Some(request) = self.controller.forecast_request() {
-            self.controller.deliver(&forecast(request.id));
-        }
+        let happening = if self.chain_open {
+            Happening::Emergency
+        } else {
+            Happening::Sound { noise: 3 }
+        };
+        self.bench.block(BLOCK, &happening);
     }
 
     fn drives(&self) -> bool {
-        self.outputs.iter().any(|output| output.enable)
-    }
-}
-
-/// A 1/1 at 3.6 Hz.
-fn forecast(id: u32) -> Forecast {
-    let orbit = Orbit {
-        force_n: 96.0,
-        impulse_n_s: 0.031,
-        approach_m_per_s: 0.08,
-        onset_turns: 0.4,
-        trace: -0.3,
-        determinant: 0.1,
-    };
-    let target = Target {
-        frequency_hz: 3.6,
-        orbit,
-        band_hz: (2.5, 4.8),
-        doubling_hz: Some(4.8),
-        entry_hz: 3.6,
-    };
-    Forecast {
-        id,
-        rows: Default::default(),
-        target: Some(target),
+        self.bench.outputs[..BLOCK]
+            .iter()
+            .any(|output| output.enable)
     }
 }
 
@@ -105,16 +67,16 @@ impl Device for Rig {
         }
     }
     fn status(&mut self) -> Status {
-        self.controller.status()
+        self.bench.controller.status()
     }
     fn command(&mut self, command: Command) -> Result<(), Refused> {
-        self.controller.command(command)
+        self.bench.controller.command(command)
     }
     fn settings(&mut self) -> Settings {
-        *self.controller.settings()
+        *self.bench.controller.settings()
     }
     fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
-        self.controller.replace_settings(settings)
+        self.bench.controller.replace_settings(settings)
     }
     fn store_settings(&mut self) -> Result<(), Refusal> {
         Ok(())
@@ -137,8 +99,8 @@ impl Device for Rig {
     fn boot(&mut self) -> Boot {
         Boot {
             number: self.boot,
-            settings: self.controller.settings_state(),
-            awaits_acknowledgement: self.controller.awaits_acknowledgement(),
+            settings: self.bench.controller.settings_state(),
+            awaits_acknowledgement: self.bench.controller.awaits_acknowledgement(),
         }
     }
 }
@@ -253,7 +215,7 @@ impl Board {
             }
         }) {
             ms += 50;
-            assert!(ms < 60_000, "{:?}", self.rig.controller.status());
+            assert!(ms < 60_000, "{:?}", self.rig.bench.controller.status());
         }
     }
 
@@ -401,7 +363,7 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
     // The link cannot do it, nor change the rule: neither by settings nor by a confirmation.
     let at_the_board = Answer::Refused(Refusal::AtTheBoard);
     assert_eq!(board.command(Command::Acknowledge), at_the_board);
-    let mut lax = *board.rig.controller.settings();
+    let mut lax = *board.rig.bench.controller.settings();
     lax.operator.acknowledge = false;
     assert_eq!(board.steer(Act::SetSettings(lax)), Answer::Done);
     board.pass(4, |_| {});
@@ -426,7 +388,7 @@ fn a_reset_acknowledges_no_emergency_stop() {
     after_an_emergency_stop(&mut before, 30);
     let boot = BootInfo {
         reset: ResetCause::Pin,
-        record: before.rig.controller.persisted().record(),
+        record: before.rig.bench.controller.persisted().record(),
         ..BootInfo::STORED
     };
     let mut board = Board::new(&settings, &boot);
@@ -485,7 +447,7 @@ fn new_settings_do_not_clear_a_fault_whose_cause_stands() {
     board.open();
     board.rig.chain_open = true;
     board.pass(1, |_| {});
-    let settings = *board.rig.controller.settings();
+    let settings = *board.rig.bench.controller.settings();
     // Both within one block.
     assert_eq!(board.steer(Act::SetSettings(settings)), Answer::Done);
     let cleared = board.command(Command::ClearFault);
