@@ -22,6 +22,8 @@ struct Plant {
     last: DacCode,
     /// The cart's motion over the one commanded.
     cart_gain: f64,
+    /// Gains of the sensors of force and hammer.
+    gains: (f64, f64),
     /// What the force sensor reads at no force, N.
     force_zero_n: f64,
     /// What the cart's sensor reads in the middle, m.
@@ -41,6 +43,7 @@ impl Plant {
             on: false,
             last: DacCode::MIDDLE,
             cart_gain: 1.0,
+            gains: (1.0, 1.0),
             force_zero_n: 0.0,
             cart_zero_m: 0.0,
             largest_n: 0.0,
@@ -88,8 +91,8 @@ impl Plant {
             set_m
         };
         Frame {
-            force: code(&settings.force, force_n + self.force_zero_n),
-            hammer: code(&settings.hammer, relative + cart),
+            force: code(&settings.force, self.gains.0 * force_n + self.force_zero_n),
+            hammer: code(&settings.hammer, self.gains.1 * (relative + cart)),
             cart: code(&settings.cart, cart + self.cart_zero_m),
             emergency: false,
         }
@@ -249,41 +252,10 @@ fn a_search_that_a_frequency_limit_holds_says_so() {
     assert!(held.events.contains(&said));
 }
 
-#[test]
-fn a_motor_that_strikes_harder_or_swings_further_than_allowed_is_switched_off() {
-    // 96 N at 3.6 Hz, and so much travel.
-    let run = |change: fn(&mut Settings)| {
-        let mut motor = Loop::new(&WIRES, |settings| {
-            settings.drive.kind = DriveKind::Motor;
-            change(settings);
-        });
-        motor.plant.renew(WIRES.amplitude_m);
-        motor.command(Command::Start(Mode::Manual));
-        motor.until(State::Manual, 20.0);
-        motor.command(Command::SetPoint {
-            frequency_hz: 3.6,
-            amplitude_m: WIRES.amplitude_m as f32,
-        });
-        motor.events.clear();
-        motor.pass(30.0);
-        assert_eq!(motor.fault(), None);
-        let limits = motor.events.iter().find_map(|event| match event {
-            EventKind::Limits(limits) => Some(*limits),
-            _ => None,
-        });
-        (motor.status().state, limits)
-    };
-    assert_eq!(run(|_| {}), (State::Manual, None));
-    let off = |limit| (State::Idle, Some(limit));
-    let force = run(|settings| settings.limits.force_n = 80.0);
-    assert_eq!(force, off(ActiveLimits::FORCE));
-    let travel = run(|settings| settings.limits.travel_m = 1e-3);
-    assert_eq!(travel, off(ActiveLimits::TRAVEL));
-}
-
-/// By hand at the rig's amplitude and 3.6 Hz: 96 N once per drive period.
-fn by_hand() -> Loop {
-    let mut hand = Loop::new(&WIRES, |_| {});
+/// By hand at the rig's amplitude and 3.6 Hz: 96 N once per drive period; with these gains of the sensors of force and hammer.
+fn by_hand_with(gains: (f64, f64), change: impl FnOnce(&mut Settings)) -> Loop {
+    let mut hand = Loop::new(&WIRES, change);
+    hand.plant.gains = gains;
     // Two sensors have a zero of their own, found before the start.
     hand.plant.cart_zero_m = 0.3e-3;
     hand.plant.force_zero_n = 5.0;
@@ -294,8 +266,41 @@ fn by_hand() -> Loop {
         amplitude_m: WIRES.amplitude_m as f32,
     });
     hand.pass(20.0);
-    assert_eq!((hand.status().state, hand.fault()), (State::Manual, None));
+    assert_eq!(hand.fault(), None);
     hand
+}
+
+fn by_hand() -> Loop {
+    let hand = by_hand_with((1.0, 1.0), |_| {});
+    assert_eq!(hand.status().state, State::Manual);
+    hand
+}
+
+#[test]
+fn a_motor_that_strikes_harder_or_swings_further_than_allowed_is_switched_off() {
+    let run = |gains: (f64, f64), change: fn(&mut Settings)| {
+        let motor = by_hand_with(gains, |settings| {
+            settings.drive.kind = DriveKind::Motor;
+            change(settings);
+        });
+        let limits = motor.events.iter().find_map(|event| match event {
+            EventKind::Limits(limits) => Some(*limits),
+            _ => None,
+        });
+        (motor.status().state, limits)
+    };
+    let off = |limit| (State::Idle, Some(limit));
+    let right = (1.0, 1.0);
+    assert_eq!(run(right, |_| {}), (State::Manual, None));
+    let force = run(right, |settings| settings.limits.force_n = 80.0);
+    assert_eq!(force, off(ActiveLimits::FORCE));
+    let travel = run(right, |settings| settings.limits.travel_m = 1e-3);
+    assert_eq!(travel, off(ActiveLimits::TRAVEL));
+    // A force or a travel that reads too little is taken for what it may be: 82 N for 87 N.
+    let force = run((0.85, 1.0), |settings| settings.limits.force_n = 85.0);
+    assert_eq!(force, off(ActiveLimits::FORCE));
+    let travel = run((1.0, 0.85), |settings| settings.limits.travel_m = 3e-3);
+    assert_eq!(travel, off(ActiveLimits::TRAVEL));
 }
 
 #[test]
@@ -384,4 +389,14 @@ fn a_cart_that_suddenly_goes_too_far_is_met_within_half_a_drive_period() {
     }
     assert!((share(&hand) - 1.0).abs() < 0.03, "{:?}", hand.status());
     assert_eq!(hand.fault(), None);
+}
+
+#[test]
+fn a_force_that_may_be_larger_than_it_reads_is_limited_by_what_it_may_be() {
+    for (gain, limits) in [(1.0, ActiveLimits::NONE), (0.85, ActiveLimits::FORCE)] {
+        let hand = by_hand_with((gain, 1.0), |settings| {
+            settings.limits.force_n = (96.0 * gain + 4.0) as f32;
+        });
+        assert_eq!(hand.status().limits, limits, "{gain}");
+    }
 }

@@ -251,7 +251,7 @@ fn contacts(search: &mut Search, contacts: u16, arrived: bool) {
 #[test]
 fn eight_periods_are_waited_at_the_entry_and_the_way_to_it_is_none_of_them() {
     let mut search = Search::new(&TARGET, RANGE_HZ, false);
-    for arrived in [true, false] {
+    for arrived in [false, true] {
         let periods = if arrived { 8 } else { 30 };
         for _ in 0..periods {
             contacts(&mut search, 0, arrived);

@@ -78,6 +78,17 @@ fn without_a_forecast_a_start_waits_and_without_a_target_it_is_given_up() {
     assert!(rig.events().contains(&EventKind::NoTarget));
     assert_eq!(rig.outputs, [Output::SAFE; 10]);
 
+    // Known before, the cart is not even moved; by hand it is.
+    rig.controller
+        .command(Command::Start(Mode::Automatic))
+        .unwrap();
+    while rig.controller.state() == State::SelfTest {
+        rig.block();
+        assert!(!rig.is_enabled());
+    }
+    assert_eq!(rig.controller.state(), State::Idle);
+    rig.starts(Mode::Manual, State::Manual);
+
     // One that never comes is not waited for beyond two minutes.
     let mut rig = Rig::with(|_| {});
     rig.controller
@@ -134,6 +145,7 @@ fn the_motion_is_kept_small_until_the_cart_has_followed_it() {
 fn a_stop_ramps_down_before_the_drive_goes_off_and_does_nothing_where_it_is_off() {
     let mut rig = Rig::with(|_| {});
     rig.controller.command(Command::Stop).unwrap();
+    assert_eq!(rig.controller.state(), State::Idle);
     rig.block();
     assert_eq!(
         (rig.controller.state(), rig.is_enabled()),
