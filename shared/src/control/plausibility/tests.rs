@@ -345,3 +345,14 @@ fn limits_go_by_the_contacts_from_the_fourth_on() {
     assert!((doubted(1.25, 4).travel - 0.97 * 1.25).abs() < 1e-3);
     assert_eq!(doubted(-1.0, 5).force, 1.0, "no gain at all");
 }
+
+#[test]
+fn a_surface_farther_out_than_set_makes_the_travel_doubted() {
+    let mut settings = Settings::for_rig(&WIRES);
+    settings.rig.gap_m = 0.5e-3;
+    let mut plausibility = Plausibility::new(&settings);
+    assert_eq!(plausibility.doubt().travel, 1.0);
+    // A fifth of the travel limit of 8 mm.
+    plausibility.believe_gap(2.1e-3);
+    assert!((plausibility.doubt().travel - 1.25).abs() < 1e-4);
+}
