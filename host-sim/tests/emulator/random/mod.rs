@@ -191,8 +191,10 @@ fn every_kind_of_draw_is_mended_or_an_open_hole() {
 /// The judge sees what is wrong: a controller that watches nothing but the emergency chain fails.
 #[test]
 fn a_controller_that_watches_nothing_is_found_out() {
-    let found = (0_u64..60).into_par_iter().filter(|number| {
-        let kinds = [Kind::Push, Kind::ByHand, Kind::Armature, Kind::Gain];
+    let short = |number: &u64| number % draw::LONG != draw::LONG - 1;
+    let numbers: Vec<u64> = (0..80).filter(short).collect();
+    let found = numbers.into_par_iter().filter(|number| {
+        let kinds = [Kind::ByHand, Kind::Armature];
         let scenario = draw::scenario(*number, &kinds);
         let hz = 2.0 * scenario.true_rig.natural_frequency_hz();
         let mut control = FixedFrequency::new(scenario.settings, hz);

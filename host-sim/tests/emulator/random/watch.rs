@@ -3,7 +3,7 @@
 use emulator::record::{BlockRow, Observer, TickRow};
 use emulator::scenario::Scenario;
 use shared::control::State;
-use shared::io::{AdcCode, Channel, Reading};
+use shared::io::{AdcCode, Channel, Frame, Output, Reading};
 use shared::settings::Settings;
 
 use super::draw::stop_s;
@@ -202,5 +202,55 @@ impl Observer for Watch {
         if driven && matches!(s.state, State::Idle | State::SelfTest | State::Fault) {
             self.wrong(format!("driven in {:?} at tick {}", s.state, row.tick));
         }
+    }
+}
+
+/// A sensor that shows nothing of it does not hide what is true.
+#[test]
+fn true_force_cart_and_travel_are_judged_by_themselves() {
+    let scenario = super::draw::scenario(0, &[super::draw::Kind::Push]);
+    let trips = scenario.settings.trips;
+    let judged = |force: f64, cart: f64, travel: f64, ticks: u64| {
+        let mut watch = Watch::new(&scenario);
+        let cart_m = cart * f64::from(trips.cart_m);
+        let rest = AdcCode(2048);
+        for tick in 0..ticks {
+            watch.tick(&TickRow {
+                tick,
+                time_s: tick as f64 * 5e-5,
+                frame: Frame {
+                    force: AdcCode(scenario.settings.force.zero_code as u16),
+                    hammer: rest,
+                    cart: rest,
+                    emergency: false,
+                },
+                output: Output {
+                    enable: true,
+                    ..Output::SAFE
+                },
+                true_force_n: force * f64::from(trips.force_n),
+                hammer_m: cart_m + travel * f64::from(trips.travel_m),
+                cart_m,
+                powered: true,
+                faulty: false,
+            });
+        }
+        watch.wrong
+    };
+    let late = TRUE_GRACE + 10;
+    for (what, levels) in [
+        ("force", [1.0, 0.0, 0.0]),
+        ("cart", [0.0, 1.0, 0.0]),
+        ("travel", [0.0, 0.0, 1.0]),
+    ] {
+        let at = |share: f64, ticks| {
+            let [force, cart, travel] = levels.map(|level: f64| level * share);
+            judged(force, cart, travel, ticks)
+        };
+        assert_eq!(at(1.09, late), None, "{what}");
+        assert_eq!(at(1.11, TRUE_GRACE), None, "{what}");
+        let wrong = at(1.11, late).unwrap();
+        assert!(wrong.contains(&format!("true {what}")), "{wrong}");
+        assert!(at(-1.11, late).is_some() || what == "force");
     }
 }
