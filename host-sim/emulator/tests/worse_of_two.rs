@@ -77,13 +77,12 @@ fn truth(tables: &str) -> Truth {
     truth
 }
 
+/// How it is started, from when on sensors lie, and their gains.
+type Case<'a> = (&'a str, f64, &'a [(&'a str, f64)]);
+
 /// Checks that `share` (of a limit, truly) is at most 110 % in every case, from 90 % on where the sensors are healthy, and
 /// that nothing trips.
-fn check(
-    tables: &str,
-    cases: &[(&str, f64, &[(&str, f64)])],
-    share: impl Fn(&Truth) -> f64 + Sync,
-) {
+fn check(tables: &str, cases: &[Case], share: impl Fn(&Truth) -> f64 + Sync) {
     let wrong: Vec<String> = cases
         .par_iter()
         .filter_map(|&(start, at_s, lies)| {

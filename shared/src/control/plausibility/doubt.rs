@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_surface_found_farther_out_than_set_may_be_a_zero_that_moved() {
-        for (farther, doubt) in [(0.0, 1.0), (-0.3, 1.0), (0.2, 1.25), (0.3, Doubt::MOST)] {
+        for (farther, doubt) in [(0.0, 1.0), (-0.3, 1.0), (0.2, 1.25), (0.3, 4.0 / 3.0)] {
             let found = Doubt::new(1.0, 1.0, farther).travel;
             assert!((found - doubt).abs() < 1e-6, "{farther}: {found}");
         }

@@ -267,7 +267,7 @@ fn the_response_of_the_shaker_is_learnt_anew_after_a_start_and_at_another_freque
     assert!(!run(&mut plausibility, 1.0, 3.6));
     plausibility.restart();
     assert!(!run(&mut plausibility, 0.8, 3.6));
-    assert!(!run(&mut plausibility, 1.0, 1.05 * 3.6));
+    assert!(!run(&mut plausibility, 1.1, 1.05 * 3.6));
     // At nearly the same frequency it is the same shaker.
     assert!(run(&mut plausibility, 0.8, 1.07 * 3.6));
 }
@@ -298,6 +298,10 @@ fn a_cart_is_doubted_from_the_first_bad_period_until_a_good_one() {
         assert!(see(&bad), "{bad:?}");
         assert!(!see(&strobe(1.0, 0.1)), "{bad:?}");
     }
+    // On the way up, too, where no response is known yet.
+    let mut plausibility = plausibility();
+    let weak = plausibility.strobe(&strobe(0.5, 0.1), 0.89e-3, 3.6, true);
+    assert_eq!((weak, plausibility.doubts_the_cart()), (None, true));
 }
 
 #[test]
@@ -340,4 +344,15 @@ fn limits_go_by_the_contacts_from_the_fourth_on() {
     assert!((doubted(0.8, 4).force - 0.97 / 0.8).abs() < 1e-3);
     assert!((doubted(1.25, 4).travel - 0.97 * 1.25).abs() < 1e-3);
     assert_eq!(doubted(-1.0, 5).force, 1.0, "no gain at all");
+}
+
+#[test]
+fn a_surface_farther_out_than_set_makes_the_travel_doubted() {
+    let mut settings = Settings::for_rig(&WIRES);
+    settings.rig.gap_m = 0.5e-3;
+    let mut plausibility = Plausibility::new(&settings);
+    assert_eq!(plausibility.doubt().travel, 1.0);
+    // A fifth of the travel limit of 8 mm.
+    plausibility.believe_gap(2.1e-3);
+    assert!((plausibility.doubt().travel - 1.25).abs() < 1e-4);
 }
