@@ -16,9 +16,18 @@ impl Settings {
         self.check_limits()?;
         self.check_trips()?;
         self.check_detection()?;
-        let force = (0.0, self.limits.force_n);
-        let least = "0 or positive, at most limits.force_n";
-        all_within(&[("aim.force_n", self.aim.force_n, force, least)])
+        self.check_aim()
+    }
+
+    /// Contacts that are hardly detected cannot be drawn to a force: some of them are missed.
+    fn check_aim(&self) -> Result<(), ParamError> {
+        let wanted_n = self.aim.force_n;
+        let least_n = SEEN * self.detection.on_n;
+        let must_be = "0, or at least 1.5 times detection.on_n and at most limits.force_n, so that it is seen";
+        if wanted_n == 0.0 || (least_n..=self.limits.force_n).contains(&wanted_n) {
+            return Ok(());
+        }
+        Err(out_of_range("aim.force_n", wanted_n, must_be))
     }
 
     fn check_sensors(&self) -> Result<(), ParamError> {
@@ -180,6 +189,8 @@ impl Settings {
     }
 }
 
+/// A force wanted is at least this many times the force of detection.
+const SEEN: f32 = 1.5;
 /// Share of a sensor's range that a trip level may use: the rest is for its offset.
 const REACHED: f32 = 0.95;
 /// A trip level is at most this many times its limit: one far above guards nothing that the limit does not.
@@ -230,6 +241,16 @@ fn out_of_range(key: &'static str, value: f32, must_be: &'static str) -> ParamEr
 mod tests {
     use super::*;
     use crate::model::params::PRESETS;
+
+    #[test]
+    fn a_force_wanted_that_is_hardly_detected_is_refused() {
+        let mut settings = Settings::for_rig(&PRESETS[3].1);
+        let on_n = settings.detection.on_n;
+        for (force_n, holds) in [(0.0, true), (1.51 * on_n, true), (1.49 * on_n, false)] {
+            settings.aim.force_n = force_n;
+            assert_eq!(settings.check().is_ok(), holds, "{force_n}");
+        }
+    }
 
     #[test]
     fn defaults_of_every_rig_pass_and_what_is_out_of_range_is_named() {

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Each window without a contact gives a point (X, Y); the slope of the line through them is ω². Old points
-//! fade ([`MEMORY`] windows). The newest [`FEWEST_WINDOWS`] begin the line anew if they lie on another one, by an F test:
+//! fade ([`MEMORY`] windows). The newest `FEWEST_WINDOWS` begin the line anew if they lie on another one, by an F test:
 //! a natural frequency that jumps is not mixed with the one before. Measured with 2 % noise over 100 drive periods: within
 //! 1 % near 1.5 times the natural frequency, within 2 % at 2.4, where a flight holds two windows only, and at 3.8, where a
 //! pendulum's large strokes lower its frequency. If contacts too weak to be detected hide in the flights, no natural
@@ -145,7 +145,7 @@ pub struct Identification {
     window: Window,
     settle: u32,
     line: Line,
-    /// The newest points, up to [`FEWEST_WINDOWS`], those that were refused among them.
+    /// The newest points, up to `FEWEST_WINDOWS`, those that were refused among them.
     newest: Line,
     /// Those that were refused.
     outliers: u32,
