@@ -226,7 +226,7 @@ mod tests {
     fn the_controller_proves_the_sensors_of_the_bench_and_seeks() {
         let settings = Settings::for_rig(&WIRES);
         let mut bench = Bench::new(&settings);
-        let mut node = Lockstep::new(&settings, &BootInfo::default()).unwrap();
+        let mut node = Lockstep::new(&settings, &BootInfo::STORED).unwrap();
         let start = Command::Start(Mode::Automatic);
         node.controller.command(start).unwrap();
         let mut outputs = [Output::SAFE; 10];

@@ -169,7 +169,7 @@ impl Settings {
             },
             limits: Limits {
                 force_n: 2.5 * strong_n,
-                travel_m: 8e-3,
+                travel_m: 9e-3,
                 min_frequency_hz: 0.3 * natural_hz,
                 max_frequency_hz: 4.0 * natural_hz,
                 amplitude_m: 1.5 * amplitude_m,

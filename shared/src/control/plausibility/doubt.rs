@@ -39,9 +39,12 @@ impl Doubt {
     }
 }
 
-/// The doubt of a value that may be this share of its limit larger than it reads.
+/// What is left below a limit may truly be passed by this: a surface that has receded is no sensor that lies.
+const PASSED: f32 = 1.07;
+
+/// The doubt of a value that may be this share of its limit larger than it reads: then it is at most [`PASSED`] of the limit.
 fn shifted(share: f32) -> f32 {
-    let left = 1.0 - share;
+    let left = PASSED * (1.0 - share);
     if left > 0.0 {
         at_least_one(1.0 / left)
     } else {
@@ -97,9 +100,13 @@ mod tests {
 
     #[test]
     fn a_surface_found_farther_out_than_set_may_be_a_zero_that_moved() {
-        for (farther, doubt) in [(0.0, 1.0), (-0.3, 1.0), (0.2, 1.25), (0.3, 4.0 / 3.0)] {
+        for (farther, doubt) in [(0.0, 1.0), (-0.3, 1.0), (0.06, 1.0), (0.4, 4.0 / 3.0)] {
             let found = Doubt::new(1.0, 1.0, farther).travel;
             assert!((found - doubt).abs() < 1e-6, "{farther}: {found}");
+        }
+        for farther in [0.1, 0.15, 0.2, 0.25] {
+            let read = 1.0 / Doubt::new(1.0, 1.0, farther).travel;
+            assert!((1.0..1.07).contains(&(read + farther)), "{farther}: {read}");
         }
     }
 
