@@ -106,7 +106,7 @@ fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
             "frequency, Hz",
             "F/(m g)",
             "amplitude, mm",
-            "ramp",
+            "prove",
             "emergency-stop",
         ],
     );
@@ -128,7 +128,7 @@ fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
 
 /// Everything a log must tell a replay beside samples.
 const TROUBLED: &str = r#"
-duration_s = 4.0
+duration_s = 6.0
 slices_per_block = 1000
 block_ticks = 7
 
@@ -192,7 +192,7 @@ fn a_reset_a_lost_block_and_commands_are_replayed() {
     }
     let same = folder.run("replay troubled.parquet").well();
     assert!(
-        same.out.starts_with("same decisions over 8"),
+        same.out.starts_with("same decisions over 12"),
         "{}",
         same.out
     );
