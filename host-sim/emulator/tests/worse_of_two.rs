@@ -118,6 +118,22 @@ fn the_force_limit_is_not_passed_by_a_force_that_reads_less() {
 }
 
 #[test]
+fn a_force_that_falls_in_hold_gives_nothing_back_that_its_limit_took() {
+    // It was 112 %, 109 % and 106 % of the limit.
+    for (falls_s, times, faults) in [
+        (41.0, 0.6, &[Fault::SensorOutOfFamily][..]),
+        (42.0, 0.7, &[Fault::SensorOutOfFamily]),
+        (42.0, 0.8, &[]),
+    ] {
+        let lies = gains(falls_s, &[("force", times)]);
+        let truth = truth(&format!("[limits]\nforce_n = 65.0\n{ITSELF}{lies}"));
+        let share = truth.force_n / 65.0;
+        assert!((0.9..1.03).contains(&share), "{times}: {share:.3}");
+        assert_eq!(truth.faults, faults);
+    }
+}
+
+#[test]
 fn no_harder_than_asked_by_either_measurement() {
     // It was 121 % of the force wanted.
     check(

@@ -197,7 +197,8 @@ impl Controller {
             return true;
         }
         let closed = !self.plausibility.doubts_the_cart();
-        self.trim.strobe(strobe, command_m, hz, closed);
+        let steady = self.plausibility.is_steady();
+        self.trim.strobe(strobe, command_m, hz, closed, steady);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();
         }

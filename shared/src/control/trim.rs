@@ -106,8 +106,8 @@ impl Trim {
     }
 
     /// A drive period at `hz` has ended, in which the command was `command_m` on average. `closed`: whether the loop may
-    /// correct upwards, too.
-    pub fn strobe(&mut self, strobe: &Strobe, command_m: f32, hz: f32, closed: bool) {
+    /// correct upwards, too; `steady`: whether what a limit took may return.
+    pub fn strobe(&mut self, strobe: &Strobe, command_m: f32, hz: f32, closed: bool, steady: bool) {
         // The amplitude that this command was to make.
         let expected_m = command_m / self.gain;
         if expected_m > LEAST_COMMAND * self.wanted_m {
@@ -129,7 +129,7 @@ impl Trim {
             };
             self.draw = (reached / over.min(2.0)).max(LEAST_DRAW);
             self.wait = ANSWER_PERIODS + 1;
-        } else if self.wait == 0 && over < 0.95 {
+        } else if self.wait == 0 && over < 0.95 && steady {
             let release = if strobe.contacts > 0 {
                 RELEASE
             } else {

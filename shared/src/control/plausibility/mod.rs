@@ -194,6 +194,12 @@ impl Plausibility {
         Doubt::new(self.impulse_over_momentum, self.hammer_over_cart, farther)
     }
 
+    /// Whether contacts tell the same of the sensors as before. Nothing is made larger while they do not: a gain may have
+    /// fallen just now, and the doubt is not there yet.
+    pub fn is_steady(&self) -> bool {
+        self.momentum.is_steady()
+    }
+
     /// Whether the cart is under suspicion: nothing may be made good by its measured amplitude meanwhile.
     pub fn doubts_the_cart(&self) -> bool {
         self.follow.doubts()

@@ -17,6 +17,10 @@ pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
 pub const GROSS_PULSES: u8 = 6;
 /// Contacts in the sums.
 const MEMORY: f32 = 16.0;
+/// Contacts in the quick sums.
+const QUICK_MEMORY: f32 = 4.0;
+/// Quick over slow ratio within which the gains are steady: contacts of a healthy rig stay within.
+const STEADY_RANGE: (f32, f32) = (0.95, 1.05);
 /// Contacts after which limits and trip levels go by the sums.
 const FEW: u8 = 4;
 /// Contacts before the sums are judged.
@@ -28,6 +32,8 @@ pub(super) struct Momentum {
     reduced_kg: f32,
     impulse_n_s: f32,
     speed_m_per_s: f32,
+    quick_impulse_n_s: f32,
+    quick_speed_m_per_s: f32,
     pulses: u8,
     bad: u8,
     gross: u8,
@@ -39,6 +45,8 @@ impl Momentum {
             reduced_kg: (rig.mass_kg / (1.0 + rig.mass_kg / rig.cart_mass_kg)) as f32,
             impulse_n_s: 0.0,
             speed_m_per_s: 0.0,
+            quick_impulse_n_s: 0.0,
+            quick_speed_m_per_s: 0.0,
             pulses: 0,
             bad: 0,
             gross: 0,
@@ -48,6 +56,8 @@ impl Momentum {
     pub fn restart(&mut self) {
         self.impulse_n_s = 0.0;
         self.speed_m_per_s = 0.0;
+        self.quick_impulse_n_s = 0.0;
+        self.quick_speed_m_per_s = 0.0;
         self.pulses = 0;
         self.bad = 0;
         self.gross = 0;
@@ -59,6 +69,13 @@ impl Momentum {
         (self.pulses >= FEW && ratio > 0.0).then_some(ratio)
     }
 
+    /// Whether the last few contacts have the ratio of the many before them: a gain that has just changed shows here first.
+    pub fn is_steady(&self) -> bool {
+        let quick = self.quick_impulse_n_s * self.speed_m_per_s;
+        let slow = self.impulse_n_s * self.quick_speed_m_per_s;
+        self.pulses < FEW || is_within(quick, slow, STEADY_RANGE)
+    }
+
     /// A contact has ended; the ratio of the sums if it trips.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<f32> {
         // The next contact came before the speed after this one was known.
@@ -67,8 +84,11 @@ impl Momentum {
         }
         let speed = pulse.approach_m_per_s + pulse.rebound_m_per_s;
         const KEPT: f32 = 1.0 - 1.0 / MEMORY;
+        const QUICK_KEPT: f32 = 1.0 - 1.0 / QUICK_MEMORY;
         self.impulse_n_s = KEPT * self.impulse_n_s + pulse.impulse_n_s;
         self.speed_m_per_s = KEPT * self.speed_m_per_s + speed;
+        self.quick_impulse_n_s = QUICK_KEPT * self.quick_impulse_n_s + pulse.impulse_n_s;
+        self.quick_speed_m_per_s = QUICK_KEPT * self.quick_speed_m_per_s + speed;
         self.pulses = self.pulses.saturating_add(1);
         let one = self.reduced_kg * speed;
         let gross = !is_within(pulse.impulse_n_s, one, GROSS_RANGE);

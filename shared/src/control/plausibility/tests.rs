@@ -347,6 +347,30 @@ fn limits_go_by_the_contacts_from_the_fourth_on() {
 }
 
 #[test]
+fn a_gain_that_has_just_changed_is_not_steady_until_the_sums_agree() {
+    let mut plausibility = plausibility();
+    let steady_for = |plausibility: &mut Plausibility, ratio: f32, contacts: usize| {
+        let mut count = 0;
+        for _ in 0..contacts {
+            plausibility.pulse(&contact(ratio));
+            count += usize::from(plausibility.is_steady());
+        }
+        count
+    };
+    // What it is at first is not known; the scatter of a healthy rig is steady.
+    assert_eq!(steady_for(&mut plausibility, 1.0, 20), 20);
+    assert_eq!(steady_for(&mut plausibility, 0.9, 1), 1);
+    assert_eq!(steady_for(&mut plausibility, 1.0, 20), 20);
+    // A fifth less, or more, is seen with the second contact.
+    assert_eq!(steady_for(&mut plausibility, 0.8, 5), 1);
+    // Until the mean of 16 is within a twentieth: 15.5 ln(0.2 / 0.042) = 24 contacts after the change, less the first 5.
+    let steady = steady_for(&mut plausibility, 0.8, 60);
+    assert!((60 - steady).abs_diff(24 - 5) <= 2, "{steady}");
+    assert!(plausibility.is_steady());
+    assert!(steady_for(&mut plausibility, 1.0, 5) <= 1);
+}
+
+#[test]
 fn a_surface_farther_out_than_set_makes_the_travel_doubted() {
     let mut settings = Settings::for_rig(&WIRES);
     settings.rig.gap_m = 0.5e-3;

@@ -4,7 +4,7 @@ use crate::model::params::WIRES;
 fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
     for _ in 0..periods {
         let command = trim.command();
-        trim.strobe(&plant(command), command, 4.0, true);
+        trim.strobe(&plant(command), command, 4.0, true, true);
     }
     trim.command()
 }
@@ -60,7 +60,7 @@ fn a_force_above_the_limit_while_the_amplitude_rises_stops_the_rise() {
         peak_n: 1.05 * settings.limits.force_n,
         ..Strobe::default()
     };
-    trim.strobe(&strobe, 0.445e-3, 4.0, true);
+    trim.strobe(&strobe, 0.445e-3, 4.0, true, true);
     let share = trim.command() / 0.89e-3;
     assert!((share - 0.5 / 1.05).abs() < 1e-3, "{share}");
 }
@@ -134,6 +134,31 @@ fn force_above_the_limit_draws_the_amplitude_back_and_lets_it_return() {
     };
     let command = run(&mut blind, 50, unseen);
     assert!((0.75..0.9).contains(&(command / 0.89e-3)), "{command}");
+}
+
+#[test]
+fn what_a_limit_took_returns_only_while_the_sensors_are_steady() {
+    let settings = Settings::for_rig(&WIRES);
+    let mut trim = Trim::new(&settings);
+    trim.set_wanted_amplitude(0.89e-3);
+    let strobe = |trim: &mut Trim, over: f32, steady: bool| {
+        let command_m = trim.command();
+        let strobe = Strobe {
+            amplitude_m: command_m,
+            contacts: 1,
+            peak_n: over * settings.limits.force_n,
+            ..Strobe::default()
+        };
+        trim.strobe(&strobe, command_m, 4.0, true, steady);
+        trim.command()
+    };
+    let reduced_m = strobe(&mut trim, 1.25, true);
+    for _ in 0..30 {
+        assert_eq!(strobe(&mut trim, 0.6, false), reduced_m);
+    }
+    assert!(strobe(&mut trim, 0.6, true) > reduced_m);
+    // A limit takes more in any case.
+    assert!(strobe(&mut trim, 1.2, false) < reduced_m);
 }
 
 #[test]
@@ -243,7 +268,7 @@ fn a_cart_that_moves_too_far_is_corrected_at_once_and_under_suspicion_only_downw
             contacts: 1,
             ..Strobe::default()
         };
-        trim.strobe(&strobe, 0.89e-3, 4.0, closed);
+        trim.strobe(&strobe, 0.89e-3, 4.0, closed, true);
         trim.command() / 0.89e-3
     };
     for closed in [false, true] {
