@@ -55,8 +55,10 @@ The results in short:
 - **Use `Corrected` in `f32`, with a tick of 10 to 50 µs.** It splits the step at the instant of onset or
   release, so its error is that of Runge–Kutta: fourth order in the tick. Below some 20 µs only the
   rounding of `f32` remains, far below anything that can be measured. This holds for the spring-dashpot
-  contact. The nonlinear laws, whose onset is not smooth, were not surveyed: check them by running
-  `simulate` with both engines.
+  contact and, since a tick is cut into pieces while in contact, for the nonlinear laws: on 27 random rigs with Hertz,
+  Hunt–Crossley and Lankarani–Nikravesh contacts (as hard as the presets' to a hundred times harder) the largest force
+  at 50 µs is within 8e-6 of the reference's, and every regime is the same (`cargo test -p host-sim --test nonlinear`).
+  A contact that is too hard even for that is refused, and the line names a tick that is short enough.
 - At 100 µs (six steps per contact of 0.57 ms) forces are still accurate to about a tenth of a percent. At
   200 µs they are not, the section no longer repeats, and impacts may even die out.
 - **`Banded`**, the chapter's band and nothing else, needs a band of 50 nm or less *and* a tick that

@@ -109,6 +109,13 @@ fn motion(error: MotionError) -> String {
         MotionError::Lost { frequency_hz } => format!(
             "at {frequency_hz:.6} Hz the motion cannot be followed; check contact stiffness, damping and amplitude, and with the switch engine use a shorter tick"
         ),
+        MotionError::TickTooLong {
+            frequency_hz,
+            needed_s,
+        } => format!(
+            "at {frequency_hz:.6} Hz a contact under this nonlinear law is too short for the switch engine's tick; use --tick-us {} or less, or the event engine",
+            short_of_us(needed_s)
+        ),
         MotionError::LostOnSection { frequency_hz } => format!(
             "at {frequency_hz} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m) or cannot be followed; use a smaller amplitude or start"
         ),
@@ -121,6 +128,19 @@ fn motion(error: MotionError) -> String {
         MotionError::LostSmoothed { width_m } => {
             format!("the smoothed motion of width {width_m} m cannot be followed; take a wider one")
         }
+    }
+}
+
+/// A time in microseconds, rounded down to two digits.
+fn short_of_us(time_s: f64) -> f64 {
+    let us = time_s * 1e6;
+    let digit = 10.0_f64.powf(us.log10().floor() - 1.0);
+    // Dividing by a whole number prints without a tail of digits.
+    if digit < 1.0 {
+        let per_us = (1.0 / digit).round();
+        (us * per_us).floor() / per_us
+    } else {
+        (us / digit).floor() * digit
     }
 }
 

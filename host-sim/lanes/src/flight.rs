@@ -219,9 +219,13 @@ pub fn meet<W: Width>(path: &Path<W>, margins: Margins) -> Met<W> {
         before = x;
     }
     let mut uncertain = never;
-    let hopped = short_hop(path, spacing);
-    if hopped.any() {
-        let (top, height) = top_of_hop(path, spacing);
+    let short = short_hop(path, spacing);
+    let (longer, about) = longer_hop(path, &seen, spacing);
+    if (short | longer).any() {
+        let (top, height) = top_of_hop(path, short, about, spacing);
+        // A top beside the first sample and not at an end of the search: it is one.
+        let inside = (one * (0.5 * spacing)).lt(top) & top.lt(one * (2.0 * spacing));
+        let hopped = short | (longer & inside);
         uncertain = hopped & height.abs().lt(one * margins.grazing);
         let rises = hopped & zero.lt(height);
         from = rises.choose(zero, from);
@@ -265,16 +269,48 @@ fn short_hop<W: Width>(path: &Path<W>, spacing: f64) -> Mask<W> {
     outbound & zero.lt(rise) & falls & high & path[1].lt(zero)
 }
 
-/// Where in the first interval the path, its root at the start divided out, is highest, and x there.
+/// Lanes that left the surface and may have come back between the first and the second sample, both of which are below
+/// it, the second farther: with the root at the start divided out, the parabola through the start and the two samples
+/// may reach the surface. Also where its top is.
 #[inline(always)]
-fn top_of_hop<W: Width>(path: &Path<W>, spacing: f64) -> (Num<W>, Num<W>) {
+fn longer_hop<W: Width>(
+    path: &Path<W>,
+    seen: &[Num<W>; SAMPLES + 2],
+    spacing: f64,
+) -> (Mask<W>, Num<W>) {
     let zero = path[0].of(0.0);
-    let end = zero.of(spacing);
+    let (first, second) = (seen[1], seen[2]);
+    let outbound = !path[0].lt(zero) & path[1].lt(zero) & zero.lt(path[2]);
+    let falls = first.lt(zero) & second.lt(first);
+    // The quotients x/s at the start, the first and the second sample, times two intervals.
+    let start = path[1] * (2.0 * spacing);
+    let middle = first + first;
+    let bend = middle + middle - start - second;
+    let lean = second - start;
+    // The parabola's top is lean²/8 bend above the middle; a fifth of it, and some of the bend, for what it misses.
+    let reach = lean.mul_add(lean * 1.2, bend * bend * 0.1);
+    let high = zero.lt(middle.mul_add(bend * 8.0, reach));
+    let may = outbound & falls & high & zero.lt(bend);
+    (may, (lean / (bend + bend) + zero.of(1.0)) * spacing)
+}
+
+/// Where in the first interval (`short`), or in the first two from `about` on, the path, its root at the start divided
+/// out, is highest, and x there.
+#[inline(always)]
+fn top_of_hop<W: Width>(
+    path: &Path<W>,
+    short: Mask<W>,
+    about: Num<W>,
+    spacing: f64,
+) -> (Num<W>, Num<W>) {
+    let zero = path[0].of(0.0);
+    let end = short.choose(zero.of(spacing), zero.of(2.0 * spacing));
     let mut slopes = [zero; ORDER - 1];
     for (k, c) in slopes.iter_mut().enumerate() {
         *c = path[k + 2] * (k + 1) as f64;
     }
-    let mut s = (-(path[2] / (path[3] + path[3]))).max(zero).min(end);
+    let near = -(path[2] / (path[3] + path[3]));
+    let mut s = short.choose(near, about).max(zero).min(end);
     for _ in 0..5 {
         let (slope, bend) = horner(&slopes, s);
         s = (s - slope / bend).max(zero).min(end);

@@ -113,6 +113,13 @@ pub enum MotionError {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
+    /// The switch model's tick is too long for a contact under a nonlinear law.
+    TickTooLong {
+        /// Drive frequency, Hz.
+        frequency_hz: f64,
+        /// A tick that is short enough, s.
+        needed_s: f64,
+    },
     /// The same two, where the section is collected.
     LostOnSection {
         /// Drive frequency, Hz.

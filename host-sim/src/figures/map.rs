@@ -213,7 +213,7 @@ struct Count {
 
 fn counts(map: &Map) -> Vec<Count> {
     let mut found: Vec<(Regime, usize)> = Vec::new();
-    for cell in &map.cells {
+    for cell in map.cells.iter().filter(|c| !c.failed) {
         match found
             .iter_mut()
             .find(|(r, _)| numerics::map::agree::same_label(*r, cell.regime))

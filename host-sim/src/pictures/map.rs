@@ -103,6 +103,7 @@ pub fn differences(a: &Map, b: &Map, other: &str) -> Figure {
         // Aperiodic and chattering motions have no count of impacts in their names.
         let same = a.regime.to_string() == b.regime.to_string();
         let kind = match (a.regime, b.regime) {
+            _ if a.failed || b.failed => 3,
             (Regime::None, Regime::None) => 0,
             (Regime::None, _) | (_, Regime::None) => 4,
             _ if same && (a.force_n - b.force_n).abs() <= 0.01 * largest => 0,
@@ -188,6 +189,7 @@ mod tests {
             settled_after: None,
             searched: 16,
             uncertain: false,
+            failed: false,
         };
         Map {
             rig: NamedRig::new("wires", WIRES),

@@ -66,6 +66,8 @@ pub struct Ledger<R> {
     missed: u16,
     /// ∫F dt since it was last taken, N·s.
     pressed: R,
+    /// The longest tick that would have been short enough everywhere so far, s; 0: this one is.
+    tick_needed: R,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,6 +164,21 @@ impl<R: Real> Ledger<R> {
     #[inline]
     pub fn missed(&self) -> u16 {
         self.missed
+    }
+
+    /// Notes that a part of a tick was too long for its contact: pieces short enough reached only `span_s` of it.
+    #[inline]
+    pub fn note_tick_needed(&mut self, span_s: R) {
+        if self.tick_needed == R::ZERO || span_s < self.tick_needed {
+            self.tick_needed = span_s;
+        }
+    }
+
+    /// The tick that would have been short enough for every contact so far, s, if this one is not: under the
+    /// nonlinear laws a very hard contact needs more pieces than a tick has.
+    #[inline]
+    pub fn tick_needed(&self) -> Option<R> {
+        (self.tick_needed > R::ZERO).then_some(self.tick_needed)
     }
 
     /// Closes the period at a strobe.

@@ -94,6 +94,11 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         self.ledger.missed()
     }
 
+    /// A tick short enough for the contacts so far, s, if this one is not ([`Ledger::tick_needed`]).
+    pub fn tick_needed_s(&self) -> Option<R> {
+        self.ledger.tick_needed()
+    }
+
     /// A regime detector on this rig's and frequency's scales.
     pub fn detector(&self) -> Detector<R> {
         let scale = self.rig.coordinate_scale();

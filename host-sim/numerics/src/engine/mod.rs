@@ -81,6 +81,10 @@ pub trait Machine {
     fn rig(&self) -> &Rig<f64>;
     /// The frequency really driven, Hz (the switch model rounds it to its phase accumulator).
     fn frequency_hz(&self) -> f64;
+    /// The tick that the contacts so far need, s, if the machine's is too long for them.
+    fn tick_needed_s(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// A hammer of `params` driven at `frequency_hz` from `start`.
@@ -170,7 +174,8 @@ pub struct Observation {
 /// Runs `machine` through `plan`.
 ///
 /// # Errors
-/// If the hammer leaves what the model describes: beyond 1 rad or 1 m.
+/// If the hammer leaves what the model describes, beyond 1 rad or 1 m, or if the switch model's tick is too long for a
+/// contact it met.
 pub fn observe(
     machine: &mut dyn Machine,
     plan: Plan,
@@ -206,15 +211,22 @@ pub fn observe(
     })
 }
 
-/// Whether the hammer is still where the model holds: on wires below the horizontal, on beams within a
-/// metre.
+/// Whether the hammer is still where the model holds (on wires below the horizontal, on beams within a metre), and was
+/// followed in steps that are short enough.
 pub(crate) fn within_reach(machine: &dyn Machine) -> Result<(), Error> {
     const FARTHEST: f64 = 1.0;
     let [q, v] = machine.section();
+    let frequency_hz = machine.frequency_hz();
+    if let Some(needed_s) = machine.tick_needed_s() {
+        return Err(MotionError::TickTooLong {
+            frequency_hz,
+            needed_s,
+        }
+        .into());
+    }
     if q.abs() < FARTHEST && v.is_finite() {
         return Ok(());
     }
-    let frequency_hz = machine.frequency_hz();
     Err(if q.is_finite() {
         MotionError::LeftModel { frequency_hz }.into()
     } else {

@@ -222,4 +222,7 @@ impl<R: Real, S: Stepper<R>> Machine for Switch<R, S> {
     fn frequency_hz(&self) -> f64 {
         self.twin.drive().frequency_hz()
     }
+    fn tick_needed_s(&self) -> Option<f64> {
+        self.twin.tick_needed_s().map(Real::to_f64)
+    }
 }

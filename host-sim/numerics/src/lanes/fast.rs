@@ -41,24 +41,31 @@ pub fn run_with(
     cells: &[Cell],
     plan: &CellPlan,
 ) -> Result<(Vec<Outcome>, Report), Error> {
+    let mut report = Report::default();
+    let outcomes = each(options, cells, plan, &mut report).collect::<Result<_, _>>()?;
+    Ok((outcomes, report))
+}
+
+/// The same, one after the other: a cell that fails takes no other with it.
+pub(super) fn each<'a>(
+    options: Options,
+    cells: &'a [Cell],
+    plan: &'a CellPlan,
+    report: &'a mut Report,
+) -> impl Iterator<Item = Result<Outcome, Error>> + 'a {
     let tried = try_run(options, cells, plan);
-    let mut report = Report {
-        again: tried.again,
-        work: tried.work,
-        ..Report::default()
-    };
-    let mut outcomes = Vec::with_capacity(cells.len());
-    for ((cell, done), fit) in cells.iter().zip(tried.outcomes).zip(tried.fit) {
+    report.again = tried.again;
+    report.work = tried.work;
+    let tried = tried.outcomes.into_iter().zip(tried.fit);
+    cells.iter().zip(tried).map(move |(cell, (done, fit))| {
         if let Some(outcome) = done {
             report.lanes += 1;
-            outcomes.push(outcome);
-            continue;
+            return Ok(outcome);
         }
         report.flagged += u64::from(fit);
         report.unfit += u64::from(!fit);
         let mut outcome = run_one(Engine::Event, cell, plan)?;
         outcome.uncertain = fit;
-        outcomes.push(outcome);
-    }
-    Ok((outcomes, report))
+        Ok(outcome)
+    })
 }

@@ -51,6 +51,39 @@ pub fn run_reported(cells: &[Cell], plan: &CellPlan) -> Result<(Vec<Outcome>, Re
     Ok((outcomes, report))
 }
 
+/// Runs every cell, on every thread there is: a cell whose hammer cannot be followed is an error of its own and takes
+/// no other with it.
+pub fn run_each(cells: &[Cell], plan: &CellPlan) -> Vec<Result<Outcome, Error>> {
+    let chunks = cells.par_chunks(CHUNK);
+    let run = |chunk: &[Cell]| {
+        let options = Options::default();
+        fast::each(options, chunk, plan, &mut Report::default()).collect::<Vec<_>>()
+    };
+    chunks.flat_map_iter(run).collect()
+}
+
+/// The same by `engine`, one cell after the other in every thread.
+pub fn each_by_engine(
+    engine: Engine,
+    cells: &[Cell],
+    plan: &CellPlan,
+) -> Vec<Result<Outcome, Error>> {
+    let cells = cells.par_iter();
+    cells.map(|cell| run_one(engine, cell, plan)).collect()
+}
+
+/// An outcome, or none where the hammer could not be followed.
+///
+/// # Errors
+/// Any other error.
+pub fn or_failed(outcome: Result<Outcome, Error>) -> Result<Option<Outcome>, Error> {
+    match outcome {
+        Ok(outcome) => Ok(Some(outcome)),
+        Err(Error::Motion(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
 /// Runs every cell in this thread: for work that is shared out by the caller. The same outcomes as [`run`].
 ///
 /// # Errors

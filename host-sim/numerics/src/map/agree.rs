@@ -11,7 +11,7 @@ use super::request::MapRequest;
 use super::{Map, MapCell};
 use crate::engine::Engine;
 use crate::error::{Error, MapError};
-use crate::lanes::{CellPlan, by_engine};
+use crate::lanes::{CellPlan, each_by_engine, or_failed, run_one};
 use crate::progress::{Progress, step};
 use crate::sweep::Direction;
 
@@ -41,7 +41,8 @@ impl Agreement {
         let mut found = Self::default();
         for (a, b) in pairs {
             found.cells += 1;
-            found.same_label += usize::from(same_label(a.regime, b.regime));
+            let same = a.failed == b.failed && same_label(a.regime, b.regime);
+            found.same_label += usize::from(same);
             found.uncertain += usize::from(a.uncertain);
             let (Some(n), Some(m)) = (a.regime.periods(), b.regime.periods()) else {
                 continue;
@@ -93,12 +94,14 @@ pub fn audit(
             early: false,
             ..request.plan
         };
-        let first = by_engine(Engine::Event, &cells, &plan(request.plan.cycles))?;
-        for (cell, mut seen) in cells.iter().zip(first) {
-            if let (None, Some(longer)) = (seen.settled_after, request.settle) {
-                seen = crate::lanes::run_one(Engine::Event, cell, &plan(longer))?;
+        let first = each_by_engine(Engine::Event, &cells, &plan(request.plan.cycles));
+        for (cell, seen) in cells.iter().zip(first) {
+            let mut seen = or_failed(seen)?;
+            let settled = seen.as_ref().is_none_or(|o| o.settled_after.is_some());
+            if let (false, Some(longer)) = (settled, request.settle) {
+                seen = or_failed(run_one(Engine::Event, cell, &plan(longer)))?;
             }
-            again.push(MapCell::from(&seen));
+            again.push(seen.as_ref().map_or(MapCell::FAILED, MapCell::from));
         }
         step(progress, portion.len() as u64)?;
     }
@@ -206,6 +209,7 @@ mod tests {
             settled_after: None,
             searched: 16,
             uncertain,
+            failed: false,
         }
     }
 

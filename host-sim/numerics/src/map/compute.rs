@@ -39,7 +39,7 @@ pub(super) fn cell_from_rest(request: &MapRequest, index: usize) -> Result<Cell,
 fn from_rest(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
     let cells = request.tile(index).map(|i| cell_from_rest(request, i));
     let outcomes = settled(request, &cells.collect::<Result<Vec<_>, _>>()?)?;
-    Ok(outcomes.iter().map(MapCell::from).collect())
+    Ok(outcomes.iter().map(map_cell).collect())
 }
 
 /// The gaps of the tile go side by side through the frequencies, each from where it was left at the last one.
@@ -52,30 +52,37 @@ fn carried(request: &MapRequest, index: usize) -> Result<Vec<MapCell>, Error> {
         order.reverse();
     }
     let mut found: Vec<Option<MapCell>> = vec![None; range.len()];
-    let mut last: Option<Vec<Outcome>> = None;
+    let mut last: Option<Vec<Option<Outcome>>> = None;
     for column in order {
         let cells = firsts
             .iter()
             .map(|first| cell_from_rest(request, first + column));
         let mut cells = cells.collect::<Result<Vec<_>, _>>()?;
+        // Behind a cell that failed the next starts from rest.
         for (cell, left) in cells.iter_mut().zip(last.iter().flatten()) {
-            cell.start = left.section;
+            if let Some(left) = left {
+                cell.start = left.section;
+            }
         }
         let outcomes = settled(request, &cells)?;
         for (row, outcome) in outcomes.iter().enumerate() {
-            found[row * columns + column] = Some(MapCell::from(outcome));
+            found[row * columns + column] = Some(map_cell(outcome));
         }
         last = Some(outcomes);
     }
     Ok(found.into_iter().flatten().collect())
 }
 
+fn map_cell(outcome: &Option<Outcome>) -> MapCell {
+    outcome.as_ref().map_or(MapCell::FAILED, MapCell::from)
+}
+
 /// Runs `cells`; those that have not settled run again, to the cycles of `settle`.
-fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
+fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Option<Outcome>>, Error> {
     let mut outcomes = run(request.runner, cells, &request.plan)?;
     if let Some(cycles) = request.settle {
         let restless: Vec<usize> = (0..cells.len())
-            .filter(|i| outcomes[*i].settled_after.is_none())
+            .filter(|i| (outcomes[*i].as_ref()).is_some_and(|o| o.settled_after.is_none()))
             .collect();
         let again: Vec<Cell> = restless.iter().map(|i| cells[*i]).collect();
         let longer = CellPlan {
@@ -90,10 +97,12 @@ fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Outcome>, Error> 
     Ok(outcomes)
 }
 
-fn run(runner: Runner, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Outcome>, Error> {
-    match runner {
-        Runner::Lanes => lanes::run(cells, plan),
-        Runner::Reference => lanes::by_engine(Engine::Event, cells, plan),
-        Runner::Switch(setting) => lanes::by_engine(Engine::Switch(setting), cells, plan),
-    }
+/// None where the hammer could not be followed.
+fn run(runner: Runner, cells: &[Cell], plan: &CellPlan) -> Result<Vec<Option<Outcome>>, Error> {
+    let outcomes = match runner {
+        Runner::Lanes => lanes::run_each(cells, plan),
+        Runner::Reference => lanes::each_by_engine(Engine::Event, cells, plan),
+        Runner::Switch(setting) => lanes::each_by_engine(Engine::Switch(setting), cells, plan),
+    };
+    outcomes.into_iter().map(lanes::or_failed).collect()
 }

@@ -10,7 +10,9 @@ pub mod request;
 mod run;
 pub mod summary;
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::{Deserialize, Serialize, Serializer};
 use shared::model::regime::Regime;
 
 pub use self::agree::{Agreement, Similarity, audit, similarity};
@@ -19,7 +21,7 @@ pub use self::run::{Tiles, merge, run, run_tiles};
 pub use self::summary::Summary;
 use crate::lanes::Outcome;
 use crate::row::NamedRig;
-use crate::row::{regime_as_text, tidy};
+use crate::row::tidy;
 
 /// Stands for the sources that decide what a cell shows. Cells computed by builds with different fingerprints may differ.
 pub const KERNEL_FINGERPRINT: &str = env!("KERNEL_FINGERPRINT");
@@ -70,6 +72,44 @@ pub struct MapCell {
     pub searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
     pub uncertain: bool,
+    /// Whether the hammer could not be followed, so that the other fields say nothing.
+    pub failed: bool,
+}
+
+impl MapCell {
+    /// A cell whose hammer left what the model describes.
+    pub const FAILED: Self = Self {
+        regime: Regime::None,
+        force_n: 0.0,
+        settled_after: None,
+        searched: 0,
+        uncertain: false,
+        failed: true,
+    };
+
+    /// Its regime as a word: "p/n", "none", "aperiodic" or "chatter"; "failed" if the hammer could not be followed.
+    pub fn label(&self) -> Label {
+        Label((!self.failed).then_some(self.regime))
+    }
+}
+
+/// [`MapCell::label`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label(Option<Regime>);
+
+impl fmt::Display for Label {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(regime) => regime.fmt(f),
+            None => f.pad("failed"),
+        }
+    }
+}
+
+impl Serialize for Label {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 impl From<&Outcome> for MapCell {
@@ -80,6 +120,7 @@ impl From<&Outcome> for MapCell {
             settled_after: seen.settled_after,
             searched: seen.searched,
             uncertain: seen.uncertain,
+            failed: false,
         }
     }
 }
@@ -135,13 +176,14 @@ impl Map {
                 frequency_ratio: tidy(frequency_hz / natural),
                 impacts: cell.regime.impacts(),
                 periods: cell.regime.periods(),
-                regime: cell.regime,
+                regime: cell.label(),
                 force_ratio: cell.force_n / weight_n,
                 force_n: cell.force_n,
                 settled: cell.settled_after.is_some(),
                 settling_cycles: cell.settled_after,
                 largest_period_searched: cell.searched,
                 uncertain: cell.uncertain,
+                failed: cell.failed,
             }
         })
     }
@@ -160,9 +202,8 @@ pub struct CellRow {
     pub impacts: u16,
     /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
-    /// "p/n", "none", "aperiodic" or "chatter".
-    #[serde(serialize_with = "regime_as_text")]
-    pub regime: Regime,
+    /// "p/n", "none", "aperiodic", "chatter" or "failed".
+    pub regime: Label,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
     /// The same, N.
@@ -175,4 +216,6 @@ pub struct CellRow {
     pub largest_period_searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
     pub uncertain: bool,
+    /// Whether the hammer left what the model describes, so that the other columns say nothing.
+    pub failed: bool,
 }

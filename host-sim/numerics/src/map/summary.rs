@@ -21,6 +21,8 @@ pub struct Summary {
     pub uncertain: usize,
     /// Where z = 1/1 has the largest force, if there is one.
     pub strongest: Option<Strongest>,
+    /// Cells whose hammer could not be followed; they are none of the regimes.
+    pub failed: usize,
 }
 
 /// How many cells show a regime.
@@ -54,7 +56,7 @@ impl Summary {
         let mut regimes: Vec<Share> = Vec::new();
         // Neighbours are mostly alike: the kinds are few, and the last one found is tried first.
         let mut last = 0;
-        for cell in &map.cells {
+        for cell in map.cells.iter().filter(|c| !c.failed) {
             let kind = kind(cell.regime);
             if regimes.get(last).is_none_or(|s| s.regime != kind) {
                 let found = regimes.iter().position(|s| s.regime == kind);
@@ -79,6 +81,7 @@ impl Summary {
             open: count(|c| c.settled_after.is_none() && c.regime != Regime::None),
             uncertain: count(|c| c.uncertain),
             strongest: strongest(map),
+            failed: count(|c| c.failed),
         }
     }
 }

@@ -58,6 +58,7 @@ struct Layers {
     settling_cycles: Vec<Option<u32>>,
     largest_period_searched: Vec<u8>,
     uncertain: Vec<bool>,
+    failed: Vec<bool>,
 }
 
 impl Answer<'_> {
@@ -93,13 +94,14 @@ fn map<'a>(request: &'a MapRequest, map: &'a Map, summary: &'a Summary) -> MapJs
         frequencies_hz: &map.grid.frequencies_hz,
         frequency_ratios: map.frequency_ratios(),
         layers: Layers {
-            regime: layer(map, |c| c.regime.to_string()),
+            regime: layer(map, |c| c.label().to_string()),
             impacts: layer(map, |c| c.regime.impacts()),
             periods: layer(map, |c| c.regime.periods()),
             force_ratio: (0..map.cells.len()).map(|i| map.force_ratio(i)).collect(),
             settling_cycles: layer(map, |c| c.settled_after),
             largest_period_searched: layer(map, |c| c.searched),
             uncertain: layer(map, |c| c.uncertain),
+            failed: layer(map, |c| c.failed),
         },
     }
 }

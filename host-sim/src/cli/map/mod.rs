@@ -188,6 +188,14 @@ fn make(
     };
     let answer = answer(args, requests, &maps, points, &progress)?;
     progress.finish();
+    for (map, summary) in maps.iter().zip(&answer.summaries) {
+        if summary.failed > 0 {
+            output.note(&format!(
+                "note: {}: in {} of {} cells the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed",
+                map.rig.name, summary.failed, summary.cells
+            ));
+        }
+    }
     if let Some(dir) = &output.out {
         write(output, dir, &answer, points)?;
     }

@@ -95,6 +95,13 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
         percent(summary.open, summary.cells),
         percent(summary.uncertain, summary.cells),
     );
+    if summary.failed > 0 {
+        let _ = writeln!(
+            text,
+            "failed     {} cells: the hammer leaves what the model describes; they are none of the regimes",
+            summary.failed
+        );
+    }
     text
 }
 

@@ -1,6 +1,7 @@
 //! The switch model with the step split where the switch falls.
 
-use super::{Span, State, Stepper, piece, runge_kutta};
+use super::{Span, State, Stepper, fine, piece, runge_kutta};
+use crate::model::contact::Law;
 use crate::model::contacts::Ledger;
 use crate::model::rig::{Mode, Rig};
 use crate::model::scalar::Real;
@@ -18,7 +19,7 @@ pub const MAX_PROBES: usize = 3;
 /// product of this and an earlier one, far below what f32 resolves.
 const SETTLED: f64 = 1e-4;
 
-const LOCATION: Location = Location {
+pub(super) const LOCATION: Location = Location {
     iterations: MAX_ITERATIONS,
     settled: SETTLED,
 };
@@ -31,6 +32,9 @@ const LOCATION: Location = Location {
 /// for each switch a trial, a look at an extremum, three probes and four iterations, and a last step:
 /// 9 · 2 + 1 = 19 Runge–Kutta steps, twice that in a tick that a strobe parts, whatever the hammer does. A
 /// touch and return inside one step is found by testing the extremum of δ.
+///
+/// Under the nonlinear laws a tick is cut into pieces while in contact ([`super::fine`]): at most
+/// [`super::MAX_PIECES`] of them, with as many steps for a switch as above.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corrected;
 
@@ -201,6 +205,9 @@ impl Corrected {
 impl<R: Real> Stepper<R> for Corrected {
     #[inline]
     fn advance(&self, rig: &Rig<R>, span: &Span<R>, state: &mut State<R>, ledger: &mut Ledger<R>) {
+        if !matches!(rig.law(), Law::SpringDashpot { .. }) {
+            return fine::advance(rig, span, state, ledger);
+        }
         let mut from = span.from;
         for switches in 0..=MAX_SWITCHES {
             let rest = Span { from, ..*span };

@@ -11,11 +11,13 @@
 
 mod banded;
 mod corrected;
+mod fine;
 mod smoothed;
 
 pub use banded::Banded;
 pub(crate) use corrected::Location;
 pub use corrected::{Corrected, MAX_ITERATIONS, MAX_SWITCHES};
+pub use fine::MAX_PIECES;
 pub use smoothed::Smoothed;
 
 use crate::model::contacts::{Ledger, Piece};

@@ -348,3 +348,80 @@ fn the_force_of_the_band_s_model_is_that_of_its_subspace() {
     assert_eq!(force(0.0, 0.08), 96.0);
     assert_eq!(force(-2e-6, 0.08), 0.0);
 }
+
+/// Laws that strike as softly as the presets', and up to a hundred times harder.
+fn nonlinear_laws() -> impl Iterator<Item = Law<f64>> {
+    [1e8, 1e9, 1e10].into_iter().flat_map(|stiffness| {
+        let exponent = 1.5;
+        [
+            Law::Hertz {
+                stiffness,
+                exponent,
+            },
+            Law::HuntCrossley {
+                stiffness,
+                exponent,
+                damping_ratio: 4.0,
+            },
+            Law::HuntCrossley {
+                stiffness,
+                exponent: 1.7,
+                damping_ratio: 36.0,
+            },
+            Law::LankaraniNikravesh {
+                stiffness,
+                exponent,
+                restitution: 0.5,
+            },
+        ]
+    })
+}
+
+#[test]
+fn a_nonlinear_contact_at_50_us_is_that_of_a_fine_tick() {
+    for law in nonlinear_laws() {
+        let (_, wanted) = contact_of(law, Corrected, 0.5e-6, 1.5);
+        for ticks in [1.01, 1.3, 1.5, 1.7, 1.99] {
+            let (_, found) = contact_of(law, Corrected, 50e-6, ticks);
+            for (what, found, wanted) in [
+                ("peak", found.peak_force, wanted.peak_force),
+                ("rebound", found.rebound_speed, wanted.rebound_speed),
+                ("impulse", found.impulse, wanted.impulse),
+                ("duration", found.duration_s, wanted.duration_s),
+            ] {
+                let off = found / wanted - 1.0;
+                assert!(off.abs() < 2e-4, "{law:?} {ticks} {what}: {off:.1e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_contact_too_hard_for_the_tick_is_noted_with_a_tick_that_suits_it() {
+    let law = |stiffness| Law::Hertz {
+        stiffness,
+        exponent: 1.5,
+    };
+    let needed = |stiffness: f64, tick_s: f64| {
+        let rig = Rig::<f64>::new(&RigParams {
+            contact: law(stiffness),
+            ..free()
+        })
+        .unwrap();
+        let drive = Drive::<f64>::new(100.0, tick_s).unwrap();
+        let mut twin = crate::model::twin::Twin::new(
+            rig,
+            drive,
+            Corrected,
+            State::new(&rig, -0.08 * 60e-6, 0.08),
+        );
+        for _ in 0..(2e-3 / tick_s) as usize {
+            twin.tick();
+        }
+        twin.tick_needed_s()
+    };
+    assert_eq!(needed(1e10, 50e-6), None);
+    let short = needed(1e14, 50e-6).expect("more pieces than a tick has");
+    assert!(short < 50e-6);
+    assert_eq!(needed(1e14, 0.9 * short), None);
+}
