@@ -42,6 +42,11 @@ pub enum Error {
     },
     /// The width of the smoothing, m, is not a positive number.
     SmoothingWidth(f64),
+    /// The ground does not give way anywhere in the range of frequencies.
+    NoProgress {
+        /// Pf, N.
+        threshold_n: f64,
+    },
     /// This moves the cart as prescribed only; the rig's recoils.
     Recoil(&'static str),
     /// The smoothing method has no onset, which the Lankarani–Nikravesh law needs.

@@ -12,6 +12,7 @@
 //! | operating point | [`pick`]: which frequency, how hard, and will it stay there |
 //! | over a range | [`sweep`]: the force curve; [`map`]: regimes over gap and frequency; [`bifurcation`]; [`basins`] |
 //! | one motion | [`poincare`], [`lyapunov`], [`modes`]: beams with several bending modes |
+//! | ground that gives way | [`drill`]: rate of penetration over frequency and gap |
 //! | the contact | [`contact_law`], [`drop_test`], [`identify`], [`compare`] with a [`signal`] |
 //! | how good it is | [`accuracy`]: the switch model against the reference |
 
@@ -22,6 +23,7 @@ pub mod branch;
 pub mod compare;
 pub mod contact_law;
 pub mod continuation;
+pub mod drill;
 pub mod drop_test;
 pub mod dual;
 pub mod engine;

@@ -9,6 +9,7 @@ pub mod params;
 pub mod regime;
 pub mod rig;
 pub mod scalar;
+pub mod slider;
 pub mod step;
 pub mod switch;
 pub mod tangent;

@@ -333,7 +333,7 @@ fn check_law(law: &Law<f64>) -> Result<(), ParamError> {
 
 /// Range of a parameter: lowest, highest, and the range in words. It is far wider than any rig; beyond it the
 /// arithmetic overflows.
-struct Allowed(f64, f64, &'static str);
+pub(super) struct Allowed(pub(super) f64, pub(super) f64, pub(super) &'static str);
 
 const MASS_KG: Allowed = Allowed(1e-6, 1e6, "a positive number from 1e-6 to 1e6");
 const AMPLITUDE_MM: Allowed = Allowed(1e-6, 100.0, "a positive number from 1e-6 to 100");
@@ -350,7 +350,7 @@ const CONTACT_EXPONENT: Allowed = Allowed(1.0, 4.0, "a number from 1 to 4");
 const CONTACT_DAMPING_RATIO: Allowed = Allowed(0.0, 1e6, "a number from 0 to 1e6");
 const RESTITUTION: Allowed = Allowed(0.0, 1.0, "a number from 0 to 1");
 
-fn within(key: &'static str, value: f64, allowed: &Allowed) -> Result<(), ParamError> {
+pub(super) fn within(key: &'static str, value: f64, allowed: &Allowed) -> Result<(), ParamError> {
     let Allowed(from, to, must_be) = *allowed;
     ensure((from..=to).contains(&value), key, value, must_be)
 }

@@ -13,6 +13,9 @@ pub trait Scalar: Real {
     /// sin x for any angle, rad.
     fn sin(self) -> Self;
 
+    /// eˣ.
+    fn exp(self) -> Self;
+
     /// A time found as the root of `g`, given dg/dt there: for a dual number, the root's derivatives.
     #[must_use]
     fn as_root_of(self, g: Self, slope: f64) -> Self;
@@ -22,6 +25,10 @@ impl Scalar for f64 {
     #[inline]
     fn sin(self) -> Self {
         self.sin()
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        self.exp()
     }
     #[inline]
     fn as_root_of(self, _: Self, _: f64) -> Self {
@@ -34,6 +41,11 @@ impl<const N: usize> Scalar for Dual<N> {
     fn sin(self) -> Self {
         let (sin, cos) = self.re.sin_cos();
         self.chain(sin, cos)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        let exp = self.re.exp();
+        self.chain(exp, exp)
     }
     fn as_root_of(self, g: Self, slope: f64) -> Self {
         // g(t, x) = 0 along the family: dt/dx = −(∂g/∂x)/(dg/dt).

@@ -1,0 +1,183 @@
+//! Where in a step a phase of the contact ends.
+
+use shared::model::slider::Touch;
+
+use super::body::Place;
+use super::flow::{Field, Point};
+use crate::golden::maximum;
+use crate::reference::Scalar;
+use crate::reference::switching::Arc;
+
+/// Interior points per step at which the ends are looked for.
+const SAMPLES: usize = 8;
+
+/// Newton's iteration stops when it moves by less than this share of the step.
+const SHARE_TOLERANCE: f64 = 1e-13;
+
+/// How a phase ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// The hammer meets the ground's top.
+    Meets,
+    /// The contact force falls to 0.
+    Leaves,
+    /// The contact force reaches the threshold.
+    GivesWay,
+    /// The front comes to rest.
+    Holds,
+}
+
+/// How the phase can end.
+fn exits(touch: Touch) -> &'static [Exit] {
+    match touch {
+        Touch::Apart => &[Exit::Meets],
+        Touch::Held => &[Exit::Leaves, Exit::GivesWay],
+        Touch::Slipping => &[Exit::Holds],
+    }
+}
+
+impl<R: Scalar> Field<'_, R> {
+    /// Positive beyond the end of the phase.
+    fn beyond(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> R {
+        let (slider, speed) = (self.slider, self.speed(at));
+        match exit {
+            Exit::Meets => at.depth - p.lead - p.e,
+            Exit::Leaves => -slider.held_force(p.e, speed),
+            Exit::GivesWay => slider.held_force(p.e, speed) - slider.threshold,
+            Exit::Holds => -slider.advance_rate(self.touch, p.e, speed),
+        }
+    }
+
+    /// Its rate.
+    fn beyond_rate(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> f64 {
+        let (slider, speed) = (self.slider, self.speed(at));
+        let (_, acceleration) = self.acceleration(p, at);
+        let deeper = self.body.depth_acceleration(at, p.v, acceleration);
+        let compression = slider.compression_rate(self.touch, p.e, speed);
+        let rate = match exit {
+            Exit::Meets => speed - compression,
+            Exit::Leaves => -slider.held_force(speed, deeper),
+            Exit::GivesWay => slider.held_force(speed, deeper),
+            Exit::Holds => -(slider.relaxation() * compression) - deeper,
+        };
+        rate.to_f64()
+    }
+
+    /// Rate of the contact force while the ground holds, N/s.
+    pub fn held_force_rate(&self, p: &Point<R>) -> f64 {
+        self.beyond_rate(Exit::GivesWay, p, &self.body.place(p.q, p.v))
+    }
+
+    /// The first end of the phase within the step from `from` to `end`: how, and how long after `from`.
+    pub fn first_exit(&self, from: &Point<R>, end: &Point<R>) -> Option<(Exit, R)> {
+        let h = (end.t - from.t).to_f64();
+        if self.out_of_reach(from, end, h) {
+            return None;
+        }
+        let triple = |p: &Point<R>| {
+            let (_, a) = self.acceleration(p, &self.body.place(p.q, p.v));
+            (p.q.to_f64(), p.v.to_f64(), a.to_f64())
+        };
+        let arc = Arc::new(h, triple(from), triple(end));
+        let found = exits(self.touch)
+            .iter()
+            .filter_map(|exit| Some((*exit, self.root(*exit, from, end, &arc)?)));
+        found.min_by(|a, b| a.1.to_f64().total_cmp(&b.1.to_f64()))
+    }
+
+    /// Whether the ground is too far away to be met in this step.
+    fn out_of_reach(&self, from: &Point<R>, end: &Point<R>, h: f64) -> bool {
+        if self.touch != Touch::Apart {
+            return false;
+        }
+        let clearance = |p: &Point<R>| {
+            let at = self.body.place(p.q, p.v);
+            let beyond = self.beyond(Exit::Meets, p, &at).to_f64();
+            (beyond, self.speed(&at).to_f64().abs(), p.e.to_f64())
+        };
+        let (a, b) = (clearance(from), clearance(end));
+        a.0.max(b.0) + h * (a.1 + b.1) + a.2 < 0.0
+    }
+
+    /// When within the step the phase ends so.
+    fn root(&self, exit: Exit, from: &Point<R>, end: &Point<R>, arc: &Arc) -> Option<R> {
+        let h = arc.length;
+        let guess = |s: f64| {
+            let (q, v) = arc.at(s);
+            let tau = R::from_f64(s * h);
+            let (p, at) = self.after(from, tau, R::from_f64(q), R::from_f64(v));
+            self.beyond(exit, &p, &at).to_f64()
+        };
+        let exact = |s: f64| {
+            let p = self.step(from, R::from_f64(s * h)).end;
+            let at = self.body.place(p.q, p.v);
+            let value = self.beyond(exit, &p, &at).to_f64();
+            (value, self.beyond_rate(exit, &p, &at) * h)
+        };
+        let end_value = {
+            let at = self.body.place(end.q, end.v);
+            self.beyond(exit, end, &at).to_f64()
+        };
+        let bracket = bracket(&guess, end_value, |s| exact(s).0)?;
+        let s = newton(&exact, bracket);
+        let time = R::from_f64(s * h);
+        let p = self.step(from, time).end;
+        let at = self.body.place(p.q, p.v);
+        let value = self.beyond(exit, &p, &at);
+        // Same value; in dual numbers, with the derivatives of the instant.
+        Some(time.as_root_of(value, self.beyond_rate(exit, &p, &at)))
+    }
+}
+
+/// Shares of the step between which `guess` rises through 0 for the first time. What only the guess says of an extremum
+/// near 0 is decided by `exact`.
+fn bracket(
+    guess: &impl Fn(f64) -> f64,
+    end: f64,
+    exact: impl Fn(f64) -> f64,
+) -> Option<(f64, f64)> {
+    let at = |j: usize| j as f64 / SAMPLES as f64;
+    let mut values = [0.0; SAMPLES + 1];
+    for (j, value) in values.iter_mut().enumerate() {
+        *value = if j == SAMPLES { end } else { guess(at(j)) };
+    }
+    let spread = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    for j in 1..=SAMPLES {
+        if values[j] > 0.0 {
+            return Some((at(j - 1), at(j)));
+        }
+        // A top between the samples: it comes and turns away within the step.
+        let top = j < SAMPLES && values[j] >= values[j - 1] && values[j] >= values[j + 1];
+        if top && values[j] > -0.1 * spread {
+            let s = maximum(guess, (at(j - 1), at(j + 1)), 1e-9, at(j));
+            if guess(s) > -1e-9 * spread && exact(s) > 0.0 {
+                return Some((at(j - 1), s));
+            }
+        }
+    }
+    None
+}
+
+/// The root in a bracket: Newton's iteration on the integrator itself, held in the bracket by bisection.
+fn newton(exact: &impl Fn(f64) -> (f64, f64), (mut low, mut high): (f64, f64)) -> f64 {
+    let mut s = 0.5 * (low + high);
+    for _ in 0..60 {
+        let (value, rate) = exact(s);
+        if value > 0.0 {
+            high = s;
+        } else {
+            low = s;
+        }
+        let by_newton = s - value / rate;
+        let next = if by_newton > low && by_newton < high {
+            by_newton
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - s).abs() < SHARE_TOLERANCE || high - low < SHARE_TOLERANCE {
+            return next;
+        }
+        s = next;
+    }
+    s
+}

@@ -1,0 +1,26 @@
+//! The hammer on ground that gives way: how fast it drills.
+//!
+//! The ground is [`shared::model::slider`]: spring and dashpot on a massless slider that dry friction holds up to a
+//! threshold Pf. The cart moves as prescribed. [`march`] integrates hammer and ground from drive phase 0 to drive phase 0
+//! with every switch located; its phases are flight (the top relaxes), contact with the ground held, and contact with the
+//! ground giving way.
+//!
+//! What repeats (coordinate, rate and compression, measured from the front of the ground) is kept apart from the
+//! progress, which grows. So the section repeats, regimes are found as with a surface that stays, and the return map has
+//! multipliers ([`orbit`]).
+
+pub mod body;
+mod exits;
+pub mod flow;
+pub mod march;
+pub mod orbit;
+pub mod published;
+mod run;
+pub mod search;
+
+pub use march::{Blow, Drill, Feed};
+pub use run::{DrillPlan, DrillRow, DrillSetting, Seen, grid, run};
+pub use search::{DrillAnswer, GroundUncertainty, advise};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,248 @@
+//! One run, and runs over gap and frequency.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::model::params::RigParams;
+use shared::model::regime::{Detector, Regime};
+use shared::model::slider::Slider;
+
+use super::march::{Blow, Drill, Feed};
+use crate::engine::check_frequency;
+use crate::error::{Error, MotionError};
+use crate::progress::{Progress, step};
+use crate::row::{NamedRig, regime_as_text, tidy};
+
+/// A section repeats well enough to stop settling when it moves by less than this share of A0 and A0 Ω.
+const SETTLED: f64 = 1e-9;
+
+/// A hammer this far beyond the front, in units of the amplitude, is lost.
+const LOST: f64 = 1e4;
+
+/// Ground and feed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrillSetting {
+    /// The ground.
+    pub ground: Slider<f64>,
+    /// How the rig follows it.
+    pub feed: Feed,
+}
+
+/// How long a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrillPlan {
+    /// Drive periods in which it may settle; fewer where the section repeats before.
+    pub settle: u32,
+    /// Drive periods recorded.
+    pub recorded: u32,
+}
+
+impl Default for DrillPlan {
+    fn default() -> Self {
+        Self {
+            settle: 300,
+            recorded: 48,
+        }
+    }
+}
+
+/// What a run showed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// Regime over the recorded periods.
+    pub regime: Regime,
+    /// Rate of penetration, m/s.
+    pub rate_m_per_s: f64,
+    /// Progress per drive period, m.
+    pub per_cycle_m: f64,
+    /// Contacts that ended in the recorded periods.
+    pub blows: Vec<Blow>,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// Mean distance of the front beyond its nominal place on the section, m.
+    pub lead_m: f64,
+    /// Energy that went into progress, J per drive period.
+    pub progress_j: f64,
+    /// Energy that the contacts took from the hammer, J per drive period.
+    pub contact_j: f64,
+    /// The section at the end.
+    pub section: [f64; 3],
+}
+
+/// Runs the hammer of `params` from rest at `frequency_hz`.
+///
+/// # Errors
+/// If a parameter or the frequency is out of range, the cart recoils, or the motion cannot be followed.
+pub fn run(
+    params: &RigParams,
+    setting: &DrillSetting,
+    frequency_hz: f64,
+    plan: DrillPlan,
+) -> Result<Seen, Error> {
+    check_frequency(frequency_hz, params)?;
+    if params.cart.recoils() {
+        return Err(Error::Recoil("drill"));
+    }
+    let mut drill = Drill::<f64>::hammer(params, &setting.ground, setting.feed, frequency_hz)?;
+    settle(&mut drill, plan.settle);
+    let (q_unit, v_unit) = drill.units();
+    let mut detector = Detector::new(q_unit, v_unit);
+    let [q, v, _] = drill.section();
+    detector.push(q, v, &Default::default());
+    let (before, drift) = (drill.energies(), drill.drift_m());
+    let (mut blows, mut force_n, mut lead) = (Vec::new(), 0.0_f64, 0.0);
+    for _ in 0..plan.recorded {
+        let (period, _) = drill.run_period(&mut blows);
+        let [q, v, _] = drill.section();
+        if q.is_nan() || (q / q_unit).abs() > LOST {
+            return Err(MotionError::Lost { frequency_hz }.into());
+        }
+        detector.push(q, v, &period);
+        force_n = force_n.max(period.peak_force);
+        lead += drill.lead_m();
+    }
+    let periods = f64::from(plan.recorded);
+    let per_cycle_m = (drill.drift_m() - drift) / periods;
+    let after = drill.energies();
+    Ok(Seen {
+        regime: detector.regime(),
+        rate_m_per_s: per_cycle_m * frequency_hz,
+        per_cycle_m,
+        blows,
+        force_n,
+        lead_m: lead / periods,
+        progress_j: (after.progress - before.progress) / periods,
+        contact_j: (after.contact - before.contact) / periods,
+        section: drill.section(),
+    })
+}
+
+/// Runs until the section repeats, at most `periods` drive periods.
+fn settle(drill: &mut Drill<f64>, periods: u32) {
+    let (q_unit, v_unit) = drill.units();
+    let mut blows = Vec::new();
+    let mut last = [drill.section(); 2];
+    let mut leads = [drill.lead_m(); 2];
+    for _ in 0..periods {
+        drill.run_period(&mut blows);
+        blows.clear();
+        let now = drill.section();
+        let lead = drill.lead_m();
+        let near = |then: &[f64; 3], lead_then: f64| {
+            let q = (now[0] - then[0]).abs() / q_unit;
+            let v = (now[1] - then[1]).abs() / v_unit;
+            q.max(v).max((lead - lead_then).abs() / q_unit) < SETTLED
+        };
+        if near(&last[0], leads[0]) || near(&last[1], leads[1]) {
+            return;
+        }
+        last = [now, last[0]];
+        leads = [lead, leads[0]];
+    }
+}
+
+/// A run as a row of a table. Units are in the names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrillRow {
+    /// Name of the rig.
+    pub rig: String,
+    /// Clearance at rest, mm, that the feed restores.
+    pub gap_mm: f64,
+    /// Pf, N.
+    pub threshold_n: f64,
+    /// k, N/m.
+    pub ground_stiffness_n_per_m: f64,
+    /// c, N·s/m.
+    pub ground_damping_n_s_per_m: f64,
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Ω/ω.
+    pub frequency_ratio: f64,
+    /// p: contacts in n periods; when nothing repeats, in the last 16 recorded periods.
+    pub impacts: u16,
+    /// n; none when the section does not repeat, or nothing touches.
+    pub periods: Option<u8>,
+    /// Written as "p/n", "none", "aperiodic" or "chatter".
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
+    /// Rate of penetration, µm/s.
+    pub rate_of_penetration_um_per_s: f64,
+    /// Progress per contact, µm.
+    pub progress_per_blow_um: Option<f64>,
+    /// Progress per drive period, µm.
+    pub progress_per_cycle_um: f64,
+    /// The feed that keeps the gap, mm/s.
+    pub feed_needed_mm_per_s: f64,
+    /// Energy that a contact takes from the hammer, mJ.
+    pub energy_per_blow_mj: Option<f64>,
+    /// Share of it that goes into progress.
+    pub share_into_progress: Option<f64>,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// Mean approach speed, m/s.
+    pub approach_speed_m_per_s: Option<f64>,
+    /// Mean clearance that the feed leaves at drive phase 0, mm: the gap and what the front is beyond it.
+    pub mean_clearance_mm: f64,
+}
+
+impl DrillRow {
+    /// The row of a run.
+    pub fn new(rig: &NamedRig, setting: &DrillSetting, frequency_hz: f64, seen: &Seen) -> Self {
+        let count = seen.blows.len() as f64;
+        let mean = |value: fn(&Blow) -> f64| {
+            let sum: f64 = seen.blows.iter().map(value).sum();
+            (count > 0.0).then(|| sum / count)
+        };
+        let per_blow = mean(|b| b.progress_m);
+        Self {
+            rig: rig.name.clone(),
+            gap_mm: tidy(rig.params.gap_m * 1e3),
+            threshold_n: setting.ground.threshold,
+            ground_stiffness_n_per_m: setting.ground.stiffness,
+            ground_damping_n_s_per_m: setting.ground.damping,
+            frequency_hz: tidy(frequency_hz),
+            frequency_ratio: tidy(frequency_hz / rig.params.natural_frequency_hz()),
+            impacts: seen.regime.impacts(),
+            periods: seen.regime.periods(),
+            regime: seen.regime,
+            rate_of_penetration_um_per_s: 1e6 * seen.rate_m_per_s,
+            progress_per_blow_um: per_blow.map(|m| 1e6 * m),
+            progress_per_cycle_um: 1e6 * seen.per_cycle_m,
+            feed_needed_mm_per_s: 1e3 * seen.rate_m_per_s,
+            energy_per_blow_mj: mean(|b| b.energy_lost_j).map(|j| 1e3 * j),
+            share_into_progress: (seen.contact_j > 0.0).then(|| seen.progress_j / seen.contact_j),
+            force_n: seen.force_n,
+            approach_speed_m_per_s: mean(|b| b.approach_speed_m_per_s),
+            mean_clearance_mm: 1e3 * (rig.params.gap_m + seen.lead_m),
+        }
+    }
+}
+
+/// Runs at every gap (mm) and frequency (Hz), gap by gap, each from rest. A step of the progress is a run.
+///
+/// # Errors
+/// If a parameter or frequency is out of range, a motion cannot be followed, or the work is interrupted.
+pub fn grid(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    gaps_mm: &[f64],
+    frequencies_hz: &[f64],
+    plan: DrillPlan,
+    progress: &dyn Progress,
+) -> Result<Vec<DrillRow>, Error> {
+    let mut rigs = Vec::with_capacity(gaps_mm.len());
+    for gap_mm in gaps_mm {
+        let mut there = rig.clone();
+        there.params = rig.params.with_gap_mm(*gap_mm)?;
+        rigs.push(there);
+    }
+    let cells: Vec<_> = rigs
+        .iter()
+        .flat_map(|rig| frequencies_hz.iter().map(move |hz| (rig, *hz)))
+        .collect();
+    let rows = cells.par_iter().map(|(rig, hz)| {
+        let seen = run(&rig.params, setting, *hz, plan)?;
+        step(progress, 1)?;
+        Ok(DrillRow::new(rig, setting, *hz, &seen))
+    });
+    rows.collect()
+}

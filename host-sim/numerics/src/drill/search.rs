@@ -1,0 +1,237 @@
+//! Where the rate of penetration is largest, and what that is worth to know.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::model::regime::Regime;
+use shared::model::slider::Slider;
+
+use super::orbit;
+use super::run::{DrillPlan, DrillRow, DrillSetting, run};
+use crate::error::Error;
+use crate::golden::maximum;
+use crate::pick::{Limits, pick};
+use crate::progress::{Progress, WithinStep, check};
+use crate::row::{NamedRig, regime_as_text, tidy};
+
+/// The best frequency is searched to this share of the natural frequency.
+const RESOLUTION: f64 = 2e-4;
+
+/// How far the ground is unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GroundUncertainty {
+    /// Pf, % either way.
+    pub threshold_percent: f64,
+    /// k, % either way.
+    pub ground_stiffness_percent: f64,
+}
+
+/// A corner of the uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Corner {
+    /// Pf, N.
+    pub threshold_n: f64,
+    /// k, N/m.
+    pub ground_stiffness_n_per_m: f64,
+    /// What it drills at the nominal best frequency, µm/s.
+    pub rate_at_nominal_um_per_s: f64,
+    /// Its regime there.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime_at_nominal: Regime,
+    /// Its own best Ω/ω.
+    pub best_frequency_ratio: f64,
+    /// What it drills there, µm/s.
+    pub best_rate_um_per_s: f64,
+}
+
+/// The answer at one gap.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrillAnswer {
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// Where the rate of penetration is largest.
+    pub best: DrillRow,
+    /// Largest modulus of a multiplier there, where the motion is a 1/1.
+    pub multiplier: Option<f64>,
+    /// The frequency that `pick` gives for a surface that stays (nominal, prescribed cart), Hz. None where it has no answer.
+    pub rigid_frequency_hz: Option<f64>,
+    /// The same over the natural frequency.
+    pub rigid_frequency_ratio: Option<f64>,
+    /// Contact force there on the surface that stays, N.
+    pub rigid_force_n: Option<f64>,
+    /// Rate of penetration there, µm/s.
+    pub rigid_rate_um_per_s: Option<f64>,
+    /// The same over the largest.
+    pub rigid_share: Option<f64>,
+    /// Ω/ω of the first and last frequency of the range at which the contact force reaches the threshold.
+    pub threshold_reached_ratios: Option<(f64, f64)>,
+    /// Corners of the uncertainty.
+    pub corners: Vec<Corner>,
+}
+
+/// The answer at the gap of `rig`. `rows` are its runs over frequency, rising: the best is searched around the best of
+/// them. A step of the progress is a corner.
+///
+/// # Errors
+/// If a parameter is out of range, a motion cannot be followed, or the work is interrupted. [`Error::NoProgress`] if no row
+/// makes progress.
+pub fn advise(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    rows: &[DrillRow],
+    uncertainty: Option<GroundUncertainty>,
+    plan: DrillPlan,
+    progress: &dyn Progress,
+) -> Result<DrillAnswer, Error> {
+    let best = refined(rig, setting, rows, plan)?;
+    check(progress)?;
+    let natural_hz = rig.params.natural_frequency_hz();
+    let multiplier = multiplier(rig, setting, &best, plan);
+    let rigid = pick(rig, None, Limits::default(), &WithinStep(progress)).ok();
+    let rigid_row = match &rigid {
+        Some(found) => Some(at(rig, setting, found.answer.operating_frequency_hz, plan)?),
+        None => None,
+    };
+    let ranges: Vec<_> = rows.iter().map(|r| r.frequency_hz).collect();
+    let corners = uncertainty.map_or(Vec::new(), |u| grounds(&setting.ground, u));
+    let corners: Result<Vec<_>, Error> = corners
+        .par_iter()
+        .map(|ground| {
+            let there = DrillSetting {
+                ground: *ground,
+                ..*setting
+            };
+            let corner = corner(rig, &there, best.frequency_hz, &ranges, plan)?;
+            crate::progress::step(progress, 1)?;
+            Ok(corner)
+        })
+        .collect();
+    let reached = |r: &&DrillRow| r.force_n >= (1.0 - 1e-9) * r.threshold_n;
+    let first = rows.iter().find(reached);
+    let last = rows.iter().rev().find(reached);
+    let largest = best.rate_of_penetration_um_per_s;
+    let rigid_rate = rigid_row.as_ref().map(|r| r.rate_of_penetration_um_per_s);
+    Ok(DrillAnswer {
+        gap_mm: best.gap_mm,
+        multiplier,
+        rigid_frequency_hz: rigid.as_ref().map(|p| p.answer.operating_frequency_hz),
+        rigid_frequency_ratio: rigid
+            .as_ref()
+            .map(|p| p.answer.operating_frequency_hz / natural_hz),
+        rigid_force_n: rigid.as_ref().map(|p| p.answer.force_n),
+        rigid_rate_um_per_s: rigid_rate,
+        rigid_share: rigid_rate.map(|rate| rate / largest),
+        threshold_reached_ratios: first
+            .zip(last)
+            .map(|(a, b)| (a.frequency_ratio, b.frequency_ratio)),
+        corners: corners?,
+        best,
+    })
+}
+
+fn at(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    frequency_hz: f64,
+    plan: DrillPlan,
+) -> Result<DrillRow, Error> {
+    let seen = run(&rig.params, setting, frequency_hz, plan)?;
+    Ok(DrillRow::new(rig, setting, frequency_hz, &seen))
+}
+
+/// The best of `rows`, refined between its neighbours.
+fn refined(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    rows: &[DrillRow],
+    plan: DrillPlan,
+) -> Result<DrillRow, Error> {
+    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+    let index = (0..rows.len()).max_by(|a, b| rate(&rows[*a]).total_cmp(&rate(&rows[*b])));
+    let Some(index) = index.filter(|i| rate(&rows[*i]) > 0.0) else {
+        return Err(Error::NoProgress {
+            threshold_n: setting.ground.threshold,
+        });
+    };
+    let low = rows[index.saturating_sub(1)].frequency_hz;
+    let high = rows[(index + 1).min(rows.len() - 1)].frequency_hz;
+    let here = &rows[index];
+    let tolerance = RESOLUTION * rig.params.natural_frequency_hz();
+    if high - low <= tolerance {
+        return Ok(here.clone());
+    }
+    let found = |hz: f64| at(rig, setting, hz, plan).map_or(f64::NEG_INFINITY, |r| rate(&r));
+    let hz = maximum(found, (low, high), tolerance, here.frequency_hz);
+    let top = at(rig, setting, tidy(hz), plan)?;
+    // Where it is not smooth, the search between the neighbours may end lower than it began.
+    Ok(if rate(&top) > rate(here) {
+        top
+    } else {
+        here.clone()
+    })
+}
+
+/// Largest modulus of a multiplier of the 1/1 that the run at `best` settled on.
+fn multiplier(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    best: &DrillRow,
+    plan: DrillPlan,
+) -> Option<f64> {
+    if !best.regime.is(1, 1) {
+        return None;
+    }
+    let seen = run(&rig.params, setting, best.frequency_hz, plan).ok()?;
+    let [q, v, _] = seen.section;
+    let orbit = orbit::shoot(&rig.params, &setting.ground, best.frequency_hz, [q, v])?;
+    Some(orbit.multipliers().modulus())
+}
+
+/// The corners of Pf and k. The dashpot goes with the spring: its time constant c/k stays.
+fn grounds(nominal: &Slider<f64>, u: GroundUncertainty) -> Vec<Slider<f64>> {
+    let both = |percent: f64| {
+        let share = 0.01 * percent;
+        if share > 0.0 {
+            vec![1.0 - share, 1.0 + share]
+        } else {
+            vec![1.0]
+        }
+    };
+    let mut found = Vec::new();
+    for by in both(u.threshold_percent) {
+        for stiffer in both(u.ground_stiffness_percent) {
+            found.push(Slider {
+                stiffness: nominal.stiffness * stiffer,
+                damping: nominal.damping * stiffer,
+                threshold: nominal.threshold * by,
+            });
+        }
+    }
+    found
+}
+
+fn corner(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    nominal_hz: f64,
+    frequencies_hz: &[f64],
+    plan: DrillPlan,
+) -> Result<Corner, Error> {
+    let here = at(rig, setting, nominal_hz, plan)?;
+    // Every fourth frequency finds the hill; the search climbs it.
+    let coarse = frequencies_hz.iter().step_by(4);
+    let rows: Result<Vec<_>, Error> = coarse.map(|hz| at(rig, setting, *hz, plan)).collect();
+    let best = refined(rig, setting, &rows?, plan).unwrap_or_else(|_| here.clone());
+    let best = if best.rate_of_penetration_um_per_s > here.rate_of_penetration_um_per_s {
+        best
+    } else {
+        here.clone()
+    };
+    Ok(Corner {
+        threshold_n: setting.ground.threshold,
+        ground_stiffness_n_per_m: setting.ground.stiffness,
+        rate_at_nominal_um_per_s: here.rate_of_penetration_um_per_s,
+        regime_at_nominal: here.regime,
+        best_frequency_ratio: best.frequency_ratio,
+        best_rate_um_per_s: best.rate_of_penetration_um_per_s,
+    })
+}
