@@ -8,12 +8,14 @@
 //!
 //! with shapes that are 1 at the hammer, modal masses m_i and participations Γ_i ([`beam`]). Between contacts every mode
 //! moves in closed form ([`flight`]); in contact they are integrated together ([`contact`]); both switches are located
-//! ([`hammer`]). [`observe`] summarises a run.
+//! ([`hammer`]). [`observe`] summarises a run. [`linear`] finds the 1/1 orbits, also in a cart that recoils.
 
 pub mod beam;
 pub mod contact;
+pub mod dense;
 pub mod flight;
 pub mod hammer;
+pub mod linear;
 mod observe;
 
 pub use beam::{Beam, BendingMode, Tip};
