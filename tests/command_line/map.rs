@@ -12,7 +12,7 @@ use crate::support::{
 /// A map in which much happens, in a moment.
 pub const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
 
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 13] = [
     "gap_mm",
     "frequency_hz",
     "frequency_ratio",
@@ -25,6 +25,7 @@ const COLUMNS: [&str; 12] = [
     "settling_cycles",
     "largest_period_searched",
     "uncertain",
+    "failed",
 ];
 
 /// The files of a folder and what they hold, tiles left out.
@@ -118,17 +119,32 @@ fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
     png_size(&fs::read(folder.path("o/map-wires-force.png")).expect("a picture"));
 }
 
-/// A map that fails on its way is in nobody's way afterwards.
+/// A cell whose hammer cannot be followed is a row that says so, and takes no other with it.
 #[test]
-fn a_map_that_cannot_be_run_leaves_nothing() {
+fn a_cell_that_fails_is_a_row_that_says_so() {
     let folder = Folder::new();
-    let ran = folder.run(
-        "map --gap 0 --ratio 1.5 --engine switch --tick-us 1000 --quiet --format json --out o",
+    let ran = folder.run("map --gap 0 --ratio 1.5 --engine switch --tick-us 1000 --format json");
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.err.contains("in 1 of 1 cells"), "{ran:?}");
+    let json: Value = serde_json::from_str(&ran.out).unwrap();
+    let map = &json["maps"][0];
+    assert_eq!(map["layers"]["regime"][0], "failed");
+    assert_eq!(map["layers"]["failed"][0], Value::Bool(true));
+    assert_eq!(
+        (
+            number(&map["summary"], "cells"),
+            number(&map["summary"], "failed")
+        ),
+        (1.0, 1.0)
     );
-    assert_eq!((ran.code, ran.err.lines().count()), (Some(2), 1), "{ran:?}");
-    assert!(ran.err.contains("a shorter tick"), "{ran:?}");
-    assert!(folder.names().is_empty());
-    run(&folder, &format!("{SMALL} --format json --quiet --out o"));
+    assert_eq!(map["summary"]["regimes"], serde_json::json!([]));
+    let ran =
+        folder.run("map --gap 0 --ratio 1.5 --engine switch --tick-us 1000 --format csv --quiet");
+    let rows = csv_rows(&ran.out);
+    assert_eq!(
+        (&rows[0]["regime"], &rows[0]["failed"]),
+        (&"failed".into(), &true.into())
+    );
 }
 
 /// Carried up and down, the same gap shows other regimes where the hammer jumps; one chain is what `sweep` does.

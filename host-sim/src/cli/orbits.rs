@@ -12,7 +12,9 @@ use files::UserError;
 use numerics::NamedRig;
 use numerics::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
 use numerics::continuation::{Along, End, OrbitsRequest, Special, curves, diagram};
+use numerics::orbit::Stability;
 use plot::chart::Chart;
+use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Axis {
@@ -53,6 +55,11 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u16).range(1..=2000))]
     starts: u16,
 
+    /// Frequencies (or gaps) at which simulations check that no orbit was missed [default: forty times --starts; twice
+    /// where every simulation is the reference's: nonlinear contact laws and carts that recoil]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=20000))]
+    checks: Option<u16>,
+
     /// Simulations drawn behind the orbits in the picture
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u16).range(0..=20000))]
     behind: u16,
@@ -83,6 +90,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let found = diagram(&rig.params, &request, &progress)?;
     progress.finish();
     let answer = Answer::new(&rig.name, &found);
+    if answer.failed_simulations > 0 {
+        output.note(&format!(
+            "note: in {} of {} simulations the hammer leaves what the model describes (beyond 1 rad or 1 m); they found no orbit",
+            answer.failed_simulations, answer.simulations
+        ));
+    }
     if let Some(dir) = &output.out {
         let behind = pictures::orbits::simulated(&found, usize::from(args.behind))?;
         let figure = pictures::orbits::figure(&rig.name, &found, &behind);
@@ -175,6 +188,14 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
         periods: args.periods,
         impacts: args.impacts,
         starts: usize::from(args.starts),
+        checks: args.checks.map_or_else(
+            || {
+                let law = &rig.params.contact;
+                let fast = matches!(law, Law::SpringDashpot { .. }) && !rig.params.cart.recoils();
+                usize::from(args.starts) * if fast { 40 } else { 2 }
+            },
+            usize::from,
+        ),
     })
 }
 
@@ -240,9 +261,10 @@ fn text(answer: &Answer) -> String {
     for point in &answer.special_points {
         text += &special_line(point);
     }
-    let stable = |stable: bool| {
+    text += &seen_elsewhere(answer, parameter);
+    let of = |stability: Stability| {
         let orbits = answer.orbits.iter();
-        let shown = orbits.filter(|o| o.strobe == 1 && o.stable == stable);
+        let shown = orbits.filter(|o| o.strobe == 1 && o.stability == stability);
         let x = |o: &numerics::continuation::table::OrbitRow| match answer.along {
             "gap" => o.gap_mm,
             _ => o.frequency_ratio,
@@ -255,16 +277,23 @@ fn text(answer: &Answer) -> String {
         "frequency ratio"
     };
     text.push('\n');
-    text += &Chart::new(x, "force over weight")
-        .points("stable", stable(true))
-        .points("unstable", stable(false))
-        .render();
+    let mut chart = Chart::new(x, "force over weight").points("stable", of(Stability::Stable));
+    let neutral = of(Stability::Neutral);
+    if !neutral.is_empty() {
+        chart = chart.points("neutral", neutral);
+    }
+    text += &chart.points("unstable", of(Stability::Unstable)).render();
     text
 }
 
 fn branch_line(branch: &BranchRow) -> String {
     let range = |[from, to]: [f64; 2]| format!("{from:.4} to {to:.4}");
-    let stable: Vec<_> = branch.stable.iter().map(|s| range(*s)).collect();
+    let stable = branch.stable.iter().map(|s| range(*s));
+    let neutral = branch
+        .neutral
+        .iter()
+        .map(|s| format!("neutral {}", range(*s)));
+    let stable: Vec<_> = stable.chain(neutral).collect();
     let stable = if stable.is_empty() {
         "nowhere".to_owned()
     } else {
@@ -298,7 +327,24 @@ fn end_words(end: End) -> &'static str {
         End::Halved => "closes on half its period",
         End::Closed => "closes on itself",
         End::Lost => "not followed further",
+        End::Merged => "two contacts merge",
     }
+}
+
+/// What simulations settled on besides, and what was not looked for.
+fn seen_elsewhere(answer: &Answer, parameter: &str) -> String {
+    let mut text = String::new();
+    for row in &answer.seen_elsewhere {
+        let [from, to] = row.range;
+        text += &format!(
+            "\n{} of {} simulations settled on {}/{} off these branches ({parameter} {from:.4} to {to:.4})",
+            row.simulations, answer.simulations, row.impacts, row.periods
+        );
+    }
+    if !text.is_empty() {
+        text.push('\n');
+    }
+    text + "\nnot looked for: crises of chaotic motion and homoclinic ends of branches\n"
 }
 
 fn special_line(point: &SpecialRow) -> String {

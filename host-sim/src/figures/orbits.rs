@@ -78,6 +78,7 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
         periods: 2,
         impacts: 2,
         starts,
+        checks: 0,
     };
     let found = diagram(&params, &request, &Progress::new("", 1, true))?;
     let answer = Answer::new("wires", &found);

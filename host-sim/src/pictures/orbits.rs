@@ -14,6 +14,7 @@ use numerics::continuation::table::{motion_at, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
+use numerics::orbit::Stability;
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// Values of simulations at drive phase 0: (parameter, value).
@@ -58,9 +59,13 @@ pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError
             });
         }
     }
-    let outcomes = lanes::run(&cells, &PLAN)?;
+    let outcomes = lanes::run_each(&cells, &PLAN);
     let mut found = Simulated::default();
     for ((parameter, cell), outcome) in parameters.iter().zip(&cells).zip(outcomes) {
+        // One that cannot be followed is not drawn.
+        let Some(outcome) = lanes::or_failed(outcome)? else {
+            continue;
+        };
         let rig = Rig::<f64>::new(&cell.params)?;
         // Of a motion that repeats, one repetition: the strobes before are those on the way there.
         let repeats = outcome.regime.periods().map(usize::from);
@@ -151,18 +156,19 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
     for curve in &diagram.curves {
         let regime = curve.regime().to_string();
         let color = regime_color(&regime);
-        for (nodes, stable) in stretches(&curve.nodes) {
+        for (nodes, stability) in stretches(&curve.nodes) {
             for k in 0..usize::from(curve.periods()) {
                 let at = |n: &Node| (n.parameter(), value(n, k).unwrap_or(f64::NAN));
                 let points: Vec<(f64, f64)> = nodes.iter().map(at).collect();
                 if points.iter().all(|p| p.1.is_nan()) {
                     continue;
                 }
-                let (word, stroke) = if stable {
-                    ("stable", Stroke::Solid)
-                } else {
-                    ("unstable", Stroke::Dashed)
+                let (word, stroke) = match stability {
+                    Stability::Stable => ("stable", Stroke::Solid),
+                    Stability::Neutral => ("neutral", Stroke::Dotted),
+                    Stability::Unstable => ("unstable", Stroke::Dashed),
                 };
+                let stable = stability == Stability::Stable;
                 panel.items.push(Item::Line {
                     points,
                     color,

@@ -3,11 +3,12 @@
 
 use host_sim::progress::Progress;
 use numerics::continuation::{
-    Along, Curve, End, Family, Node, OrbitsRequest, Origin, Special, Until, diagram, march,
+    Along, Curve, Diagram, End, Family, Node, OrbitsRequest, Origin, Special, Until, diagram, march,
 };
 use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
-use numerics::orbit::{on_course, shoot, shoot_periods};
-use shared::model::params::{RigParams, WIRES};
+use numerics::orbit::{Stability, on_course, shoot, shoot_periods};
+use shared::model::contact::Law;
+use shared::model::params::{BEAM_150, BEAM_170, RigParams, WIRES};
 use shared::model::regime::Regime;
 
 use crate::bouncing::{Bouncing, NATURAL_HZ, ZETA, bouncing, stiffened};
@@ -178,9 +179,136 @@ fn curves(gap_m: f64, limits: (f64, f64), periods: u8, starts: usize) -> (RigPar
         periods,
         impacts: 2,
         starts,
+        checks: 0,
     };
     let found = diagram(&params, &request, &Progress::new("", 1, true)).unwrap();
     (params, found.curves)
+}
+
+/// A contact whose approach speed passes 0 while the hammer is pressed on is not lost: it then begins inside the surface,
+/// where F comes back to 0. The 2/3 was said to end there, at 4.66597 (and on beam-150 at 1.5 mm at 4.04236). It ends
+/// where its two contacts merge, and the 1/3 begins there.
+#[test]
+fn a_contact_that_begins_inside_the_surface_is_not_lost() {
+    let find = |rig: RigParams, gap_m: f64, limits: (f64, f64)| {
+        let request = OrbitsRequest {
+            along: Along::Frequency,
+            limits,
+            periods: 3,
+            impacts: 2,
+            starts: 40,
+            checks: 1600,
+        };
+        let params = RigParams { gap_m, ..rig };
+        diagram(&params, &request, &Progress::new("", 1, true)).unwrap()
+    };
+    let found = find(BEAM_170, 0.5e-3, (4.65, 4.68));
+    let ends = |regime: &str, end: End| {
+        let curves = (found.curves.iter()).filter(|c| c.regime().to_string() == regime);
+        let nodes = curves.flat_map(|c| {
+            let first = (c.ends[0] == end).then(|| c.nodes.first().unwrap().parameter());
+            let last = (c.ends[1] == end).then(|| c.nodes.last().unwrap().parameter());
+            [first, last].into_iter().flatten()
+        });
+        nodes.collect::<Vec<_>>()
+    };
+    let merged = ends("2/3", End::Merged);
+    assert_eq!(merged.len(), 1, "{merged:?}");
+    assert!((merged[0] - 4.662_645_4).abs() < 1e-6, "{merged:?}");
+    let begins = ends("1/3", End::Lost);
+    assert!((begins[0] - merged[0]).abs() < 1e-7, "{begins:?}");
+    assert!(found.elsewhere.is_empty(), "{:?}", found.elsewhere);
+    // The 2/3 below the 1/3 is another branch: it ends where it loses its second contact.
+    let over = |c: &&Curve| {
+        let at = |x: f64| c.nodes.iter().any(|n| (n.parameter() - x).abs() < 5e-4);
+        c.regime().is(2, 3) && at(4.6583) && at(4.663)
+    };
+    assert_eq!(found.curves.iter().filter(over).count(), 0);
+    let specials = found.curves.iter().flat_map(|c| c.specials());
+    let lost = specials.filter(|(n, k)| *k == Special::GrazingLost && n.parameter() > 4.66);
+    assert_eq!(lost.count(), 0);
+
+    let found = find(BEAM_150, 1.5e-3, (4.03, 4.06));
+    let near = |n: &&Node| (n.parameter() - 4.04236).abs() < 1e-4;
+    let specials = found.curves.iter().flat_map(|c| c.specials());
+    assert_eq!(specials.filter(|(n, _)| near(n)).count(), 0);
+}
+
+/// 3/1 lies between 0.895 and 0.947 at 0.0 mm. Simulations at few frequencies miss it; those that check find it.
+#[test]
+fn what_checks_settle_on_is_followed() {
+    let request = |checks: usize| OrbitsRequest {
+        along: Along::Frequency,
+        limits: (0.85, 1.2),
+        periods: 1,
+        impacts: 3,
+        starts: 1,
+        checks,
+    };
+    let found =
+        |checks: usize| diagram(&WIRES, &request(checks), &Progress::new("", 1, true)).unwrap();
+    let has = |d: &Diagram| d.curves.iter().any(|c| c.regime().is(3, 1));
+    assert!(!has(&found(0)));
+    let checked = found(40);
+    assert!(has(&checked));
+    assert!(checked.elsewhere.is_empty(), "{:?}", checked.elsewhere);
+    assert_eq!((checked.simulations, checked.failed), (123, 0));
+}
+
+/// Just below the doubling of the 1/1 at 2.66068 runs settle so slowly that they are taken for 2/2. The orbit there is the
+/// 1/1, and no branch of its own.
+#[test]
+fn an_orbit_passed_twice_is_no_branch_of_its_own() {
+    let request = OrbitsRequest {
+        along: Along::Frequency,
+        limits: (2.655, 2.665),
+        periods: 2,
+        impacts: 2,
+        starts: 1,
+        checks: 200,
+    };
+    let found = diagram(&WIRES, &request, &Progress::new("", 1, true)).unwrap();
+    let names: Vec<_> = (found.curves.iter())
+        .map(|c| c.regime().to_string())
+        .collect();
+    assert_eq!(names, ["1/1", "2/2"]);
+    assert!(found.elsewhere.is_empty(), "{:?}", found.elsewhere);
+}
+
+/// Hertz's contact takes no energy and the wires have no damping: the map keeps areas, and a complex pair of multipliers
+/// lies on the unit circle. With a loss it does not.
+#[test]
+fn an_orbit_without_any_loss_is_neutral_and_not_stable() {
+    let (stiffness, exponent) = (2.51502e9, 1.5);
+    let stabilities = |contact: Law<f64>| {
+        let params = RigParams { contact, ..WIRES };
+        let hz = 2.0 * params.natural_frequency_hz();
+        let scale = params.amplitude_m / 0.075;
+        let guesses =
+            (0..12).flat_map(|i| (0..12).map(move |j| (f64::from(i), f64::from(j) - 6.0)));
+        let found = guesses.filter_map(|(q, v)| {
+            let guess = [
+                -0.5 * q * scale,
+                0.5 * v * scale * std::f64::consts::TAU * hz,
+            ];
+            shoot(&params, hz, guess).filter(|o| o.impacts == 1)
+        });
+        found.map(|o| o.stability()).collect::<Vec<_>>()
+    };
+    let hertz = stabilities(Law::Hertz {
+        stiffness,
+        exponent,
+    });
+    assert!(hertz.contains(&Stability::Neutral), "{hertz:?}");
+    assert!(!hertz.contains(&Stability::Stable), "{hertz:?}");
+    let damping_ratio = 0.1;
+    let lossy = stabilities(Law::HuntCrossley {
+        stiffness,
+        exponent,
+        damping_ratio,
+    });
+    assert!(lossy.contains(&Stability::Stable), "{lossy:?}");
+    assert!(!lossy.contains(&Stability::Neutral), "{lossy:?}");
 }
 
 #[test]

@@ -333,6 +333,15 @@ impl Forecaster {
         true
     }
 
+    /// Gives a row without an orbit, or with another, the orbit found beside it.
+    pub(super) fn put_orbit(&mut self, index: usize, known: &Known) {
+        let row = self.forecast.rows.get_mut(index);
+        if let (Some(row), Some(section)) = (row, self.sections.get_mut(index)) {
+            row.orbit = Some(known.solution.orbit);
+            *section = known.solution.section;
+        }
+    }
+
     /// Whether a run ended close to an orbit.
     fn is_near(&self, settled: &Settled, solution: &Solution, row: usize) -> bool {
         let Some(model) = &self.model else {

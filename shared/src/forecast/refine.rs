@@ -84,6 +84,12 @@ impl RangeEnd {
         self.inside
     }
 
+    /// Whether the stable 1/1 goes on up to `hz`, where the search began: no end was found before it.
+    pub fn reaches(&self, hz: f32) -> bool {
+        let width = libm::fabsf(hz - self.inside.hz);
+        self.beyond_hz == hz && self.beyond.is_none() && width < 4.0 * TOLERANCE * hz
+    }
+
     /// The doubling, Hz, if it is one.
     pub fn doubling_hz(&self) -> Option<f32> {
         self.beyond.map(|_| self.next_hz())

@@ -45,19 +45,40 @@ impl Forecaster {
             rows: (first, top, last),
             ..StableRange::default()
         };
-        let Some(inside) = self.known(last) else {
-            return self.finish();
-        };
-        if last + 1 == rows {
-            self.stable_range.high = Some(inside);
-            return self.begin_low();
+        match self.high_edge() {
+            Some(edge) => self.follow_high(edge),
+            None => {
+                self.stable_range.high = self.known(last);
+                self.begin_low();
+            }
+        }
+    }
+
+    /// The search for the upper end, from the last row of the stretch towards the next; none at the last row of all.
+    fn high_edge(&self) -> Option<RangeEnd> {
+        let (first, _, last) = self.stable_range.rows;
+        let inside = self.known(last)?;
+        if last + 1 >= self.forecast.rows.len() {
+            return None;
         }
         let behind = last.checked_sub(1).filter(|row| *row >= first);
         let behind = behind.and_then(|row| self.known(row));
         let beyond = self.known(last + 1).map(|known| known.solution);
         let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
-        let edge = RangeEnd::new(inside, behind, self.row_hz(last + 1), beyond);
-        self.follow_high(edge);
+        let hz = self.row_hz(last + 1);
+        Some(RangeEnd::new(inside, behind, hz, beyond))
+    }
+
+    /// The same for the lower end.
+    fn low_edge(&self) -> Option<RangeEnd> {
+        let (first, _, last) = self.stable_range.rows;
+        let inside = self.known(first)?;
+        let before = first.checked_sub(1)?;
+        let behind = (first < last).then(|| self.known(first + 1)).flatten();
+        let beyond = self.known(before).map(|known| known.solution);
+        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
+        let hz = self.row_hz(before);
+        Some(RangeEnd::new(inside, behind, hz, beyond))
     }
 
     /// Whether a row and the next are of one stable range.
@@ -67,10 +88,31 @@ impl Forecaster {
             .is_some_and(|(a, b)| is_neighbour(&a.solution, &b.solution))
     }
 
-    pub(super) fn follow_high(&mut self, edge: RangeEnd) {
-        if let Some(hz) = edge.wanted() {
-            self.stage = Stage::High(edge);
-            return self.shoot_at(hz, edge.guess(hz));
+    pub(super) fn follow_high(&mut self, mut edge: RangeEnd) {
+        loop {
+            if let Some(hz) = edge.wanted() {
+                self.stage = Stage::High(edge);
+                return self.shoot_at(hz, edge.guess(hz));
+            }
+            // No end before the next row, whose own orbit was not found: the stretch goes on there.
+            let (first, top, last) = self.stable_range.rows;
+            if !edge.reaches(self.row_hz(last + 1)) {
+                break;
+            }
+            self.put_orbit(last + 1, &edge.inside());
+            let mut last = last + 1;
+            while last + 1 < self.forecast.rows.len() && self.joined(last) {
+                last += 1;
+            }
+            self.stable_range.rows = (first, top, last);
+            match self.high_edge() {
+                Some(next) => edge = next,
+                // The last row of all.
+                None => {
+                    self.stable_range.high = self.known(last);
+                    return self.begin_low();
+                }
+            }
         }
         self.stable_range.high = Some(edge.inside());
         self.stable_range.doubling_hz = edge.doubling_hz();
@@ -78,25 +120,41 @@ impl Forecaster {
     }
 
     fn begin_low(&mut self) {
-        let (first, _, last) = self.stable_range.rows;
-        let Some(inside) = self.known(first) else {
-            return self.finish();
-        };
-        if first == 0 {
-            self.stable_range.low = Some(inside);
-            return self.begin_peak();
+        let (first, _, _) = self.stable_range.rows;
+        match self.low_edge() {
+            Some(edge) => self.follow_low(edge),
+            None => {
+                self.stable_range.low = self.known(first);
+                self.begin_peak();
+            }
         }
-        let behind = (first < last).then(|| self.known(first + 1)).flatten();
-        let beyond = self.known(first - 1).map(|known| known.solution);
-        let beyond = beyond.filter(|b| is_neighbour(b, &inside.solution));
-        let edge = RangeEnd::new(inside, behind, self.row_hz(first - 1), beyond);
-        self.follow_low(edge);
     }
 
-    pub(super) fn follow_low(&mut self, edge: RangeEnd) {
-        if let Some(hz) = edge.wanted() {
-            self.stage = Stage::Low(edge);
-            return self.shoot_at(hz, edge.guess(hz));
+    pub(super) fn follow_low(&mut self, mut edge: RangeEnd) {
+        loop {
+            if let Some(hz) = edge.wanted() {
+                self.stage = Stage::Low(edge);
+                return self.shoot_at(hz, edge.guess(hz));
+            }
+            let (first, top, last) = self.stable_range.rows;
+            let before = first.checked_sub(1);
+            let Some(before) = before.filter(|row| edge.reaches(self.row_hz(*row))) else {
+                break;
+            };
+            self.put_orbit(before, &edge.inside());
+            let mut first = before;
+            while first > 0 && self.joined(first - 1) {
+                first -= 1;
+            }
+            self.stable_range.rows = (first, top, last);
+            match self.low_edge() {
+                Some(next) => edge = next,
+                // The first row of all: the stretch begins there or lower.
+                None => {
+                    self.stable_range.low = self.known(first);
+                    return self.begin_peak();
+                }
+            }
         }
         self.stable_range.low = Some(edge.inside());
         self.begin_peak();

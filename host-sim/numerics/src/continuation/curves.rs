@@ -40,6 +40,7 @@ pub fn lines(
         periods: 1,
         impacts: 1,
         starts,
+        checks: 0,
     };
     let found: Result<Vec<Vec<Node>>, Error> = gaps_m
         .par_iter()

@@ -10,7 +10,7 @@ use super::{End, Special, Until, march};
 use crate::engine::Start;
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan};
-use crate::orbit::on_course;
+use crate::orbit::{Stability, on_course};
 use crate::progress::{Progress, check, step};
 
 /// What is searched for.
@@ -26,12 +26,14 @@ pub struct OrbitsRequest {
     pub impacts: u16,
     /// Values of the parameter at which simulations search for orbits.
     pub starts: usize,
+    /// Values of the parameter at which simulations check afterwards whether an orbit was missed.
+    pub checks: usize,
 }
 
 impl OrbitsRequest {
     /// Simulations that search for orbits: the steps of progress that [`diagram`] reports.
     pub fn simulations(&self) -> u64 {
-        (STARTS * self.starts) as u64
+        (STARTS * (self.starts + self.checks)) as u64
     }
 }
 
@@ -106,6 +108,29 @@ impl Curve {
         }
     }
 
+    /// Whether one of its orbits at the parameter of `place` has a section point there, as the chord between two
+    /// orbits tells.
+    fn is_near(&self, place: Place) -> bool {
+        let parameter = place[2];
+        self.nodes.windows(2).any(|pair| {
+            let (a, b) = (&pair[0], &pair[1]);
+            let s = (parameter - a.parameter()) / (b.parameter() - a.parameter());
+            if !(0.0..=1.0).contains(&s) || a.orbit.strobes.len() != b.orbit.strobes.len() {
+                return false;
+            }
+            let strobes = a.orbit.strobes.iter().zip(&b.orbit.strobes);
+            strobes.into_iter().any(|(x, y)| {
+                let from = self.family.place(on_course(*x), a.parameter());
+                let to = self.family.place(on_course(*y), b.parameter());
+                let step = minus(to, from);
+                let off = minus(place, between(from, to, s));
+                let [q, v, ..] = off;
+                // A curve that turns by 18° per step leaves its chord by a twenty-fifth of it.
+                q.hypot(v) < 1e-4 + 0.1 * dot(step, step).sqrt()
+            })
+        })
+    }
+
     /// Whether `node` is one of its orbits, whichever of its section points it starts from.
     fn passes(&self, node: &Node) -> bool {
         /// Orbits are the same when their section points differ by less, in units of a place.
@@ -148,6 +173,23 @@ pub struct Diagram {
     pub request: OrbitsRequest,
     /// The curves.
     pub curves: Vec<Curve>,
+    /// Regimes that simulations settled on and that lie on none of the curves.
+    pub elsewhere: Vec<Seen>,
+    /// Simulations that searched and checked.
+    pub simulations: usize,
+    /// How many of them left what the model describes.
+    pub failed: usize,
+}
+
+/// A regime that a simulation settled on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Ω/ω or gap/A0.
+    pub parameter: f64,
+    /// p.
+    pub impacts: u16,
+    /// n.
+    pub periods: u8,
 }
 
 /// How long a simulation may take to settle.
@@ -158,38 +200,101 @@ const SETTLE: CellPlan = CellPlan {
     strobes: 0,
 };
 
-/// Finds and follows the curves.
+/// Finds and follows the curves: those on which simulations at `starts` values of the parameter settle, what they lead
+/// to, and then those on which simulations at `checks` values settle and that were missed.
 ///
 /// # Errors
-/// If a parameter is out of range, if a simulation leaves what the model describes, or if the work is interrupted.
+/// If a parameter is out of range, or if the work is interrupted.
 pub fn diagram(
     params: &RigParams,
     request: &OrbitsRequest,
     progress: &dyn Progress,
 ) -> Result<Diagram, Error> {
     let family = Family::new(params, request.along, 1)?;
-    let mut curves: Vec<Curve> = Vec::new();
-    let found = seeds(&family, request)?;
-    step(progress, request.simulations() - found.len() as u64)?;
-    for found in found {
-        step(progress, 1)?;
-        let family = family.with_periods(found.periods);
-        let Some(seed) = family.node_at(found.parameter, on_course(found.section)) else {
-            continue;
-        };
-        let other = seed.orbit.impacts != found.impacts || !seed.orbit.is_stable();
-        if other || known(&curves, &seed) {
-            continue;
-        }
-        let origin = Origin::Simulation;
-        curves.push(Curve::through(family, seed, request.limits, origin));
-        let newest = curves.len() - 1;
-        follow_doublings(&mut curves, newest, request, progress)?;
-    }
-    Ok(Diagram {
+    let mut diagram = Diagram {
         params: *params,
         request: *request,
-        curves,
+        curves: Vec::new(),
+        elsewhere: Vec::new(),
+        simulations: 0,
+        failed: 0,
+    };
+    for (values, checking) in [(request.starts, false), (request.checks, true)] {
+        let (found, failed) = seeds(&family, request, values)?;
+        let simulations = STARTS * values;
+        diagram.simulations += simulations;
+        diagram.failed += failed;
+        step(progress, (simulations - found.len()) as u64)?;
+        for seed in found {
+            step(progress, 1)?;
+            if !(checking && diagram.has(&family, &seed)) {
+                diagram.take(&family, &seed, progress)?;
+            }
+        }
+    }
+    Ok(diagram)
+}
+
+impl Diagram {
+    /// Follows the curve on which a simulation settled, if it is a new one.
+    fn take(&mut self, family: &Family, seed: &Seed, progress: &dyn Progress) -> Result<(), Error> {
+        let family = family.with_periods(seed.periods);
+        let node = family.node_at(seed.parameter, on_course(seed.section));
+        let own = node.filter(|node| {
+            node.orbit.impacts == seed.impacts && node.orbit.stability() != Stability::Unstable
+        });
+        let Some(node) = own else {
+            self.elsewhere.push(Seen {
+                parameter: seed.parameter,
+                impacts: seed.impacts,
+                periods: seed.periods,
+            });
+            return Ok(());
+        };
+        if let Some(shorter) = shorter(&family, &node, seed) {
+            return self.take(&family, &shorter, progress);
+        }
+        if known(&self.curves, &node) {
+            return Ok(());
+        }
+        let origin = Origin::Simulation;
+        let limits = self.request.limits;
+        let curve = Curve::through(family, node, limits, origin);
+        // Between a doubling and the first orbit of the doubled curve lie orbits of that curve.
+        let middle = &curve.nodes[curve.nodes.len() / 2];
+        if curve.ends.contains(&End::Halved) && known(&self.curves, middle) {
+            return Ok(());
+        }
+        self.curves.push(curve);
+        let newest = self.curves.len() - 1;
+        follow_doublings(&mut self.curves, newest, &self.request, progress)
+    }
+
+    /// Whether a simulation settled on one of the curves, judged by its section alone.
+    fn has(&self, family: &Family, seed: &Seed) -> bool {
+        let place = family.place(on_course(seed.section), seed.parameter);
+        let alike = |c: &&Curve| c.periods() == seed.periods && c.impacts() == seed.impacts;
+        (self.curves.iter().filter(alike)).any(|c| c.is_near(place))
+    }
+}
+
+/// The seed of an orbit that repeats sooner than the simulation did: close to a period doubling a run settles so slowly
+/// that the halves of its section differ.
+fn shorter(family: &Family, node: &Node, seed: &Seed) -> Option<Seed> {
+    /// Section points closer than this, in units of a place, are one.
+    const SAME: f64 = 1e-6;
+    let periods = seed.periods;
+    let factor = (2..=periods).rev().find(|factor| {
+        let apart = family.place(on_course(node.orbit.asymmetry(*factor, [1.0; 2])), 0.0);
+        periods.is_multiple_of(*factor)
+            && seed.impacts.is_multiple_of(u16::from(*factor))
+            && dot(apart, apart).sqrt() < SAME
+    })?;
+    Some(Seed {
+        section: node.orbit.section,
+        impacts: seed.impacts / u16::from(factor),
+        periods: periods / factor,
+        ..*seed
     })
 }
 
@@ -244,13 +349,18 @@ struct Seed {
     periods: u8,
 }
 
-/// Orbits that simulations settled on, shorter periods first.
-fn seeds(family: &Family, request: &OrbitsRequest) -> Result<Vec<Seed>, Error> {
+/// Orbits on which simulations at so many values of the parameter settled, shorter periods first; and how many of the
+/// simulations left what the model describes.
+fn seeds(
+    family: &Family,
+    request: &OrbitsRequest,
+    values: usize,
+) -> Result<(Vec<Seed>, usize), Error> {
     let (low, high) = request.limits;
     let mut cells = Vec::new();
     let mut parameters = Vec::new();
-    for i in 0..request.starts {
-        let s = (i as f64 + 0.5) / request.starts as f64;
+    for i in 0..values {
+        let s = (i as f64 + 0.5) / values as f64;
         let parameter = low + s * (high - low);
         let (params, frequency_hz) = family.at(parameter);
         let rig = Rig::<f64>::new(&params)?;
@@ -267,9 +377,14 @@ fn seeds(family: &Family, request: &OrbitsRequest) -> Result<Vec<Seed>, Error> {
             });
         }
     }
-    let outcomes = lanes::run(&cells, &SETTLE)?;
+    let outcomes = lanes::run_each(&cells, &SETTLE);
     let mut found = Vec::new();
+    let mut failed = 0;
     for (parameter, outcome) in parameters.into_iter().zip(outcomes) {
+        let Some(outcome) = lanes::or_failed(outcome)? else {
+            failed += 1;
+            continue;
+        };
         if let Regime::Periodic { impacts, periods } = outcome.regime
             && periods <= request.periods
             && impacts <= request.impacts
@@ -283,5 +398,5 @@ fn seeds(family: &Family, request: &OrbitsRequest) -> Result<Vec<Seed>, Error> {
         }
     }
     found.sort_by_key(|seed| (seed.periods, seed.impacts));
-    Ok(found)
+    Ok((found, failed))
 }

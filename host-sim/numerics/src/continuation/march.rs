@@ -3,6 +3,7 @@
 use super::Special;
 use super::family::{Family, Node, UP, ahead, between, dot, minus};
 use super::locate;
+use crate::orbit::Orbit;
 
 /// What ends a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -18,6 +19,8 @@ pub enum End {
     Closed,
     /// No further orbit of as many contacts was found, and none of its contacts grazes.
     Lost,
+    /// The flight between two of its contacts has shrunk to nothing: beyond, they are one.
+    Merged,
 }
 
 /// How far to go.
@@ -48,16 +51,11 @@ pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> 
     let mut before: Option<Node> = None;
     let mut stride = 0.5 * STRIDE;
     while nodes.len() < MOST {
-        if let Some(graze) = before.as_ref().and_then(|b| Grazing::ahead(b, &last)) {
-            if graze.distance < GRAZING_TOLERANCE {
-                last.special = Some(graze.kind);
-                match nodes.last_mut() {
-                    Some(node) => node.special = last.special,
-                    None => nodes.push(last),
-                }
-                return (nodes, End::Special(graze.kind));
+        if let Some(near) = before.as_ref().and_then(|b| Break::ahead(b, &last)) {
+            if near.distance < GRAZING_TOLERANCE {
+                return at_break(nodes, last, near.end);
             }
-            stride = stride.min(0.9 * graze.distance);
+            stride = stride.min(0.9 * near.distance);
         }
         let Some(next) = step(family, &last, stride) else {
             stride *= 0.5;
@@ -98,68 +96,99 @@ fn step(family: &Family, last: &Node, stride: f64) -> Option<Node> {
     let moved = minus(next.place, last.place);
     let near = dot(moved, moved) < 2.0 * stride * stride;
     let straight = dot(next.tangent, last.tangent) > STRAIGHT;
-    let same = next.orbit.impacts == last.orbit.impacts;
+    let same = next.orbit.impacts == last.orbit.impacts && contacts_alike(last, &next);
     (near && straight && same).then_some(next)
 }
 
-/// A graze that the last two orbits head for.
-struct Grazing {
-    kind: Special,
+/// Whether each contact of one orbit begins at about the same phase as one of the other: if not, the step has passed
+/// over orbits with other contacts, though as many.
+fn contacts_alike(a: &Node, b: &Node) -> bool {
+    /// A contact that begins this many drive periods away is another.
+    const OTHER: f64 = 0.08;
+    let phases = |node: &Node| {
+        let hz = node.orbit.frequency_hz;
+        let contacts = node.orbit.seen.contacts.iter();
+        contacts.map(|c| c.onset_s * hz).collect::<Vec<_>>()
+    };
+    let (of_a, of_b) = (phases(a), phases(b));
+    let round = f64::from(a.orbit.periods);
+    let apart = |x: f64, y: f64| {
+        let off = (x - y).rem_euclid(round);
+        off.min(round - off)
+    };
+    let within = |all: &[f64], others: &[f64]| {
+        (all.iter()).all(|x| others.iter().any(|y| apart(*x, *y) < OTHER))
+    };
+    within(&of_a, &of_b) && within(&of_b, &of_a)
+}
+
+/// Where the last two orbits head for another number of contacts.
+struct Break {
+    /// What ends the curve there.
+    end: End,
     /// How far along the curve.
     distance: f64,
 }
 
-impl Grazing {
-    /// The nearest, by the clearance of the nearest miss and the square of the slowest approach: both pass 0 linearly.
+impl Break {
+    /// The nearest, by the clearance of the nearest miss, the square of the slowest approach and the square of the
+    /// shortest flight: all three pass 0 linearly.
     fn ahead(before: &Node, last: &Node) -> Option<Self> {
         let moved = minus(last.place, before.place);
         let length = dot(moved, moved).sqrt();
-        let distance = |from: f64, to: f64| {
-            let fall = from - to;
-            (fall > 0.0).then(|| length * to.max(0.0) / fall)
-        };
         let (a, b) = (&before.orbit, &last.orbit);
-        let gained = a
-            .seen
-            .near_miss_m
-            .zip(b.seen.near_miss_m)
-            .and_then(|(from, to)| distance(from, to))
-            .map(|distance| Self {
-                kind: Special::GrazingGained,
-                distance,
-            });
-        let square = |o: &crate::orbit::Orbit| o.slowest_approach_m_per_s().powi(2);
-        let lost = distance(square(a), square(b)).map(|distance| Self {
-            kind: Special::GrazingLost,
-            distance,
-        });
-        let both = gained.into_iter().chain(lost);
-        both.min_by(|a, b| a.distance.total_cmp(&b.distance))
+        let of = |end: End, from: Option<f64>, to: Option<f64>| {
+            let (from, to) = (from?, to?);
+            let fall = from - to;
+            let distance = length * to.max(0.0) / fall;
+            (fall > 0.0).then_some(Self { end, distance })
+        };
+        let square = |x: Option<f64>| x.map(|x| x * x);
+        // Only a flight that is shorter than the contacts at its ends is about to vanish.
+        let flight = |o: &Orbit| square(o.shortest_flight().filter(|share| *share < 1.0));
+        let approach = |o: &Orbit| square(o.slowest_approach_m_per_s());
+        let (gained, lost) = (Special::GrazingGained, Special::GrazingLost);
+        let all = [
+            of(End::Special(gained), a.seen.near_miss_m, b.seen.near_miss_m),
+            of(End::Special(lost), approach(a), approach(b)),
+            of(End::Merged, flight(a), flight(b)),
+        ];
+        let all = all.into_iter().flatten();
+        all.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 }
 
+/// The curve ended at `last`, at a graze or where two contacts merge.
+fn at_break(mut nodes: Vec<Node>, mut last: Node, end: End) -> (Vec<Node>, End) {
+    if let End::Special(kind) = end {
+        last.special = Some(kind);
+        match nodes.last_mut() {
+            Some(node) => node.special = last.special,
+            None => nodes.push(last),
+        }
+    }
+    (nodes, end)
+}
+
 /// No further orbit was found: whether a contact grazes at the last.
-fn ended(mut nodes: Vec<Node>, last: Node) -> (Vec<Node>, End) {
+fn ended(nodes: Vec<Node>, last: Node) -> (Vec<Node>, End) {
     /// A hammer this close is about to touch, m.
     const CLOSE_M: f64 = 1e-8;
     /// A contact this slow is about to be missed, m/s.
     const SLOW_M_PER_S: f64 = 1e-5;
+    /// A flight this short, over the shorter of the contacts before and after it, is about to vanish.
+    const SHORT: f64 = 0.02;
     let orbit = &last.orbit;
-    let kind = if orbit.seen.near_miss_m.is_some_and(|m| m < CLOSE_M) {
-        Special::GrazingGained
-    } else if orbit.slowest_approach_m_per_s() < SLOW_M_PER_S {
-        Special::GrazingLost
+    let end = if orbit.seen.near_miss_m.is_some_and(|m| m < CLOSE_M) {
+        End::Special(Special::GrazingGained)
+    } else if (orbit.slowest_approach_m_per_s()).is_some_and(|v| v < SLOW_M_PER_S) {
+        End::Special(Special::GrazingLost)
+    } else if orbit.shortest_flight().is_some_and(|share| share < SHORT) {
+        End::Merged
     } else {
-        return (nodes, End::Lost);
+        End::Lost
     };
-    match nodes.last_mut() {
-        Some(node) => node.special = Some(kind),
-        None => nodes.push(Node {
-            special: Some(kind),
-            ..last
-        }),
-    }
-    (nodes, End::Special(kind))
+    at_break(nodes, last, end)
 }
 
 fn outside(node: &Node, (low, high): (f64, f64)) -> bool {

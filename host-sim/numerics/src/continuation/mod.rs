@@ -23,7 +23,7 @@ pub mod march;
 pub mod switching;
 pub mod table;
 
-pub use diagram::{Curve, Diagram, OrbitsRequest, Origin, diagram};
+pub use diagram::{Curve, Diagram, OrbitsRequest, Origin, Seen, diagram};
 pub use family::{Along, Family, Node};
 pub use march::{End, Until, march};
 

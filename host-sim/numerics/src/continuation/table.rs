@@ -8,7 +8,8 @@ use shared::model::rig::Rig;
 
 use super::curves::Line;
 use super::family::Node;
-use super::{Along, Curve, Diagram, End, Origin, Special};
+use super::{Along, Curve, Diagram, End, Origin, Seen, Special};
+use crate::orbit::Stability;
 use crate::row::tidy;
 
 /// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".
@@ -100,6 +101,8 @@ pub struct OrbitRow {
     pub stable: bool,
     /// What is special about the orbit.
     pub special: Option<Special>,
+    /// Stable, neutral (multipliers on the unit circle: nothing takes energy) or unstable.
+    pub stability: Stability,
 }
 
 /// A special point.
@@ -150,6 +153,21 @@ pub struct BranchRow {
     pub ends: [End; 2],
     /// The curve it leaves at a period doubling; none: a simulation settled on it.
     pub doubled_from: Option<Name>,
+    /// Stretches of the parameter that are neutral: multipliers on the unit circle, since nothing takes energy.
+    pub neutral: Vec<[f64; 2]>,
+}
+
+/// A regime that simulations settled on and that lies on none of the curves.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SeenRow {
+    /// p.
+    pub impacts: u16,
+    /// n.
+    pub periods: u8,
+    /// How many simulations.
+    pub simulations: usize,
+    /// Smallest and largest Ω/ω, or gap/A0, at which they did.
+    pub range: [f64; 2],
 }
 
 /// A diagram as tables.
@@ -165,6 +183,12 @@ pub struct Answer {
     pub special_points: Vec<SpecialRow>,
     /// Every orbit.
     pub orbits: Vec<OrbitRow>,
+    /// Regimes that simulations settled on and that lie on none of the branches.
+    pub seen_elsewhere: Vec<SeenRow>,
+    /// Simulations that searched for orbits.
+    pub simulations: usize,
+    /// How many of them left what the model describes.
+    pub failed_simulations: usize,
 }
 
 impl Answer {
@@ -195,8 +219,34 @@ impl Answer {
             branches: branches.collect(),
             special_points: specials.collect(),
             orbits: orbits.collect(),
+            seen_elsewhere: seen_rows(&diagram.elsewhere),
+            simulations: diagram.simulations,
+            failed_simulations: diagram.failed,
         }
     }
+}
+
+/// One row for each regime, in the order of p and n.
+fn seen_rows(seen: &[Seen]) -> Vec<SeenRow> {
+    let mut rows: Vec<SeenRow> = Vec::new();
+    for one in seen {
+        let at = tidy(one.parameter);
+        let same = |r: &&mut SeenRow| (r.impacts, r.periods) == (one.impacts, one.periods);
+        match rows.iter_mut().find(same) {
+            Some(row) => {
+                row.simulations += 1;
+                row.range = [row.range[0].min(at), row.range[1].max(at)];
+            }
+            None => rows.push(SeenRow {
+                impacts: one.impacts,
+                periods: one.periods,
+                simulations: 1,
+                range: [at; 2],
+            }),
+        }
+    }
+    rows.sort_by_key(|row| (row.periods, row.impacts));
+    rows
 }
 
 /// Names of the curves of `diagram`, in their order.
@@ -232,14 +282,16 @@ pub fn line_rows(params: &RigParams, lines: &[Line]) -> Vec<SpecialRow> {
 
 fn branch_row(curve: &Curve, name: Name, names: &[Name], diagram: &Diagram) -> BranchRow {
     let parameters = || curve.nodes.iter().map(Node::parameter);
-    let stable: Vec<[f64; 2]> = stretches(&curve.nodes)
-        .into_iter()
-        .filter(|(_, stable)| *stable)
-        .map(|(nodes, _)| {
-            let ends = [nodes[0].parameter(), nodes[nodes.len() - 1].parameter()];
-            [ends[0].min(ends[1]), ends[0].max(ends[1])].map(tidy)
-        })
-        .collect();
+    let ranges = |wanted: Stability| {
+        stretches(&curve.nodes)
+            .into_iter()
+            .filter(|(_, of)| *of == wanted)
+            .map(|(nodes, _)| {
+                let ends = [nodes[0].parameter(), nodes[nodes.len() - 1].parameter()];
+                [ends[0].min(ends[1]), ends[0].max(ends[1])].map(tidy)
+            })
+            .collect::<Vec<_>>()
+    };
     let forces = curve.nodes.iter().filter(|n| n.orbit.is_stable());
     let largest = forces
         .map(|n| n.orbit.force_n / diagram.params.weight_n())
@@ -253,18 +305,19 @@ fn branch_row(curve: &Curve, name: Name, names: &[Name], diagram: &Diagram) -> B
             tidy(parameters().fold(f64::INFINITY, f64::min)),
             tidy(parameters().fold(f64::NEG_INFINITY, f64::max)),
         ],
-        stable,
+        stable: ranges(Stability::Stable),
         largest_stable_force_ratio: largest,
         ends: curve.ends,
         doubled_from: match curve.origin {
             Origin::Simulation => None,
             Origin::Doubling(from) => Some(names[from]),
         },
+        neutral: ranges(Stability::Neutral),
     }
 }
 
 /// The curve cut where stability changes, which is at special points: neighbours share the orbit at the cut.
-pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], bool)> {
+pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], Stability)> {
     // A special orbit lies between stable and unstable ones; the other end of the piece decides.
     let of = |pair: &[Node]| {
         let deciding = if pair[0].special.is_some() {
@@ -272,7 +325,7 @@ pub fn stretches(nodes: &[Node]) -> Vec<(&[Node], bool)> {
         } else {
             &pair[0]
         };
-        deciding.orbit.is_stable()
+        deciding.orbit.stability()
     };
     let mut found = Vec::new();
     let mut from = 0;
@@ -329,6 +382,7 @@ fn orbit_rows(diagram: &Diagram, node: &Node, number: usize, name: Name) -> Vec<
             multiplier_modulus: orbit.multipliers().modulus(),
             stable: orbit.is_stable(),
             special: node.special,
+            stability: orbit.stability(),
         }
     };
     orbit.strobes.iter().enumerate().map(row).collect()

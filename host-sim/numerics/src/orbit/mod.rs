@@ -72,7 +72,17 @@ impl Orbit {
 
     /// Whether every multiplier lies inside the unit circle.
     pub fn is_stable(&self) -> bool {
-        self.multipliers().modulus() < 1.0
+        self.stability() == Stability::Stable
+    }
+
+    /// What becomes of a small disturbance.
+    pub fn stability(&self) -> Stability {
+        let multipliers = self.multipliers();
+        match multipliers {
+            Multipliers::Complex(modulus) if (modulus - 1.0).abs() < NEUTRAL => Stability::Neutral,
+            _ if multipliers.modulus() < 1.0 => Stability::Stable,
+            _ => Stability::Unstable,
+        }
     }
 
     /// det(I + M): passes 0 where a multiplier passes −1, a period doubling.
@@ -85,12 +95,17 @@ impl Orbit {
         self.monodromy.fold_test()
     }
 
-    /// The smallest approach speed of its contacts, m/s: 0 where one of them grazes.
-    pub fn slowest_approach_m_per_s(&self) -> f64 {
-        let speeds = self.seen.contacts.iter();
-        speeds
-            .map(|c| c.approach_speed_m_per_s)
-            .fold(f64::INFINITY, f64::min)
+    /// The smallest approach speed of its contacts that can graze, m/s: 0 where one of them does. None if none of them
+    /// can.
+    pub fn slowest_approach_m_per_s(&self) -> Option<f64> {
+        let speeds = self.seen.grazing_contacts();
+        speeds.map(|c| c.approach_speed_m_per_s).reduce(f64::min)
+    }
+
+    /// The shortest flight between two of its contacts, as a share of the shorter of the two: 0 where they merge.
+    pub fn shortest_flight(&self) -> Option<f64> {
+        let period_s = f64::from(self.periods) / self.frequency_hz;
+        self.seen.shortest_flight(period_s)
     }
 
     /// How far apart, in units of A0 and A0 Ω, the section points are that would be one if the orbit repeated after
@@ -104,6 +119,23 @@ impl Orbit {
         [0, 1].map(|i| (other[i] - first[i]) / units[i])
     }
 }
+
+/// What becomes of a small disturbance of an orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stability {
+    /// It dies away: every multiplier lies inside the unit circle.
+    Stable,
+    /// It neither grows nor dies away: the multipliers lie on the unit circle, since nothing takes energy. The linear
+    /// theory does not decide.
+    Neutral,
+    /// It grows.
+    Unstable,
+}
+
+/// A complex pair of multipliers this close to the unit circle lies on it: rounding decides on which side. Every damper
+/// and every contact that takes energy takes more than this.
+const NEUTRAL: f64 = 1e-6;
 
 /// Newton steps before giving up.
 const ITERATIONS: usize = 15;

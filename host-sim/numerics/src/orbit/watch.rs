@@ -15,10 +15,13 @@ pub struct Watch {
     pub largest_pull_n: f64,
     /// The deepest penetration in flight towards the surface, m: 0 where no contact was overlooked.
     pub deepest_flight_m: f64,
+    /// Mass of the hammer, kg; 0 before the first piece.
+    mass_kg: f64,
 }
 
 impl Observer for Watch {
     fn segment(&mut self, segment: &Segment) {
+        self.mass_kg = segment.rig.mass();
         match segment.mode {
             Mode::Flight => self.flight(segment),
             Mode::Contact => {
@@ -37,6 +40,36 @@ impl Observer for Watch {
 }
 
 impl Watch {
+    /// The contacts that can graze: those that are missed when their approach speed passes 0.
+    pub fn grazing_contacts(&self) -> impl Iterator<Item = &Contact> {
+        self.contacts.iter().filter(|c| self.can_graze(c))
+    }
+
+    /// Whether what acts on the hammer besides the surface draws it away during the contact: the surface then gives it
+    /// less than its change of momentum. A contact into which it is pressed is not missed when its approach speed
+    /// passes 0: it then begins inside the surface, where the damper lets go of it and F comes back to 0.
+    fn can_graze(&self, contact: &Contact) -> bool {
+        let change = contact.approach_speed_m_per_s + contact.rebound_speed_m_per_s;
+        contact.impulse_n_s < self.mass_kg * change
+    }
+
+    /// The shortest flight from one contact to the next, as a share of the shorter of the two, on an orbit of `period_s`;
+    /// none with fewer than two contacts.
+    pub fn shortest_flight(&self, period_s: f64) -> Option<f64> {
+        let (first, last) = (self.contacts.first()?, self.contacts.last()?);
+        let again = Contact {
+            onset_s: first.onset_s + period_s,
+            ..*first
+        };
+        let pairs = self.contacts.windows(2).map(|pair| (pair[0], pair[1]));
+        let around = (self.contacts.len() > 1).then_some((*last, again));
+        let flights = pairs.chain(around).map(|(a, b)| {
+            let flight = b.onset_s - a.onset_s - a.duration_s;
+            flight / a.duration_s.min(b.duration_s)
+        });
+        flights.reduce(f64::min)
+    }
+
     fn flight(&mut self, segment: &Segment) {
         let at = |q: f64, v: f64| segment.rig.kinematics(q, v);
         for point in [segment.start, segment.end] {

@@ -33,7 +33,7 @@ pub(super) const LOCATION: Location = Location {
 /// 9 · 2 + 1 = 19 Runge–Kutta steps, twice that in a tick that a strobe parts, whatever the hammer does. A
 /// touch and return inside one step is found by testing the extremum of δ.
 ///
-/// Under the nonlinear laws a tick is cut into pieces while in contact ([`super::fine`]): at most
+/// Under the nonlinear laws a tick is cut into pieces while in contact: at most
 /// [`super::MAX_PIECES`] of them, with as many steps for a switch as above.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corrected;
