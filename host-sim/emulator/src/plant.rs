@@ -14,6 +14,7 @@ use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::bodies::{Bodies, State, Totals};
 use super::cart::{Friction, Mounting};
+use super::ground::Ground;
 use super::motor::Motor;
 use super::record::Contact;
 #[doc(inline)]
@@ -60,6 +61,7 @@ pub struct Plant {
     touched: bool,
     finished: Vec<Contact>,
     blows: Vec<Blow>,
+    progress_m: f64,
 }
 
 impl Plant {
@@ -108,6 +110,7 @@ impl Plant {
                 cart_mass_kg: params.cart_mass_kg,
                 shaker,
                 mounting: *mounting,
+                ground: None,
                 along,
                 wanted_rad_s: 0.0,
                 path: Path::default(),
@@ -127,6 +130,7 @@ impl Plant {
             touched: false,
             finished: Vec::with_capacity(4),
             blows: Vec::with_capacity(4),
+            progress_m: 0.0,
         };
         if plant.bodies.indicator(&plant.state) > 0.0 {
             plant.begin_contact(0.0);
@@ -139,6 +143,18 @@ impl Plant {
     pub fn with_tick(mut self, tick_s: f64) -> Self {
         self.tick_s = tick_s;
         self
+    }
+
+    /// The same on ground that gives way, in flight.
+    #[must_use]
+    pub fn on_ground(mut self, ground: Option<Ground>) -> Self {
+        self.bodies.ground = ground;
+        self
+    }
+
+    /// How far the ground has given way since the start, m.
+    pub fn progress_m(&self) -> f64 {
+        self.progress_m
     }
 
     /// True time, s.
@@ -268,6 +284,11 @@ impl Plant {
             self.careful_tick();
             self.at = self.bodies.kinematics(&self.state);
         }
+        if let Some(ground) = &self.bodies.ground
+            && self.bodies.mode == Mode::Flight
+        {
+            self.state.front *= 1.0 - (self.tick_s / ground.feed_s).min(1.0);
+        }
         self.ticks += 1;
     }
 
@@ -311,7 +332,7 @@ impl Plant {
                     s = if h == grid.1 - s { grid.1 } else { self.tick_s };
                     if self.bodies.mode == Mode::Contact && s == grid.1 {
                         let at = self.bodies.kinematics(&self.state);
-                        let force = self.bodies.rig.force(&at, self.bodies.approach);
+                        let force = self.bodies.contact_force(&at, &self.state);
                         self.inner[grid.0] = force.max(0.0);
                     }
                 }
@@ -374,6 +395,7 @@ impl Plant {
         let mut totals = Totals::default();
         self.state = self.bodies.step(&before, s, h, &mut totals);
         self.totals.add(&totals, 1.0);
+        self.progress_m += self.state.front - before.front;
         if self.bodies.mode == Mode::Contact {
             self.keep(&before, s, h, &totals);
         }

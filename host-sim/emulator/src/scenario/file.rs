@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use shared::fault::Fault;
+use shared::model::contact::Law;
 use shared::model::params::{ParamError, RigParams};
+use shared::model::slider::Slider;
 use shared::settings::{DriveKind, Settings};
 use toml::Value;
 
@@ -14,6 +16,7 @@ use super::definition::{Expect, LONGEST_S, Scenario};
 use super::event;
 use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
 use crate::cart::Mounting;
+use crate::ground::Ground;
 use crate::names::{BASINS, STATES, basin_name, state_name};
 use files::rigfile;
 use files::{UserError, line_at};
@@ -52,6 +55,7 @@ struct File {
     #[serde(default)]
     cart: Cart,
     motor: Option<MotorTable>,
+    ground: Option<GroundTable>,
     #[serde(default)]
     events: Vec<toml::Table>,
     #[serde(default)]
@@ -105,6 +109,45 @@ impl Aim {
         Ok(shared::settings::Aim {
             force_n: wanted.unwrap_or(0.0),
             power: self.power,
+        })
+    }
+}
+
+/// The table `[ground]`: ground that gives way.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GroundTable {
+    threshold_n: f64,
+    stiffness_n_per_m: Option<f64>,
+    damping_n_s_per_m: Option<f64>,
+    #[serde(default = "half_a_second")]
+    feed_s: f64,
+}
+
+fn half_a_second() -> f64 {
+    0.5
+}
+
+impl GroundTable {
+    /// The ground under `rig`, whose contact it has where it says nothing else.
+    fn of(&self, rig: &RigParams) -> Result<Ground, UserError> {
+        let own = match rig.contact {
+            Law::SpringDashpot { stiffness, damping } => (stiffness, damping),
+            _ => (f64::NAN, f64::NAN),
+        };
+        let slider = Slider {
+            stiffness: self.stiffness_n_per_m.unwrap_or(own.0),
+            damping: self.damping_n_s_per_m.unwrap_or(own.1),
+            threshold: self.threshold_n,
+        };
+        slider.check()?;
+        if !(1e-3..=1e6).contains(&self.feed_s) {
+            return Err(out_of_range("feed_s", self.feed_s, "0.001 to 1000000"));
+        }
+        Ok(Ground {
+            slider,
+            feed_s: self.feed_s,
+            slipping: false,
         })
     }
 }
@@ -172,6 +215,8 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         events.push(timed.map_err(|e| e.at(format!("{place}, event {}", i + 1)))?);
     }
     events.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    let ground = file.ground.map(|keys| keys.of(&true_rig)).transpose();
+    let ground = ground.map_err(|e| e.at(format!("{place}, [ground]")))?;
     Ok(Scenario {
         name: file.name.unwrap_or_else(|| name.to_owned()),
         description: file.description,
@@ -186,6 +231,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         prescribed,
         motor,
         mounting,
+        ground,
         sensors: sensors(&file.sensors, &settings)
             .map_err(|e| e.at(format!("{place}, [sensors]")))?,
         events,
@@ -311,6 +357,7 @@ struct Expected {
     basin: Option<String>,
     min_reseeks: Option<u16>,
     drive_off_within_ticks: Option<u64>,
+    min_progress_um_per_s: Option<f64>,
 }
 
 fn expect(file: &Expected) -> Result<Expect, UserError> {
@@ -330,6 +377,7 @@ fn expect(file: &Expected) -> Result<Expect, UserError> {
         hold_within_s: file.hold_within_s,
         min_reseeks: file.min_reseeks,
         drive_off_within_ticks: file.drive_off_within_ticks,
+        min_progress_um_per_s: file.min_progress_um_per_s,
     };
     let share = (0.0, 2.0);
     let anything = (0.0, 1e9);
@@ -345,6 +393,11 @@ fn expect(file: &Expected) -> Result<Expect, UserError> {
             anything,
         ),
         ("hold_within_s", file.hold_within_s, anything),
+        (
+            "min_progress_um_per_s",
+            file.min_progress_um_per_s,
+            anything,
+        ),
     ] {
         if let Some(value) = value
             && !(from..=to).contains(&value)

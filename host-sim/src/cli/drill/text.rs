@@ -151,7 +151,7 @@ fn corners(corners: &[Corner], answer: &Answer) -> String {
 
 fn gaps(answer: &Answer) -> String {
     let mut text =
-        "\n  gap, mm    Hz        Ω/ω     µm/s     of the best   µm per cycle   regime\n"
+        "\n  gap, mm    Hz        Ω/ω     µm/s     of the best   µm per cycle   regime      any motion\n"
             .to_owned();
     let largest = answer.advice.best.rate_of_penetration_um_per_s;
     for (row, any) in answer.gaps.iter().zip(&answer.gaps_any_regime) {
