@@ -5,6 +5,7 @@
 //! of the integrator itself, to [`TIME_TOLERANCE_S`].
 
 mod contacts;
+mod drilling;
 mod rest;
 
 use std::f64::consts::TAU;
@@ -14,7 +15,6 @@ use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::bodies::{Bodies, State, Totals};
 use super::cart::{Friction, Mounting};
-use super::ground::Ground;
 use super::motor::Motor;
 use super::record::Contact;
 #[doc(inline)]
@@ -145,18 +145,6 @@ impl Plant {
         self
     }
 
-    /// The same on ground that gives way, in flight.
-    #[must_use]
-    pub fn on_ground(mut self, ground: Option<Ground>) -> Self {
-        self.bodies.ground = ground;
-        self
-    }
-
-    /// How far the ground has given way since the start, m.
-    pub fn progress_m(&self) -> f64 {
-        self.progress_m
-    }
-
     /// True time, s.
     pub fn time_s(&self) -> f64 {
         self.ticks as f64 * self.tick_s
@@ -284,11 +272,7 @@ impl Plant {
             self.careful_tick();
             self.at = self.bodies.kinematics(&self.state);
         }
-        if let Some(ground) = &self.bodies.ground
-            && self.bodies.mode == Mode::Flight
-        {
-            self.state.front *= 1.0 - (self.tick_s / ground.feed_s).min(1.0);
-        }
+        self.feed();
         self.ticks += 1;
     }
 

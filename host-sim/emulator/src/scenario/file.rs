@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use shared::fault::Fault;
-use shared::model::contact::Law;
 use shared::model::params::{ParamError, RigParams};
-use shared::model::slider::Slider;
 use shared::settings::{DriveKind, Settings};
 use toml::Value;
 
@@ -14,9 +12,9 @@ use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::{Expect, LONGEST_S, Scenario};
 use super::event;
+use super::ground::GroundTable;
 use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
 use crate::cart::Mounting;
-use crate::ground::Ground;
 use crate::names::{BASINS, STATES, basin_name, state_name};
 use files::rigfile;
 use files::{UserError, line_at};
@@ -109,45 +107,6 @@ impl Aim {
         Ok(shared::settings::Aim {
             force_n: wanted.unwrap_or(0.0),
             power: self.power,
-        })
-    }
-}
-
-/// The table `[ground]`: ground that gives way.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct GroundTable {
-    threshold_n: f64,
-    stiffness_n_per_m: Option<f64>,
-    damping_n_s_per_m: Option<f64>,
-    #[serde(default = "half_a_second")]
-    feed_s: f64,
-}
-
-fn half_a_second() -> f64 {
-    0.5
-}
-
-impl GroundTable {
-    /// The ground under `rig`, whose contact it has where it says nothing else.
-    fn of(&self, rig: &RigParams) -> Result<Ground, UserError> {
-        let own = match rig.contact {
-            Law::SpringDashpot { stiffness, damping } => (stiffness, damping),
-            _ => (f64::NAN, f64::NAN),
-        };
-        let slider = Slider {
-            stiffness: self.stiffness_n_per_m.unwrap_or(own.0),
-            damping: self.damping_n_s_per_m.unwrap_or(own.1),
-            threshold: self.threshold_n,
-        };
-        slider.check()?;
-        if !(1e-3..=1e6).contains(&self.feed_s) {
-            return Err(out_of_range("feed_s", self.feed_s, "0.001 to 1000000"));
-        }
-        Ok(Ground {
-            slider,
-            feed_s: self.feed_s,
-            slipping: false,
         })
     }
 }

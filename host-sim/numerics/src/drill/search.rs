@@ -5,6 +5,7 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 use shared::model::slider::Slider;
 
+use super::march::Feed;
 use super::orbit;
 use super::run::{DrillPlan, DrillRow, DrillSetting, run};
 use crate::error::Error;
@@ -220,7 +221,8 @@ fn multiplier(
     best: &DrillRow,
     plan: DrillPlan,
 ) -> Option<f64> {
-    if !best.regime.is(1, 1) {
+    // Where the gap sets itself, the section has a coordinate more.
+    if !best.regime.is(1, 1) || matches!(setting.feed, Feed::Speed(_)) {
         return None;
     }
     let seen = run(&rig.params, setting, best.frequency_hz, plan).ok()?;
