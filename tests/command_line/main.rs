@@ -11,6 +11,7 @@ mod boards;
 mod broken_off;
 mod compare;
 mod contact;
+mod drill;
 mod drop_test;
 mod emulate;
 mod figures;

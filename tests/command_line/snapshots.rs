@@ -77,6 +77,7 @@ fn help() {
         "sweep",
         "map",
         "orbits",
+        "drill",
         "modes",
         "basins",
         "bifurcation",

@@ -8,6 +8,7 @@
 use shared::model::rig::{Kinematics, Mode, Rig};
 
 use super::cart::Mounting;
+use super::ground::Ground;
 use super::motor::Motor;
 use super::shaker::{Gains, Loop, Path};
 
@@ -28,6 +29,8 @@ pub struct State {
     pub u: f64,
     /// Bend of the friction's bristles, m.
     pub p: f64,
+    /// How far the front of ground that gives way is beyond the gap, m.
+    pub front: f64,
 }
 
 impl State {
@@ -42,6 +45,7 @@ impl State {
             z: self.z + weight * other.z,
             u: self.u + weight * other.u,
             p: self.p + weight * other.p,
+            front: self.front + weight * other.front,
         }
     }
 }
@@ -87,6 +91,8 @@ pub struct Bodies {
     pub shaker: Loop,
     /// How it is mounted.
     pub mounting: Mounting,
+    /// Ground that gives way, in place of the rig's contact.
+    pub ground: Option<Ground>,
     /// Gravity along the cart's travel, m/s²: of a rig that is tilted.
     pub along: f64,
     /// Speed that the motor is to have, rad/s.
@@ -126,7 +132,7 @@ impl Bodies {
         let at = self.kinematics(state);
         let force = match self.mode {
             Mode::Flight => 0.0,
-            Mode::Contact => rig.force(&at, self.approach),
+            Mode::Contact => self.contact_force(&at, state),
         };
         let m = rig.mass();
         // The hammer relative to the cart as a function of the cart's acceleration.
@@ -153,6 +159,7 @@ impl Bodies {
                 z: state.u,
                 u: cart.inner_acceleration,
                 p: cart.bend_rate,
+                front: self.ground.map_or(0.0, |g| g.front_rate(&at, state.front)),
             },
             force,
             powers: Totals {
@@ -163,6 +170,15 @@ impl Bodies {
                 damping_work: rig.damping_power(v),
                 cart_work: cart.lost_w,
             },
+        }
+    }
+
+    /// The force of the contact, N, negative where its law would pull.
+    #[inline]
+    pub fn contact_force(&self, at: &Kinematics<f64>, state: &State) -> f64 {
+        match &self.ground {
+            None => self.rig.force(at, self.approach),
+            Some(ground) => ground.force(at, state.front),
         }
     }
 
@@ -275,6 +291,7 @@ impl Bodies {
             z: sum(|x| x.z),
             u: sum(|x| x.u),
             p: sum(|x| x.p),
+            front: sum(|x| x.front),
         };
         if let Loop::Crank(motor) = &self.shaker {
             let (position, slope, _) = motor.crank(state.z);
@@ -287,6 +304,9 @@ impl Bodies {
     /// > 0 in contact, < 0 in flight; what the switch is located by.
     pub fn indicator(&self, state: &State) -> f64 {
         let at = self.kinematics(state);
+        if let Some(ground) = &self.ground {
+            return ground.indicator(self.mode, &at, state.front);
+        }
         match self.mode {
             Mode::Flight => self.rig.indicator(&at, at.rate.max(0.0)),
             Mode::Contact => {
@@ -303,6 +323,9 @@ impl Bodies {
         let change = self
             .rig
             .penetration_acceleration(&at, state.v, rates.state.v);
+        if let Some(ground) = &self.ground {
+            return (rates.force, ground.force_rate(at.rate, change));
+        }
         let law = self.rig.law();
         let (by_delta, by_rate) = law.gradient(at.delta, at.rate, self.approach);
         (rates.force, by_delta * at.rate + by_rate * change)

@@ -31,6 +31,7 @@ pub mod bodies;
 pub mod cart;
 pub mod chain;
 pub mod filter;
+pub mod ground;
 pub mod in_the_loop;
 pub mod local;
 pub mod log;

@@ -5,6 +5,7 @@
 //! of the integrator itself, to [`TIME_TOLERANCE_S`].
 
 mod contacts;
+mod drilling;
 mod rest;
 
 use std::f64::consts::TAU;
@@ -60,6 +61,7 @@ pub struct Plant {
     touched: bool,
     finished: Vec<Contact>,
     blows: Vec<Blow>,
+    progress_m: f64,
 }
 
 impl Plant {
@@ -108,6 +110,7 @@ impl Plant {
                 cart_mass_kg: params.cart_mass_kg,
                 shaker,
                 mounting: *mounting,
+                ground: None,
                 along,
                 wanted_rad_s: 0.0,
                 path: Path::default(),
@@ -127,6 +130,7 @@ impl Plant {
             touched: false,
             finished: Vec::with_capacity(4),
             blows: Vec::with_capacity(4),
+            progress_m: 0.0,
         };
         if plant.bodies.indicator(&plant.state) > 0.0 {
             plant.begin_contact(0.0);
@@ -268,6 +272,7 @@ impl Plant {
             self.careful_tick();
             self.at = self.bodies.kinematics(&self.state);
         }
+        self.feed();
         self.ticks += 1;
     }
 
@@ -311,7 +316,7 @@ impl Plant {
                     s = if h == grid.1 - s { grid.1 } else { self.tick_s };
                     if self.bodies.mode == Mode::Contact && s == grid.1 {
                         let at = self.bodies.kinematics(&self.state);
-                        let force = self.bodies.rig.force(&at, self.bodies.approach);
+                        let force = self.bodies.contact_force(&at, &self.state);
                         self.inner[grid.0] = force.max(0.0);
                     }
                 }
@@ -374,6 +379,7 @@ impl Plant {
         let mut totals = Totals::default();
         self.state = self.bodies.step(&before, s, h, &mut totals);
         self.totals.add(&totals, 1.0);
+        self.progress_m += self.state.front - before.front;
         if self.bodies.mode == Mode::Contact {
             self.keep(&before, s, h, &totals);
         }

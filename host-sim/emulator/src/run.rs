@@ -128,6 +128,7 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         }
         let status = self.control.status();
         self.summary.block(self.tick, &status);
+        self.summary.progress(self.world.plant().progress_m());
         self.observer.block(&BlockRow {
             tick: first,
             ticks,

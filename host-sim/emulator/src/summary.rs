@@ -79,6 +79,8 @@ pub struct Summary {
     pub largest_travel_m: f64,
     /// Largest displacement of the cart, fixed frame, m.
     pub largest_cart_m: f64,
+    /// How far the ground has given way, m: at the first Hold, and now.
+    pub progress_m: [f64; 2],
     /// Longest time for which the drive stayed powered while a fault of the scenario was present, s.
     pub driven_with_fault_s: f64,
     /// From the first start on.
@@ -113,6 +115,21 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// The ground has given way so far, m.
+    pub fn progress(&mut self, now_m: f64) {
+        self.progress_m[1] = now_m;
+        if self.hold_s.is_none() {
+            self.progress_m[0] = now_m;
+        }
+    }
+
+    /// Rate of penetration from the first Hold on, m/s.
+    pub fn rate_of_penetration(&self) -> Option<f64> {
+        let time_s = self.end_s() - self.hold_s?;
+        let [before, now] = self.progress_m;
+        (time_s > 0.0).then(|| (now - before) / time_s)
+    }
+
     /// Nothing yet.
     pub fn new(scenario: &Scenario) -> Self {
         Self {
@@ -125,6 +142,7 @@ impl Summary {
             largest_n: 0.0,
             largest_travel_m: 0.0,
             largest_cart_m: 0.0,
+            progress_m: [0.0; 2],
             driven_with_fault_s: 0.0,
             asked: Span::default(),
             held: Span::default(),

@@ -88,6 +88,10 @@ pub struct Verdict {
     pub driven_with_fault_s: f64,
     /// Rig time, s.
     pub duration_s: f64,
+    /// Rate of penetration from the first Hold on, µm/s; none without ground that gives way.
+    pub rate_of_penetration_um_per_s: Option<f64>,
+    /// How far the ground gave way, mm.
+    pub progress_mm: Option<f64>,
 }
 
 /// The best the true rig can do: means over the time that counts, of a rig that changes.
@@ -208,6 +212,10 @@ pub fn judge_by(scenario: &Scenario, summary: &Summary, best: Best) -> Verdict {
         largest_cart_mm: 1e3 * summary.largest_cart_m,
         driven_with_fault_s: tidy(summary.driven_with_fault_s),
         duration_s: tidy(summary.end_s()),
+        rate_of_penetration_um_per_s: scenario
+            .ground
+            .and_then(|_| Some(1e6 * summary.rate_of_penetration()?)),
+        progress_mm: scenario.ground.map(|_| 1e3 * summary.progress_m[1]),
     };
     verdict.why = complaints(&scenario.expect, summary.finite, &verdict);
     if !verdict.why.is_empty() {
@@ -278,6 +286,11 @@ fn wrong_numbers(expect: &Expect, verdict: &Verdict, why: &mut Vec<String>) {
         "share from the start",
         verdict.share_from_start,
         expect.min_share_from_start,
+    );
+    at_least(
+        "rate of penetration, µm/s",
+        verdict.rate_of_penetration_um_per_s,
+        expect.min_progress_um_per_s,
     );
     let mut at_most = |what: &str, got: Option<f64>, most: Option<f64>, unit: &str| {
         if let Some(most) = most

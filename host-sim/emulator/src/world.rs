@@ -75,7 +75,8 @@ impl World {
     pub fn new(scenario: &Scenario) -> Result<Self, ParamError> {
         let tick_s = scenario.tick_s();
         let rig = scenario.true_rig;
-        let plant = Plant::mounted(&rig, &scenario.drive(), &scenario.mounting, tick_s)?;
+        let plant = Plant::mounted(&rig, &scenario.drive(), &scenario.mounting, tick_s)?
+            .on_ground(scenario.ground);
         let settings = &scenario.settings;
         let polarity = if scenario.shaker.reversed { -1.0 } else { 1.0 };
         Ok(Self {

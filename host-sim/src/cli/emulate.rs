@@ -369,5 +369,12 @@ fn verdict_lines(verdict: &Verdict) -> String {
         verdict.largest_force_ratio,
         verdict.largest_travel_mm
     );
+    if let Some(dug) = verdict.progress_mm {
+        let rate = verdict.rate_of_penetration_um_per_s;
+        let rate = rate.map_or(String::new(), |r| {
+            format!("; {r:.1} µm/s from the first Hold on")
+        });
+        text += &format!("drilled        {dug:.4} mm{rate}\n");
+    }
     text
 }

@@ -6,6 +6,7 @@ mod bifurcation;
 mod closed;
 mod compare;
 mod contact;
+mod drill;
 mod drop;
 mod emulate;
 mod figures;
@@ -59,6 +60,8 @@ enum Command {
     Map(map::Args),
     /// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
     Orbits(orbits::Args),
+    /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
+    Drill(drill::Args),
     /// Beam springs with more than one bending mode: force, displacement and where the energy goes
     Modes(modes::Args),
     /// Basins of attraction: which initial conditions lead to impact, and what they settle on
@@ -126,6 +129,7 @@ fn execute(command: &Command) -> i32 {
         Command::Sweep(args) => sweep::run(args).map(|()| 0),
         Command::Map(args) => map::run(args).map(|()| 0),
         Command::Orbits(args) => orbits::run(args).map(|()| 0),
+        Command::Drill(args) => drill::run(args).map(|()| 0),
         Command::Modes(args) => modes::run(args).map(|()| 0),
         Command::Basins(args) => basins::run(args).map(|()| 0),
         Command::Bifurcation(args) => bifurcation::run(args).map(|()| 0),

@@ -7,6 +7,7 @@ pub mod basins;
 pub mod bifurcation;
 pub mod compare;
 pub mod contact_law;
+pub mod drill;
 pub mod emulate;
 pub mod gaps;
 pub mod identify;

@@ -62,6 +62,7 @@ scenarios! {
     drift: "drift",
     softening: "softening",
     receding: "receding",
+    drill: "drill",
     hardening: "hardening",
     dropouts: "dropouts",
     preload: "preload",

@@ -2,6 +2,7 @@
 
 mod balances;
 mod builtin;
+mod drilling;
 mod faults;
 mod ground;
 mod motor;

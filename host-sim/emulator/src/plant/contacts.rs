@@ -44,6 +44,13 @@ impl Plant {
         match self.bodies.mode {
             Mode::Flight => self.begin_contact(s),
             Mode::Contact => {
+                let at = self.bodies.kinematics(&self.state);
+                let front = self.state.front;
+                if let Some(ground) = &mut self.bodies.ground
+                    && ground.goes_on(&at, front)
+                {
+                    return;
+                }
                 self.bodies.mode = Mode::Flight;
                 if let Some(mut contact) = self.open.take() {
                     contact.rebound_speed_m_per_s = -self.bodies.kinematics(&self.state).rate;
@@ -55,7 +62,11 @@ impl Plant {
 
     /// Begins a contact `s` seconds into the tick.
     pub(super) fn begin_contact(&mut self, s: f64) {
-        let approach = self.bodies.kinematics(&self.state).rate;
+        let at = self.bodies.kinematics(&self.state);
+        let (approach, front) = (at.rate, self.state.front);
+        if let Some(ground) = &mut self.bodies.ground {
+            ground.begin(&at, front);
+        }
         let onset_s = self.time_s() + s;
         self.bodies.mode = Mode::Contact;
         self.bodies.approach = approach;

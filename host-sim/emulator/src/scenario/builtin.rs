@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 34] = scenarios![
+pub const BUILTIN: [(&str, &str); 35] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
@@ -22,6 +22,7 @@ pub const BUILTIN: [(&str, &str); 34] = scenarios![
     "drift",
     "softening",
     "receding",
+    "drill",
     "hardening",
     "dropouts",
     "preload",

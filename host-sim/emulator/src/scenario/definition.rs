@@ -7,6 +7,7 @@ use shared::settings::{Settings, TICK_S};
 
 use super::event::Timed;
 use crate::cart::Mounting;
+use crate::ground::Ground;
 use crate::motor::MotorParams;
 use crate::plant::Drive;
 use crate::sensors::SensorParams;
@@ -44,6 +45,8 @@ pub struct Scenario {
     pub motor: Option<MotorParams>,
     /// How the cart is mounted.
     pub mounting: Mounting,
+    /// Ground that gives way, in place of the true rig's contact.
+    pub ground: Option<Ground>,
     /// The sensors.
     pub sensors: SensorParams,
     /// What happens, by rising time.
@@ -102,6 +105,8 @@ pub struct Expect {
     pub min_reseeks: Option<u16>,
     /// Most ticks from a fault's condition to the drive being off.
     pub drive_off_within_ticks: Option<u64>,
+    /// Least rate of penetration from the first Hold on, µm/s, into ground that gives way.
+    pub min_progress_um_per_s: Option<f64>,
 }
 
 impl Expect {

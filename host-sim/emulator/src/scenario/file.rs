@@ -12,6 +12,7 @@ use super::change::Change;
 use super::complaint::{not_understood, out_of_range};
 use super::definition::{Expect, LONGEST_S, Scenario};
 use super::event;
+use super::ground::GroundTable;
 use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
 use crate::cart::Mounting;
 use crate::names::{BASINS, STATES, basin_name, state_name};
@@ -52,6 +53,7 @@ struct File {
     #[serde(default)]
     cart: Cart,
     motor: Option<MotorTable>,
+    ground: Option<GroundTable>,
     #[serde(default)]
     events: Vec<toml::Table>,
     #[serde(default)]
@@ -172,6 +174,8 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         events.push(timed.map_err(|e| e.at(format!("{place}, event {}", i + 1)))?);
     }
     events.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    let ground = file.ground.map(|keys| keys.of(&true_rig)).transpose();
+    let ground = ground.map_err(|e| e.at(format!("{place}, [ground]")))?;
     Ok(Scenario {
         name: file.name.unwrap_or_else(|| name.to_owned()),
         description: file.description,
@@ -186,6 +190,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         prescribed,
         motor,
         mounting,
+        ground,
         sensors: sensors(&file.sensors, &settings)
             .map_err(|e| e.at(format!("{place}, [sensors]")))?,
         events,
@@ -311,6 +316,7 @@ struct Expected {
     basin: Option<String>,
     min_reseeks: Option<u16>,
     drive_off_within_ticks: Option<u64>,
+    min_progress_um_per_s: Option<f64>,
 }
 
 fn expect(file: &Expected) -> Result<Expect, UserError> {
@@ -330,6 +336,7 @@ fn expect(file: &Expected) -> Result<Expect, UserError> {
         hold_within_s: file.hold_within_s,
         min_reseeks: file.min_reseeks,
         drive_off_within_ticks: file.drive_off_within_ticks,
+        min_progress_um_per_s: file.min_progress_um_per_s,
     };
     let share = (0.0, 2.0);
     let anything = (0.0, 1e9);
@@ -345,6 +352,11 @@ fn expect(file: &Expected) -> Result<Expect, UserError> {
             anything,
         ),
         ("hold_within_s", file.hold_within_s, anything),
+        (
+            "min_progress_um_per_s",
+            file.min_progress_um_per_s,
+            anything,
+        ),
     ] {
         if let Some(value) = value
             && !(from..=to).contains(&value)

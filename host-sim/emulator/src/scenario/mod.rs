@@ -6,6 +6,7 @@ mod complaint;
 mod definition;
 mod event;
 mod file;
+mod ground;
 mod hardware;
 mod sensor_fault;
 mod words;

@@ -20,7 +20,7 @@ pub mod search;
 
 pub use march::{Blow, Drill, Feed};
 pub use run::{DrillPlan, DrillRow, DrillSetting, Seen, grid, run};
-pub use search::{DrillAnswer, GroundUncertainty, advise};
+pub use search::{Among, Corner, DrillAnswer, GroundUncertainty, advise, refined};
 
 #[cfg(test)]
 mod tests;

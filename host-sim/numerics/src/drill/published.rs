@@ -51,9 +51,14 @@ pub struct DriftingPlan {
 /// What it does at one set of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DriftingRow {
-    /// Parameters.
-    #[serde(flatten)]
-    pub parameters: Drifting,
+    /// Amplitude of the harmonic force over Pf.
+    pub a: f64,
+    /// Static force over Pf.
+    pub b: f64,
+    /// Damping ratio ξ.
+    pub xi: f64,
+    /// Frequency over √(k/m).
+    pub omega: f64,
     /// Drive periods after which the motion repeats; none if it does not.
     pub periods: Option<u8>,
     /// Regime: contacts over drive periods.
@@ -122,7 +127,10 @@ impl Drifting {
         let regime = detector.regime();
         let per_period = (drill.drift_m() - before) / f64::from(plan.recorded);
         Ok(DriftingRow {
-            parameters: *self,
+            a: self.a,
+            b: self.b,
+            xi: self.xi,
+            omega: self.omega,
             periods: regime.periods(),
             regime,
             progress_per_period: per_period,

@@ -5,6 +5,7 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 use shared::model::slider::Slider;
 
+use super::march::Feed;
 use super::orbit;
 use super::run::{DrillPlan, DrillRow, DrillSetting, run};
 use crate::error::Error;
@@ -12,9 +13,14 @@ use crate::golden::maximum;
 use crate::pick::{Limits, pick};
 use crate::progress::{Progress, WithinStep, check};
 use crate::row::{NamedRig, regime_as_text, tidy};
+use crate::sweep::spread;
 
 /// The best frequency is searched to this share of the natural frequency.
 const RESOLUTION: f64 = 2e-4;
+
+/// A corner's own best is sought within this share of the nominal best frequency, first at so many points.
+const NEAR: f64 = 0.12;
+const NEAR_POINTS: usize = 13;
 
 /// How far the ground is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -37,7 +43,7 @@ pub struct Corner {
     /// Its regime there.
     #[serde(serialize_with = "regime_as_text")]
     pub regime_at_nominal: Regime,
-    /// Its own best Ω/ω.
+    /// Its own best Ω/ω, within 12 % of the nominal.
     pub best_frequency_ratio: f64,
     /// What it drills there, µm/s.
     pub best_rate_um_per_s: f64,
@@ -48,7 +54,8 @@ pub struct Corner {
 pub struct DrillAnswer {
     /// Clearance at rest, mm.
     pub gap_mm: f64,
-    /// Where the rate of penetration is largest.
+    /// Where the rate of penetration is largest with one blow in each drive period (with any motion, where there is no
+    /// such).
     pub best: DrillRow,
     /// Largest modulus of a multiplier there, where the motion is a 1/1.
     pub multiplier: Option<f64>,
@@ -82,7 +89,11 @@ pub fn advise(
     plan: DrillPlan,
     progress: &dyn Progress,
 ) -> Result<DrillAnswer, Error> {
-    let best = refined(rig, setting, rows, plan)?;
+    let among = match Among::OneOne.best(rows) {
+        Some(_) => Among::OneOne,
+        None => Among::All,
+    };
+    let best = refined(rig, setting, rows, among, plan)?;
     check(progress)?;
     let natural_hz = rig.params.natural_frequency_hz();
     let multiplier = multiplier(rig, setting, &best, plan);
@@ -91,7 +102,11 @@ pub fn advise(
         Some(found) => Some(at(rig, setting, found.answer.operating_frequency_hz, plan)?),
         None => None,
     };
-    let ranges: Vec<_> = rows.iter().map(|r| r.frequency_hz).collect();
+    let near = spread(
+        (1.0 - NEAR) * best.frequency_hz,
+        (1.0 + NEAR) * best.frequency_hz,
+        NEAR_POINTS,
+    );
     let corners = uncertainty.map_or(Vec::new(), |u| grounds(&setting.ground, u));
     let corners: Result<Vec<_>, Error> = corners
         .par_iter()
@@ -100,7 +115,7 @@ pub fn advise(
                 ground: *ground,
                 ..*setting
             };
-            let corner = corner(rig, &there, best.frequency_hz, &ranges, plan)?;
+            let corner = corner(rig, &there, best.frequency_hz, (&near, among), plan)?;
             crate::progress::step(progress, 1)?;
             Ok(corner)
         })
@@ -138,16 +153,45 @@ fn at(
     Ok(DrillRow::new(rig, setting, frequency_hz, &seen))
 }
 
-/// The best of `rows`, refined between its neighbours.
-fn refined(
+/// Which motions count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Among {
+    /// One blow in each drive period, the motion that is recommended.
+    OneOne,
+    /// All.
+    All,
+}
+
+impl Among {
+    /// Rate of penetration of a row that counts.
+    fn rate(self, row: &DrillRow) -> f64 {
+        if self == Self::All || row.regime.is(1, 1) {
+            row.rate_of_penetration_um_per_s
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+
+    /// The row with the largest rate that counts, if it makes progress, and its index.
+    pub fn best(self, rows: &[DrillRow]) -> Option<usize> {
+        let all = 0..rows.len();
+        let best = all.max_by(|a, b| self.rate(&rows[*a]).total_cmp(&self.rate(&rows[*b])));
+        best.filter(|i| self.rate(&rows[*i]) > 0.0)
+    }
+}
+
+/// The best of `rows` (runs over frequency, rising) among those that count, refined between its neighbours.
+///
+/// # Errors
+/// [`Error::NoProgress`] if no such row makes progress; else as [`run`].
+pub fn refined(
     rig: &NamedRig,
     setting: &DrillSetting,
     rows: &[DrillRow],
+    among: Among,
     plan: DrillPlan,
 ) -> Result<DrillRow, Error> {
-    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
-    let index = (0..rows.len()).max_by(|a, b| rate(&rows[*a]).total_cmp(&rate(&rows[*b])));
-    let Some(index) = index.filter(|i| rate(&rows[*i]) > 0.0) else {
+    let Some(index) = among.best(rows) else {
         return Err(Error::NoProgress {
             threshold_n: setting.ground.threshold,
         });
@@ -159,11 +203,11 @@ fn refined(
     if high - low <= tolerance {
         return Ok(here.clone());
     }
-    let found = |hz: f64| at(rig, setting, hz, plan).map_or(f64::NEG_INFINITY, |r| rate(&r));
+    let found = |hz: f64| at(rig, setting, hz, plan).map_or(f64::NEG_INFINITY, |r| among.rate(&r));
     let hz = maximum(found, (low, high), tolerance, here.frequency_hz);
     let top = at(rig, setting, tidy(hz), plan)?;
     // Where it is not smooth, the search between the neighbours may end lower than it began.
-    Ok(if rate(&top) > rate(here) {
+    Ok(if among.rate(&top) > among.rate(here) {
         top
     } else {
         here.clone()
@@ -177,7 +221,8 @@ fn multiplier(
     best: &DrillRow,
     plan: DrillPlan,
 ) -> Option<f64> {
-    if !best.regime.is(1, 1) {
+    // Where the gap sets itself, the section has a coordinate more.
+    if !best.regime.is(1, 1) || matches!(setting.feed, Feed::Speed(_)) {
         return None;
     }
     let seen = run(&rig.params, setting, best.frequency_hz, plan).ok()?;
@@ -213,14 +258,15 @@ fn corner(
     rig: &NamedRig,
     setting: &DrillSetting,
     nominal_hz: f64,
-    frequencies_hz: &[f64],
+    (near_hz, among): (&[f64], Among),
     plan: DrillPlan,
 ) -> Result<Corner, Error> {
     let here = at(rig, setting, nominal_hz, plan)?;
-    // Every fourth frequency finds the hill; the search climbs it.
-    let coarse = frequencies_hz.iter().step_by(4);
-    let rows: Result<Vec<_>, Error> = coarse.map(|hz| at(rig, setting, *hz, plan)).collect();
-    let best = refined(rig, setting, &rows?, plan).unwrap_or_else(|_| here.clone());
+    let rows: Result<Vec<_>, Error> = near_hz
+        .iter()
+        .map(|hz| at(rig, setting, *hz, plan))
+        .collect();
+    let best = refined(rig, setting, &rows?, among, plan).unwrap_or_else(|_| here.clone());
     let best = if best.rate_of_penetration_um_per_s > here.rate_of_penetration_um_per_s {
         best
     } else {

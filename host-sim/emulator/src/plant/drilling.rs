@@ -1,0 +1,30 @@
+//! The plant on ground that gives way, and its feed.
+
+use shared::model::rig::Mode;
+
+use super::Plant;
+use crate::ground::Ground;
+
+impl Plant {
+    /// The same on ground that gives way, in flight.
+    #[must_use]
+    pub fn on_ground(mut self, ground: Option<Ground>) -> Self {
+        self.bodies.ground = ground;
+        self
+    }
+
+    /// How far the ground has given way since the start, m.
+    pub fn progress_m(&self) -> f64 {
+        self.progress_m
+    }
+
+    /// In flight the feed makes up for a share of the progress in each tick.
+    #[inline]
+    pub(super) fn feed(&mut self) {
+        if let Some(ground) = &self.bodies.ground
+            && self.bodies.mode == Mode::Flight
+        {
+            self.state.front *= 1.0 - (self.tick_s / ground.feed_s).min(1.0);
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! `host-sim drill`.
+
+mod published;
+mod text;
+
+use serde::Serialize;
+use shared::model::contact::Law;
+use shared::model::slider::Slider;
+
+use super::arguments::drive::Drives;
+use super::arguments::output::OutputArgs;
+use super::arguments::range::parse_finite;
+use super::arguments::rig::RigAtGaps;
+use crate::pictures::drawn;
+use crate::pictures::drill::{curves, map};
+use crate::progress::Progress;
+use files::UserError;
+use numerics::NamedRig;
+use numerics::drill::{
+    Among, DrillAnswer, DrillPlan, DrillRow, DrillSetting, Feed, GroundUncertainty, advise, grid,
+    refined,
+};
+use numerics::sweep::spread;
+
+/// Ω/ω without `--ratio` and `--frequency`.
+const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
+
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+pub struct Args {
+    /// Contact force at which the ground gives way (Pf), N
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        required_unless_present = "published"
+    )]
+    threshold_n: Option<f64>,
+
+    /// Stiffness of the ground (k), N/m [default: the rig's contact stiffness]
+    #[arg(long, value_name = "N_PER_M", allow_negative_numbers = true)]
+    ground_stiffness_n_per_m: Option<f64>,
+
+    /// Damping of the ground (c), N·s/m [default: the rig's contact damping]
+    #[arg(long, value_name = "N_S_PER_M", allow_negative_numbers = true)]
+    ground_damping_n_s_per_m: Option<f64>,
+
+    /// Uncertainty of the threshold, % either way
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 20.0,
+        allow_negative_numbers = true
+    )]
+    threshold_percent: f64,
+
+    /// Uncertainty of the ground's stiffness, % either way; its damping goes with it
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 20.0,
+        allow_negative_numbers = true
+    )]
+    ground_stiffness_percent: f64,
+
+    /// How the gap is kept: cart (each period the cart is moved on by what was dug), ground (the ground is brought back),
+    /// steady (at the mean speed of the last period), or a speed in mm/s, at which the gap sets itself
+    #[arg(long, value_name = "HOW|MM_PER_S", value_parser = parse_feed, default_value = "cart", allow_hyphen_values = true)]
+    feed: Feed,
+
+    /// Drive cycles in which a run may settle (fewer where it repeats before)
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    settle: u32,
+
+    /// Instead of a rig: the published drifting oscillator, a bifurcation diagram over its static force
+    #[arg(long, conflicts_with_all = ["threshold_n", "rig", "gaps", "ratio", "frequency"])]
+    published: bool,
+
+    #[command(flatten)]
+    oscillator: published::Oscillator,
+
+    #[command(flatten)]
+    drive: Drives,
+
+    #[command(flatten)]
+    rig: RigAtGaps,
+
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// The answer as JSON.
+#[derive(Debug, Serialize)]
+pub struct Answer {
+    rig: String,
+    cart: &'static str,
+    feed: String,
+    threshold_n: f64,
+    ground_stiffness_n_per_m: f64,
+    ground_damping_n_s_per_m: f64,
+    uncertainty: GroundUncertainty,
+    /// The best of each gap with one blow in each drive period (with any motion, where there is no such).
+    gaps: Vec<DrillRow>,
+    /// More about the best of them.
+    advice: DrillAnswer,
+    /// The best of each gap whatever the motion.
+    gaps_any_regime: Vec<DrillRow>,
+    rows: Vec<DrillRow>,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let output = &args.output.with_usual_folder();
+    output.check()?;
+    if args.published {
+        return published::run(&args.oscillator, args.settle, output);
+    }
+    let answer = answer(args, output)?;
+    if let Some(dir) = &output.out {
+        let name = format!("drill-{}", answer.rig);
+        let mut files = drawn(&name, &curves(&answer.rows, &answer.advice))?;
+        if answer.gaps.len() > 1 {
+            files.extend(drawn(&format!("{name}-map"), &map(&answer.rows))?);
+        }
+        files.extend(output.tables(&name, &answer, &answer.rows)?);
+        output.write(dir, &files)?;
+    }
+    output.emit(&answer, &answer.rows, || text::text(&answer))
+}
+
+fn answer(args: &Args, output: &OutputArgs) -> Result<Answer, UserError> {
+    let rig = args.rig.name.load()?.prescribed();
+    let setting = DrillSetting {
+        ground: ground(args, &rig)?,
+        feed: args.feed,
+    };
+    let uncertainty = uncertainty(args)?;
+    let natural_hz = rig.params.natural_frequency_hz();
+    let (from, to, count) = USUAL_RATIOS;
+    let usual = || spread(from * natural_hz, to * natural_hz, count);
+    let frequencies_hz = args.drive.hz(natural_hz)?.unwrap_or_else(usual);
+    let own = || vec![numerics::row::tidy(rig.params.gap_m * 1e3)];
+    let mut gaps_mm = args.rig.gaps_mm().unwrap_or_else(own);
+    gaps_mm.sort_by(f64::total_cmp);
+    gaps_mm.dedup();
+    let plan = DrillPlan {
+        settle: args.settle,
+        ..DrillPlan::default()
+    };
+    let runs = (gaps_mm.len() * frequencies_hz.len()) as u64;
+    let progress = Progress::new("runs", runs, output.quiet);
+    let rows = grid(&rig, &setting, &gaps_mm, &frequencies_hz, plan, &progress)?;
+    let mut best: Option<(NamedRig, &[DrillRow], DrillRow)> = None;
+    let (mut gaps, mut gaps_any_regime) = (Vec::new(), Vec::new());
+    for (gap_mm, rows) in gaps_mm.iter().zip(rows.chunks(frequencies_hz.len())) {
+        let mut there = rig.clone();
+        there.params = rig.params.with_gap_mm(*gap_mm)?;
+        // Where nothing gives way, any row says so.
+        let any = Among::All.best(rows).unwrap_or(0);
+        gaps_any_regime.push(rows[any].clone());
+        let top = refined(&there, &setting, rows, Among::OneOne, plan);
+        let top = top.unwrap_or_else(|_| rows[any].clone());
+        let rank = |row: &DrillRow| (row.regime.is(1, 1), row.rate_of_penetration_um_per_s);
+        if best.as_ref().is_none_or(|(.., b)| rank(&top) > rank(b)) {
+            best = Some((there, rows, top.clone()));
+        }
+        gaps.push(top);
+    }
+    let Some((there, of_gap, _)) = best else {
+        return Err(UserError::new("there is no gap; give one with --gap"));
+    };
+    let advice = advise(&there, &setting, of_gap, Some(uncertainty), plan, &progress)?;
+    progress.finish();
+    Ok(Answer {
+        rig: rig.name.clone(),
+        cart: "prescribed",
+        feed: feed_name(args.feed),
+        threshold_n: setting.ground.threshold,
+        ground_stiffness_n_per_m: setting.ground.stiffness,
+        ground_damping_n_s_per_m: setting.ground.damping,
+        uncertainty,
+        gaps,
+        advice,
+        gaps_any_regime,
+        rows,
+    })
+}
+
+/// The ground asked for; what is left out is the rig's contact.
+fn ground(args: &Args, rig: &NamedRig) -> Result<Slider<f64>, UserError> {
+    let own = match rig.params.contact {
+        Law::SpringDashpot { stiffness, damping } => Some((stiffness, damping)),
+        _ => None,
+    };
+    let missing = |option: &str| {
+        UserError::new(format!(
+            "the contact of rig {} is no spring-dashpot, so the ground needs {option}",
+            rig.name
+        ))
+    };
+    let stiffness = args.ground_stiffness_n_per_m.or(own.map(|o| o.0));
+    let damping = args.ground_damping_n_s_per_m.or(own.map(|o| o.1));
+    let ground = Slider {
+        stiffness: stiffness.ok_or_else(|| missing("--ground-stiffness-n-per-m"))?,
+        damping: damping.ok_or_else(|| missing("--ground-damping-n-s-per-m"))?,
+        threshold: args.threshold_n.unwrap_or(f64::NAN),
+    };
+    ground.check().map_err(numerics::Error::from)?;
+    Ok(ground)
+}
+
+fn uncertainty(args: &Args) -> Result<GroundUncertainty, UserError> {
+    for (option, percent) in [
+        ("--threshold-percent", args.threshold_percent),
+        ("--ground-stiffness-percent", args.ground_stiffness_percent),
+    ] {
+        if !(0.0..100.0).contains(&percent) {
+            return Err(UserError::new(format!(
+                "{option} is {percent}, must be from 0 to below 100"
+            )));
+        }
+    }
+    Ok(GroundUncertainty {
+        threshold_percent: args.threshold_percent,
+        ground_stiffness_percent: args.ground_stiffness_percent,
+    })
+}
+
+fn parse_feed(text: &str) -> Result<Feed, String> {
+    match text {
+        "cart" => Ok(Feed::Cart),
+        "ground" => Ok(Feed::Ground),
+        "steady" => Ok(Feed::Steady),
+        _ => match parse_finite(text) {
+            Some(speed) if (0.0..=1000.0).contains(&speed) => Ok(Feed::Speed(1e-3 * speed)),
+            _ => Err("write cart, ground, steady, or a speed from 0 to 1000 mm/s".to_owned()),
+        },
+    }
+}
+
+fn feed_name(feed: Feed) -> String {
+    match feed {
+        Feed::Cart => "cart".to_owned(),
+        Feed::Ground => "ground".to_owned(),
+        Feed::Steady => "steady".to_owned(),
+        Feed::Speed(speed) => format!("{:?} mm/s", numerics::row::tidy(1e3 * speed)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn feeds_are_read() {
+        assert_eq!(parse_feed("ground"), Ok(Feed::Ground));
+        assert_eq!(parse_feed("0.05"), Ok(Feed::Speed(5e-5)));
+        assert!(parse_feed("-1").is_err() && parse_feed("nan").is_err());
+    }
+}

@@ -1,0 +1,190 @@
+//! What `drill` says on a terminal.
+
+use super::Answer;
+use numerics::drill::{Corner, DrillAnswer, DrillRow};
+use plot::chart::Chart;
+
+pub fn text(answer: &Answer) -> String {
+    let advice = &answer.advice;
+    let best = &advice.best;
+    let mut text = format!(
+        "{}, gap {:?} mm, ground that gives way at {:?} N: drills fastest at {:.4} Hz ({:.3} times the natural frequency)\n\n",
+        answer.rig, best.gap_mm, answer.threshold_n, best.frequency_hz, best.frequency_ratio
+    );
+    let mut line = |name: &str, value: String| text += &format!("  {name:<22} {value}\n");
+    line(
+        "rate of penetration",
+        format!("{:.1} µm/s", best.rate_of_penetration_um_per_s),
+    );
+    if let Some(blow) = best.progress_per_blow_um {
+        let cycle = best.progress_per_cycle_um;
+        line(
+            "progress",
+            format!("{blow:.2} µm per blow, {cycle:.2} µm per cycle"),
+        );
+    }
+    line(
+        "feed",
+        format!(
+            "{:.4} mm/s keeps the gap{}",
+            best.feed_needed_mm_per_s,
+            match answer.feed.as_str() {
+                "cart" | "ground" | "steady" => String::new(),
+                speed => format!(
+                    "; it is fed at {speed}, and the gap is {:.3} mm on the mean",
+                    best.mean_clearance_mm
+                ),
+            }
+        ),
+    );
+    let stable = advice
+        .multiplier
+        .map_or(String::new(), |m| format!(", largest multiplier {m:.3}"));
+    line("regime", format!("{}{stable}", best.regime));
+    if let (Some(energy), Some(share)) = (best.energy_per_blow_mj, best.share_into_progress) {
+        let percent = 100.0 * share;
+        line(
+            "energy per blow",
+            format!("{energy:.3} mJ, {percent:.0} % of it goes into progress"),
+        );
+    }
+    line("peak force", force(advice, answer.threshold_n));
+    line("surface that stays", rigid(advice));
+    text += &corners(&advice.corners, answer);
+    text += &faster(answer);
+    if answer.gaps.len() > 1 {
+        text += &gaps(answer);
+    }
+    text += "  The cart moves as prescribed. On an emulated rig whose cart recoils, the rate was a fifth to more than a third less\n  (docs/drill.md).\n\n";
+    text + &chart(answer)
+}
+
+/// What another motion would drill, if it drills faster.
+fn faster(answer: &Answer) -> String {
+    let rate = |row: &&DrillRow| row.rate_of_penetration_um_per_s;
+    let all = answer.gaps_any_regime.iter();
+    let Some(fastest) = all.max_by(|a, b| rate(a).total_cmp(&rate(b))) else {
+        return String::new();
+    };
+    if rate(&fastest) <= 1.001 * answer.advice.best.rate_of_penetration_um_per_s {
+        return String::new();
+    }
+    let end = answer
+        .rows
+        .last()
+        .is_some_and(|r| r.frequency_hz == fastest.frequency_hz);
+    format!(
+        "  {:<22} {} at {:.4} Hz (Ω/ω {:.3}), gap {:?} mm: {:.1} µm/s{}; it is not 1/1, and the shaker must give more\n",
+        "faster still",
+        fastest.regime,
+        fastest.frequency_hz,
+        fastest.frequency_ratio,
+        fastest.gap_mm,
+        fastest.rate_of_penetration_um_per_s,
+        if end { " at the end of the range" } else { "" }
+    )
+}
+
+fn force(advice: &DrillAnswer, threshold_n: f64) -> String {
+    match advice.threshold_reached_ratios {
+        Some((low, high)) => format!(
+            "{:.1} N: it cannot pass {threshold_n:?} N, which it reaches at Ω/ω {low:.3} to {high:.3}, so it ranks no frequencies",
+            advice.best.force_n
+        ),
+        None => format!("{:.1} N", advice.best.force_n),
+    }
+}
+
+fn rigid(advice: &DrillAnswer) -> String {
+    let found = (
+        advice.rigid_frequency_hz,
+        advice.rigid_frequency_ratio,
+        advice.rigid_force_n,
+        advice.rigid_share,
+    );
+    let (Some(hz), Some(ratio), Some(force), Some(share)) = found else {
+        return "has no stable 1/1 at this gap to compare with".to_owned();
+    };
+    let apart = 100.0 * (advice.best.frequency_hz / hz - 1.0);
+    format!(
+        "it would be struck hardest ({force:.1} N) at {hz:.4} Hz (Ω/ω {ratio:.3}), {:.1} % {}; there the rate is {:.1} % of the largest",
+        apart.abs(),
+        if apart >= 0.0 { "lower" } else { "higher" },
+        100.0 * share
+    )
+}
+
+fn corners(corners: &[Corner], answer: &Answer) -> String {
+    let over = |value: fn(&Corner) -> f64| {
+        let values = corners.iter().map(value);
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        (low, values.fold(f64::NEG_INFINITY, f64::max))
+    };
+    if corners.is_empty() {
+        return String::new();
+    }
+    let (low, high) = over(|c| c.rate_at_nominal_um_per_s);
+    let (from, to) = over(|c| c.best_frequency_ratio);
+    let share =
+        |c: &Corner| c.rate_at_nominal_um_per_s / c.best_rate_um_per_s.max(f64::MIN_POSITIVE);
+    let least = corners
+        .iter()
+        .filter(|c| c.best_rate_um_per_s > 0.0)
+        .map(share);
+    let least = least.fold(1.0, f64::min);
+    let still = corners
+        .iter()
+        .all(|c| c.regime_at_nominal == answer.advice.best.regime);
+    format!(
+        "  {:<22} threshold ±{:?} %, stiffness ±{:?} %: {low:.1} to {high:.1} µm/s at this frequency, {}; their own best is at Ω/ω {from:.3} to {to:.3}, and this frequency has at least {:.1} % of it\n",
+        "uncertainty",
+        answer.uncertainty.threshold_percent,
+        answer.uncertainty.ground_stiffness_percent,
+        if still {
+            "the same regime"
+        } else {
+            "not always the same regime"
+        },
+        100.0 * least
+    )
+}
+
+fn gaps(answer: &Answer) -> String {
+    let mut text =
+        "\n  gap, mm    Hz        Ω/ω     µm/s     of the best   µm per cycle   regime      any motion\n"
+            .to_owned();
+    let largest = answer.advice.best.rate_of_penetration_um_per_s;
+    for (row, any) in answer.gaps.iter().zip(&answer.gaps_any_regime) {
+        let rate = row.rate_of_penetration_um_per_s;
+        if rate > 0.0 {
+            text += &format!(
+                "  {:>7.2}   {:>7.4}   {:.3} {:>8.1} {:>11.1} % {:>13.2}   {:<9}   {:.1} µm/s at Ω/ω {:.3}, {}\n",
+                row.gap_mm,
+                row.frequency_hz,
+                row.frequency_ratio,
+                rate,
+                100.0 * rate / largest,
+                row.progress_per_cycle_um,
+                row.regime,
+                any.rate_of_penetration_um_per_s,
+                any.frequency_ratio,
+                any.regime
+            );
+        } else {
+            text += &format!(
+                "  {:>7.2}   the ground holds at every frequency of the range\n",
+                row.gap_mm
+            );
+        }
+    }
+    text + "\n"
+}
+
+fn chart(answer: &Answer) -> String {
+    let gap = answer.advice.gap_mm;
+    let rows = answer.rows.iter().filter(|r| r.gap_mm == gap);
+    let points = rows.map(|r| (r.frequency_ratio, r.rate_of_penetration_um_per_s));
+    Chart::new("Ω/ω", "rate of penetration, µm/s")
+        .series(format!("{gap:?} mm"), points.collect())
+        .render()
+}

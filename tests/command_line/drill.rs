@@ -1,0 +1,98 @@
+//! `host-sim drill`.
+
+use crate::support::{Folder, answer, assert_refused, assert_svg_shows, csv_rows, number};
+
+/// A narrow range: a dozen runs and the corners.
+const NARROW: &str = "--ratio 1.96:2.12:0.04 --settle 120";
+
+#[test]
+fn it_says_where_the_rate_is_largest_and_what_the_rigid_pick_has_of_it() {
+    let told = answer(&format!("drill --threshold-n 25 {NARROW}"));
+    let advice = &told["advice"];
+    let best = &advice["best"];
+    let rate = number(best, "rate_of_penetration_um_per_s");
+    // An independent sketch has 77.7 µm/s at a ratio of 2.04 to 2.08.
+    assert!((rate / 77.7 - 1.0).abs() < 0.01, "{rate}");
+    let ratio = number(best, "frequency_ratio");
+    assert!((2.04..2.10).contains(&ratio), "{ratio}");
+    assert_eq!(best["regime"], "1/1");
+    let share = number(advice, "rigid_share");
+    assert!((0.97..0.99).contains(&share), "{share}");
+    assert!((number(advice, "rigid_frequency_ratio") - 2.013).abs() < 2e-3);
+    assert!((number(best, "force_n") - 25.0).abs() < 1e-9);
+    let feed = 1e3 * number(best, "feed_needed_mm_per_s");
+    assert!((feed / rate - 1.0).abs() < 1e-9);
+    assert_eq!(advice["corners"].as_array().map(Vec::len), Some(4));
+}
+
+#[test]
+fn more_gaps_give_a_map_and_a_row_each() {
+    let folder = Folder::new();
+    let line = format!("drill --threshold-n 25 --gap 0:1:1 {NARROW} --format csv --out out");
+    let rows = csv_rows(&folder.run(&line).well().out);
+    assert_eq!(rows.len(), 10);
+    let (near, far) = (&rows[2], &rows[7]);
+    assert_eq!(number(far, "gap_mm"), 1.0);
+    let rate = |row| number(row, "rate_of_penetration_um_per_s");
+    // At the frequency that is best at 0 mm, a gap of 1 mm drills far less.
+    assert!(rate(far) < 0.5 * rate(near), "{near} {far}");
+    let names = [
+        "out/drill-wires-map.png",
+        "out/drill-wires-map.svg",
+        "out/drill-wires.csv",
+        "out/drill-wires.json",
+        "out/drill-wires.png",
+        "out/drill-wires.svg",
+    ];
+    assert_eq!(folder.names(), names);
+    assert_svg_shows(
+        &folder.read("out/drill-wires.svg"),
+        &["rate of penetration, µm/s"],
+    );
+    assert_svg_shows(
+        &folder.read("out/drill-wires-map.svg"),
+        &["progress per cycle, µm"],
+    );
+}
+
+#[test]
+fn the_published_oscillator_repeats_after_two_periods_where_its_authors_say_so() {
+    let told = answer("drill --published --static-force 0.09:0.11:0.005");
+    let rows = told["rows"].as_array().unwrap();
+    let there = rows.iter().find(|r| number(r, "b") == 0.1).unwrap();
+    assert_eq!(there["periods"], 2);
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_one_line() {
+    assert_refused(
+        &Folder::new(),
+        [
+            ("drill", "--threshold-n"),
+            ("drill --threshold-n 0", "threshold_n is 0"),
+            ("drill --threshold-n nan", "threshold_n is NaN"),
+            (
+                "drill --threshold-n 25 --ground-damping-n-s-per-m -1",
+                "ground_damping_n_s_per_m is -1",
+            ),
+            (
+                "drill --threshold-n 25 --threshold-percent 100",
+                "from 0 to below 100",
+            ),
+            ("drill --threshold-n 25 --feed up", "a speed from 0 to 1000"),
+            (
+                "drill --threshold-n 1e6 --ratio 2:2.1:0.1 --settle 50",
+                "the ground holds at every frequency",
+            ),
+            (
+                "drill --threshold-n 25 --set contact_law=hertz --set contact_stiffness_n_per_m=1e9 --set contact_exponent=1.5",
+                "--ground-stiffness-n-per-m",
+            ),
+            (
+                "drill --published --static-force 0:0.1:0.1",
+                "not between 0 and 1",
+            ),
+            ("drill --published --threshold-n 3", "cannot be used with"),
+        ],
+    );
+}
