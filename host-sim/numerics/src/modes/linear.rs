@@ -568,7 +568,12 @@ mod tests {
             let hz = ratio * natural_frequency_hz;
             let branch = &one_one_branches(&params, (1.0, 3.0))[0];
             let known = branch.at(&params, hz).unwrap();
-            let mut rig = ModalRig::new(&params, BEAM, 1).unwrap();
+            let open = RigParams {
+                gap_m: gap_m.max(0.0),
+                ..params
+            };
+            let mut rig = ModalRig::new(&open, BEAM, 1).unwrap();
+            rig.gap_m = gap_m;
             rig.modes = vec![BendingMode {
                 root: 1.0,
                 omega: TAU * natural_frequency_hz,

@@ -127,8 +127,7 @@ impl Field<'_> {
     /// The part of `range_hz` about `from_hz` that `limits` allow.
     fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: Limits) -> (f64, f64) {
         let range_hz = (range_hz.0, range_hz.1.min(self.top(limits)));
-        // The shaker's force rises with the frequency.
-        if limits.max_force_n.is_none() && self.within(range_hz.1, limits).is_some() {
+        if limits.max_force_n.is_none() && limits.max_loop_force_n.is_none() {
             return range_hz;
         }
         interval_where(self.branch, from_hz, range_hz, |hz| {
