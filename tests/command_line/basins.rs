@@ -116,7 +116,7 @@ fn gaps_stand_beside_each_other_and_one_is_advised() {
     );
     let rows = csv_rows(&folder.read("o/pick-gaps-wires.csv"));
     assert_eq!(rows.len(), 2);
-    let alone = answer("pick --gap 2.4 --nominal --cart prescribed");
+    let alone = answer("pick --gap 2.4 --nominal");
     for key in ["operating_frequency_hz", "force_ratio"] {
         assert_eq!(rows[1][key], alone[key], "{key}");
     }

@@ -178,6 +178,11 @@ fn json_has_every_field_promised() {
         "limits",
         "sensitivity",
         "uncertainty",
+        "amplitude_mm",
+        "amplitude_lowered",
+        "modes",
+        "modes_force_ratio",
+        "one_mode_safe_band_hz",
         "why",
     ];
     let there = keys(wires());
@@ -193,6 +198,7 @@ fn json_has_every_field_promised() {
         "reactive_power_w",
         "energy_per_blow_j",
         "blows_per_second",
+        "loop_force_n",
     ];
     assert_eq!(keys(&wires()["shaker"]), shaker);
     let uncertainty = &wires()["uncertainty"];
@@ -200,7 +206,9 @@ fn json_has_every_field_promised() {
         (&uncertainty["samples"], &uncertainty["seed"]),
         (&256.into(), &1.into())
     );
-    assert_eq!(wires()["sensitivity"].as_array().map(Vec::len), Some(10));
+    assert_eq!(wires()["sensitivity"].as_array().map(Vec::len), Some(12));
+    // Wires have no bending modes.
+    assert_eq!(wires()["modes"], Value::Null);
 }
 
 /// The emulator's two bodies, and an independent model of them, say 29.7 (wires) and 72.5 (beam-170) times the weight where

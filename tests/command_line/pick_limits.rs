@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{answer, number};
+use crate::support::{Folder, answer, number};
 
 fn limit<'a>(answer: &'a Value, name: &str) -> &'a Value {
     let limits = answer["limits"].as_array().expect("limits");
@@ -111,4 +111,92 @@ fn a_large_gap_is_told_for_what_it_is() {
     // Not every corner of it gets there from rest.
     let reaching = number(&a, "corners_reaching_one_one_from_rest");
     assert!(reaching < number(&a, "corners"), "{reaching}");
+}
+
+/// A force at which the rig's own amplitude can be run at no frequency: the amplitude is lowered until its strongest
+/// frequency can be, and the answer says so.
+#[test]
+fn a_drive_force_limit_that_no_frequency_keeps_lowers_the_amplitude() {
+    let a = answer("pick --nominal --max-drive-force-n 0.5");
+    assert_eq!(a["amplitude_lowered"], true);
+    let amplitude = number(&a, "amplitude_mm");
+    assert!(amplitude < 0.3, "{amplitude}");
+    let drive = number(&a["shaker"], "force_n");
+    assert!(drive <= 0.5 && drive > 0.4, "{drive}");
+    let [_, high] = [0, 1].map(|i| a["safe_band_hz"][i].as_f64().expect("a number"));
+    assert!(high > 1.03 * number(&a, "operating_frequency_hz"), "{a}");
+    // At no gap forces go with the amplitude, but for what a pendulum differs from a spring (0.1 %).
+    let whole = answer("pick --nominal");
+    assert_eq!(whole["amplitude_lowered"], false);
+    let [lower, full] = [&a, &whole].map(|a| number(a, "force_n") / number(a, "amplitude_mm"));
+    assert!((lower / full - 1.0).abs() < 2e-3, "{lower} {full}");
+    let text = Folder::new()
+        .run("pick --nominal --max-drive-force-n 0.5")
+        .well()
+        .out;
+    assert!(text.contains("the amplitude is lowered"), "{text}");
+}
+
+/// The loop of the assumed shaker gives some 17 N at the wires, most of it against the recoil.
+#[test]
+fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_must() {
+    let free = answer("pick --nominal");
+    let needed = number(&free["shaker"], "loop_force_n");
+    assert!(
+        needed > 2.0 * number(&free["shaker"], "force_n"),
+        "{needed}"
+    );
+    let loose = limit(&free, "shaker_max_force_n");
+    assert_eq!(
+        (&loose["limit"], &loose["binds"]),
+        (&200.0.into(), &false.into())
+    );
+    let with = |share: f64| {
+        let most = share * needed;
+        let a = answer(&format!("pick --nominal --set shaker_max_force_n={most}"));
+        assert!(
+            number(&a["shaker"], "loop_force_n") <= most * (1.0 + 1e-6),
+            "{a}"
+        );
+        a
+    };
+    let less = with(0.8);
+    assert_eq!(limit(&less, "shaker_max_force_n")["binds"], true);
+    assert_eq!(less["amplitude_lowered"], false);
+    let [moved, best] = [&less, &free].map(|a| number(a, "operating_frequency_hz"));
+    assert!((moved / best - 1.0).abs() > 0.02, "{moved} {best}");
+    let little = with(0.1);
+    assert_eq!(little["amplitude_lowered"], true);
+    assert!(number(&little, "amplitude_mm") < 0.2);
+}
+
+/// In the safe band of one mode, five modes have 81 to 82 % of the force at 8.60 and 9.45 Hz (prescribed cart).
+#[test]
+fn the_safe_band_of_beams_leaves_out_where_several_modes_are_weak() {
+    let a = answer("pick --rig beam-170 --cart prescribed --samples 8");
+    let band = |key: &str| [0, 1].map(|i| a[key][i].as_f64().expect("a number"));
+    let (one, safe) = (band("one_mode_safe_band_hz"), band("safe_band_hz"));
+    for hz in [8.60, 9.45] {
+        assert!(one[0] < hz && hz < one[1], "{one:?}");
+        assert!(hz < safe[0] || safe[1] < hz, "{safe:?}");
+    }
+    let seen = answer(
+        "modes --rig beam-170 --frequency 8.6:9.45:0.85 --modes 5 --cycles 400 --transient 380",
+    );
+    let rows = seen["rows"].as_array().expect("rows");
+    let at = number(&a, "modes_force_ratio");
+    for row in rows {
+        let share = number(row, "force_ratio") / at;
+        assert!((0.80..0.83).contains(&share), "{share}: {row}");
+    }
+    // The modes' own engine has the force of the answer, too, within what the modes left out change.
+    let hz = number(&a, "operating_frequency_hz");
+    let there = answer(&format!(
+        "modes --rig beam-170 --frequency {hz:?} --modes 5 --cycles 400 --transient 380"
+    ));
+    let five = number(&there["rows"][0], "force_ratio");
+    assert!((at / five - 1.0).abs() < 0.01, "{at} {five}");
+    // Over the springs' mass the weak frequencies move through the band, and the answer says so.
+    assert!(number(&a, "safe_band_force_share_any_springs") < 0.9);
+    assert!(number(&a, "modes_force_ratio_worst") < number(&a, "modes_force_ratio"));
 }

@@ -325,6 +325,7 @@ fn named(limits: Limits) -> Vec<String> {
         one("max_force_n", limits.max_force_n),
         one("max_frequency_hz", limits.max_frequency_hz),
         one("max_drive_force_n", limits.max_drive_force_n),
+        one("shaker_max_force_n", limits.max_loop_force_n),
     ]
     .into_iter()
     .flatten()

@@ -9,7 +9,7 @@ use files::UserError;
 use files::rigfile;
 use files::table::to_csv;
 use numerics::pick::gaps::advise;
-use numerics::pick::{Limits, Uncertainty};
+use numerics::pick::{Limits, Springs, Uncertainty};
 
 /// The one part.
 pub const PART: Part = Part::new("gap advice", &["gap advice"], 325.0, pages);
@@ -29,7 +29,14 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         Effort::Coarse => (vec![0.0, 2.4], None, 20),
     };
     let limits = Limits::default();
-    let advice = advise(&rig, &gaps_mm, uncertainty, limits, (starts, 1), progress)?;
+    let advice = advise(
+        &rig,
+        &gaps_mm,
+        (uncertainty, Springs::default()),
+        limits,
+        (starts, 1),
+        progress,
+    )?;
     let advice = GapTable::from(&advice);
     let picture = figure(&advice);
     let mut files = drawn("figure-gap-advice", &picture)?;

@@ -29,6 +29,7 @@ fn cases() -> impl Iterator<Item = (&'static str, RigParams)> {
         frequency_hz: 9.0,
         damping_ratio: 0.2,
         feed_forward: 0.9,
+        max_force_n: 200.0,
     });
     [CartDrive::Prescribed, soft].into_iter().flat_map(|cart| {
         PRESETS.into_iter().map(move |(name, params)| {

@@ -43,6 +43,9 @@ pub struct LoopParams {
     pub damping_ratio: f64,
     /// Share of M ÿ* that is fed forward.
     pub feed_forward: f64,
+    /// The largest force that the shaker can give, N. The equations do not limit it: a motion that needs more is not this
+    /// model's.
+    pub max_force_n: f64,
 }
 
 /// The shaker that is assumed where none is given: a laboratory shaker of 200 N. The chapter does not describe its own.
@@ -50,6 +53,7 @@ pub const ASSUMED_SHAKER: LoopParams = LoopParams {
     frequency_hz: 50.0,
     damping_ratio: 0.7,
     feed_forward: 1.0,
+    max_force_n: 200.0,
 };
 
 /// A loop with the cart it holds, ready to be stepped.

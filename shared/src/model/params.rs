@@ -305,7 +305,8 @@ impl RigParams {
 fn check_loop(held: &LoopParams) -> Result<(), ParamError> {
     within("shaker_loop_hz", held.frequency_hz, &LOOP_HZ)?;
     within("shaker_damping_ratio", held.damping_ratio, &LOOP_DAMPING)?;
-    within("shaker_feed_forward", held.feed_forward, &FEED_FORWARD)
+    within("shaker_feed_forward", held.feed_forward, &FEED_FORWARD)?;
+    within("shaker_max_force_n", held.max_force_n, &SHAKER_FORCE)
 }
 
 fn check_law(law: &Law<f64>) -> Result<(), ParamError> {
@@ -343,6 +344,7 @@ const NATURAL_FREQUENCY_HZ: Allowed = Allowed(1e-6, 1e4, "a positive number from
 const LOOP_HZ: Allowed = Allowed(0.1, 1e4, "a number from 0.1 to 1e4");
 const LOOP_DAMPING: Allowed = Allowed(0.0, 100.0, "a number from 0 to 100");
 const FEED_FORWARD: Allowed = Allowed(0.0, 2.0, "a number from 0 to 2");
+const SHAKER_FORCE: Allowed = Allowed(1e-3, 1e9, "a number from 0.001 to 1e9");
 const CUBIC_STIFFNESS: Allowed = Allowed(0.0, 1e15, "a number from 0 to 1e15");
 const CONTACT_STIFFNESS: Allowed = Allowed(1e-3, 1e18, "a positive number from 0.001 to 1e18");
 const CONTACT_DAMPING: Allowed = Allowed(0.0, 1e12, "a number from 0 to 1e12");

@@ -5,7 +5,7 @@ use shared::model::params::ParamError;
 use crate::UserError;
 
 /// Every key a rig file or `--set` may use, with what it means.
-pub const KEYS: [(&str, &str); 22] = [
+pub const KEYS: [(&str, &str); 23] = [
     (
         "preset",
         "rig to start from: wires, beam-170, beam-150 or beam-135",
@@ -59,6 +59,10 @@ pub const KEYS: [(&str, &str); 22] = [
     (
         "shaker_feed_forward",
         "share of the force on the cart's mass that the shaker feeds forward",
+    ),
+    (
+        "shaker_max_force_n",
+        "largest force that the shaker can give",
     ),
     ("description", "free text"),
 ];

@@ -103,6 +103,7 @@ pub(super) fn to_table(params: &RigParams) -> Table {
         put("shaker_loop_hz", held.frequency_hz);
         put("shaker_damping_ratio", held.damping_ratio);
         put("shaker_feed_forward", held.feed_forward);
+        put("shaker_max_force_n", held.max_force_n);
     }
     law_to_table(&params.contact, &mut table);
     table
@@ -229,10 +230,12 @@ fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
     let frequency = optional(table, "shaker_loop_hz")?;
     let damping = optional(table, "shaker_damping_ratio")?;
     let forward = optional(table, "shaker_feed_forward")?;
+    let most = optional(table, "shaker_max_force_n")?;
     let Some(frequency_hz) = frequency else {
         let orphan = [
             ("shaker_damping_ratio", damping),
             ("shaker_feed_forward", forward),
+            ("shaker_max_force_n", most),
         ];
         return match orphan.iter().find(|(_, value)| value.is_some()) {
             Some((key, _)) => Err(NoRig::new(key, format!("{key} needs shaker_loop_hz"))),
@@ -243,6 +246,7 @@ fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
         frequency_hz,
         damping_ratio: damping.unwrap_or(ASSUMED_SHAKER.damping_ratio),
         feed_forward: forward.unwrap_or(ASSUMED_SHAKER.feed_forward),
+        max_force_n: most.unwrap_or(ASSUMED_SHAKER.max_force_n),
     }))
 }
 

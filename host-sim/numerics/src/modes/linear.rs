@@ -136,14 +136,20 @@ impl Motion {
     /// `params` with the `count` lowest modes of `beam` at `frequency_hz`, its cart as in `params`.
     ///
     /// # Errors
-    /// As [`ModalRig::new`]; also if the frequency is not a positive number.
+    /// As [`ModalRig::new`], except that a gap may be negative: the orbits are not those of a start from rest, free of the
+    /// surface. Also if the frequency is not a positive number.
     pub fn of(
         params: &RigParams,
         beam: Beam,
         count: usize,
         frequency_hz: f64,
     ) -> Result<Self, Error> {
-        let rig = ModalRig::new(params, beam, count)?;
+        let open = RigParams {
+            gap_m: params.gap_m.max(0.0),
+            ..*params
+        };
+        let mut rig = ModalRig::new(&open, beam, count)?;
+        rig.gap_m = params.gap_m;
         if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
             return Err(Error::Frequency(frequency_hz));
         }
@@ -541,7 +547,7 @@ mod tests {
         for (params, gap_m, ratio, loop_hz) in [
             (BEAM_170, 0.0, 2.0, 50.0),
             (BEAM_135, 1e-3, 1.7, 12.0),
-            (BEAM_170, 0.3e-3, 1.5, 200.0),
+            (BEAM_170, -0.05e-3, 1.5, 200.0),
         ] {
             let held = LoopParams {
                 frequency_hz: loop_hz,
@@ -562,7 +568,12 @@ mod tests {
             let hz = ratio * natural_frequency_hz;
             let branch = &one_one_branches(&params, (1.0, 3.0))[0];
             let known = branch.at(&params, hz).unwrap();
-            let mut rig = ModalRig::new(&params, BEAM, 1).unwrap();
+            let open = RigParams {
+                gap_m: gap_m.max(0.0),
+                ..params
+            };
+            let mut rig = ModalRig::new(&open, BEAM, 1).unwrap();
+            rig.gap_m = gap_m;
             rig.modes = vec![BendingMode {
                 root: 1.0,
                 omega: TAU * natural_frequency_hz,

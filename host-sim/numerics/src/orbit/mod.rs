@@ -1,5 +1,6 @@
 //! Periodic orbits by shooting on the section at drive phase 0, with their monodromy multipliers.
 
+mod loop_force;
 mod monodromy;
 mod watch;
 
@@ -8,6 +9,7 @@ use shared::model::rig::Rig;
 
 use crate::dual::Dual;
 use crate::reference::{Contact, Reference};
+pub use loop_force::loop_force_n;
 pub use monodromy::{Monodromy, Multipliers};
 pub use watch::Watch;
 

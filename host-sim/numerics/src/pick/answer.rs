@@ -7,10 +7,11 @@ use shared::model::cart::LoopParams;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
+use super::bending::Bending;
 use super::sensitivity::Sensitivity;
 use super::uncertainty::Uncertainty;
 use crate::branch::End;
-use crate::orbit::Orbit;
+use crate::orbit::{Orbit, loop_force_n};
 use crate::row::NamedRig;
 use crate::row::{regime_as_text, tidy};
 
@@ -44,6 +45,9 @@ pub struct Shaker {
     pub energy_per_blow_j: f64,
     /// Contacts per second.
     pub blows_per_second: f64,
+    /// Largest force of the shaker's position loop over a period, N, the recoil from the contacts included. None with a
+    /// prescribed cart.
+    pub loop_force_n: Option<f64>,
 }
 
 /// How the cart is moved in a pick.
@@ -169,6 +173,13 @@ pub struct Answer {
     pub sensitivity: Vec<Sensitivity>,
     /// The uncertainty taken into account; `None` if none was given.
     pub uncertainty: Option<Uncertainty>,
+    /// Cart amplitude A0 of the answer, mm.
+    pub amplitude_mm: f64,
+    /// Whether it is less than the rig's because no frequency keeps the limits of the shaker with the rig's.
+    pub amplitude_lowered: bool,
+    /// What the higher bending modes of beam springs change.
+    #[serde(flatten)]
+    pub bending: Bending,
 }
 
 /// Peak force to move cart and hammer at `hz`, (M + m) A0 Ω², N.
@@ -195,5 +206,6 @@ pub fn shaker(rig: &NamedRig, orbit: &Orbit) -> Shaker {
         reactive_power_w: 0.5 * moved_kg * amplitude.powi(2) * omega.powi(3),
         energy_per_blow_j: orbit.contact.energy_lost_j,
         blows_per_second: f64::from(orbit.impacts) * orbit.frequency_hz,
+        loop_force_n: loop_force_n(params, orbit),
     }
 }

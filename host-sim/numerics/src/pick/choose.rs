@@ -5,9 +5,11 @@ use super::search::{Spread, interval_where, maximise, spread_of_members};
 use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
-use crate::orbit::Orbit;
+use crate::orbit::{Orbit, loop_force_n};
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
+use shared::model::cart::CartDrive;
+use shared::model::params::RigParams;
 
 /// What the operating point must respect.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,6 +20,28 @@ pub struct Limits {
     pub max_frequency_hz: Option<f64>,
     /// Largest force the shaker can give to move M + m, N.
     pub max_drive_force_n: Option<f64>,
+    /// Largest force of the shaker's position loop with a cart that recoils, N: what the rig's shaker can give.
+    pub max_loop_force_n: Option<f64>,
+}
+
+impl Limits {
+    /// These limits and the one of the shaker of `params`, if its cart recoils.
+    #[must_use]
+    pub fn with_shaker_of(self, params: &RigParams) -> Self {
+        let max_loop_force_n = match params.cart {
+            CartDrive::Prescribed => None,
+            CartDrive::Loop(held) => Some(held.max_force_n),
+        };
+        Self {
+            max_loop_force_n,
+            ..self
+        }
+    }
+
+    /// Whether the shaker's force limits what can be run.
+    pub fn limit_the_shaker(&self) -> bool {
+        self.max_drive_force_n.is_some() || self.max_loop_force_n.is_some()
+    }
 }
 
 /// The orbit chosen.
@@ -68,14 +92,24 @@ impl Field<'_> {
         Some(orbit)
     }
 
+    /// The same within the force that the shaker's loop can give, too.
+    fn within(&self, hz: f64, limits: Limits) -> Option<Orbit> {
+        let orbit = self.within_force(hz, limits.max_force_n)?;
+        let Some(most) = limits.max_loop_force_n else {
+            return Some(orbit);
+        };
+        let needed = loop_force_n(&self.rig.params, &orbit);
+        needed.is_none_or(|n| n <= most).then_some(orbit)
+    }
+
     /// The strongest orbit in `range_hz` within `limits`. Both flanks of the force curve may reach a force
     /// limit; the lower one is taken, which needs less of the shaker and is farther from the doubling.
-    fn best(&self, range_hz: (f64, f64), limits: Limits) -> Option<Orbit> {
+    pub fn best(&self, range_hz: (f64, f64), limits: Limits) -> Option<Orbit> {
         let range_hz = (range_hz.0, self.top(limits).min(range_hz.1));
         if range_hz.1 < range_hz.0 {
             return None;
         }
-        let within = |hz: f64| self.within_force(hz, limits.max_force_n);
+        let within = |hz: f64| self.within(hz, limits);
         let (best_hz, orbit) = maximise(self.branch, range_hz, |hz| {
             let orbit = within(hz)?;
             Some((orbit.force_n, orbit))
@@ -93,11 +127,11 @@ impl Field<'_> {
     /// The part of `range_hz` about `from_hz` that `limits` allow.
     fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: Limits) -> (f64, f64) {
         let range_hz = (range_hz.0, range_hz.1.min(self.top(limits)));
-        if limits.max_force_n.is_none() {
+        if limits.max_force_n.is_none() && limits.max_loop_force_n.is_none() {
             return range_hz;
         }
         interval_where(self.branch, from_hz, range_hz, |hz| {
-            self.within_force(hz, limits.max_force_n).is_some()
+            self.within(hz, limits).is_some()
         })
     }
 
@@ -158,7 +192,11 @@ impl Field<'_> {
         spread_of_members(&self.rig.params, self.members, &orbit).map(|spread| spread.weakest_n)
     }
 
-    fn spread(&self, orbit: &Orbit) -> Result<Spread, Error> {
+    /// Forces of `orbit` and of every member at its frequency.
+    ///
+    /// # Errors
+    /// If a member has no stable 1/1 there.
+    pub fn spread(&self, orbit: &Orbit) -> Result<Spread, Error> {
         spread_of_members(&self.rig.params, self.members, orbit).ok_or_else(|| {
             self.rig.no_pick(PickError::MemberLost {
                 frequency_hz: orbit.frequency_hz,
@@ -166,7 +204,18 @@ impl Field<'_> {
         })
     }
 
-    fn nothing(&self, robust: (f64, f64), limits: Limits) -> Error {
+    /// The error that says that nothing in `robust` keeps `limits`.
+    pub fn nothing(&self, robust: (f64, f64), limits: Limits) -> Error {
+        // The shaker's own limit is named only where it matters.
+        let asked = Limits {
+            max_loop_force_n: None,
+            ..limits
+        };
+        let limits = if self.best(robust, asked).is_none() {
+            asked
+        } else {
+            limits
+        };
         self.rig.no_pick(PickError::Limits {
             range_hz: robust,
             limits,
@@ -188,14 +237,16 @@ impl Field<'_> {
             limit: None,
             binds: more(certain.best(free, limits)),
         }];
-        let (mut force, mut frequency, mut drive) = (limits, limits, limits);
+        let (mut force, mut frequency, mut drive, mut held) = (limits, limits, limits, limits);
         force.max_force_n = None;
         frequency.max_frequency_hz = None;
         drive.max_drive_force_n = None;
+        held.max_loop_force_n = None;
         let given = [
             ("max_force_n", limits.max_force_n, force),
             ("max_frequency_hz", limits.max_frequency_hz, frequency),
             ("max_drive_force_n", limits.max_drive_force_n, drive),
+            ("shaker_max_force_n", limits.max_loop_force_n, held),
         ];
         let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
         uses.extend(given.map(|(name, limit, without)| LimitUse {

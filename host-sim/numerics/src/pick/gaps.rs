@@ -3,7 +3,7 @@
 
 use shared::model::regime::Regime;
 
-use super::{Limits, Pick, Uncertainty, pick, steps};
+use super::{Limits, Pick, Springs, Uncertainty, pick_on, steps};
 use crate::basins::start::{self, Drive, Fate, Window};
 use crate::basins::{BasinsRequest, Share};
 use crate::engine::Engine;
@@ -95,7 +95,7 @@ pub fn gap_steps(gaps: usize, uncertainty: Option<Uncertainty>, starts: u32) -> 
 pub fn advise(
     rig: &NamedRig,
     gaps_mm: &[f64],
-    uncertainty: Option<Uncertainty>,
+    (uncertainty, springs): (Option<Uncertainty>, Springs),
     limits: Limits,
     (starts, seed): (u32, u64),
     progress: &dyn Progress,
@@ -108,7 +108,7 @@ pub fn advise(
     let rigs: Vec<NamedRig> = gaps_mm.iter().map(at_gap).collect::<Result<_, Error>>()?;
     let mut gaps = Vec::with_capacity(rigs.len());
     for rig in &rigs {
-        let found = match pick(rig, uncertainty, limits, progress) {
+        let found = match pick_on(rig, springs, uncertainty, limits, progress) {
             Ok(found) => Ok(gap_pick(rig, &found, starts, seed, progress)?),
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             Err(why) => Err(why),
@@ -264,13 +264,28 @@ mod tests {
     #[test]
     fn the_field_s_gap_is_advised_on_wires() {
         let rig = NamedRig::new("wires", WIRES);
-        let found = advise(&rig, &[0.0, 2.4], None, Limits::default(), (40, 1), &()).unwrap();
+        let found = advise(
+            &rig,
+            &[0.0, 2.4],
+            (None, Springs::default()),
+            Limits::default(),
+            (40, 1),
+            &(),
+        )
+        .unwrap();
         assert_eq!(found.advised, Some(0), "{found:?}");
         let [none, large] = [0, 1].map(|i| found.gaps[i].pick.as_ref().unwrap());
         assert!(none.jump_free && !large.jump_free);
         assert_eq!(none.basin.unwrap().value(), 1.0);
         assert!(none.safe_band_percent() > large.safe_band_percent());
-        let bad = advise(&rig, &[70.0], None, Limits::default(), (1, 1), &());
+        let bad = advise(
+            &rig,
+            &[70.0],
+            (None, Springs::default()),
+            Limits::default(),
+            (1, 1),
+            &(),
+        );
         assert!(matches!(bad, Err(Error::Parameter(_))), "{bad:?}");
     }
 

@@ -6,7 +6,9 @@
 //!    frequencies at which all of them have ([`search`]).
 //! 3. On what is left, and within the limits asked for, take the largest nominal force.
 
+mod amplitude;
 pub mod answer;
+pub mod bending;
 pub mod choose;
 pub mod gaps;
 pub mod search;
@@ -26,8 +28,11 @@ use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, tidy};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
+use amplitude::lowered;
 pub use answer::{Answer, CartModel, Strongest};
 use answer::{impact_power, shaker};
+pub use bending::Springs;
+use bending::{Bending, on_beams};
 pub use choose::Limits;
 use choose::{Choice, Field};
 use search::{interval_where, maximise, stable_interval};
@@ -83,6 +88,46 @@ pub fn pick(
     limits: Limits,
     progress: &dyn Progress,
 ) -> Result<Pick, Error> {
+    pick_on(rig, Springs::default(), uncertainty, limits, progress)
+}
+
+/// [`pick`] for a rig on beam springs of another mass than the assumed one.
+///
+/// Where no frequency keeps the limits of the shaker, the amplitude is lowered until one does.
+///
+/// # Errors
+/// As [`pick`].
+pub fn pick_on(
+    rig: &NamedRig,
+    springs: Springs,
+    uncertainty: Option<Uncertainty>,
+    limits: Limits,
+    progress: &dyn Progress,
+) -> Result<Pick, Error> {
+    let limits = limits.with_shaker_of(&rig.params);
+    let found = pick_at_amplitude(rig, springs, uncertainty, limits, progress);
+    let Err(Error::Pick {
+        what: PickError::Limits { .. },
+        ..
+    }) = &found
+    else {
+        return found;
+    };
+    let Some(lower) = lowered(rig, limits, progress) else {
+        return found;
+    };
+    let mut found = pick_at_amplitude(&lower, springs, uncertainty, limits, progress)?;
+    found.answer.amplitude_lowered = true;
+    Ok(found)
+}
+
+fn pick_at_amplitude(
+    rig: &NamedRig,
+    springs: Springs,
+    uncertainty: Option<Uncertainty>,
+    limits: Limits,
+    progress: &dyn Progress,
+) -> Result<Pick, Error> {
     let params = &rig.params;
     params.check()?;
     let branch = best_branch(rig)?;
@@ -94,6 +139,16 @@ pub fn pick(
     let (_, strongest_power) =
         maximise(&branch, range(&branch), power_at).ok_or_else(|| no_one_one(rig))?;
 
+    let certain = Field {
+        rig,
+        branch: &branch,
+        members: &[],
+        progress,
+    };
+    if certain.best(range(&branch), limits).is_none() {
+        check(progress)?;
+        return Err(certain.nothing(range(&branch), limits));
+    }
     let members = uncertainty.map_or(Vec::new(), |u| u.members());
     let robust = robust_range(rig, &members, &branch, &nominal, progress)?;
     let field = Field {
@@ -102,13 +157,36 @@ pub fn pick(
         members: &members,
         progress,
     };
-    let choice = field.choose(robust, limits)?;
+    let mut choice = field.choose(robust, limits)?;
+    let allowed = |chosen: &Orbit, limits_hz: (f64, f64)| {
+        let band = force_band(params, &branch, chosen);
+        (band.0.max(limits_hz.0), band.1.min(limits_hz.1))
+    };
+    let bent = bending::Request {
+        params,
+        springs,
+        members: &members,
+        corners: uncertainty.map_or(0, |u| u.corners().len()),
+        chosen_hz: choice.orbit.frequency_hz,
+        band_hz: allowed(&choice.orbit, choice.allowed),
+        max_force_n: limits.max_force_n,
+    }
+    .run(progress)?;
+    if let Some(bent) = &bent {
+        if bent.chosen_hz != choice.orbit.frequency_hz {
+            let moved = branch.at(params, bent.chosen_hz);
+            choice.orbit = moved.ok_or_else(|| no_one_one(rig))?;
+            choice.spread = field.spread(&choice.orbit)?;
+        }
+        let (low, high) = bent.band_hz;
+        choice.allowed = (choice.allowed.0.max(low), choice.allowed.1.min(high));
+    }
     let jumps = Jumps::find(rig, &branch, progress)?;
     let runs = Runs::of(params, uncertainty, &choice.orbit)?;
     let sensitivity = sensitivity::table(params, &nominal);
     let other = other_cart(rig, limits, progress);
     let band = force_band(params, &branch, &choice.orbit);
-    let (low, high) = (band.0.max(choice.allowed.0), band.1.min(choice.allowed.1));
+    let (low, high) = allowed(&choice.orbit, choice.allowed);
     let worst = |hz: f64| Some(field.weakest_at(hz)? / params.weight_n());
     let safe_band = SafeBand {
         hz: (low, high),
@@ -132,6 +210,7 @@ pub fn pick(
         runs,
         sensitivity,
         uncertainty,
+        bending: bent.map(|bent| bent.bending),
     };
     Ok(Pick {
         answer: found.answer(),
@@ -298,6 +377,7 @@ struct Found<'a> {
     runs: Runs,
     sensitivity: Vec<Sensitivity>,
     uncertainty: Option<Uncertainty>,
+    bending: Option<Bending>,
 }
 
 impl Found<'_> {
@@ -366,6 +446,12 @@ impl Found<'_> {
             limits: self.choice.limits,
             sensitivity: self.sensitivity,
             uncertainty: self.uncertainty,
+            amplitude_mm: tidy(params.amplitude_m * 1e3),
+            amplitude_lowered: false,
+            bending: self.bending.unwrap_or_else(|| Bending {
+                on_beams: on_beams(params),
+                ..Bending::default()
+            }),
         }
     }
 }

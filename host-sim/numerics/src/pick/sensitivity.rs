@@ -102,6 +102,24 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
                 }
             }),
         ));
+        rows.push((
+            "shaker_damping_ratio",
+            percent,
+            relative(|rig, by| {
+                if let CartDrive::Loop(held) = &mut rig.cart {
+                    held.damping_ratio *= by;
+                }
+            }),
+        ));
+        rows.push((
+            "shaker_feed_forward",
+            percent,
+            relative(|rig, by| {
+                if let CartDrive::Loop(held) = &mut rig.cart {
+                    held.feed_forward *= by;
+                }
+            }),
+        ));
     }
     if let SupportParams::Beams { .. } = params.support {
         rows.push((

@@ -10,7 +10,7 @@ use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
 use numerics::NamedRig;
 use numerics::pick::gaps::{advise, gap_steps};
-use numerics::pick::{Limits, Uncertainty};
+use numerics::pick::{Limits, Springs, Uncertainty};
 use numerics::row::tidy;
 use plot::chart::Chart;
 
@@ -22,6 +22,7 @@ const MOST_STARTS: u32 = 1_000_000;
 /// What `--gaps` needs besides.
 pub struct Gaps<'a> {
     pub text: &'a str,
+    pub springs: Springs,
     pub starts: u32,
     pub seed: u64,
 }
@@ -53,7 +54,14 @@ pub fn run(
     for gap_mm in &list {
         at_gap(&rig.params, tidy(*gap_mm), "--gaps")?;
     }
-    let advice = advise(rig, &list, uncertainty, limits, starts, &progress)?;
+    let advice = advise(
+        rig,
+        &list,
+        (uncertainty, gaps.springs),
+        limits,
+        starts,
+        &progress,
+    )?;
     let advice = GapTable::from(&advice);
     progress.finish();
     if let Some(dir) = &output.out {

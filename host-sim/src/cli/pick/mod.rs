@@ -1,5 +1,6 @@
 //! `host-sim pick`.
 
+mod bending;
 mod gaps;
 mod text;
 
@@ -19,7 +20,7 @@ use files::UserError;
 use files::table::{to_csv, to_parquet};
 use numerics::NamedRig;
 use numerics::pick::uncertainty::Uncertainty;
-use numerics::pick::{Answer, CartModel, Limits, Pick, pick, steps};
+use numerics::pick::{Answer, CartModel, Limits, Pick, pick_on, steps};
 use numerics::row::regime_as_text;
 use shared::model::regime::Regime;
 
@@ -116,6 +117,9 @@ pub struct Args {
     cart: CartArg,
 
     #[command(flatten)]
+    springs: bending::SpringsArgs,
+
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -123,15 +127,16 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output.with_usual_folder();
     output.check()?;
     let limits = limits(args)?;
+    let springs = args.springs.springs()?;
     let uncertainty = uncertainty(args)?;
     if let Some(text) = &args.gaps {
         let gaps = gaps::Gaps {
             text,
+            springs,
             starts: args.starts,
             seed: args.seed,
         };
-        // The random starts of every gap take the lanes' speed, and these move the cart as prescribed.
-        let rig = args.cart.apply(args.rig.load()?)?;
+        let rig = moved(args.cart, args.rig.load()?)?;
         return gaps::run(&rig, output, &gaps, uncertainty, limits);
     }
     let names: Vec<&str> = if args.all {
@@ -148,7 +153,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     );
     let picks = rigs
         .iter()
-        .map(|rig| pick(rig, uncertainty, limits, &progress));
+        .map(|rig| pick_on(rig, springs, uncertainty, limits, &progress));
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
     if let Some(dir) = &output.out {
@@ -199,6 +204,7 @@ fn limits(args: &Args) -> Result<Limits, UserError> {
         max_force_n: check("--max-force-n", args.max_force_n)?,
         max_frequency_hz: check("--max-frequency-hz", args.max_frequency_hz)?,
         max_drive_force_n: check("--max-drive-force-n", args.max_drive_force_n)?,
+        max_loop_force_n: None,
     })
 }
 
@@ -320,6 +326,13 @@ struct Line<'a> {
     recoil_frequency_hz: Option<f64>,
     prescribed_force_ratio: Option<f64>,
     prescribed_frequency_hz: Option<f64>,
+    amplitude_mm: f64,
+    loop_force_n: Option<f64>,
+    modes: Option<usize>,
+    modes_force_ratio: Option<f64>,
+    modes_force_ratio_worst: Option<f64>,
+    one_mode_safe_band_low_hz: Option<f64>,
+    one_mode_safe_band_high_hz: Option<f64>,
 }
 
 impl<'a> From<&'a Answer> for Line<'a> {
@@ -348,6 +361,13 @@ impl<'a> From<&'a Answer> for Line<'a> {
             recoil_frequency_hz: a.recoil_frequency_hz,
             prescribed_force_ratio: a.prescribed_force_ratio,
             prescribed_frequency_hz: a.prescribed_frequency_hz,
+            amplitude_mm: a.amplitude_mm,
+            loop_force_n: a.shaker.loop_force_n,
+            modes: a.bending.modes,
+            modes_force_ratio: a.bending.modes_force_ratio,
+            modes_force_ratio_worst: a.bending.modes_force_ratio_worst,
+            one_mode_safe_band_low_hz: a.bending.one_mode_safe_band_hz.map(|hz| hz[0]),
+            one_mode_safe_band_high_hz: a.bending.one_mode_safe_band_hz.map(|hz| hz[1]),
         }
     }
 }

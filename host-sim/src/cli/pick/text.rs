@@ -1,5 +1,6 @@
 //! The answer as a person reads it.
 
+use super::bending;
 use crate::words::pick::{jumping_at, other_cart, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
@@ -89,12 +90,14 @@ fn operation(a: &Answer) -> Lines {
         a.impact_power_w, a.power_optimum_w, a.power_optimum_hz
     );
     let mut lines = vec![("regime", from_rest(a)), ("force", force + &spread)];
+    lines.extend(bending::lines(a));
     lines.extend(cart(a));
     lines.push(("impact power", power));
     lines.push((
         "safe band",
         format!(
-            "{low:.4} to {high:.4} Hz: 1/1 stable{over}, nominal force above 90 %{}",
+            "{low:.4} to {high:.4} Hz: 1/1 stable{over}, nominal force above 90 %{}{}",
+            with_modes(a),
             at_the_ends(a)
         ),
     ));
@@ -109,6 +112,15 @@ fn operation(a: &Answer) -> Lines {
         ));
     }
     lines
+}
+
+/// What the force in the band is of, on beams.
+fn with_modes(a: &Answer) -> String {
+    match a.bending.modes {
+        None if a.bending.on_beams => " with one bending mode".to_owned(),
+        None | Some(1) => String::new(),
+        Some(modes) => format!(" with one bending mode and with {modes}"),
+    }
 }
 
 /// Which cart the answer is for, and what the other would give.
@@ -195,15 +207,39 @@ fn stability(a: &Answer) -> Lines {
     ]
 }
 
+/// A length to a micrometre.
+fn rounded_mm(mm: f64) -> f64 {
+    (mm * 1e3).round() / 1e3
+}
+
 /// What the shaker must give, and what it gets for it.
 fn shaker(a: &Answer) -> Lines {
     let s = &a.shaker;
+    let held = s.loop_force_n.map_or(String::new(), |force| {
+        let most = a.shaker_loop.map_or(f64::INFINITY, |held| held.max_force_n);
+        format!(
+            "; its position loop gives up to {force:.1} N, recoil included, of the {most} N it can"
+        )
+    });
+    let lowered = if a.amplitude_lowered {
+        " (the amplitude is lowered: with the rig's no frequency keeps the limits of the shaker)"
+    } else {
+        ""
+    };
     vec![
+        (
+            "amplitude",
+            format!("{} mm{lowered}", rounded_mm(a.amplitude_mm)),
+        ),
         (
             "shaker must give",
             format!(
-                "{} mm stroke, {:.4} m/s, {:.2} N on cart and hammer, {:.4} W mean and {:.4} W reactive power",
-                s.stroke_mm, s.velocity_m_per_s, s.force_n, s.mean_power_w, s.reactive_power_w
+                "{} mm stroke, {:.4} m/s, {:.2} N on cart and hammer, {:.4} W mean and {:.4} W reactive power{held}",
+                rounded_mm(s.stroke_mm),
+                s.velocity_m_per_s,
+                s.force_n,
+                s.mean_power_w,
+                s.reactive_power_w
             ),
         ),
         (

@@ -1,0 +1,140 @@
+//! What the beams' bending modes change about an answer, in lines, and the options for their springs.
+
+use files::UserError;
+use numerics::modes::{Beam, Tip};
+use numerics::pick::{Answer, Springs};
+
+/// The beam springs.
+#[derive(Clone, Copy, Debug, clap::Args)]
+#[command(next_help_heading = "Beam springs")]
+pub struct SpringsArgs {
+    /// Mass of the beam springs over the hammer's (assumed: the chapter gives none)
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 0.1,
+        allow_negative_numbers = true
+    )]
+    springs_mass: f64,
+
+    /// Uncertainty of that mass, % either way
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 20.0,
+        allow_negative_numbers = true
+    )]
+    springs_mass_percent: f64,
+}
+
+impl SpringsArgs {
+    /// The springs.
+    ///
+    /// # Errors
+    /// If a number is out of range.
+    pub fn springs(&self) -> Result<Springs, UserError> {
+        let within = |name: &str, value: f64, (from, below): (f64, f64)| {
+            if (from..below).contains(&value) {
+                return Ok(value);
+            }
+            Err(UserError::new(format!(
+                "{name} is {value}, must be from {from} to below {below}"
+            )))
+        };
+        Ok(Springs {
+            beam: Beam {
+                tip: Tip::Guided,
+                mass_ratio: within("--springs-mass", self.springs_mass, (0.002, 5.0))?,
+            },
+            mass_percent: within(
+                "--springs-mass-percent",
+                self.springs_mass_percent,
+                (0.0, 50.0),
+            )?,
+        })
+    }
+}
+
+/// The lines about bending modes; none for wires.
+pub fn lines(a: &Answer) -> Vec<(&'static str, String)> {
+    let b = &a.bending;
+    if !b.on_beams {
+        return Vec::new();
+    }
+    let (Some(modes), Some(springs), Some(ratio), Some(second)) = (
+        b.modes,
+        b.springs_mass_ratio,
+        b.modes_force_ratio,
+        b.second_mode_hz,
+    ) else {
+        let what = "one: force and safe band hold for the springs' first mode alone; with more modes there may be frequencies in the band at which the force is a fifth less (host-sim modes)";
+        return vec![("bending modes", what.to_owned())];
+    };
+    let mut force = format!(
+        "{modes} {}: {ratio:.2} times the weight",
+        if modes == 1 { "mode" } else { "modes" }
+    );
+    if let (Some(low), Some(high), Some(percent), Some(rigs), Some(one_one)) = (
+        b.modes_force_ratio_worst,
+        b.modes_force_ratio_largest,
+        b.springs_mass_percent,
+        b.modes_rigs,
+        b.modes_rigs_one_one,
+    ) {
+        force += &format!(
+            "; {low:.2} to {high:.2} over the uncertainty and {percent} % of the springs' mass ({one_one} of {rigs} rigs have a stable 1/1)"
+        );
+    }
+    let limit = a.limits.iter().find(|limit| limit.name == "max_force_n");
+    let most = limit.and_then(|limit| limit.limit);
+    let largest = b.modes_force_ratio_largest.unwrap_or(ratio);
+    let largest_n = largest * a.force_n / a.force_ratio;
+    if most.is_some_and(|most| largest_n > most) {
+        force += &format!(
+            "; max_force_n is kept with one mode, but not by every rig with {modes}: up to {largest_n:.1} N"
+        );
+    }
+    let mut lines = vec![
+        ("bending modes", force),
+        (
+            "springs",
+            format!("assumed to weigh {springs} of the hammer, second mode at {second:.1} Hz"),
+        ),
+    ];
+    if let (Some([low, high]), Some(share), Some(weak)) = (
+        b.one_mode_safe_band_hz,
+        b.one_mode_safe_band_force_share,
+        &b.modes_weak_hz,
+    ) {
+        let met = match weak.as_slice() {
+            [] => String::new(),
+            weak => {
+                let weak: Vec<_> = weak.iter().map(|hz| format!("{hz:.2}")).collect();
+                format!(
+                    "; weakest near {} Hz, of which a multiple is the second mode",
+                    weak.join(" and ")
+                )
+            }
+        };
+        lines.push((
+            "one mode alone",
+            format!(
+                "safe band {low:.4} to {high:.4} Hz, in which {modes} modes have down to {:.0} % of the force{met}",
+                100.0 * share
+            ),
+        ));
+    }
+    if let (Some(share), Some(percent)) =
+        (b.safe_band_force_share_any_springs, b.springs_mass_percent)
+        && share < 0.9
+    {
+        lines.push((
+            "springs' mass",
+            format!(
+                "over its {percent} % the weak frequencies move through the safe band: down to {:.0} % of the force; measure the second mode's frequency and give the mass that has it (--springs-mass, --springs-mass-percent)",
+                100.0 * share
+            ),
+        ));
+    }
+    lines
+}
