@@ -6,6 +6,7 @@ mod bifurcation;
 mod closed;
 mod compare;
 mod contact;
+mod coverage;
 mod drop;
 mod emulate;
 mod figures;
