@@ -54,6 +54,82 @@ fn what_drop_makes_identify_gives_back() {
     assert_eq!(crate::support::finish(alone).well().out, ran.out);
 }
 
+/// The record of which stiffness −43 % was said, from −53 to −33 %.
+#[test]
+fn two_percent_of_noise_leave_the_truth_in_the_interval() {
+    let folder = dropped("--noise-n 1 --seed 1008");
+    let ran = folder.run("identify drop.csv --misfit force --format json --quiet");
+    let json = ran.well().json();
+    let stiffness = &json["fits"][0]["parameters"][0];
+    let (low, high) = (number(stiffness, "low"), number(stiffness, "high"));
+    assert!(low < 5.5e6 && high > 5.5e6, "{stiffness}");
+    assert!((json["noise_n"].as_f64().expect("noise") - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_law_that_does_not_fit_is_refused_in_one_line() {
+    let folder = dropped("--noise-n 0.1 --impacts 3");
+    let ran = folder.run("identify drop.csv --law hertz --misfit force --format json --quiet");
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert!(ran.err.contains("hertz does not fit"), "{}", ran.err);
+    assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
+    let json = ran.json();
+    assert_eq!(json["fits"][0]["refused"], true);
+    assert_eq!(json["fits"][0]["parameters"][0]["low"], Value::Null);
+}
+
+#[test]
+fn sensor_faults_are_in_the_record() {
+    let rows = |options: &str| {
+        let rows = answer(&format!("drop --impacts 1 --sampling-hz 20000 {options}"));
+        rows.as_array().expect("rows").clone()
+    };
+    let force = |rows: &[Value], i: usize| number(&rows[i], "force_n");
+    let plain = rows("");
+    let hardest = (0..plain.len())
+        .max_by(|a, b| force(&plain, *a).total_cmp(&force(&plain, *b)))
+        .expect("rows");
+    let peak = force(&plain, hardest);
+    let louder = rows("--force-gain-percent 2");
+    assert!((force(&louder, hardest) / peak - 1.02).abs() < 1e-9);
+    let drifting = rows("--offset-n 1 --drift-n-per-s 0.5");
+    let time = number(&plain[hardest], "time_s");
+    assert!((force(&drifting, hardest) - peak - 1.0 - 0.5 * time).abs() < 1e-9);
+    // A second-order filter of 3 kHz lets nothing of a jump through at once.
+    let filtered = rows("--filter-hz 3000");
+    let onset = (0..plain.len())
+        .find(|i| force(&plain, *i) > 0.0)
+        .expect("an onset");
+    assert!(force(&filtered, onset) < 0.2 * force(&plain, onset));
+    let wrong = rows("--displacement-gain-percent 1");
+    assert!((number(&wrong[0], "displacement_mm") + 3.03).abs() < 1e-9);
+}
+
+#[test]
+fn coverage_is_one_command_and_the_same_on_any_number_of_threads() {
+    let folder = Folder::new();
+    let line =
+        "identify --coverage --tests 2 --case filter-6-khz --misfit force --format csv --quiet";
+    let ran = folder.run(line).well();
+    let rows = csv_rows(&ran.out);
+    assert_eq!(rows.len(), 2, "{}", ran.out);
+    assert_eq!(rows[0]["case"], "filter-6-khz");
+    let mut alone = folder.command(&line.split_whitespace().collect::<Vec<_>>());
+    alone.env("RAYON_NUM_THREADS", "1");
+    assert_eq!(crate::support::finish(alone).well().out, ran.out);
+    assert_refused(
+        &folder,
+        [
+            (
+                "identify --coverage --case nonsense",
+                "--case nonsense is none of noise-0.1-percent",
+            ),
+            ("identify --coverage --tests 0", "--tests is 0"),
+            ("identify --coverage drop.csv", "cannot be used with"),
+        ],
+    );
+}
+
 #[test]
 fn the_same_seed_makes_the_same_record_and_another_does_not() {
     let of = |seed: u32| {

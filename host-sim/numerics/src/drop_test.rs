@@ -10,6 +10,7 @@ use shared::model::rig::{Mode, Rig};
 
 use crate::contact_law::undriven::{Course, Piece, Undriven};
 use crate::error::{DropTestError, Error};
+use crate::low_pass::LowPass;
 use crate::noise::Noise;
 
 /// How the test is made.
@@ -33,6 +34,16 @@ pub struct DropTest {
     pub bits: u32,
     /// Range of the force channel, N.
     pub full_scale_n: f64,
+    /// The force channel reads so many percent too much.
+    pub force_gain_percent: f64,
+    /// The force channel's reading of no force at the release, N.
+    pub offset_n: f64,
+    /// How fast that reading rises, N/s.
+    pub drift_n_per_s: f64,
+    /// −3 dB corner of the force channel's second-order Butterworth filter, Hz; 0: no filter.
+    pub filter_hz: f64,
+    /// The displacement channel reads so many percent too much.
+    pub displacement_gain_percent: f64,
     /// Of the noise.
     pub seed: u64,
 }
@@ -51,6 +62,11 @@ impl Default for DropTest {
             ringing_decay_s: RINGING_DECAY_S,
             bits: 0,
             full_scale_n: 100.0,
+            force_gain_percent: 0.0,
+            offset_n: 0.0,
+            drift_n_per_s: 0.0,
+            filter_hz: 0.0,
+            displacement_gain_percent: 0.0,
             seed: 1,
         }
     }
@@ -63,7 +79,7 @@ pub struct Row {
     pub time_s: f64,
     /// Force as the sensor has it, N.
     pub force_n: f64,
-    /// Displacement from rest (l sin θ or Δ), without noise, mm.
+    /// Displacement from rest (l sin θ or Δ) as the sensor has it, without noise, mm.
     pub displacement_mm: f64,
     /// The hammer's acceleration towards the surface, without noise, m/s².
     pub acceleration_m_per_s2: f64,
@@ -80,6 +96,9 @@ const AFTER_S: f64 = 0.02;
 
 /// The simulation ends after this time even if there were fewer impacts than asked for, s.
 const PATIENCE_S: f64 = 60.0;
+
+/// Steps of the filter in the time of a sample.
+const FILTER_STEPS: usize = 16;
 
 /// Most samples of a record.
 const MOST_SAMPLES: f64 = 5e6;
@@ -149,7 +168,12 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
     }
     let pieces = pieces(params, &rig, test.release_m, until)?;
     let mut noise = Noise::new(test.seed);
+    let mut filter = (test.filter_hz > 0.0).then(|| {
+        let step_s = 1.0 / (test.sampling_hz * FILTER_STEPS as f64);
+        LowPass::butterworth(test.filter_hz, step_s)
+    });
     let mut at = 0;
+    let mut filtered_at = 0;
     let rows = (0..=count as usize).map(|i| {
         let time_s = i as f64 / test.sampling_hz;
         while at + 1 < pieces.len() && pieces[at].end_s() < time_s {
@@ -159,11 +183,27 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
         let force = pieces[at].force(&rig, time_s);
         let kinematics = rig.kinematics(q, v);
         let acceleration = rig.acceleration(&kinematics, v, 0.0, force);
-        let disturbed = force + ringing(test, &courses, time_s) + test.noise_n * noise.sample();
+        let mut seen = force + ringing(test, &courses, time_s);
+        if let Some(filter) = &mut filter {
+            let steps = (i * FILTER_STEPS).saturating_sub(FILTER_STEPS - 1)..=i * FILTER_STEPS;
+            for step in steps {
+                let time_s = step as f64 / (test.sampling_hz * FILTER_STEPS as f64);
+                while filtered_at + 1 < pieces.len() && pieces[filtered_at].end_s() < time_s {
+                    filtered_at += 1;
+                }
+                let force = pieces[filtered_at].force(&rig, time_s);
+                seen = filter.next(force + ringing(test, &courses, time_s));
+            }
+        }
+        let zero = test.offset_n + test.drift_n_per_s * time_s;
+        let gain = 1.0 + 0.01 * test.force_gain_percent;
+        let disturbed = gain * seen + zero + test.noise_n * noise.sample();
         Row {
             time_s,
             force_n: quantised(test, disturbed),
-            displacement_mm: rig.relative_displacement(q) * 1e3,
+            displacement_mm: rig.relative_displacement(q)
+                * 1e3
+                * (1.0 + 0.01 * test.displacement_gain_percent),
             acceleration_m_per_s2: rig.penetration_acceleration(&kinematics, v, acceleration),
         }
     });

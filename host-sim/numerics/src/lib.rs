@@ -13,7 +13,7 @@
 //! | over a range | [`sweep`]: the force curve; [`map`]: regimes over gap and frequency; [`bifurcation`]; [`basins`] |
 //! | one motion | [`poincare`], [`lyapunov`], [`modes`]: beams with several bending modes |
 //! | ground that gives way | [`drill`]: rate of penetration over frequency and gap |
-//! | the contact | [`contact_law`], [`drop_test`], [`identify`], [`compare`] with a [`signal`] |
+//! | the contact | [`contact_law`], [`drop_test`] as a sensor sees it ([`low_pass`]), [`identify`], [`compare`] with a [`signal`] |
 //! | how good it is | [`accuracy`]: the switch model against the reference |
 
 pub mod accuracy;
@@ -33,6 +33,7 @@ mod fingerprint;
 pub mod golden;
 pub mod identify;
 pub mod lanes;
+pub mod low_pass;
 pub mod lyapunov;
 pub mod map;
 pub mod modes;

@@ -37,4 +37,9 @@ impl Noise {
             }
         }
     }
+
+    /// An evenly distributed number from 0 to 1.
+    pub fn even(&mut self) -> f64 {
+        self.random.next_u64() as f64 / u64::MAX as f64
+    }
 }

@@ -71,6 +71,51 @@ pub struct Args {
     )]
     full_scale_n: f64,
 
+    /// The force channel reads this many percent too much
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    force_gain_percent: f64,
+
+    /// What the force channel reads at the release without force, N
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    offset_n: f64,
+
+    /// How fast that reading rises, N/s
+    #[arg(
+        long,
+        value_name = "N_PER_S",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    drift_n_per_s: f64,
+
+    /// Corner of the force channel's second-order Butterworth filter, Hz; 0: no filter (the emulator's: 6000)
+    #[arg(
+        long,
+        value_name = "HZ",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    filter_hz: f64,
+
+    /// The displacement channel reads this many percent too much, so that the release is read wrong
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    displacement_gain_percent: f64,
+
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -96,15 +141,17 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.emit(&rows, &rows, || text(&rig.name, &test, &rows))
 }
 
+/// The value of an option if it is in its range.
+pub fn within(option: &str, value: f64, low: f64, high: f64) -> Result<f64, UserError> {
+    if value >= low && value <= high {
+        return Ok(value);
+    }
+    Err(UserError::new(format!(
+        "{option} is {value}, must be from {low} to {high}"
+    )))
+}
+
 fn test(args: &Args) -> Result<DropTest, UserError> {
-    let within = |option: &str, value: f64, low: f64, high: f64| {
-        if value >= low && value <= high {
-            return Ok(value);
-        }
-        Err(UserError::new(format!(
-            "{option} is {value}, must be from {low} to {high}"
-        )))
-    };
     if !(1..=100).contains(&args.impacts) {
         return Err(UserError::new(format!(
             "--impacts is {}, must be from 1 to 100",
@@ -121,6 +168,21 @@ fn test(args: &Args) -> Result<DropTest, UserError> {
         ringing_decay_s: within("--ringing-decay-ms", args.ringing_decay_ms, 1e-3, 1e4)? * 1e-3,
         bits: args.bits,
         full_scale_n: within("--full-scale-n", args.full_scale_n, 1e-6, 1e9)?,
+        force_gain_percent: within(
+            "--force-gain-percent",
+            args.force_gain_percent,
+            -90.0,
+            900.0,
+        )?,
+        offset_n: within("--offset-n", args.offset_n, -1e6, 1e6)?,
+        drift_n_per_s: within("--drift-n-per-s", args.drift_n_per_s, -1e6, 1e6)?,
+        filter_hz: within("--filter-hz", args.filter_hz, 0.0, 1e6)?,
+        displacement_gain_percent: within(
+            "--displacement-gain-percent",
+            args.displacement_gain_percent,
+            -90.0,
+            900.0,
+        )?,
         seed: args.seed,
     })
 }
@@ -136,6 +198,21 @@ fn first_impact(rows: &[Row]) -> impl Iterator<Item = &Row> {
         .filter(move |r| r.time_s > middle - 0.2 * AROUND_S && r.time_s < middle + AROUND_S)
 }
 
+/// What is wrong with the sensors beside noise, ringing and bits.
+fn faults(test: &DropTest) -> String {
+    let listed = [
+        (test.force_gain_percent, "force gain", "% off"),
+        (test.offset_n, "offset", "N"),
+        (test.drift_n_per_s, "drift", "N/s"),
+        (test.filter_hz, "filter", "Hz"),
+        (test.displacement_gain_percent, "displacement gain", "% off"),
+    ];
+    let there = listed.iter().filter(|(value, ..)| *value != 0.0);
+    there
+        .map(|(value, name, unit)| format!(", {name} {value} {unit}"))
+        .collect()
+}
+
 fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
     let force = || Axis::new("force, N").with_zero();
     let first: Vec<_> = first_impact(rows).collect();
@@ -149,8 +226,8 @@ fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
     let all = |f: fn(&Row) -> f64| rows.iter().map(|r| (r.time_s, f(r))).collect::<Vec<_>>();
     Figure::new(format!("Synthetic drop test: {rig}, let go at {:.2} mm", test.release_m * 1e3))
         .subtitle(format!(
-            "{:.0} samples a second, noise {} N, ringing {:.2} of the peak at {:.0} Hz, {} bits, seed {}. Made from the model, not measured.",
-            test.sampling_hz, test.noise_n, test.ringing_share, test.ringing_hz, test.bits, test.seed
+            "{:.0} samples a second, noise {} N, ringing {:.2} of the peak at {:.0} Hz, {} bits, seed {}{}. Made from the model, not measured.",
+            test.sampling_hz, test.noise_n, test.ringing_share, test.ringing_hz, test.bits, test.seed, faults(test)
         ))
         .columns(2)
         .size(1200, 860)

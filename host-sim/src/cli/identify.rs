@@ -7,6 +7,8 @@ use serde::Serialize;
 use super::arguments::choice::choice;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
+use super::coverage::CoverageArgs;
+use super::drop::within;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -14,7 +16,7 @@ use crate::words::identify::Worded;
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
-use numerics::identify::ring::{self, Ring};
+use numerics::identify::ring::Ring;
 use numerics::identify::{Family, Fit, ImpactRow, Measured, Misfit, Settings, fit, measure};
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -22,8 +24,8 @@ use plot::chart::Chart;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if present, gives the release)
-    #[arg(value_name = "FILE.csv")]
-    file: PathBuf,
+    #[arg(value_name = "FILE.csv", required_unless_present = "coverage")]
+    file: Option<PathBuf>,
 
     /// Contact law to identify; may be given several times [default: spring-dashpot]
     #[arg(long, value_parser = choice::<Family>())]
@@ -54,6 +56,17 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 6)]
     impacts: usize,
 
+    /// How uncertain the force sensor's gain is: standard deviation, %
+    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.gain_percent, allow_negative_numbers = true)]
+    gain_percent: f64,
+
+    /// How uncertain the distance of the release from rest is: standard deviation, %
+    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.release_height_percent, allow_negative_numbers = true)]
+    release_height_percent: f64,
+
+    #[command(flatten)]
+    coverage: CoverageArgs,
+
     #[command(flatten)]
     rig: RigArgs,
 
@@ -73,6 +86,9 @@ struct Answer<'a> {
     noise_n: f64,
     offset_n: f64,
     ring: Option<Ring>,
+    drift_n_per_s: f64,
+    gain_percent: f64,
+    release_height_percent: f64,
     fits: Vec<Worded<'a>>,
 }
 
@@ -88,14 +104,19 @@ struct Row {
     rms_n: f64,
     noise_n: f64,
     widened: f64,
+    refused: bool,
+    misses_share: f64,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
+    let Some(file) = args.file.as_ref().filter(|_| !args.coverage.wanted()) else {
+        return args.coverage.run(args.misfit, output);
+    };
     let families = families(args)?;
     let rig = args.rig.load()?;
-    let signal = crate::record::read(&args.file)?;
+    let signal = crate::record::read(file)?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
     let misfits = args
@@ -111,7 +132,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
     }
     progress.finish();
-    let ring = best(&fits).and_then(|fit| ring::of(&measured, &rig.params, fit));
+    let ring = best(&fits).and_then(|fit| fit.ring);
     let answer = Answer {
         file: &measured.name,
         rig: &rig.name,
@@ -122,6 +143,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         noise_n: measured.noise_n,
         offset_n: measured.offset_n,
         ring,
+        drift_n_per_s: measured.drift_n_per_s,
+        gain_percent: settings.gain_percent,
+        release_height_percent: settings.release_height_percent,
         fits: fits.iter().map(Worded::from).collect(),
     };
     let rows = rows(&fits);
@@ -133,7 +157,24 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
         output.write(dir, &contents)?;
     }
-    output.emit(&answer, &rows, || text(&answer))
+    output.emit(&answer, &rows, || text(&answer))?;
+    refusal(&answer)
+}
+
+/// An error if none of the laws fits.
+fn refusal(answer: &Answer) -> Result<(), UserError> {
+    if answer.fits.iter().any(|worded| !worded.fit.refused) {
+        return Ok(());
+    }
+    let mut names: Vec<_> = answer.fits.iter().map(|w| w.fit.law.name()).collect();
+    names.dedup();
+    let least = answer.fits.iter().map(|w| w.fit.misses_share);
+    Err(UserError::new(format!(
+        "{}: {} does not fit: it misses {:.0} % of the force; try --all-laws, and check --rig, --gap and --release-mm",
+        answer.file,
+        names.join(", "),
+        100.0 * least.fold(f64::INFINITY, f64::min)
+    )))
 }
 
 /// The laws to identify.
@@ -188,6 +229,13 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
         seek_release: args.seek_release,
         seek_exponent: args.seek_exponent,
         impacts: args.impacts,
+        gain_percent: within("--gain-percent", args.gain_percent, 0.0, 100.0)?,
+        release_height_percent: within(
+            "--release-height-percent",
+            args.release_height_percent,
+            0.0,
+            50.0,
+        )?,
     })
 }
 
@@ -203,6 +251,8 @@ fn rows(fits: &[Fit]) -> Vec<Row> {
             rms_n: fit.rms_n,
             noise_n: fit.noise_n,
             widened: fit.widened,
+            refused: fit.refused,
+            misses_share: fit.misses_share,
         };
         fit.parameters.iter().map(row).collect()
     };
@@ -237,7 +287,7 @@ fn text(answer: &Answer) -> String {
     }
     text += &match &answer.ring {
         Some(ring) => format!(
-            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. The model has no ringing, so that it biases the fitted peaks and shape (docs/identify.md).\n",
+            "\nAfter release the surface rings at {:.0} Hz, decaying in {:.2} ms (damping ratio {:.4}), at first {:.0} % of the first peak. It is fitted together with the contact (docs/identify.md).\n",
             ring.frequency_hz,
             ring.decay_ms,
             ring.damping_ratio,
@@ -256,13 +306,14 @@ fn fit_text(fit: &Fit, warnings: &[String]) -> String {
     let mut text = format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
     for p in &fit.parameters {
         let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
-        text += &format!(
-            "  {:<30} {:>10}   95 %: {} to {}\n",
-            p.key,
-            short(p.value),
-            end(p.low),
-            end(p.high)
-        );
+        let interval = match fit.refused {
+            true => "no interval: the law does not fit".to_owned(),
+            false => format!("95 %: {} to {}", end(p.low), end(p.high)),
+        };
+        text += &format!("  {:<30} {:>10}   {interval}\n", p.key, short(p.value));
+    }
+    if let Some(hz) = fit.sensor.filter_hz {
+        text += &format!("  the sensor filters from about {hz:.0} Hz on\n");
     }
     text += &format!(
         "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
@@ -330,5 +381,5 @@ fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings
         numerics::row::tidy(rig.params.gap_m * 1e3),
         numerics::row::tidy(settings.release_m * 1e3)
     );
-    pictures::identify::figure(title, subtitle, measured, &rig.params, fits)
+    pictures::identify::figure(title, subtitle, measured, fits)
 }

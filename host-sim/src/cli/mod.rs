@@ -6,6 +6,7 @@ mod bifurcation;
 mod closed;
 mod compare;
 mod contact;
+mod coverage;
 mod drill;
 mod drop;
 mod emulate;

@@ -1,8 +1,6 @@
 //! Figures 3.9 and 3.10, and what they are derived from: force of the first impacts, peaks over impact number, and the
 //! misfit over each parameter.
 
-use shared::model::params::RigParams;
-
 use numerics::identify::{Fit, Measured, beside};
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -13,18 +11,12 @@ const DRAWN: usize = 2;
 const LEVEL: f64 = 3.841;
 
 /// Measured against model of `fits` (the first is drawn in full, of the others the peaks).
-pub fn figure(
-    title: String,
-    subtitle: String,
-    measured: &Measured,
-    params: &RigParams,
-    fits: &[Fit],
-) -> Figure {
+pub fn figure(title: String, subtitle: String, measured: &Measured, fits: &[Fit]) -> Figure {
     let mut figure = Figure::new(title).subtitle(subtitle).columns(2);
     let Some(first) = fits.first() else {
         return figure;
     };
-    for panel in forces(measured, params, first) {
+    for panel in forces(measured, first) {
         figure = figure.panel(panel);
     }
     figure = figure.panel(peaks(fits));
@@ -38,8 +30,8 @@ pub fn figure(
 }
 
 /// The force of the first impacts.
-pub fn forces(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Panel> {
-    let all = beside(measured, params, fit);
+pub fn forces(measured: &Measured, fit: &Fit) -> Vec<Panel> {
+    let all = beside(measured, fit);
     let panel = |(i, samples): (usize, &Vec<[f64; 3]>)| {
         let column = |k: usize| samples.iter().map(|s| (s[0] * 1e3, s[k])).collect();
         Panel::new(

@@ -44,14 +44,18 @@ fn warning(warning: &Warning) -> String {
         } => format!(
             "{parameter} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either"
         ),
+        Warning::DoesNotFit { share } => format!(
+            "this law does not fit: it misses {:.0} % of the force, far more than noise and sensor explain; its values have no intervals; try --all-laws, and check --rig, --gap and --release-mm",
+            100.0 * share
+        ),
         Warning::Widened { factor } => format!(
-            "the law fits {factor:.1} times worse than the noise explains (ringing, or not this law); the intervals are widened by as much"
+            "what is left of the misfit is {factor:.1} times what independent noise explains; the intervals are widened by as much"
         ),
         Warning::NoEnergyLoss => {
             "this law loses no energy; a hammer that strikes ever more softly is not it".to_owned()
         }
         Warning::NoNoise => {
-            "no noise is seen before the first impact: what is left of the misfit stands for it"
+            "no noise is seen between the impacts: 1e-5 of the largest peak stands for it"
                 .to_owned()
         }
     }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::quiet::Quiet;
 use crate::error::{Error, RecordError};
 use crate::signal::Signal;
 
@@ -15,10 +16,7 @@ const DEVIATIONS: f64 = 6.0;
 /// shows several peaks.
 const SILENCE_S: f64 = 5e-3;
 
-/// Fewest samples that the noise is computed from.
-const QUIET_SAMPLES: usize = 50;
-
-/// A record, its offset taken off, and its impacts.
+/// A record, its offset and drift taken off, and its impacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// The file's name.
@@ -29,10 +27,20 @@ pub struct Measured {
     pub force_n: Vec<f64>,
     /// From sample to sample, s.
     pub sample_s: f64,
-    /// Mean force where nothing happens, N.
+    /// Force shown at the first sample where nothing happens, N.
     pub offset_n: f64,
-    /// Standard deviation of a sample where nothing happens, N; 0: none seen.
+    /// How fast that rises, N/s.
+    pub drift_n_per_s: f64,
+    /// Standard deviation of the offset, N.
+    pub offset_deviation_n: f64,
+    /// Standard deviation of a sample where nothing happens, quantisation included, N; 0: none seen.
     pub noise_n: f64,
+    /// The same without quantisation, N.
+    pub white_n: f64,
+    /// Step of a quantised record, N; 0: not quantised.
+    pub step_n: f64,
+    /// How much more sums of the noise vary than those of independent samples would: 1 for white noise.
+    pub colour: f64,
     /// An impact is where the force is over this, N.
     pub threshold_n: f64,
     /// The impacts, in time.
@@ -64,16 +72,22 @@ pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
         return Err(signal.lacks(RecordError::NoForce));
     };
     let sample_s = signal.sample_s();
-    let largest = force.iter().fold(0.0_f64, |m, f| m.max(*f));
-    let (offset_n, noise_n) = quiet(force, largest, (1e-3 / sample_s) as usize + 5);
-    let force_n: Vec<f64> = force.iter().map(|f| f - offset_n).collect();
-    let largest = largest - offset_n;
-    let steps = quantisation(&force_n).map_or(0.0, |q| q / 12.0_f64.sqrt());
-    let noise_n = noise_n.max(if noise_n > 0.0 || steps > 1e-6 * largest {
-        steps
+    let times = &signal.time_s;
+    let finest_n = 1e-6 * force.iter().fold(0.0_f64, |m, f| m.max(*f));
+    let step_n = quantisation(force).filter(|step| *step > finest_n);
+    let step_n = step_n.unwrap_or(0.0);
+    let quiet = Quiet::of(times, force, step_n);
+    let zero = |t: f64| quiet.offset_n + quiet.drift_n_per_s * (t - times[0]);
+    let pairs = force.iter().zip(times);
+    let force_n: Vec<f64> = pairs.map(|(f, t)| f - zero(*t)).collect();
+    let largest = force_n.iter().fold(0.0_f64, |m, f| m.max(*f));
+    let rounding_n = step_n / 12.0_f64.sqrt();
+    let noise_n = quiet.deviation_n.max(rounding_n);
+    let white_n = if quiet.deviation_n > rounding_n {
+        (noise_n.powi(2) - rounding_n.powi(2)).sqrt()
     } else {
-        0.0
-    });
+        quiet.deviation_n
+    };
     let threshold_n = (DEVIATIONS * noise_n).max(SMALLEST_SHARE * largest);
     if largest <= 2.0 * threshold_n {
         return Err(signal.lacks(RecordError::OnlyNoise {
@@ -86,8 +100,13 @@ pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
         time_s: signal.time_s.clone(),
         force_n,
         sample_s,
-        offset_n,
+        offset_n: quiet.offset_n,
+        drift_n_per_s: quiet.drift_n_per_s,
+        offset_deviation_n: quiet.offset_deviation_n,
         noise_n,
+        white_n,
+        step_n,
+        colour: quiet.colour,
         threshold_n,
         impacts: Vec::new(),
     };
@@ -96,28 +115,6 @@ pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
         return Err(signal.lacks(RecordError::NothingBeforeContact));
     }
     Ok(measured)
-}
-
-/// Mean and deviation before the first impact, or where the record is quietest.
-fn quiet(force: &[f64], largest: f64, margin: usize) -> (f64, f64) {
-    let first = force.iter().position(|f| *f > 0.05 * largest);
-    let before = &force[..first.unwrap_or(0).saturating_sub(margin)];
-    if before.len() >= QUIET_SAMPLES {
-        return moments(before);
-    }
-    let windows = force.chunks(QUIET_SAMPLES).map(moments);
-    let least = windows.min_by(|a, b| a.1.total_cmp(&b.1));
-    least.unwrap_or((0.0, 0.0))
-}
-
-fn moments(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let square = values.iter().map(|f| (f - mean).powi(2)).sum::<f64>();
-    let deviation = (square / (n - 1.0).max(1.0)).sqrt();
-    // Constant but for rounding.
-    let rounding = 1e-12 * mean.abs();
-    (mean, if deviation > rounding { deviation } else { 0.0 })
 }
 
 /// The step of a quantised record: the smallest difference there is, if all others are multiples of it.

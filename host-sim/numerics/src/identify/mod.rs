@@ -4,25 +4,33 @@
 //! This is not [`shared::sense::identification`], which is the microcontroller's: there a spring-dashpot follows in closed form
 //! from two figures of each impact while the rig runs. Here a whole record is searched on, offline, for any law.
 
+mod by_force;
+mod by_peaks;
 mod contacts;
-mod likeness;
+pub mod coverage;
+mod least_squares;
+mod peaks;
 mod profile;
+mod quiet;
 pub mod ring;
 mod search;
+mod sensor;
+mod shape;
 mod unknowns;
 mod warnings;
+mod whole;
 
 use serde::Serialize;
 use shared::model::contact::Law;
 use shared::model::params::RigParams;
-use shared::model::rig::Rig;
 
 use crate::error::{Error, RecordError};
 use crate::signal::Signal;
 pub use contacts::{Impact, Measured};
-pub use likeness::{Aligned, Likeness};
 pub use profile::{Estimate, Profile};
-pub use unknowns::Unknowns;
+use ring::Ring;
+use sensor::Sensor;
+use unknowns::Unknowns;
 pub use warnings::Warning;
 
 /// A kind of contact law.
@@ -90,14 +98,35 @@ pub struct Settings {
     pub seek_exponent: bool,
     /// Impacts used, at most.
     pub impacts: usize,
+    /// How uncertain the force sensor's gain is: standard deviation, %.
+    pub gain_percent: f64,
+    /// How uncertain the distance of the release from rest is: standard deviation, %.
+    pub release_height_percent: f64,
+}
+
+impl Settings {
+    /// Released 3 mm out, six impacts, nothing but the law sought; a calibrated force sensor, and a release measured to
+    /// 0.03 mm.
+    pub const DEFAULT: Self = Self {
+        release_m: -3e-3,
+        seek_release: false,
+        seek_exponent: false,
+        impacts: 6,
+        gain_percent: 2.0,
+        release_height_percent: 1.0,
+    };
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
 }
 
 /// Settings with which [`measure`] finds every contact of a record.
 pub(crate) const EVERY_CONTACT: Settings = Settings {
-    release_m: 0.0,
-    seek_release: false,
-    seek_exponent: false,
     impacts: usize::MAX,
+    ..Settings::DEFAULT
 };
 
 /// One measured impact beside the model's.
@@ -123,6 +152,28 @@ pub struct ImpactRow {
     pub residual_n: f64,
 }
 
+/// The sensor as a fit has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SensorFound {
+    /// What it reads over the true force: 1 unless the data say otherwise.
+    pub gain: f64,
+    /// Corner of its filter, Hz; none: too fast to be seen in this record.
+    pub filter_hz: Option<f64>,
+    /// How fast its zero rises, N/s.
+    pub drift_n_per_s: f64,
+}
+
+impl SensorFound {
+    fn new(sensor: &Sensor, measured: &Measured) -> Self {
+        let seen = sensor.filter_s > 0.3 * measured.sample_s;
+        Self {
+            gain: sensor.gain,
+            filter_hz: seen.then(|| 1.0 / (std::f64::consts::TAU * sensor.filter_s)),
+            drift_n_per_s: measured.drift_n_per_s,
+        }
+    }
+}
+
 /// What one search found.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
@@ -130,6 +181,9 @@ pub struct Fit {
     pub law: Family,
     /// What was made small.
     pub misfit: Misfit,
+    /// Whether the law is refused, because it does not fit the record: the values are then the best it can do and
+    /// have no intervals.
+    pub refused: bool,
     /// What was sought, with 95 % profile likelihood intervals.
     pub parameters: Vec<Estimate>,
     /// Root mean square misfit: of the peaks, or of the samples, N.
@@ -146,11 +200,21 @@ pub struct Fit {
     pub starts_agreeing: usize,
     /// Drop tests simulated.
     pub simulations: u64,
+    /// What the law misses of the force, noise apart, as a share of it (root mean squares over the impacts).
+    pub misses_share: f64,
+    /// The sensor as the fit has it.
+    pub sensor: SensorFound,
     /// Impact by impact.
     pub impacts: Vec<ImpactRow>,
     /// What the data do not fix, and what the law cannot do.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
+    /// The ringing after the contacts.
+    #[serde(skip)]
+    pub ring: Option<Ring>,
+    /// What model and sensor show in the window of each impact, or somewhat beyond it, N.
+    #[serde(skip)]
+    pub shown: Vec<Vec<f64>>,
     /// The law found.
     #[serde(skip)]
     pub found: Law<f64>,
@@ -174,74 +238,24 @@ pub fn fit(
     settings: &Settings,
 ) -> Result<Fit, Error> {
     let unknowns = Unknowns::new(measured, params, family, settings)?;
-    let likeness = Likeness::new(measured, params, misfit);
-    let cost = |x: &[f64]| match unknowns.read(x) {
-        Some((law, release_m)) => likeness.cost(law, release_m),
-        None => unknowns.beyond(x),
-    };
-    let searched = search::from_all(&cost, &unknowns.starts(), unknowns.steps());
-    let searched = searched.ok_or(Error::Record {
+    let whole = whole::fit(measured, params, &unknowns, settings);
+    let whole = whole.ok_or(Error::Record {
         record: measured.name.clone(),
         what: RecordError::NothingToSearch,
     })?;
-    let mut best = searched.best;
-    let degrees = likeness.data().saturating_sub(best.x.len());
-    let at = |x: &[f64]| unknowns.read(x).map(|(law, m)| likeness.aligned(law, m));
-    let noise_n = at(&best.x).map_or(f64::NAN, |seen| likeness.deviation_n(&seen));
-    let noise = profile::Noise::new(
-        &best,
-        degrees,
-        (noise_n / likeness.unit_n()).powi(2),
-        measured.noise_n > 0.0,
-    );
-    let (profiles, sought) = profile::all(&cost, &unknowns, &mut best, &noise);
-    let (law, release_m) = unknowns.read(&best.x).ok_or(Error::SearchLeftRange)?;
-    let seen = likeness.aligned(law, release_m);
-    let parameters: Vec<_> = profiles.iter().map(|p| p.estimate.clone()).collect();
-    let data = likeness.data() as f64;
-    let mut fit = Fit {
-        law: family,
-        misfit,
-        rms_n: (likeness.sum_of_squares(&seen) / data).sqrt(),
-        noise_n,
-        parameters,
-        degrees_of_freedom: degrees,
-        widened: noise.widened,
-        starts: searched.starts,
-        starts_agreeing: searched.agreeing,
-        simulations: searched.evaluations + sought,
-        impacts: impact_rows(measured, &seen),
-        warnings: Vec::new(),
-        found: law,
-        release_m,
-        profiles,
-    };
+    let mut fit = match misfit {
+        Misfit::Force => by_force::fit(measured, &unknowns, &whole),
+        Misfit::Peaks => by_peaks::fit(measured, params, &unknowns, &whole),
+    }
+    .ok_or(Error::SearchLeftRange)?;
+    fit.law = family;
+    if fit.refused {
+        for estimate in &mut fit.parameters {
+            (estimate.low, estimate.high) = (None, None);
+        }
+    }
     fit.warnings = warnings::of(&fit, measured);
     Ok(fit)
-}
-
-fn impact_rows(measured: &Measured, seen: &[Aligned]) -> Vec<ImpactRow> {
-    let row = |(i, (impact, model)): (usize, (&Impact, &Aligned))| {
-        let course = model.course.as_ref().map(|b| b.contact);
-        ImpactRow {
-            impact: i + 1,
-            measured_at_s: impact.at_s,
-            model_at_s: course.map_or(f64::NAN, |b| b.onset_s),
-            measured_peak_n: impact.peak_n,
-            model_peak_n: model.peak_n,
-            model_contact_time_ms: course.map_or(0.0, |b| b.duration_s * 1e3),
-            measured_impulse_n_s: impact.impulse_n_s,
-            model_impulse_n_s: course.map_or(0.0, |b| b.impulse_n_s),
-            residual_n: (model.squares / impact.window.len() as f64).sqrt(),
-        }
-    };
-    measured
-        .impacts
-        .iter()
-        .zip(seen)
-        .enumerate()
-        .map(row)
-        .collect()
 }
 
 /// The impacts of a record.
@@ -252,31 +266,16 @@ pub fn measure(signal: &Signal, settings: &Settings) -> Result<Measured, Error> 
     contacts::measure(signal, settings.impacts)
 }
 
-/// The force a fit's model has at the times of an impact's window: (time since the window's first sample in s,
-/// measured in N, model in N).
-pub fn beside(measured: &Measured, params: &RigParams, fit: &Fit) -> Vec<Vec<[f64; 3]>> {
-    let params = RigParams {
-        contact: fit.found,
-        ..*params
-    };
-    let Ok(rig) = Rig::<f64>::new(&params) else {
-        return Vec::new();
-    };
-    let likeness = Likeness::new(measured, &params, Misfit::Force);
-    let seen = likeness.aligned(fit.found, fit.release_m);
-    let one = |(impact, model): (&Impact, &Aligned)| {
+/// The force that model and sensor of a fit show at the times of an impact's window: (time since the window's first sample
+/// in s, measured in N, model in N).
+pub fn beside(measured: &Measured, fit: &Fit) -> Vec<Vec<[f64; 3]>> {
+    let one = |(impact, shown): (&Impact, &Vec<f64>)| {
         let times = &measured.time_s[impact.window.clone()];
         let forces = &measured.force_n[impact.window.clone()];
-        let row = |(t, f): (&f64, &f64)| {
-            let model_n = model
-                .course
-                .as_ref()
-                .map_or(0.0, |b| b.force(&rig, t - model.onset_s));
-            [t - times[0], *f, model_n]
-        };
-        times.iter().zip(forces).map(row).collect()
+        let triples = times.iter().zip(forces).zip(shown);
+        triples.map(|((t, f), s)| [t - times[0], *f, *s]).collect()
     };
-    measured.impacts.iter().zip(&seen).map(one).collect()
+    measured.impacts.iter().zip(&fit.shown).map(one).collect()
 }
 
 #[cfg(test)]

@@ -7,14 +7,11 @@
 
 use serde::Serialize;
 
-use super::search::{Found, nelder_mead};
+use super::search::Found;
 use super::unknowns::Unknowns;
 
 /// The 95 % point of χ² with one degree of freedom.
 const CHI_SQUARE_95: f64 = 3.841_458_820_694_124;
-
-/// A misfit this many of its standard deviations above what noise explains is not noise.
-const SIGNIFICANT: f64 = 4.0;
 
 /// A parameter found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,56 +39,31 @@ pub struct Profile {
     pub points: Vec<(f64, f64)>,
 }
 
-/// From the misfit to χ².
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// The misfit that is 1 of χ²; `None` if it is not known.
-    per_cost: Option<f64>,
-    /// What the intervals are widened by, because the misfit is more than noise.
-    pub widened: f64,
-}
-
-impl Noise {
-    /// Of a best fit with so many `degrees` of freedom; `variance` is that of a datum in units of the cost, if it
-    /// is `known`. If not, what is left of the misfit stands for it.
-    pub fn new(best: &Found, degrees: usize, variance: f64, known: bool) -> Self {
-        let degrees = degrees as f64;
-        let left = best.cost / degrees;
-        if !known {
-            return Self {
-                per_cost: (degrees > 0.0 && left > 0.0).then_some(left),
-                widened: 1.0,
-            };
-        }
-        let ratio = if degrees > 0.0 { left / variance } else { 1.0 };
-        let expected = 1.0 + SIGNIFICANT * (2.0 / degrees.max(1.0)).sqrt();
-        let widened = if ratio > expected { ratio.sqrt() } else { 1.0 };
-        Self {
-            per_cost: Some(variance * widened * widened),
-            widened,
-        }
-    }
+/// χ² over what is sought, and over nuisances that follow.
+pub trait Landscape {
+    /// The least near `x` with the coordinates `held` kept, of which one was moved there by `moved`.
+    fn least(&self, x: &[f64], held: &[usize], moved: f64) -> Found;
 }
 
 /// Profiles of all parameters, and how many costs were computed. Where a profile finds less than `best`, that
 /// becomes the best.
 pub fn all(
-    cost: &(impl Fn(&[f64]) -> f64 + Sync),
+    landscape: &impl Landscape,
     unknowns: &Unknowns,
     best: &mut Found,
-    noise: &Noise,
+    per_cost: f64,
 ) -> (Vec<Profile>, u64) {
     let mut evaluations = 0;
     let mut profiles = Vec::new();
     for _ in 0..3 {
         profiles.clear();
         let mut better: Option<Found> = None;
-        for held in 0..best.x.len() {
+        for held in 0..unknowns.list().len() {
             let mut search = Search {
-                cost,
+                landscape,
                 unknowns,
                 best,
-                per_cost: noise.per_cost.unwrap_or(f64::INFINITY),
+                per_cost,
                 held,
                 evaluations: 0,
                 seen: vec![(best.x.clone(), 0.0)],
@@ -102,7 +74,7 @@ pub fn all(
             if let Some((x, rise)) = found
                 && *rise < -0.05
             {
-                better = Some(nelder_mead(cost, x, &small(unknowns), 1e-9, 200));
+                better = Some(landscape.least(x, &[], 0.0));
             }
         }
         match better {
@@ -113,12 +85,8 @@ pub fn all(
     (profiles, evaluations)
 }
 
-fn small(unknowns: &Unknowns) -> Vec<f64> {
-    unknowns.steps().iter().map(|s| 0.1 * s).collect()
-}
-
-struct Search<'a, F> {
-    cost: &'a F,
+struct Search<'a, L> {
+    landscape: &'a L,
     unknowns: &'a Unknowns,
     best: &'a Found,
     per_cost: f64,
@@ -128,7 +96,7 @@ struct Search<'a, F> {
     seen: Vec<(Vec<f64>, f64)>,
 }
 
-impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
+impl<L: Landscape> Search<'_, L> {
     fn profile(&mut self) -> Profile {
         let unknown = self.unknowns.list()[self.held];
         let centre = self.best.x[self.held];
@@ -180,30 +148,9 @@ impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
         let mut whole = nearest.map_or_else(|| self.best.x.clone(), |s| s.0.clone());
         let moved = (x - whole[held]).abs();
         whole[held] = x;
-        let rest = |x: &[f64]| -> Vec<f64> {
-            let others = x.iter().enumerate().filter(|(i, _)| *i != held);
-            others.map(|(_, x)| *x).collect()
-        };
-        let with = |others: &[f64]| {
-            let mut all = others.to_vec();
-            all.insert(held, x);
-            all
-        };
-        let cost = if whole.len() == 1 {
-            self.evaluations += 1;
-            (self.cost)(&whole)
-        } else {
-            let steps: Vec<f64> = rest(&small(self.unknowns))
-                .iter()
-                .map(|s| s.min(moved.max(1e-4 * s)))
-                .collect();
-            let inner = |others: &[f64]| (self.cost)(&with(others));
-            let tolerance = 1e-3 * self.per_cost;
-            let found = nelder_mead(&inner, &rest(&whole), &steps, tolerance, 60);
-            self.evaluations += found.evaluations;
-            whole = with(&found.x);
-            found.cost
-        };
+        let found = self.landscape.least(&whole, &[held], moved);
+        self.evaluations += found.evaluations;
+        let (whole, cost) = (found.x, found.cost);
         let rise = (cost - self.best.cost) / self.per_cost;
         self.seen.push((whole, rise));
         rise
@@ -282,19 +229,22 @@ impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
         // With the others held, how far could this one go? ρ² = 1 − (alone/profiled)².
         let rho = (1.0 - (self.alone(own) / own).powi(2)).max(0.0).sqrt();
         let travel = |i: usize| (b[i] - a[i]) / self.unknowns.steps()[i];
-        let others = (0..a.len()).filter(|i| *i != self.held);
+        let others = (0..self.unknowns.list().len()).filter(|i| *i != self.held);
         let partner = others.max_by(|i, j| travel(*i).abs().total_cmp(&travel(*j).abs()))?;
         let sign = (travel(partner) * own).signum();
         Some((self.unknowns.list()[partner].key, sign * rho))
     }
 
-    /// The width over which χ² rises by 3.841 with every other parameter held at its best, from the curvature.
+    /// The width over which χ² rises by 3.841 with every other parameter held at its best, and the sensor sought, from the
+    /// curvature.
     fn alone(&self, own: f64) -> f64 {
         let h = 0.25 * own;
         let at = |side: f64| {
             let mut x = self.best.x.clone();
             x[self.held] += side * h;
-            ((self.cost)(&x) - self.best.cost) / self.per_cost
+            let sought: Vec<usize> = (0..self.unknowns.list().len()).collect();
+            let cost = self.landscape.least(&x, &sought, h).cost;
+            (cost - self.best.cost) / self.per_cost
         };
         let curvature = 0.5 * (at(-1.0) + at(1.0)) / (h * h);
         if curvature > 0.0 {

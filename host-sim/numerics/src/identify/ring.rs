@@ -1,19 +1,18 @@
-//! The surface's ringing: what the force record shows after the release. Reported, not fitted: the model
-//! has a rigid surface (section 3.3.2).
+//! The surface's ringing: what the force record shows after the release and the model, whose surface is rigid (section
+//! 3.3.2), does not. Here it is looked for; [`super::shape`] fits it together with the contact.
 
 use std::f64::consts::TAU;
 
 use serde::Serialize;
-use shared::model::params::RigParams;
 
 use super::contacts::Measured;
 use super::search::nelder_mead;
-use super::{Aligned, Fit, Likeness, Misfit};
 
-/// Time after release that is analysed, s.
-const SPAN_S: f64 = 8e-3;
+/// The square that a swing must take from the tails, in variances of a sample: of the frequencies tried, noise gives one
+/// some 20.
+const SIGNIFICANT: f64 = 40.0;
 
-/// The damped swing must take at least this share of the record's square there to be called one.
+/// The damped swing must take at least this share of what the tails hold beyond noise to be called one.
 const LEAST_SHARE: f64 = 0.25;
 
 /// Frequencies tried, Hz, and time constants, s.
@@ -36,28 +35,27 @@ pub struct Ring {
     pub explained: f64,
 }
 
-/// One impact's tail: times since release and force.
-struct Tail {
-    time_s: Vec<f64>,
-    force_n: Vec<f64>,
+/// One impact's tail: times since release and what is left of the force when the model is taken off.
+pub struct Tail {
+    /// Since the release, s.
+    pub time_s: Vec<f64>,
+    /// N.
+    pub force_n: Vec<f64>,
 }
 
-/// The ringing after the releases that `fit` puts into the record; none if what is there is noise.
-pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
-    let likeness = Likeness::new(measured, params, Misfit::Force);
-    let seen = likeness.aligned(fit.found, fit.release_m);
-    let tails: Vec<Tail> = measured
-        .impacts
-        .iter()
-        .zip(&seen)
-        .filter_map(|(impact, model)| tail(measured, impact.window.start, model))
-        .collect();
+/// Time after release that is analysed, s.
+pub const SPAN_S: f64 = 8e-3;
+
+/// The ringing in `tails`; none if what is there is noise.
+pub fn of(measured: &Measured, tails: &[Tail]) -> Option<Ring> {
     let all: f64 = tails.iter().flat_map(|t| &t.force_n).map(|f| f * f).sum();
-    let samples: usize = tails.iter().map(|t| t.force_n.len()).sum();
-    // Nothing there but noise: the square is what noise makes of it.
-    let noise = measured.noise_n.powi(2) * samples as f64;
-    let largest = fit.impacts.first()?.measured_peak_n;
-    if samples < 30 || all < 2.0 * noise || all < samples as f64 * (1e-4 * largest).powi(2) {
+    let samples = tails.iter().map(|t| t.force_n.len()).sum::<usize>() as f64;
+    let noise = measured.noise_n.powi(2);
+    let largest = measured.impacts.first()?.peak_n;
+    let least = (SIGNIFICANT * noise * measured.colour).max(samples * (1e-4 * largest).powi(2));
+    // Less than noise makes of it at most.
+    let likely = noise * measured.colour * (samples + 2.0 * (2.0 * samples).sqrt());
+    if samples < 30.0 || all < least.max(likely) {
         return None;
     }
     let fastest = HIGHEST_HZ.min(0.4 / measured.sample_s);
@@ -77,40 +75,28 @@ pub fn of(measured: &Measured, params: &RigParams, fit: &Fit) -> Option<Ring> {
         let hz = LOWEST_HZ + 40.0 * (i as f64 + 0.5);
         DECAYS_S.map(|decay| vec![hz.ln(), decay.ln()])
     });
-    let start = tried.min_by(|a, b| left(a).total_cmp(&left(b)))?;
+    let scored = tried.map(|x| (left(&x), x));
+    let start = scored.min_by(|a, b| a.0.total_cmp(&b.0))?.1;
     let found = nelder_mead(&left, &start, &[0.01, 0.3], 1e-9 * all, 200);
     let (hz, decay_s) = (found.x[0].exp(), found.x[1].exp());
-    let share = 1.0 - found.cost / all;
-    if share < LEAST_SHARE {
+    let explained_here = all - found.cost;
+    let beyond_noise = (all - noise * samples).max(1e-12 * all);
+    if explained_here < least || explained_here < LEAST_SHARE * beyond_noise {
         return None;
     }
-    let rate = TAU * hz * decay_s;
     Some(Ring {
         frequency_hz: hz,
         decay_ms: decay_s * 1e3,
-        damping_ratio: 1.0 / (1.0 + rate * rate).sqrt(),
+        damping_ratio: damping_ratio(hz, decay_s),
         share_at_release: explained(tails.first()?, hz, decay_s).1 / largest,
-        explained: share,
+        explained: explained_here / all,
     })
 }
 
-fn tail(measured: &Measured, from: usize, model: &Aligned) -> Option<Tail> {
-    let contact = model.course.as_ref()?.contact;
-    let release = model.onset_s + contact.duration_s;
-    let times = &measured.time_s[from..];
-    // The release of the law may be a little early or late: a tenth of the contact is left out.
-    let first = from + times.partition_point(|t| *t < release + 0.1 * contact.duration_s);
-    let end = from + times.partition_point(|t| *t < release + SPAN_S);
-    if end < first + 10 {
-        return None;
-    }
-    Some(Tail {
-        time_s: measured.time_s[first..end]
-            .iter()
-            .map(|t| t - release)
-            .collect(),
-        force_n: measured.force_n[first..end].to_vec(),
-    })
+/// The share of critical damping of a swing of this frequency and time constant.
+pub fn damping_ratio(hz: f64, decay_s: f64) -> f64 {
+    let rate = TAU * hz * decay_s;
+    1.0 / (1.0 + rate * rate).sqrt()
 }
 
 /// The square that the best damped swing of this pitch and decay takes from a tail, N², and its amplitude at the

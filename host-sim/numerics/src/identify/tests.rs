@@ -5,10 +5,8 @@ use crate::drop_test::{DropTest, record};
 use shared::model::params::{LAWS, WIRES};
 
 const SETTINGS: Settings = Settings {
-    release_m: -3e-3,
-    seek_release: false,
-    seek_exponent: false,
     impacts: 4,
+    ..Settings::DEFAULT
 };
 
 fn with(law: Law<f64>) -> RigParams {
@@ -73,7 +71,13 @@ fn a_clean_record_gives_back_the_law_it_was_made_with() {
         let data = measured(law, DropTest::default());
         for misfit in [Misfit::Force, Misfit::Peaks] {
             // Started from a wrong contact: the rig's own does not help.
-            let found = fit(&data, &WIRES, family, misfit, &SETTINGS).unwrap();
+            // Gain and release are exact here, and stated so.
+            let exact = Settings {
+                gain_percent: 0.0,
+                release_height_percent: 0.0,
+                ..SETTINGS
+            };
+            let found = fit(&data, &WIRES, family, misfit, &exact).unwrap();
             let off = off(&found, &truth(law));
             println!(
                 "{name} {misfit:?} {off:?} {} simulations",
@@ -179,7 +183,7 @@ fn one_peak_does_not_fix_two_parameters_and_an_unknown_release_leaves_peaks_unde
 }
 
 #[test]
-fn ringing_is_reported_with_its_pitch_and_decay_and_widens_the_intervals() {
+fn ringing_is_reported_with_its_pitch_and_decay() {
     let test = DropTest {
         noise_n: 0.1,
         ringing_share: 0.5,
@@ -194,8 +198,7 @@ fn ringing_is_reported_with_its_pitch_and_decay_and_widens_the_intervals() {
         &SETTINGS,
     )
     .unwrap();
-    assert!(found.widened > 3.0, "{}", found.widened);
-    let seen = ring::of(&data, &WIRES, &found).unwrap();
+    let seen = found.ring.unwrap();
     println!("{seen:?} {:?}", found.parameters);
     assert!((seen.frequency_hz / 3000.0 - 1.0).abs() < 0.01, "{seen:?}");
     assert!((seen.decay_ms / 2.0 - 1.0).abs() < 0.05, "{seen:?}");
@@ -214,17 +217,146 @@ fn ringing_is_reported_with_its_pitch_and_decay_and_widens_the_intervals() {
         &SETTINGS,
     )
     .unwrap();
-    assert_eq!(ring::of(&clean, &WIRES, &found), None);
+    assert_eq!(found.ring, None);
 }
 
 /// Of two independent standard Gaussians the larger is 1/√π on average, with variance 1 − 1/π.
 #[test]
 fn the_mean_of_the_largest_sample_is_the_textbooks() {
     let pi = std::f64::consts::PI;
-    let (mean, variance) = likeness::largest_of(&[0.0, 0.0], 1.0).unwrap();
+    let (mean, variance) = peaks::largest_of(&[0.0, 0.0], 1.0);
     assert!((mean - 1.0 / pi.sqrt()).abs() < 1e-4, "{mean}");
     assert!((variance - (1.0 - 1.0 / pi)).abs() < 1e-4, "{variance}");
-    let (mean, variance) = likeness::largest_of(&[7.0, -50.0], 2.0).unwrap();
+    let (mean, variance) = peaks::largest_of(&[7.0, -50.0], 2.0);
     assert!((mean - 7.0).abs() < 1e-3 && (variance - 4.0).abs() < 1e-2);
-    assert_eq!(likeness::largest_of(&[1.0, 3.0], 0.0), Some((3.0, 0.0)));
+    assert_eq!(peaks::largest_of(&[1.0, 3.0], 0.0), (3.0, 0.0));
+}
+
+/// The noise between the impacts, drift and rounding taken off: before, a share of 2 % of the peak was read as 0.66 of it.
+#[test]
+fn the_noise_is_measured_whatever_its_size_with_drift_and_rounding() {
+    for noise_n in [0.05, 0.4, 0.8, 2.0] {
+        let test = DropTest {
+            noise_n,
+            offset_n: 1.0,
+            drift_n_per_s: 0.5,
+            ..DropTest::default()
+        };
+        let data = measured(LAWS[0].1, test);
+        // Of some 40,000 samples the deviation is known to 0.4 %.
+        assert!(
+            (data.noise_n / noise_n - 1.0).abs() < 0.02,
+            "{noise_n}: {}",
+            data.noise_n
+        );
+        assert!(
+            (data.offset_n - 1.0).abs() < 0.1 * noise_n,
+            "{}",
+            data.offset_n
+        );
+        assert!(
+            (data.drift_n_per_s - 0.5).abs() < 0.2 * noise_n,
+            "{}",
+            data.drift_n_per_s
+        );
+        assert!(data.colour < 1.1, "{}", data.colour);
+        let rounded = measured(LAWS[0].1, DropTest { bits: 10, ..test });
+        let step = 200.0 / 1024.0;
+        let whole = (noise_n.powi(2) + step * step / 12.0).sqrt();
+        assert!(
+            (rounded.noise_n / whole - 1.0).abs() < 0.03,
+            "{noise_n}: {}",
+            rounded.noise_n
+        );
+        assert!(
+            (rounded.step_n / step - 1.0).abs() < 1e-9,
+            "{}",
+            rounded.step_n
+        );
+    }
+}
+
+/// The one-line example of what went wrong: stiffness −43 %, with an interval from −53 to −33 %.
+#[test]
+fn two_percent_of_noise_do_not_mislead_the_interval() {
+    let test = DropTest {
+        noise_n: 1.0,
+        seed: 1008,
+        ..DropTest::default()
+    };
+    let data = measured(LAWS[0].1, test);
+    assert!((data.noise_n - 1.0).abs() < 0.02, "{}", data.noise_n);
+    let found = fit(
+        &data,
+        &WIRES,
+        Family::SpringDashpot,
+        Misfit::Force,
+        &Settings::DEFAULT,
+    )
+    .unwrap();
+    let stiffness = &found.parameters[0];
+    let (low, high) = (stiffness.low.unwrap(), stiffness.high.unwrap());
+    println!("{low} {} {high}", stiffness.value);
+    assert!(low < 5.5e6 && 5.5e6 < high, "{low} to {high}");
+    assert!(high - low < 0.2 * 5.5e6, "{low} to {high}");
+}
+
+/// Three drop tests of a case by both misfits: of the answers on its two parameters at most two are wrong. The chance of
+/// more is 2 % at 95 % coverage; the seeds are fixed.
+fn covered(name: &str) {
+    let cases = coverage::cases();
+    let case: Vec<_> = cases.into_iter().filter(|c| c.name == name).collect();
+    let rows = coverage::table(&case, &[Misfit::Force, Misfit::Peaks], 3, 1, &()).unwrap();
+    let right: usize = rows.iter().map(|r| r.right).sum();
+    for row in &rows {
+        println!("{row:?}");
+    }
+    assert_eq!(rows.len(), 4);
+    assert!(right >= 10, "{name}: {right} of 12");
+}
+
+#[test]
+fn a_gain_two_percent_off_is_covered() {
+    covered("gain-2-percent");
+}
+
+#[test]
+fn ringing_of_half_the_peak_is_covered() {
+    covered("ringing-3-khz");
+}
+
+#[test]
+fn ten_bits_are_covered() {
+    covered("bits-10");
+}
+
+#[test]
+fn a_filter_of_10_khz_is_covered() {
+    covered("filter-10-khz");
+}
+
+#[test]
+fn a_filter_of_3_khz_is_covered() {
+    covered("filter-3-khz");
+}
+
+#[test]
+fn a_release_one_percent_wrong_is_covered() {
+    covered("release-1-percent");
+}
+
+#[test]
+fn a_drift_is_covered() {
+    covered("drift");
+}
+
+#[test]
+fn noise_of_two_percent_is_covered() {
+    covered("noise-2-percent");
+}
+
+#[test]
+fn a_law_that_is_not_the_records_is_refused_and_the_right_one_is_not() {
+    covered("hunt-crossley-as-dashpot");
+    covered("hunt-crossley");
 }

@@ -39,14 +39,19 @@ pub enum Warning {
         /// From −1 to 1.
         correlation: f64,
     },
-    /// The law fits worse than the noise explains, and the intervals are widened by as much.
+    /// The law does not fit: it misses the force by far more than noise and sensor explain. There are no intervals.
+    DoesNotFit {
+        /// What it misses of the force, as a share of it.
+        share: f64,
+    },
+    /// What is left of the misfit is more than independent noise explains, and the intervals are widened by as much.
     Widened {
         /// How many times worse.
         factor: f64,
     },
     /// The law loses no energy, but there are several impacts.
     NoEnergyLoss,
-    /// The record shows no noise before the first impact, so the remaining misfit is taken as the noise.
+    /// The record shows no noise between the impacts: a small share of the largest peak stands for it.
     NoNoise,
 }
 
@@ -60,9 +65,13 @@ pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
     } else if fit.misfit == Misfit::Peaks && peaks == parameters {
         found.push(Warning::AsManyPeaks { peaks });
     }
+    if fit.refused {
+        let share = fit.misses_share;
+        found.push(Warning::DoesNotFit { share });
+    }
     for estimate in &fit.parameters {
         let parameter = estimate.key;
-        if estimate.low.is_none() || estimate.high.is_none() {
+        if !fit.refused && (estimate.low.is_none() || estimate.high.is_none()) {
             found.push(Warning::Unbounded { parameter });
         }
         if estimate.at_limit {
@@ -78,7 +87,7 @@ pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
             });
         }
     }
-    if fit.widened > 1.0 {
+    if fit.widened > 1.2 && !fit.refused {
         found.push(Warning::Widened {
             factor: fit.widened,
         });

@@ -1,0 +1,325 @@
+//! How often the 95 % intervals hold the truth, with sensors as they are: each case is a fault of the sensor, or a
+//! law that is not the record's, and each is tried on many drop tests made from the model.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::model::contact::Law;
+use shared::model::params::{LAWS, RigParams, WIRES};
+
+use super::{Family, Fit, Misfit, Settings, fit, measure};
+use crate::drop_test::{DropTest, record};
+use crate::error::Error;
+use crate::noise::Noise;
+use crate::progress::Progress;
+use crate::signal::Signal;
+
+/// Peak of the nominal drop test (wires, released at −3 mm), N: shares of the peak are shares of this.
+pub const PEAK_N: f64 = 41.5;
+
+/// The noise of cases about something else, as a share of [`PEAK_N`].
+const USUAL_NOISE: f64 = 0.002;
+
+/// Releases are drawn evenly up to this share about the nominal one, so that no two records are sampled alike.
+const RELEASE_SPREAD: f64 = 0.1;
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// Its name.
+    pub name: &'static str,
+    /// The sensor; release and seed are drawn.
+    pub test: DropTest,
+    /// The law the record is made with.
+    pub truth: Law<f64>,
+    /// The law that is fitted.
+    pub family: Family,
+}
+
+impl Case {
+    /// Whether the fitted law is the record's.
+    pub fn law_is_right(&self) -> bool {
+        matches!(
+            (self.truth, self.family),
+            (Law::SpringDashpot { .. }, Family::SpringDashpot)
+                | (Law::Hertz { .. }, Family::Hertz)
+                | (Law::HuntCrossley { .. }, Family::HuntCrossley)
+                | (Law::LankaraniNikravesh { .. }, Family::LankaraniNikravesh)
+        )
+    }
+
+    /// What the parameters should be.
+    fn sought(&self) -> Vec<f64> {
+        match self.truth {
+            Law::SpringDashpot { stiffness, damping } => vec![stiffness, damping],
+            Law::Hertz { stiffness, .. } => vec![stiffness],
+            Law::HuntCrossley {
+                stiffness,
+                damping_ratio,
+                ..
+            } => vec![stiffness, damping_ratio],
+            Law::LankaraniNikravesh {
+                stiffness,
+                restitution,
+                ..
+            } => vec![stiffness, restitution],
+        }
+    }
+}
+
+/// All cases, in the order of the table.
+pub fn cases() -> Vec<Case> {
+    let noisy = |share: f64| DropTest {
+        noise_n: share * PEAK_N,
+        ..DropTest::default()
+    };
+    let usual = noisy(USUAL_NOISE);
+    let dashpot = |name, test| Case {
+        name,
+        test,
+        truth: LAWS[0].1,
+        family: Family::SpringDashpot,
+    };
+    let filtered = |filter_hz| DropTest { filter_hz, ..usual };
+    let mut cases = vec![
+        dashpot("noise-0.1-percent", noisy(0.001)),
+        dashpot("noise-0.2-percent", usual),
+        dashpot("noise-0.5-percent", noisy(0.005)),
+        dashpot("noise-1-percent", noisy(0.01)),
+        dashpot("noise-2-percent", noisy(0.02)),
+        dashpot("noise-5-percent", noisy(0.05)),
+        dashpot(
+            "gain-2-percent",
+            DropTest {
+                force_gain_percent: 2.0,
+                ..usual
+            },
+        ),
+        dashpot(
+            "ringing-3-khz",
+            DropTest {
+                ringing_share: 0.5,
+                ..usual
+            },
+        ),
+        dashpot(
+            "bits-10",
+            DropTest {
+                bits: 10,
+                noise_n: 0.0,
+                ..usual
+            },
+        ),
+        dashpot("bits-10-noise", DropTest { bits: 10, ..usual }),
+        dashpot("filter-10-khz", filtered(10e3)),
+        dashpot("filter-6-khz", filtered(6e3)),
+        dashpot("filter-3-khz", filtered(3e3)),
+        dashpot(
+            "release-1-percent",
+            DropTest {
+                displacement_gain_percent: 1.0,
+                ..usual
+            },
+        ),
+        dashpot(
+            "drift",
+            DropTest {
+                drift_n_per_s: 0.5,
+                ..usual
+            },
+        ),
+        dashpot(
+            "everything",
+            DropTest {
+                force_gain_percent: 2.0,
+                ringing_share: 0.2,
+                bits: 10,
+                filter_hz: 6e3,
+                displacement_gain_percent: 1.0,
+                offset_n: 1.0,
+                drift_n_per_s: 0.5,
+                ..usual
+            },
+        ),
+    ];
+    let crossley = Case {
+        truth: LAWS[2].1,
+        ..dashpot("hunt-crossley-as-dashpot", usual)
+    };
+    cases.push(crossley);
+    cases.push(Case {
+        name: "hunt-crossley",
+        family: Family::HuntCrossley,
+        ..crossley
+    });
+    cases
+}
+
+/// A line of the table: one parameter of one case.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The case.
+    pub case: &'static str,
+    /// What was made small.
+    pub misfit: Misfit,
+    /// The parameter, as rig files name it.
+    pub parameter: &'static str,
+    /// Drop tests.
+    pub tests: usize,
+    /// Tests with the right answer: the interval holds the truth; or the law is not the record's and is refused.
+    pub right: usize,
+    /// Tests in which the law was refused as one that does not fit.
+    pub refused: usize,
+    /// Tests in which the interval has no end on one side or both.
+    pub unbounded: usize,
+    /// Tests that ended with an error.
+    pub failed: usize,
+    /// Median of the error of the value, %; none if the law is not the record's.
+    pub median_error_percent: Option<f64>,
+    /// Median of half the interval's width over the truth, %, of the bounded ones.
+    pub median_half_width_percent: Option<f64>,
+}
+
+/// The answer of one drop test: of each parameter error and interval over the truth; `None` if refused.
+type Outcome = Result<Option<Vec<Seen>>, ()>;
+
+#[derive(Clone, Copy)]
+struct Seen {
+    error: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+/// The table of `cases`, `tests` drop tests each, for each of `misfits`; a step of `progress` is a drop test by one
+/// misfit. The same for any number of threads.
+///
+/// # Errors
+/// If the work was interrupted.
+pub fn table(
+    cases: &[Case],
+    misfits: &[Misfit],
+    tests: usize,
+    seed: u64,
+    progress: &dyn Progress,
+) -> Result<Vec<Row>, Error> {
+    let mut rows = Vec::new();
+    for case in cases {
+        for misfit in misfits {
+            let outcomes: Vec<Outcome> = (0..tests)
+                .into_par_iter()
+                .map(|number| {
+                    crate::progress::check(progress)?;
+                    let outcome = one(case, *misfit, seed, number);
+                    progress.advance(1);
+                    Ok(outcome)
+                })
+                .collect::<Result<_, Error>>()?;
+            rows.extend(summary(case, *misfit, &outcomes));
+        }
+    }
+    Ok(rows)
+}
+
+/// One drop test and its fit.
+fn one(case: &Case, misfit: Misfit, seed: u64, number: usize) -> Outcome {
+    let own = seed.wrapping_mul(1_000_003).wrapping_add(number as u64);
+    let drawn = Noise::new(own ^ 0x5eed).even();
+    let test = DropTest {
+        release_m: case.test.release_m * (1.0 + RELEASE_SPREAD * (2.0 * drawn - 1.0)),
+        seed: own,
+        ..case.test
+    };
+    let fitted = identified(case, &test, misfit).map_err(|_| ())?;
+    if fitted.refused {
+        return Ok(None);
+    }
+    let sought = case.sought();
+    let over = |(estimate, truth): (&super::Estimate, &f64)| {
+        let off = |x: f64| x / truth - 1.0;
+        Seen {
+            error: off(estimate.value),
+            low: estimate.low.map(off),
+            high: estimate.high.map(off),
+        }
+    };
+    Ok(Some(
+        fitted.parameters.iter().zip(&sought).map(over).collect(),
+    ))
+}
+
+/// What `identify` makes of such a record.
+///
+/// # Errors
+/// If the record cannot be made or shows no impact.
+pub fn identified(case: &Case, test: &DropTest, misfit: Misfit) -> Result<Fit, Error> {
+    let params = RigParams {
+        contact: case.truth,
+        ..WIRES
+    };
+    let rows = record(&params, test)?;
+    let read = 1.0 + 0.01 * test.displacement_gain_percent;
+    let settings = Settings {
+        release_m: test.release_m * read,
+        impacts: 6,
+        ..Settings::default()
+    };
+    let signal = Signal {
+        name: case.name.into(),
+        time_s: rows.iter().map(|r| r.time_s).collect(),
+        force_n: Some(rows.iter().map(|r| r.force_n).collect()),
+        ..Signal::default()
+    };
+    // The rig of the identification knows nothing of the contact.
+    fit(
+        &measure(&signal, &settings)?,
+        &WIRES,
+        case.family,
+        misfit,
+        &settings,
+    )
+}
+
+fn summary(case: &Case, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Row> {
+    let keys: &[&'static str] = match case.family {
+        Family::SpringDashpot => &["contact_stiffness_n_per_m", "contact_damping_n_s_per_m"],
+        Family::Hertz => &["contact_stiffness_n_per_m"],
+        Family::HuntCrossley => &["contact_stiffness_n_per_m", "contact_damping_ratio_s_per_m"],
+        Family::LankaraniNikravesh => &["contact_stiffness_n_per_m", "contact_restitution"],
+    };
+    let right_law = case.law_is_right();
+    let row = |(i, key): (usize, &&'static str)| {
+        let seen: Vec<Seen> = outcomes
+            .iter()
+            .filter_map(|o| o.as_ref().ok()?.as_ref()?.get(i).copied())
+            .collect();
+        let refused = outcomes.iter().filter(|o| matches!(o, Ok(None))).count();
+        let holds =
+            |s: &&Seen| s.low.is_none_or(|low| low <= 0.0) && s.high.is_none_or(|high| high >= 0.0);
+        let widths = seen.iter().filter_map(|s| Some(50.0 * (s.high? - s.low?)));
+        Row {
+            case: case.name,
+            misfit,
+            parameter: key,
+            tests: outcomes.len(),
+            right: if right_law {
+                seen.iter().filter(holds).count()
+            } else {
+                refused
+            },
+            refused,
+            unbounded: seen
+                .iter()
+                .filter(|s| s.low.is_none() || s.high.is_none())
+                .count(),
+            failed: outcomes.iter().filter(|o| o.is_err()).count(),
+            median_error_percent: median(seen.iter().map(|s| 100.0 * s.error).collect())
+                .filter(|_| right_law),
+            median_half_width_percent: median(widths.collect()).filter(|_| right_law),
+        }
+    };
+    keys.iter().enumerate().map(row).collect()
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

@@ -1,0 +1,132 @@
+//! The whole force as residuals: samples, and what is known beforehand.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use nalgebra::DVector;
+
+use super::{COMMON, Contacts, DAMPING, FILTER, GAIN, OFFSET, RELEASE, SHARP, Shape};
+use crate::identify::least_squares::Problem;
+
+/// How uncertain the filter's damping ratio is (standard deviation), about Butterworth's 1/√2.
+const FILTER_DAMPING_DEVIATION: f64 = 0.1;
+
+/// The slowest filter's time constant, in samples, as a share of the first window.
+const SLOWEST_SHARE: f64 = 0.2;
+
+impl Shape<'_> {
+    /// What is known beforehand: coordinate, value, deviation.
+    fn priors(&self) -> [(usize, f64, f64); 4] {
+        let laws = self.laws();
+        // In a clean record the zero is known to rounding.
+        let zero = self
+            .measured
+            .offset_deviation_n
+            .max(1e-3 * self.deviation_n);
+        [
+            (laws + RELEASE, 1.0, self.release_deviation()),
+            (laws + GAIN, 1.0, self.gain_deviation()),
+            (laws + OFFSET, 0.0, zero),
+            (laws + DAMPING, FRAC_1_SQRT_2, FILTER_DAMPING_DEVIATION),
+        ]
+    }
+
+    fn gather(&self, x: &[f64], shown: &[Vec<f64>]) -> DVector<f64> {
+        let per = 1.0 / self.deviation_n;
+        let mut all = Vec::with_capacity(self.data() + 4);
+        for (window, shown) in self.windows.iter().zip(shown) {
+            let forces = &self.measured.force_n[window.clone()];
+            all.extend(forces.iter().zip(shown).map(|(f, s)| (s - f) * per));
+        }
+        all.extend(
+            self.priors()
+                .map(|(k, mean, deviation)| (x[k] - mean) / deviation),
+        );
+        DVector::from_vec(all)
+    }
+
+    /// How far a coordinate is moved for its derivative.
+    fn nudge(&self, x: &[f64], k: usize) -> f64 {
+        let laws = self.laws();
+        let size = if k < laws {
+            1e-5 * self.unknowns.steps()[k].abs().max(0.1)
+        } else if k >= self.first_onset() {
+            1e-4
+        } else {
+            match k - laws {
+                RELEASE | GAIN => 1e-6,
+                OFFSET => 1e-3 * self.deviation_n,
+                FILTER => 1e-3,
+                DAMPING => 1e-4,
+                _ => 1e-5,
+            }
+        };
+        let (low, high) = self.range(x, k);
+        if x[k] + size > high && x[k] - size >= low {
+            -size
+        } else {
+            size
+        }
+    }
+}
+
+impl Problem for Shape<'_> {
+    type Seen = (Contacts, Vec<Vec<f64>>);
+
+    fn residuals(&self, x: &[f64]) -> Option<(DVector<f64>, Self::Seen)> {
+        let contacts = self.contacts(x)?;
+        let shown = self.shown(x, &contacts);
+        let all = self.gather(x, &shown);
+        all.iter()
+            .all(|r| r.is_finite())
+            .then_some((all, (contacts, shown)))
+    }
+
+    fn column(&self, x: &[f64], at: &(DVector<f64>, Self::Seen), k: usize) -> Option<DVector<f64>> {
+        let (here, (contacts, shown)) = at;
+        let by = self.nudge(x, k);
+        let mut moved = x.to_vec();
+        moved[k] += by;
+        let there = if k <= self.laws() + RELEASE {
+            let contacts = self.contacts(&moved)?;
+            self.shown(&moved, &contacts)
+        } else if k >= self.first_onset() {
+            let mut there = shown.clone();
+            let i = k - self.first_onset();
+            there[i] = self.shown_impact(&moved, contacts, i);
+            there
+        } else {
+            self.shown(&moved, contacts)
+        };
+        Some((self.gather(&moved, &there) - here) / by)
+    }
+
+    fn range(&self, x: &[f64], k: usize) -> (f64, f64) {
+        let laws = self.laws();
+        if k < laws {
+            return self.unknowns.list()[k].range;
+        }
+        if k >= self.first_onset() {
+            let i = k - self.first_onset();
+            let before = (self.measured.impacts[i].first - self.windows[i].start) as f64;
+            if x[laws + FILTER] > SHARP {
+                return (-before, 3.0);
+            }
+            let low = x[k].floor();
+            return (low + 1e-3, low + 0.999);
+        }
+        match k - laws {
+            RELEASE | GAIN => (0.2, 5.0),
+            OFFSET => (f64::NEG_INFINITY, f64::INFINITY),
+            FILTER => {
+                let widest = self.measured.impacts[0].window.len() as f64;
+                (0.0, SLOWEST_SHARE * widest)
+            }
+            DAMPING => (0.3, 0.98),
+            j => match (j - COMMON, self.ringing) {
+                (2, Some(guess)) => (guess.hz.ln() - 0.3, guess.hz.ln() + 0.3),
+                (3, Some(guess)) => (guess.decay_s.ln() - 2.0, guess.decay_s.ln() + 2.0),
+                _ => (-10.0, 10.0),
+            },
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! A second-order low-pass filter, exact for an input that is linear between its steps.
+
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Output and its rate over the corner's angular frequency.
+pub type State = [f64; 2];
+
+/// How the state decays after a time of `phase` radians of the corner with no input: the matrix exponential, row by
+/// row. `damping` is below 1.
+pub fn decay(damping: f64, phase: f64) -> [[f64; 2]; 2] {
+    let turn = (1.0 - damping * damping).sqrt();
+    let (sin, cos) = (turn * phase).sin_cos();
+    let size = (-damping * phase).exp();
+    let (c, s) = (size * cos, size * sin / turn);
+    [[c + damping * s, s], [-s, c - damping * s]]
+}
+
+/// The state after a step of `phase` radians of the corner, over which the input goes straight from `from` to `to`.
+#[inline]
+pub fn advance(
+    damping: f64,
+    phase: f64,
+    decay: &[[f64; 2]; 2],
+    state: State,
+    from: f64,
+    to: f64,
+) -> State {
+    // Along a ramp the output lags by 2ζ radians; what is left of the state decays.
+    let slope = (to - from) / phase;
+    let lag = 2.0 * damping * slope;
+    let rest = [state[0] - (from - lag), state[1] - slope];
+    let left = decay.map(|row| row[0] * rest[0] + row[1] * rest[1]);
+    [to - lag + left[0], slope + left[1]]
+}
+
+/// A filter stepped at a fixed time.
+#[derive(Clone, Copy, Debug)]
+pub struct LowPass {
+    damping: f64,
+    phase: f64,
+    decay: [[f64; 2]; 2],
+    state: State,
+    input: f64,
+}
+
+impl LowPass {
+    /// Butterworth's, with its −3 dB corner at `corner_hz`, stepped by `step_s`, at rest at 0.
+    pub fn butterworth(corner_hz: f64, step_s: f64) -> Self {
+        let phase = TAU * corner_hz * step_s;
+        Self {
+            damping: FRAC_1_SQRT_2,
+            phase,
+            decay: decay(FRAC_1_SQRT_2, phase),
+            state: [0.0; 2],
+            input: 0.0,
+        }
+    }
+
+    /// The output after a step at whose end the input is `input`.
+    pub fn next(&mut self, input: f64) -> f64 {
+        self.state = advance(
+            self.damping,
+            self.phase,
+            &self.decay,
+            self.state,
+            self.input,
+            input,
+        );
+        self.input = input;
+        self.state[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The textbook's answer of a Butterworth filter to a step, and its gain of 1/√2 at the corner.
+    #[test]
+    fn a_step_and_the_corner_are_the_textbooks() {
+        let (corner, step) = (6000.0, 1e-6);
+        let mut filter = LowPass::butterworth(corner, step);
+        filter.input = 1.0;
+        for i in 1..400 {
+            let got = filter.next(1.0);
+            let x = TAU * corner * step * f64::from(i) * FRAC_1_SQRT_2;
+            let closed = 1.0 - (-x).exp() * (x.cos() + x.sin());
+            assert!((got - closed).abs() < 1e-12, "{i}: {got} {closed}");
+        }
+        let mut filter = LowPass::butterworth(corner, step);
+        let mut largest = 0.0_f64;
+        for i in 1..20_000 {
+            let out = filter.next((TAU * corner * step * f64::from(i)).sin());
+            if i > 10_000 {
+                largest = largest.max(out);
+            }
+        }
+        assert!((largest - FRAC_1_SQRT_2).abs() < 1e-4, "{largest}");
+    }
+}
