@@ -9,6 +9,7 @@ mod bifurcation;
 #[cfg(unix)]
 mod boards;
 mod broken_off;
+mod chapter;
 mod compare;
 mod contact;
 mod drop_test;
@@ -16,6 +17,7 @@ mod emulate;
 mod figures;
 #[cfg(unix)]
 mod link;
+mod made_from;
 mod map;
 mod map_tiles;
 mod modes;
