@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Folder, csv_rows};
+use crate::support::Folder;
 
 /// Section, words and verdict of each line of the table.
 fn in_the_docs() -> Vec<[String; 3]> {
@@ -21,9 +21,10 @@ fn in_the_docs() -> Vec<[String; 3]> {
 #[test]
 fn every_verdict_of_the_page_is_found_again_on_coarser_grids() {
     let ran = Folder::new()
-        .run("chapter --coarse --format csv --quiet")
+        .run("chapter --coarse --format json --quiet")
         .well();
-    let rows = csv_rows(&ran.out);
+    let rows = ran.json();
+    let rows = rows.as_array().expect("a list");
     let found: Vec<[String; 3]> = rows
         .iter()
         .map(|row| {

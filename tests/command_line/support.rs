@@ -69,8 +69,9 @@ impl Folder {
     /// How the names of an answer's files begin: the name of its JSON.
     fn stem(&self, start: &str) -> String {
         let names = self.names();
-        let mut stems = names.iter().filter_map(|n| n.strip_suffix(".json"));
-        let stem = stems.find(|stem| stem.starts_with(start));
+        let stems = names.iter().filter_map(|n| n.strip_suffix(".json"));
+        let stems = stems.filter(|stem| stem.starts_with(start));
+        let stem = stems.min_by_key(|stem| stem.len());
         stem.unwrap_or_else(|| panic!("no {start}*.json in {names:?}"))
             .to_owned()
     }

@@ -138,7 +138,8 @@ fn measured_prints_the_error_that_was_put_in() {
     let json = folder.run(&format!("{line} --format json --out o")).well();
     assert!(json.err.contains(said), "{json:?}");
     assert_eq!(json.json().as_array().map(Vec::len), Some(5));
-    let error: Value = serde_json::from_str(&folder.read("o/sweep-error.json")).expect("JSON");
+    let error: Value =
+        serde_json::from_str(&folder.read_made("o/sweep", "-error.json")).expect("JSON");
     for key in ["mean_percent", "largest_percent"] {
         assert!((number(&error, key) - 25.0).abs() < 1e-9, "{error}");
     }

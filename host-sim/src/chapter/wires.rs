@@ -13,10 +13,10 @@ use numerics::poincare::{SectionRequest, portrait};
 use numerics::sweep::jumps;
 use shared::model::regime::Regime;
 
-pub fn statements(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+pub fn statements(_: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
     let mut all = modelling()?;
     all.extend(sections(progress)?);
-    all.extend(bifurcations(effort, progress)?);
+    all.extend(bifurcations(progress)?);
     Ok(all)
 }
 
@@ -149,7 +149,7 @@ pub(super) fn nominal(name: &str, gap_mm: f64, progress: &Progress) -> Result<An
     Ok(pick(&rig, None, Limits::default(), progress)?.answer)
 }
 
-fn bifurcations(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
     let zero = nominal("wires", 0.0, progress)?;
     let natural_hz = zero.operating_frequency_hz / zero.frequency_ratio;
     let doubles = zero.stable_one_one_ends[1] == End::PeriodDoubling;
@@ -171,7 +171,7 @@ fn bifurcations(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, U
         (1.0, "3.3.6, figure 3.30", "\"chaotic behavior\" at 1.0 mm"),
         (2.4, "3.3.6, figure 3.33", "\"chaotic behavior\" at 2.4 mm"),
     ] {
-        let (end, chaos) = bifurcation::end_and_chaos(gap_mm, effort, progress)?;
+        let (end, chaos) = bifurcation::end_and_chaos(gap_mm, progress)?;
         let (ours, verdict) = match chaos {
             Some((ratio, meaning, exponent)) => (
                 format!(

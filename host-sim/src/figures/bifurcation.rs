@@ -279,44 +279,44 @@ fn tell(
 /// Where something does not repeat (Ω/ω), what its exponent says, and the largest exponent per drive period.
 pub type Chaos = (f64, &'static str, f64);
 
-/// From rest on the wires: Ω/ω at the end of the first 1/1; of the longest stretch up to 1.0 above it that does not repeat,
-/// where it is (Ω/ω), what its exponent says, and the exponent per drive period.
+/// From rest on the wires: Ω/ω at the end of the first 1/1; and of the motions up to 1.0 above it that do not repeat, the
+/// one with the largest exponent of six.
 ///
 /// # Errors
 /// If a motion cannot be followed; with the presets none is.
-pub fn end_and_chaos(
-    gap_mm: f64,
-    effort: Effort,
-    progress: &Progress,
-) -> Result<(f64, Option<Chaos>), UserError> {
+pub fn end_and_chaos(gap_mm: f64, progress: &Progress) -> Result<(f64, Option<Chaos>), UserError> {
+    const TRIED: usize = 6;
     let rig = rig("wires", gap_mm)?;
-    let count = match effort {
-        Effort::Full => 588,
-        Effort::Coarse => 148,
-    };
-    let hz = range(&rig.params, count);
+    let hz = range(&rig.params, 588);
     let full = Effort::Full;
     let diagrams = compute(full, &rig, &[gap_mm], hz, &[Direction::Rest], progress)?;
     let diagram = diagrams
-        .into_iter()
-        .next()
+        .first()
         .ok_or_else(|| UserError::new("a diagram that was asked for was not made"))?;
     let one_one = Regime::Periodic {
         impacts: 1,
         periods: 1,
     };
-    let end = band(&diagram, one_one, 0.0).map_or(0.0, |band| band.1);
-    let after = diagram.stations.iter();
-    let beyond = end..end + 1.0;
-    let after =
-        after.filter(|s| beyond.contains(&s.row.frequency_ratio) && s.row.frequency_ratio > end);
-    let after = Diagram {
-        stations: after.cloned().collect(),
-        ..diagram.clone()
-    };
-    let chaos = most_chaotic(full, &after)?;
-    let chaos = chaos.map(|(ratio, meaning, found)| (ratio, meaning, found.largest_per_period));
-    Ok((end, chaos))
+    let end = band(diagram, one_one, 0.0).map_or(0.0, |band| band.1);
+    let wild = diagram.stations.iter().filter(|s| {
+        let above = s.row.frequency_ratio - end;
+        (0.0..1.0).contains(&above) && matches!(s.row.regime, Regime::Aperiodic { .. })
+    });
+    let wild: Vec<_> = wild.collect();
+    let mut most: Option<Chaos> = None;
+    for station in wild.iter().step_by(wild.len().div_ceil(TRIED).max(1)) {
+        let plan = lyapunov::Span {
+            transient: 100,
+            periods: 1000,
+        };
+        let hz = station.row.frequency_hz;
+        let found = lyapunov::exponents(&diagram.params, hz, station.end, plan)?;
+        let exponent = found.largest_per_period;
+        if most.is_none_or(|(.., largest)| exponent > largest) {
+            most = Some((station.row.frequency_ratio, found.meaning(), exponent));
+        }
+    }
+    Ok((end, most))
 }
 
 /// Ω/ω in the middle of the longest stretch that does not repeat, what its exponent says, and the exponent.

@@ -84,7 +84,7 @@ impl Part {
 pub const AREAS: &[Part] = &[
     Part::new(
         "contact laws",
-        &["3.3", "contact laws"],
+        &["3.2", "3.3", "contact laws"],
         0.3,
         contact::law_pages,
     ),
@@ -96,7 +96,12 @@ pub const AREAS: &[Part] = &[
         section::smoothing,
     ),
     Part::new("switch model", &["3.5", "3.6"], 2.6, switch::pages),
-    Part::new("drop tests", &["3.9", "3.10"], 2.9, contact::drop_pages),
+    Part::new(
+        "drop tests",
+        &["3.8", "3.9", "3.10"],
+        2.9,
+        contact::drop_pages,
+    ),
     Part::new("force, wires", &["3.12", "3.13", "3.14"], 0.6, force::wires),
     Part::new(
         "sections, wires",
@@ -181,19 +186,11 @@ pub const AREAS: &[Part] = &[
 ];
 
 /// Figures of the chapter that are no computations, and what they are.
-pub const DRAWINGS: [(&str, &str); 7] = [
+pub const DRAWINGS: [(&str, &str); 5] = [
     ("3.1", "a drawing: where the energy of an impact goes"),
-    (
-        "3.2",
-        "a drawing: the force of the spring-dashpot over an impact",
-    ),
     (
         "3.7",
         "a photograph: the steel hammer made for the identification",
-    ),
-    (
-        "3.8",
-        "a measurement: force and acceleration of a first impact",
     ),
     ("3.11", "a drawing: the hammer on wires"),
     ("3.15", "a drawing: what a Poincaré map is"),
@@ -248,7 +245,7 @@ fn rigs(figure: &str) -> Vec<(&'static str, Option<f64>)> {
         (Some(3), _) => Vec::new(),
         (Some(4 | 13 | 18..=20 | 30..=32), _) => vec![("wires", Some(1.0))],
         (Some(14 | 21..=23 | 33..=35), _) => vec![("wires", Some(2.4))],
-        (Some(5 | 6 | 9 | 10 | 12 | 16 | 17 | 27..=29), _) => vec![("wires", Some(0.0))],
+        (Some(2 | 5 | 6 | 8 | 9 | 10 | 12 | 16 | 17 | 27..=29), _) => vec![("wires", Some(0.0))],
         (Some(n @ 40..=45), _) => beam(n - 40),
         (Some(n @ 46..=51), _) => beam((n - 46) / 2),
         (Some(n @ 52..=54), _) => beam(n - 52),
