@@ -14,6 +14,7 @@
 //! | [`words`] | sentences that put an answer into words |
 //! | [`progress`] | the progress bar |
 
+mod chapter;
 pub mod cli;
 pub mod figures;
 pub mod link;

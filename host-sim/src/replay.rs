@@ -162,6 +162,7 @@ mod tests {
             birth: BootInfo::STORED,
             block_ticks: BLOCK as u32,
             scenario: None,
+            made_from: None,
         }
     }
 

@@ -11,11 +11,10 @@ fn the_table_of_starts_adds_up_to_the_summary() {
     let folder = Folder::new();
     let line = format!("basins --ratio 2 --gap-ratio 2 {SMALL} --out o");
     let ran = folder.run(&format!("{line} --format json --quiet")).well();
-    let names = ["basins.csv", "basins.json", "basins.png", "basins.svg"];
-    assert_eq!(folder.names(), names.map(|name| format!("o/{name}")));
-    assert_eq!(folder.read("o/basins.json"), ran.out);
+    assert_eq!(folder.ends("o/basins"), [".csv", ".json", ".png", ".svg"]);
+    assert_eq!(folder.read_made("o/basins", ".json"), ran.out);
     let summary = ran.json();
-    let rows = csv_rows(&folder.read("o/basins.csv"));
+    let rows = csv_rows(&folder.read_made("o/basins", ".csv"));
     assert_eq!(rows.len(), 48);
     let impacts = rows.iter().filter(|row| row["impact"] == true).count();
     assert!((number(&summary, "impact_share") - impacts as f64 / 48.0).abs() < 1e-12);
@@ -38,8 +37,8 @@ fn the_table_of_starts_adds_up_to_the_summary() {
         "by attractor",
         "displacement at the start, mm",
     ];
-    assert_svg_shows(&folder.read("o/basins.svg"), &words);
-    png_size(&std::fs::read(folder.path("o/basins.png")).expect("a picture"));
+    assert_svg_shows(&folder.read_made("o/basins", ".svg"), &words);
+    png_size(&std::fs::read(folder.made("o/basins", ".png")).expect("a picture"));
 }
 
 #[test]
@@ -109,19 +108,15 @@ fn gaps_stand_beside_each_other_and_one_is_advised() {
     let line = "pick --gaps 0:2.4:2.4 --nominal --starts 20 --out o";
     let text = folder.run(line).well();
     assert!(text.out.starts_with("Run at a gap of 0.0 mm"), "{text:?}");
-    let names = ["csv", "json", "png", "svg"];
-    assert_eq!(
-        folder.names(),
-        names.map(|end| format!("o/pick-gaps-wires.{end}"))
-    );
-    let rows = csv_rows(&folder.read("o/pick-gaps-wires.csv"));
+    assert_eq!(folder.ends("o/pick"), [".csv", ".json", ".png", ".svg"]);
+    let rows = csv_rows(&folder.read_made("o/pick-wires-gaps", ".csv"));
     assert_eq!(rows.len(), 2);
     let alone = answer("pick --gap 2.4 --nominal");
     for key in ["operating_frequency_hz", "force_ratio"] {
         assert_eq!(rows[1][key], alone[key], "{key}");
     }
     assert_svg_shows(
-        &folder.read("o/pick-gaps-wires.svg"),
+        &folder.read_made("o/pick-wires-gaps", ".svg"),
         &["where starts end", "gap, mm"],
     );
 }

@@ -56,7 +56,7 @@ fn a_point_is_what_simulate_shows_on_its_section() {
     folder
         .run("simulate --gap 1 --ratio 1.5 --cycles 160 --transient 140 --out a --quiet")
         .well();
-    let section = csv_rows(&folder.read("a/simulate-section.csv"));
+    let section = csv_rows(&folder.read_made("a/simulate", "-section.csv"));
     let last = section.last().expect("a section");
     let [here, there] = [
         number(&rows[0], "displacement_mm"),
@@ -77,18 +77,10 @@ fn out_holds_pictures_tables_and_the_measured_points() {
             "bifurcation --gap 1 --frequency 2.6:2.9:0.1 {SHORT} --measured m.csv --out a --quiet"
         ))
         .well();
-    let names = [
-        "bifurcation-changes.csv",
-        "bifurcation.csv",
-        "bifurcation.json",
-        "bifurcation.png",
-        "bifurcation.svg",
-    ];
-    let mut wanted: Vec<_> = names.iter().map(|n| format!("a/{n}")).collect();
-    wanted.push("m.csv".into());
-    assert_eq!(folder.names(), wanted);
+    let wanted = ["-changes.csv", ".csv", ".json", ".png", ".svg"];
+    assert_eq!(folder.ends("a/"), wanted);
     let told: serde_json::Value =
-        serde_json::from_str(&folder.read("a/bifurcation.json")).expect("JSON");
+        serde_json::from_str(&folder.read_made("a/bifurcation", ".json")).expect("JSON");
     let distance = &told["diagrams"][0]["measured_displacement_mm"];
     assert_eq!(
         (
@@ -98,11 +90,12 @@ fn out_holds_pictures_tables_and_the_measured_points() {
         (2.0, 1.0)
     );
     assert_svg_shows(
-        &folder.read("a/bifurcation.svg"),
+        &folder.read_made("a/bifurcation", ".svg"),
         &["displacement, mm", "drive frequency, Hz", "measured"],
     );
     assert!(
-        png_size(&std::fs::read(folder.path("a/bifurcation.png")).expect("a picture")).0 >= 1200
+        png_size(&std::fs::read(folder.made("a/bifurcation", ".png")).expect("a picture")).0
+            >= 1200
     );
 }
 
@@ -154,4 +147,22 @@ fn a_command_for_one_gap_refuses_several() {
     let ran = Folder::new().run("simulate --ratio 1.5 --gap 0:1:0.5");
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("this command takes one"), "{ran:?}");
+}
+
+/// At 2.4 mm the 1/1 ends in a strip of chaos two frequencies wide; that is no reason not to list its end.
+#[test]
+fn the_end_of_the_one_one_is_listed_where_what_follows_is_brief() {
+    let line = "bifurcation --gap 2.4 --frequency 2.5:3.1:0.01";
+    let told = answer(line);
+    let changes = told["diagrams"][0]["changes"].as_array().expect("changes");
+    let end = changes
+        .iter()
+        .find(|c| c["below"] == "1/1" && c["lasting"] == true)
+        .expect("the end of the 1/1");
+    assert!(
+        (number(end, "frequency_ratio") - 1.585).abs() < 0.005,
+        "{end}"
+    );
+    let text = Folder::new().run(line).well().out;
+    assert!(text.contains("1/1        aperiodic"), "{text}");
 }

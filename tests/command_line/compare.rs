@@ -10,7 +10,7 @@ fn simulated(drive: &str) -> Folder {
     folder
         .run(&format!("simulate {drive} {SHORT} --out s --quiet"))
         .well();
-    let rows = csv_rows(&folder.read("s/simulate-history.csv"));
+    let rows = csv_rows(&folder.read_made("s/simulate", "-history.csv"));
     let mut csv = String::from("time_s,displacement_mm\n");
     // The record's clock starts somewhere; a history has both sides of a switch at one instant.
     for row in rows.iter().skip(137) {
@@ -29,16 +29,16 @@ fn a_record_of_the_model_lies_on_it() {
     assert!(number(&json, "displacement_rms_percent") < 0.1, "{json}");
     assert_eq!(
         folder
-            .read("o/compare.json")
+            .read_made("o/compare", ".json")
             .parse::<serde_json::Value>()
             .ok(),
         Some(json)
     );
     assert_svg_shows(
-        &folder.read("o/compare.svg"),
+        &folder.read_made("o/compare", ".svg"),
         &["Phase plane", "displacement, mm", "measured", "simulation"],
     );
-    png_size(&std::fs::read(folder.path("o/compare.png")).expect("a picture"));
+    png_size(&std::fs::read(folder.made("o/compare", ".png")).expect("a picture"));
     // Another gap is another motion, and the errors say so.
     let wrong = format!("compare record.csv --gap 0 --ratio 1.5 {SHORT} --quiet --format json");
     let wrong = folder.run(&wrong).well().json();

@@ -35,13 +35,12 @@ fn figure_3_3_and_its_files() {
         (first / (2.0 / 3.0 * 0.6 * 0.1) - 1.0).abs() < 0.05,
         "{first}"
     );
-    let names = ["contact.csv", "contact.json", "contact.png", "contact.svg"];
-    assert_eq!(folder.names(), names.map(|name| format!("o/{name}")));
+    assert_eq!(folder.ends("o/contact"), [".csv", ".json", ".png", ".svg"]);
     assert_svg_shows(
-        &folder.read("o/contact.svg"),
+        &folder.read_made("o/contact", ".svg"),
         &["indentation, µm", "contact force, N", "0.5"],
     );
-    png_size(&std::fs::read(folder.path("o/contact.png")).expect("a picture"));
+    png_size(&std::fs::read(folder.made("o/contact", ".png")).expect("a picture"));
     let text = folder.run("contact").well().out;
     assert!(
         text.contains("would pull") && text.contains("never"),

@@ -37,7 +37,7 @@ fn what_drop_makes_identify_gives_back() {
     }
     assert_eq!(json["ring"], Value::Null);
     assert_svg_shows(
-        &folder.read("o/identify.svg"),
+        &folder.read_made("o/identify", ".svg"),
         &[
             "Impact 1",
             "force peak, N",
@@ -45,9 +45,9 @@ fn what_drop_makes_identify_gives_back() {
             "measured",
         ],
     );
-    png_size(&std::fs::read(folder.path("o/identify.png")).expect("a picture"));
-    assert_eq!(csv_rows(&folder.read("o/identify.csv")).len(), 4);
-    assert_eq!(folder.read("o/identify.json"), ran.out);
+    png_size(&std::fs::read(folder.made("o/identify", ".png")).expect("a picture"));
+    assert_eq!(csv_rows(&folder.read_made("o/identify", ".csv")).len(), 4);
+    assert_eq!(folder.read_made("o/identify", ".json"), ran.out);
     // The same record, the same answer, whatever the threads.
     let mut alone = folder.command(&line.split_whitespace().collect::<Vec<_>>());
     alone.env("RAYON_NUM_THREADS", "1");
@@ -143,8 +143,7 @@ fn the_same_seed_makes_the_same_record_and_another_does_not() {
     folder
         .run("drop --impacts 2 --sampling-hz 5000 --out o --quiet")
         .well();
-    let names = ["drop.csv", "drop.json", "drop.png", "drop.svg"];
-    assert_eq!(folder.names(), names.map(|name| format!("o/{name}")));
+    assert_eq!(folder.ends("o/drop"), [".csv", ".json", ".png", ".svg"]);
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use crate::support::Folder;
+use serde_json::Value;
+
+use crate::support::{Folder, finish};
 
 #[test]
 fn asked_for_alone_a_figure_is_made_with_its_page_and_not_made_again() {
@@ -59,7 +61,6 @@ fn what_cannot_be_made_is_refused_in_one_line() {
             &["9.9", "choose from", "3.12"],
         ),
         ("figures --out taken", &["taken", "is a file"]),
-        ("figures", &["--out"]),
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
@@ -69,4 +70,51 @@ fn what_cannot_be_made_is_refused_in_one_line() {
         }
         assert!(!folder.path("x").exists());
     }
+}
+
+#[test]
+fn the_command_under_a_picture_makes_exactly_it() {
+    let folder = Folder::new();
+    folder
+        .run("figures --coarse --quiet --only 3.3,3.6,3.12,3.22 --out all")
+        .well();
+    let index: Value = serde_json::from_str(&folder.read("all/index.json")).unwrap();
+    let parts = index["parts"].as_array().unwrap().iter();
+    let pages: Vec<&Value> = parts.flat_map(|p| p["pages"].as_array().unwrap()).collect();
+    let mut compared = 0;
+    for (figure, file) in [
+        ("3.3", "figure-3-3"),
+        ("contact laws", "figure-contact-laws"),
+        ("3.5", "figure-3-5"),
+        ("3.13", "figure-3-13"),
+        ("3.22", "figure-3-22"),
+    ] {
+        let page = pages.iter().find(|page| page["figure"] == figure).unwrap();
+        let command = page["command"].as_str().unwrap();
+        let line = command.strip_prefix("host-sim ").unwrap();
+        let words = line.replace("'contact laws'", "contact_laws");
+        let words: Vec<String> = words
+            .split(' ')
+            .map(|word| word.replace('_', " "))
+            .collect();
+        let out = format!("alone-{file}");
+        let mut words: Vec<&str> = words.iter().map(String::as_str).collect();
+        words.extend(["--quiet", "--out", &out]);
+        finish(folder.command(&words)).well();
+        for file in page["files"].as_array().unwrap() {
+            let name = file["name"].as_str().unwrap();
+            let [all, alone] = ["all", &out].map(|dir| {
+                let path = folder.path(&format!("{dir}/{name}"));
+                fs::read(path).unwrap_or_else(|e| panic!("{name}: {e}"))
+            });
+            assert!(all == alone, "{name}: {line} makes other bytes");
+            compared += 1;
+        }
+        assert!(folder.path(&format!("{out}/{file}.svg")).is_file());
+    }
+    assert!(compared >= 15, "{compared}");
+    // Full figures would replace coarse ones.
+    let ran = folder.run("figures --quiet --only 3.3 --out all");
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert!(ran.err.contains("made with coarse effort"), "{ran:?}");
 }

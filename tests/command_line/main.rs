@@ -9,6 +9,7 @@ mod bifurcation;
 #[cfg(unix)]
 mod boards;
 mod broken_off;
+mod chapter;
 mod compare;
 mod contact;
 mod drill;
@@ -17,6 +18,7 @@ mod emulate;
 mod figures;
 #[cfg(unix)]
 mod link;
+mod made_from;
 mod map;
 mod map_tiles;
 mod modes;

@@ -81,23 +81,12 @@ fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
     let folder = Folder::new();
     let line = format!("{SMALL} --format json --out o --quiet");
     let json = run(&folder, &line);
-    let names = ["map-wires-force.png", "map-wires-force.svg"];
-    let more = [
-        "map-wires.csv",
-        "map-wires.json",
-        "map-wires.png",
-        "map-wires.svg",
-    ];
-    let names: Vec<_> = names
-        .iter()
-        .chain(&more)
-        .map(|n| format!("o/{n}"))
-        .collect();
-    assert_eq!(folder.names(), names);
-    assert_eq!(folder.read("o/map-wires.json"), json);
+    let names = ["-force.png", "-force.svg", ".csv", ".json", ".png", ".svg"];
+    assert_eq!(folder.ends("o/map-wires"), names);
+    assert_eq!(folder.read_made("o/map-wires", ".json"), json);
     let whole: Value = serde_json::from_str(&json).expect("JSON");
     let map = &whole["maps"][0];
-    let rows = csv_rows(&folder.read("o/map-wires.csv"));
+    let rows = csv_rows(&folder.read_made("o/map-wires", ".csv"));
     let layers = &map["layers"];
     assert!(keys(layers).contains(&"settling_cycles"));
     for (i, row) in rows.iter().enumerate() {
@@ -115,8 +104,8 @@ fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
         .filter_map(|r| r["cells"].as_u64())
         .sum();
     assert_eq!(counted, 28);
-    assert_svg_shows(&folder.read("o/map-wires.svg"), &["1/1", "Ω/ω"]);
-    png_size(&fs::read(folder.path("o/map-wires-force.png")).expect("a picture"));
+    assert_svg_shows(&folder.read_made("o/map-wires", ".svg"), &["1/1", "Ω/ω"]);
+    png_size(&fs::read(folder.made("o/map-wires", "-force.png")).expect("a picture"));
 }
 
 /// A cell whose hammer cannot be followed is a row that says so, and takes no other with it.
@@ -201,12 +190,14 @@ fn the_switch_engine_makes_maps_and_its_difference_is_told() {
     assert_eq!(against["same_label"], 6, "{against}");
     assert_eq!(against["same_force"], 6, "{against}");
     let names = folder.names();
-    for name in [
-        "map-wires-switch.csv",
-        "map-wires-against.svg",
-        "map-wires.csv",
+    let options = "ratio-1.3-2.3-0.5-cycles-120-against-switch-gap-0-0.4-0.4";
+    for (map, end) in [
+        ("map-wires-switch", ".csv"),
+        ("map-wires", "-against.svg"),
+        ("map-wires", ".csv"),
     ] {
-        assert!(names.contains(&format!("o/{name}")), "{names:?}");
+        let name = format!("o/{map}-{options}{end}");
+        assert!(names.contains(&name), "{name} {names:?}");
     }
 }
 
@@ -222,8 +213,9 @@ fn the_beams_stand_beside_one_another() {
     ] {
         assert!(ran.out.contains(pair), "{ran:?}");
     }
+    let options = "ratio-1.2-3.2-0.5-cycles-100-beams-gap-0-2-1";
     let frequencies = |rig: &str| {
-        let rows = csv_rows(&folder.read(&format!("o/map-{rig}.csv")));
+        let rows = csv_rows(&folder.read(&format!("o/map-{rig}-{options}.csv")));
         assert_eq!(rows.len(), 15);
         let ratios: Vec<_> = rows.iter().map(|r| r["frequency_ratio"].clone()).collect();
         (number(&rows[0], "frequency_hz"), ratios)
@@ -232,7 +224,7 @@ fn the_beams_stand_beside_one_another() {
     assert!(stiff > 1.4 * soft);
     assert_eq!(ratios, same);
     assert_svg_shows(
-        &folder.read("o/map-beam-170-beside.svg"),
+        &folder.read_made("o/map-beam-170", "-beside.svg"),
         &["beam-150", "same regime in"],
     );
 }
@@ -256,7 +248,7 @@ fn measured_points_are_laid_over() {
     let ran = folder.run(line).well();
     let said = "1 of 2 points have the regime of the cell they lie on (1 outside the map)";
     assert!(ran.out.contains(said), "{ran:?}");
-    assert_svg_shows(&folder.read("o/map-wires.svg"), &["seen"]);
+    assert_svg_shows(&folder.read_made("o/map-wires", ".svg"), &["seen"]);
 }
 
 #[test]
@@ -266,7 +258,7 @@ fn parquet_goes_to_a_pipe_and_into_the_folder() {
     let words: Vec<_> = words.split_whitespace().collect();
     let ran = folder.command(&words).output().expect("the program runs");
     assert!(ran.status.success());
-    let file = fs::read(folder.path("o/map-wires.parquet")).expect("a file");
+    let file = fs::read(folder.made("o/map-wires", ".parquet")).expect("a file");
     assert_eq!(ran.stdout, file);
     assert!(file.starts_with(b"PAR1") && file.ends_with(b"PAR1"));
 }
@@ -284,7 +276,7 @@ fn one_gap_and_one_frequency_are_maps_too() {
             .run(&format!("map {grid} {extra} --cycles 60"))
             .well();
         assert!(ran.out.contains("regimes"), "{ran:?}");
-        assert!(folder.path("out/map-wires.png").is_file());
+        assert!(folder.made("out/map-wires", ".png").is_file());
     }
 }
 

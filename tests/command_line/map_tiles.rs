@@ -53,7 +53,6 @@ fn tiles_that_do_not_serve_are_told_or_made_again() {
             "o/map-wires-reference.tiles",
         ],
     );
-    refused("--cycles 20 --set mass_kg=0.3", &["another rig"]);
     refused("--cycles 20 --tiles 2..4", &["the map has tiles 0..3"]);
     let request = folder.path("o/map-wires-reference.tiles/request.txt");
     let told = fs::read(&request).expect("the request");

@@ -31,9 +31,11 @@ fn tables_and_picture_are_written_with_units() {
     }
     assert_eq!(number(&rows[0], "higher_energy_share"), 0.0);
     assert!(number(&rows[1], "higher_energy_share") > 0.0);
-    let names = ["csv", "json", "png", "svg"].map(|end| format!("out/modes.{end}"));
-    assert_eq!(folder.names(), names);
-    assert_svg_shows(&folder.read("out/modes.svg"), &["swing, mm", "3 modes"]);
+    assert_eq!(folder.ends("out/modes"), [".csv", ".json", ".png", ".svg"]);
+    assert_svg_shows(
+        &folder.read_made("out/modes", ".svg"),
+        &["swing, mm", "3 modes"],
+    );
 }
 
 #[test]

@@ -46,22 +46,21 @@ fn csv_pictures_and_json_say_the_same() {
             "{SHORT} --behind 5 --format csv --out out --quiet"
         ))
         .well();
-    let names = ["orbits.csv", "orbits.json", "orbits.png", "orbits.svg"];
-    assert_eq!(folder.names(), names.map(|n| format!("out/{n}")));
+    assert_eq!(folder.ends("out/orbits"), [".csv", ".json", ".png", ".svg"]);
     let rows = csv_rows(&ran.out);
-    let json: Value = serde_json::from_str(&folder.read("out/orbits.json")).unwrap();
+    let json: Value = serde_json::from_str(&folder.read_made("out/orbits", ".json")).unwrap();
     let orbits = json["orbits"].as_array().unwrap();
     assert_eq!(rows.len(), orbits.len());
     for key in ["frequency_hz", "displacement_mm", "force_ratio", "stable"] {
         assert!(keys(&rows[0]).contains(&key), "{key}");
         assert_eq!(rows[3][key], orbits[3][key], "{key}");
     }
-    assert_eq!(folder.read("out/orbits.csv"), ran.out);
+    assert_eq!(folder.read_made("out/orbits", ".csv"), ran.out);
     assert_svg_shows(
-        &folder.read("out/orbits.svg"),
+        &folder.read_made("out/orbits", ".svg"),
         &["1/1 stable", "period doubling", "Ω/ω"],
     );
-    let (width, height) = png_size(&std::fs::read(folder.path("out/orbits.png")).unwrap());
+    let (width, height) = png_size(&std::fs::read(folder.made("out/orbits", ".png")).unwrap());
     assert!(width > 1000 && height > 800);
 }
 

@@ -10,7 +10,7 @@ use crate::support::{Ran, program};
 fn closed_standard_output_is_no_error() {
     for line in [
         "sweep --ratio 1.5:1.6:0.01 --cycles 20 --transient 10 --format csv",
-        "simulate --ratio 1.5 --cycles 20 --transient 10",
+        "simulate --ratio 1.5 --cycles 20 --transient 10 --format json",
         "rigs",
         "--help",
     ] {
@@ -93,7 +93,7 @@ fn standard_output_that_is_closed_from_the_start_is_an_error() {
     for line in [
         "rigs",
         "--help",
-        "simulate --ratio 1.5 --cycles 20 --transient 10",
+        "simulate --ratio 1.5 --cycles 20 --transient 10 --quiet",
     ] {
         let ran = in_a_shell(&folder, "", line, ">&-");
         assert_eq!(ran.code, Some(2), "{line}: {ran:?}");
@@ -144,5 +144,11 @@ fn a_folder_s_name_need_not_be_utf_8() {
         .map(|entry| entry.expect("a folder").file_name())
         .collect();
     assert_eq!(made, [name]);
-    assert!(folder.path("").join(name).join("simulate.json").is_file());
+    assert!(
+        folder
+            .path("")
+            .join(name)
+            .join("simulate-wires-ratio-1.5-cycles-20-transient-10.json")
+            .is_file()
+    );
 }

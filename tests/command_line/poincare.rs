@@ -30,14 +30,8 @@ fn sections_at_several_phases_come_with_pictures_and_tables() {
             "{CHAOS} --points 70 --phase 0.25 --phase 0 --out a --quiet"
         ))
         .well();
-    let names = [
-        "poincare.csv",
-        "poincare.json",
-        "poincare.png",
-        "poincare.svg",
-    ];
-    assert_eq!(folder.names(), names.map(|n| format!("a/{n}")));
-    let rows = csv_rows(&folder.read("a/poincare.csv"));
+    assert_eq!(folder.ends("a/"), [".csv", ".json", ".png", ".svg"]);
+    let rows = csv_rows(&folder.read_made("a/poincare", ".csv"));
     let phases: Vec<_> = rows.iter().map(|r| number(r, "phase_turns")).collect();
     assert_eq!(phases, [vec![0.0; 70], vec![0.25; 70]].concat());
     for row in &rows {
@@ -51,10 +45,12 @@ fn sections_at_several_phases_come_with_pictures_and_tables() {
         assert!((cart - wanted).abs() < 1e-9, "{row}");
     }
     assert_svg_shows(
-        &folder.read("a/poincare.svg"),
+        &folder.read_made("a/poincare", ".svg"),
         &["Section at drive phase 0.25 turns"],
     );
-    assert!(png_size(&std::fs::read(folder.path("a/poincare.png")).expect("a picture")).0 >= 1200);
+    assert!(
+        png_size(&std::fs::read(folder.made("a/poincare", ".png")).expect("a picture")).0 >= 1200
+    );
 }
 
 #[test]

@@ -133,7 +133,7 @@ fn csv_says_what_json_says_with_units_in_its_header() {
 }
 
 #[test]
-fn text_alone_writes_no_file_and_says_the_regime() {
+fn text_says_the_regime_and_pictures_go_into_the_usual_folder() {
     let folder = Folder::new();
     let ran = folder
         .run("simulate --ratio 1.5 --cycles 60 --transient 40")
@@ -142,7 +142,8 @@ fn text_alone_writes_no_file_and_says_the_regime() {
         ran.out
             .contains("regime         1/1: 1 contact in 1 drive period")
     );
-    assert!(ran.err.is_empty() && folder.names().is_empty(), "{ran:?}");
+    assert_eq!(folder.ends("out/simulate").len(), 6);
+    assert!(ran.err.starts_with("wrote out/simulate-wires-"), "{ran:?}");
 }
 
 #[test]
@@ -152,25 +153,28 @@ fn out_holds_pictures_and_tables_that_agree_with_the_answer() {
         .run("simulate --ratio 1.5 --cycles 60 --transient 40 --format json --out a/b")
         .well();
     let names = [
-        "simulate-contacts.csv",
-        "simulate-history.csv",
-        "simulate-section.csv",
-        "simulate.json",
-        "simulate.png",
-        "simulate.svg",
+        "-contacts.csv",
+        "-history.csv",
+        "-section.csv",
+        ".json",
+        ".png",
+        ".svg",
     ];
-    assert_eq!(folder.names(), names.map(|name| format!("a/b/{name}")));
+    assert_eq!(folder.ends("a/b/simulate"), names);
     assert!(names.iter().all(|name| ran.err.contains(name)), "{ran:?}");
 
     let row = ran.json();
-    assert_eq!(folder.read("a/b/simulate.json"), ran.out);
-    let contacts = csv_rows(&folder.read("a/b/simulate-contacts.csv"));
+    assert_eq!(folder.read_made("a/b/simulate", ".json"), ran.out);
+    let contacts = csv_rows(&folder.read_made("a/b/simulate", "-contacts.csv"));
     assert_eq!(contacts.len() as f64, number(&row, "contacts_recorded"));
     let peaks = contacts.iter().map(|c| number(c, "peak_force_n"));
     assert_eq!(peaks.fold(0.0, f64::max), number(&row, "force_n"));
-    assert_eq!(csv_rows(&folder.read("a/b/simulate-section.csv")).len(), 20);
+    assert_eq!(
+        csv_rows(&folder.read_made("a/b/simulate", "-section.csv")).len(),
+        20
+    );
 
-    let history = csv_rows(&folder.read("a/b/simulate-history.csv"));
+    let history = csv_rows(&folder.read_made("a/b/simulate", "-history.csv"));
     let times: Vec<_> = history.iter().map(|s| number(s, "time_s")).collect();
     assert!(times.is_sorted());
     let span = (times[times.len() - 1] - times[0]) * 2.73;
@@ -185,8 +189,8 @@ fn out_holds_pictures_and_tables_that_agree_with_the_answer() {
         "{highest}"
     );
 
-    let svg = folder.read("a/b/simulate.svg");
+    let svg = folder.read_made("a/b/simulate", ".svg");
     assert_svg_shows(&svg, &["regime 1/1", "Phase plane", "contact force, N"]);
-    let png = std::fs::read(folder.path("a/b/simulate.png")).expect("a picture");
+    let png = std::fs::read(folder.made("a/b/simulate", ".png")).expect("a picture");
     assert!(png_size(&png).0 >= 1200);
 }

@@ -53,6 +53,43 @@ impl Folder {
         self.0.path().join(name)
     }
 
+    /// The one file whose name begins with `start` and goes on with a request (or nothing) and `end`: file names tell
+    /// the options given.
+    pub fn made(&self, start: &str, end: &str) -> PathBuf {
+        let stem = self.stem(start);
+        self.path(&format!("{stem}{end}"))
+    }
+
+    /// The text of the same.
+    pub fn read_made(&self, start: &str, end: &str) -> String {
+        let path = self.made(start, end);
+        fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    }
+
+    /// How the names of an answer's files begin: the name of its JSON.
+    fn stem(&self, start: &str) -> String {
+        let names = self.names();
+        let stems = names.iter().filter_map(|n| n.strip_suffix(".json"));
+        let stems = stems.filter(|stem| stem.starts_with(start));
+        let stem = stems.min_by_key(|stem| stem.len());
+        stem.unwrap_or_else(|| panic!("no {start}*.json in {names:?}"))
+            .to_owned()
+    }
+
+    /// What the names of an answer's files end with, in order; there must be no other file that begins with `start`.
+    pub fn ends(&self, start: &str) -> Vec<String> {
+        let stem = self.stem(start);
+        let names = self.names().into_iter().filter(|n| n.starts_with(start));
+        let mut ends: Vec<String> = names
+            .map(|name| match name.strip_prefix(&stem) {
+                Some(end) => end.to_owned(),
+                None => panic!("{name} does not begin with {stem}"),
+            })
+            .collect();
+        ends.sort();
+        ends
+    }
+
     pub fn with(self, name: &str, contents: impl AsRef<[u8]>) -> Self {
         fs::write(self.path(name), contents).expect("a file in a temporary folder");
         self
@@ -180,12 +217,25 @@ pub fn fault(folder: &Folder, words: &[&str], says: &str) -> Option<String> {
     (!refused).then(|| format!("{words:?} should say '{says}': {ran:?}"))
 }
 
-/// The JSON answer to `line`, asked in a folder that must stay empty, with nothing else said.
+/// The JSON answer to `line`, asked in a folder that must stay empty, with nothing else said; what it was made from is
+/// left out (tests of their own look at that).
 pub fn answer(line: &str) -> Value {
     let folder = Folder::new();
     let ran = folder.run(&format!("{line} --format json --quiet")).well();
     assert_eq!((ran.err.as_str(), folder.names()), ("", vec![]), "{line}");
-    ran.json()
+    without_origin(ran.json())
+}
+
+/// `answer` without what it was made from.
+pub fn without_origin(mut answer: Value) -> Value {
+    let carrier = match &mut answer {
+        Value::Array(list) => list.first_mut(),
+        one => Some(one),
+    };
+    if let Some(object) = carrier.and_then(Value::as_object_mut) {
+        object.shift_remove("made_from");
+    }
+    answer
 }
 
 /// The number at `key`.
@@ -203,10 +253,11 @@ pub fn pair(value: &Value, key: &str) -> [f64; 2] {
     })
 }
 
-/// The field names of an object, in order.
+/// The field names of an object, in order, without that of what it was made from.
 pub fn keys(value: &Value) -> Vec<&str> {
     let object = value.as_object().expect("an object");
-    object.keys().map(String::as_str).collect()
+    let keys = object.keys().map(String::as_str);
+    keys.filter(|key| *key != "made_from").collect()
 }
 
 /// The lines of a CSV text by column; every cell that reads as JSON is that value, others are text.

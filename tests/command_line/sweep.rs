@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, answer, assert_svg_shows, csv_rows, finish, keys, number, png_size};
+use crate::support::{
+    Folder, answer, assert_svg_shows, csv_rows, finish, keys, number, png_size, without_origin,
+};
 
 const SHORT: &str = "--cycles 160 --transient 140";
 
@@ -98,30 +100,24 @@ fn out_holds_both_directions_in_one_picture() {
     let line = format!("sweep --gap 2.4 --ratio 1.3:1.6:0.1 --direction up {SHORT} --out o");
     let ran = folder.run(&format!("{line} --format json --quiet")).well();
     assert!(ran.err.is_empty());
-    let names = [
-        "sweep-down.csv",
-        "sweep.csv",
-        "sweep.json",
-        "sweep.png",
-        "sweep.svg",
-    ];
-    assert_eq!(folder.names(), names.map(|name| format!("o/{name}")));
-    assert_eq!(folder.read("o/sweep.json"), ran.out);
+    let names = ["-down.csv", ".csv", ".json", ".png", ".svg"];
+    assert_eq!(folder.ends("o/sweep"), names);
+    assert_eq!(folder.read_made("o/sweep", ".json"), ran.out);
     assert_eq!(
-        Value::from(csv_rows(&folder.read("o/sweep.csv"))),
-        ran.json()
+        Value::from(csv_rows(&folder.read_made("o/sweep", ".csv"))),
+        without_origin(ran.json())
     );
-    let down = csv_rows(&folder.read("o/sweep-down.csv"));
+    let down = csv_rows(&folder.read_made("o/sweep", "-down.csv"));
     assert_ne!(
         down,
-        csv_rows(&folder.read("o/sweep.csv")),
+        csv_rows(&folder.read_made("o/sweep", ".csv")),
         "this gap jumps"
     );
     assert_svg_shows(
-        &folder.read("o/sweep.svg"),
+        &folder.read_made("o/sweep", ".svg"),
         &["carried up", "carried down", "drive frequency, Hz"],
     );
-    png_size(&std::fs::read(folder.path("o/sweep.png")).expect("a picture"));
+    png_size(&std::fs::read(folder.made("o/sweep", ".png")).expect("a picture"));
 }
 
 /// A "measurement" made from the sweep itself, 1/1.25 of it: the simulation is 25 % too high.
@@ -142,9 +138,13 @@ fn measured_prints_the_error_that_was_put_in() {
     let json = folder.run(&format!("{line} --format json --out o")).well();
     assert!(json.err.contains(said), "{json:?}");
     assert_eq!(json.json().as_array().map(Vec::len), Some(5));
-    let error: Value = serde_json::from_str(&folder.read("o/sweep-error.json")).expect("JSON");
+    let error: Value =
+        serde_json::from_str(&folder.read_made("o/sweep", "-error.json")).expect("JSON");
     for key in ["mean_percent", "largest_percent"] {
         assert!((number(&error, key) - 25.0).abs() < 1e-9, "{error}");
     }
-    assert_svg_shows(&folder.read("o/sweep.svg"), &["measured", "mean +25.0 %"]);
+    assert_svg_shows(
+        &folder.read_made("o/sweep", ".svg"),
+        &["measured", "mean +25.0 %"],
+    );
 }

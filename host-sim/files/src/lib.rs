@@ -4,6 +4,7 @@
 
 pub mod columns;
 mod error;
+pub mod made_from;
 pub mod quiet;
 mod read;
 pub mod rigfile;

@@ -11,12 +11,14 @@ use crate::error::{Error, PickError};
 /// A rig and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedRig {
-    /// The preset's name, or the stem of the file the rig was read from.
+    /// The preset's name, or the stem of the file the rig was read from; in brackets what is set over it.
     pub name: String,
     /// Its parameters, with the cart as it is computed with.
     pub params: RigParams,
     /// The shaker that moves its cart, if one is known.
     pub shaker: Option<LoopParams>,
+    /// What was set over the preset or the file it was read from, `key=value`.
+    pub overridden: Vec<String>,
 }
 
 impl NamedRig {
@@ -30,6 +32,7 @@ impl NamedRig {
             name: name.into(),
             params,
             shaker,
+            overridden: Vec::new(),
         }
     }
 

@@ -64,7 +64,7 @@ pub struct Args {
     engine: EngineArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// The answer as JSON.
@@ -111,6 +111,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let request = request(args)?;
+    let output = &output.about([&request.rig])?;
     let measured = args
         .measured
         .as_deref()
@@ -126,18 +127,21 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             true => Abscissa::Frequency,
             false => Abscissa::Ratio,
         };
-        let mut contents = output.tables("bifurcation", &answer, &points)?;
+        let mut contents = output.tables(&output.name(""), &answer, &points)?;
         let changes: Vec<_> = answer.diagrams.iter().flat_map(change_rows).collect();
-        contents.push(("bifurcation-changes.csv".into(), to_csv(&changes)));
+        contents.push((output.name("-changes.csv"), to_csv(&changes)));
         for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
             let all: Vec<_> = same.iter().collect();
             let name = match request.gaps_mm.len() {
-                1 => "bifurcation".to_owned(),
-                _ => format!("bifurcation-gap-{:?}mm", same[0].gap_mm),
+                1 => output.name(""),
+                _ => {
+                    let gap = files::made_from::in_name(&format!("{:?}", same[0].gap_mm));
+                    output.name(&format!("-at-{gap}mm"))
+                }
             };
             contents.extend(drawn(&name, &figure(&all, abscissa, measured.as_ref()))?);
         }
-        output.write(dir, &contents)?;
+        output.write(dir, contents)?;
     }
     output.emit(&answer, &points, || text(&answer, &diagrams))
 }

@@ -54,13 +54,14 @@ pub struct Args {
     engine: EngineArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.rig.load()?;
+    let output = &output.about([&rig])?;
     let question = ComparisonRequest {
         params: rig.params,
         engine: args.engine.engine(output)?,
@@ -89,9 +90,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             numerics::row::tidy(rig.params.gap_m * 1e3)
         );
         let figure = pictures::compare::figure(title, &comparison, args.frame);
-        let mut contents = drawn("compare", &figure)?;
-        contents.extend(output.tables("compare", &answer, &comparison.rows)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &answer, &comparison.rows)?);
+        output.write(dir, contents)?;
     }
     output.emit(&answer, &comparison.rows, || {
         text(&signal, &rig.name, &comparison, &answer.notes)

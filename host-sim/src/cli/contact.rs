@@ -6,6 +6,7 @@ use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use crate::pictures::drawn;
 use files::UserError;
+use numerics::NamedRig;
 use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, law_name, rows};
 use shared::model::contact::Law;
 
@@ -35,7 +36,7 @@ pub struct Args {
     rig: RigName,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// Mass, laws and speeds to simulate.
@@ -44,21 +45,24 @@ struct Case {
     mass_kg: f64,
     laws: Vec<(&'static str, Law<f64>)>,
     speeds: Vec<f64>,
+    /// The rig whose contact it is; none for figure 3.3.
+    rig: Option<NamedRig>,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let case = case(args)?;
+    let output = &output.about(&case.rig)?;
     let mut all = Vec::new();
     for (name, law) in &case.laws {
         all.extend(rows(name, *law, case.mass_kg, &case.speeds)?);
     }
     if let Some(dir) = &output.out {
         let figure = figure(&case, &all)?;
-        let mut contents = drawn("contact", &figure)?;
-        contents.extend(output.tables("contact", &all, &all)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &all, &all)?);
+        output.write(dir, contents)?;
     }
     output.emit(&all, &all, || text(&case, &all))
 }
@@ -76,6 +80,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
             mass_kg: FIGURE_3_3_MASS_KG,
             laws: vec![(law_name(&FIGURE_3_3), FIGURE_3_3)],
             speeds,
+            rig: None,
         });
     }
     let rig = args.rig.load()?;
@@ -91,6 +96,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
             Which::Own => vec![(law_name(&own), own)],
         },
         speeds,
+        rig: Some(rig),
     })
 }
 

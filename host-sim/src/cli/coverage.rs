@@ -70,6 +70,7 @@ impl CoverageArgs {
                 self.tests
             )));
         }
+        let output = &output.about(None)?;
         let cases = self.cases()?;
         let misfits = misfit.map_or(vec![Misfit::Force, Misfit::Peaks], |m| vec![m]);
         let work = cases.len() * misfits.len() * self.tests;
@@ -82,7 +83,7 @@ impl CoverageArgs {
             rows: &rows,
         };
         if let Some(dir) = &output.out {
-            output.write(dir, &output.tables("identify-coverage", &answer, &rows)?)?;
+            output.write(dir, output.tables(&output.name(""), &answer, &rows)?)?;
         }
         output.emit(&answer, &rows, || self.text(&rows))
     }

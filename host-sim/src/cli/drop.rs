@@ -124,19 +124,20 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.rig.load()?;
+    let output = &output.about([&rig])?;
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;
     if let Some(dir) = &output.out {
-        let mut contents = drawn("drop", &figure(&rig.name, &test, &rows))?;
-        contents.extend(output.tables("drop", &rows, &rows)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure(&rig.name, &test, &rows))?;
+        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
+        output.write(dir, contents)?;
     }
     output.emit(&rows, &rows, || text(&rig.name, &test, &rows))
 }

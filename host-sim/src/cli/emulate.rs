@@ -1,12 +1,12 @@
 //! `host-sim emulate`.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use shared::control::BootInfo;
 use shared::settings::TICK_RATE_HZ;
 
-use super::arguments::output::{Format, check_folder, check_format, emit, to_json};
+use super::arguments::output::{Format, OutputArgs, to_json};
 use super::terminal::{print, say};
 #[cfg(unix)]
 use crate::link::live::Live;
@@ -21,9 +21,11 @@ use emulator::scenario::{self, BUILTIN, Scenario};
 use emulator::timeline::Timeline;
 use emulator::verdict::{Verdict, judge};
 use files::UserError;
+use files::made_from::pair;
 use files::read_text;
-use files::table::{to_csv, to_parquet};
+use files::table::to_csv;
 use files::write::{commit_all, stage_all};
+use numerics::NamedRig;
 
 /// Duration of a scenario behind a pseudo-terminal, which ends only when it is interrupted: thirty years, s.
 #[cfg(unix)]
@@ -40,15 +42,6 @@ pub struct Args {
     #[arg(long, value_name = "NAME|FILE.toml")]
     scenario: Option<String>,
 
-    /// How to answer on standard output: timeline and verdict, the verdict, or the timeline
-    #[arg(long, value_enum, default_value = "text")]
-    format: Format,
-
-    /// Folder for the log (Parquet, and MCAP for Foxglove), the picture (SVG, PNG), verdict and timeline
-    /// [default: out with --format text, none otherwise]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-
     /// Write no log, only picture, verdict and timeline
     #[arg(long)]
     no_log: bool,
@@ -64,21 +57,12 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1.0, requires = "pty")]
     speed: f64,
 
-    /// No progress, no notes on standard error
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
-    let mut args = args.clone();
-    if args.format == Format::Text {
-        args.out.get_or_insert_with(|| "out".into());
-    }
-    let args = &args;
-    if let Some(dir) = &args.out {
-        check_folder(dir)?;
-    }
-    check_format(args.format, args.out.is_some())?;
+    args.output.check()?;
     let name = args.name.as_ref().or(args.scenario.as_ref());
     let name = name.map_or("field", String::as_str);
     let scenario = scenario::load(name)?;
@@ -86,15 +70,17 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     if args.pty {
         return live(args, scenario);
     }
+    let rig = NamedRig::new("true rig", scenario.true_rig);
+    let output = &args.output.named(file_name(&scenario), [&rig])?;
     let mut control = Local::new(&scenario.settings)?;
-    let mut watch = Watch::new(args, &scenario, name)?;
+    let mut watch = Watch::new(args, output, &scenario, name)?;
     let tally = emulate(&scenario, &mut control, &mut watch)?;
     watch.progress.finish();
     let verdict = judge(&scenario, &tally);
-    if let Some(dir) = &args.out {
-        write(args, dir, &scenario, &verdict, &mut watch)?;
+    if let Some(dir) = &output.out {
+        write(output, dir, &scenario, &verdict, &mut watch)?;
     }
-    emit(args.format, &verdict, &lines(&watch.timeline), || {
+    output.emit(&verdict, &lines(&watch.timeline), || {
         text(&scenario, &watch.timeline, &verdict)
     })?;
     Ok(i32::from(!passed(&verdict)))
@@ -128,8 +114,13 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(args: &Args, scenario: &Scenario, name: &str) -> Result<Self, UserError> {
-        let logs = match &args.out {
+    fn new(
+        args: &Args,
+        output: &OutputArgs,
+        scenario: &Scenario,
+        name: &str,
+    ) -> Result<Self, UserError> {
+        let logs = match &output.out {
             Some(dir) if !args.no_log => {
                 let header = Header {
                     source: "emulator".into(),
@@ -137,6 +128,7 @@ impl Watch {
                     birth: BootInfo::STORED,
                     block_ticks: u32::try_from(scenario.block_ticks).unwrap_or(u32::MAX),
                     scenario: Some(scenario_text(name)?),
+                    made_from: Some(pair(output.made_from()).1),
                 };
                 Some(Logs::create(dir, &file_name(scenario), &header)?)
             }
@@ -146,7 +138,7 @@ impl Watch {
             timeline: Timeline::default(),
             trace: Trace::default(),
             logs,
-            progress: Progress::new("s of rig time", scenario.duration_s as u64, args.quiet),
+            progress: Progress::new("s of rig time", scenario.duration_s as u64, output.quiet),
             ticks: 0,
         })
     }
@@ -208,13 +200,13 @@ fn file_name(scenario: &Scenario) -> String {
 }
 
 fn write(
-    args: &Args,
+    output: &OutputArgs,
     dir: &Path,
     scenario: &Scenario,
     verdict: &Verdict,
     watch: &mut Watch,
 ) -> Result<(), UserError> {
-    let name = file_name(scenario);
+    let name = output.name("");
     // A picture that cannot be drawn must not cost the verdict.
     let mut contents = match drawn(&name, &figure(&watch.trace, &about(scenario, verdict))) {
         Ok(pictures) => pictures,
@@ -229,8 +221,8 @@ fn write(
         format!("{name}-timeline.csv"),
         to_csv(&lines(&watch.timeline)),
     ));
-    if args.format == Format::Parquet {
-        let bytes = to_parquet(lines(&watch.timeline))?;
+    if output.format == Format::Parquet {
+        let bytes = output.parquet(&lines(&watch.timeline))?;
         contents.push((format!("{name}-timeline.parquet"), bytes));
     }
     // Log, verdict and picture appear together.
@@ -238,7 +230,7 @@ fn write(
         Some(logs) => logs.close()?,
         None => Vec::new(),
     };
-    staged.extend(stage_all(dir, &contents)?);
+    staged.extend(stage_all(dir, &output.stamped(contents)?)?);
     let paths = commit_all(staged)?;
     if no_picture {
         // Nor may an older run's stand beside it.
@@ -246,9 +238,8 @@ fn write(
             let _ = std::fs::remove_file(dir.join(format!("{name}.{kind}")));
         }
     }
-    if !args.quiet {
-        let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
-        say(&format!("wrote {}", names.join(", ")));
+    if !output.quiet {
+        say(&format!("wrote {}", output.listed(&paths)));
     }
     Ok(())
 }

@@ -71,7 +71,7 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// The answer as JSON.
@@ -116,6 +116,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     let families = families(args)?;
     let rig = args.rig.load()?;
+    let output = &output.about([&rig])?;
     let signal = crate::record::read(file)?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
@@ -150,12 +151,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     let rows = rows(&fits);
     if let Some(dir) = &output.out {
-        let mut contents = drawn("identify", &figure(&rig, &measured, &fits, &settings))?;
-        contents.extend(output.tables("identify", &answer, &rows)?);
+        let mut contents = drawn(&output.name(""), &figure(&rig, &measured, &fits, &settings))?;
+        contents.extend(output.tables(&output.name(""), &answer, &rows)?);
         if let Some(fit) = fits.first() {
-            contents.push(("identify-impacts.csv".into(), to_csv(&fit.impacts)));
+            contents.push((output.name("-impacts.csv"), to_csv(&fit.impacts)));
         }
-        output.write(dir, &contents)?;
+        output.write(dir, contents)?;
     }
     output.emit(&answer, &rows, || text(&answer))?;
     refusal(&answer)

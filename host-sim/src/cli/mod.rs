@@ -3,6 +3,7 @@
 mod arguments;
 mod basins;
 mod bifurcation;
+mod chapter;
 mod closed;
 mod compare;
 mod contact;
@@ -32,7 +33,10 @@ mod trials;
 use std::ffi::OsString;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use arguments::output::OutputArgs;
+use arguments::request::Request;
 
 use terminal::{complain, print, say};
 
@@ -84,6 +88,8 @@ enum Command {
     /// The desktop's half of `cargo xtask pil`
     #[command(hide = true)]
     Pil(pil::Args),
+    /// What the chapter says, statement by statement: its words, the figure computed here, same or different
+    Chapter(chapter::Args),
     /// Make every figure of the chapter again: pictures, tables and one page to read
     Figures(figures::Args),
     /// One impact of a free mass on a wall under the four contact laws: force, restitution, energy, where a law would pull
@@ -104,13 +110,69 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
     panics::silence();
     #[cfg(unix)]
     file_size_limit_is_an_error();
-    panics::guard(|| match Cli::try_parse_from(arguments) {
+    panics::guard(|| match parsed(arguments) {
         Ok(cli) => {
             interrupt::install();
             execute(&cli.command)
         }
         Err(error) => without_command(&error),
     })
+}
+
+/// The command line, with the request as a whole in the output options of its command.
+fn parsed(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    let mut parser = Cli::command();
+    let matches = parser.try_get_matches_from_mut(arguments)?;
+    let mut cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut parser))?;
+    if let Some((name, given)) = matches.subcommand()
+        && let Some(command) = parser.find_subcommand(name)
+    {
+        cli.command.asked(Request::new(command, given));
+    }
+    Ok(cli)
+}
+
+impl Command {
+    /// Gives the request to whatever writes the answer.
+    fn asked(&mut self, request: Request) {
+        match self.output() {
+            Some(output) => output.asked(request),
+            None => {
+                if let Self::Replay(args) = self {
+                    args.made_from = request.made_from;
+                }
+            }
+        }
+    }
+
+    /// Where the answer goes; none where a command makes no files of its own name.
+    fn output(&mut self) -> Option<&mut OutputArgs> {
+        match self {
+            Self::Pick(args) => Some(&mut args.output),
+            Self::Simulate(args) => Some(&mut args.output),
+            Self::Sweep(args) => Some(&mut args.output),
+            Self::Map(args) => Some(&mut args.output),
+            Self::Orbits(args) => Some(&mut args.output),
+            Self::Drill(args) => Some(&mut args.output),
+            Self::Modes(args) => Some(&mut args.output),
+            Self::Basins(args) => Some(&mut args.output),
+            Self::Bifurcation(args) => Some(&mut args.output),
+            Self::Poincare(args) => Some(&mut args.output),
+            Self::Trials(args) => Some(&mut args.output),
+            Self::Chapter(args) => Some(&mut args.output),
+            Self::Contact(args) => Some(&mut args.output),
+            Self::Drop(args) => Some(&mut args.output),
+            Self::Identify(args) => Some(&mut args.output),
+            Self::Compare(args) => Some(&mut args.output),
+            Self::Emulate(args) => Some(&mut args.output),
+            Self::Scenarios(_)
+            | Self::Replay(_)
+            | Self::Link(_)
+            | Self::Pil(_)
+            | Self::Figures(_)
+            | Self::Rigs(_) => None,
+        }
+    }
 }
 
 /// Beyond a limit on the size of files (`ulimit -f`) a write then fails, where the signal would end the program without
@@ -141,6 +203,7 @@ fn execute(command: &Command) -> i32 {
         Command::Link(args) => link::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Pil(args) => pil::run(args),
+        Command::Chapter(args) => chapter::run(args).map(|()| 0),
         Command::Figures(args) => figures::run(args).map(|()| 0),
         Command::Contact(args) => contact::run(args).map(|()| 0),
         Command::Drop(args) => drop::run(args).map(|()| 0),

@@ -44,7 +44,7 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// The whole answer.
@@ -76,6 +76,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.rig.load()?;
+    let output = &output.about([&rig])?;
     let beam = Beam {
         tip: args.tip,
         mass_ratio: args.beam_mass,
@@ -111,9 +112,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         rows: &rows,
     };
     if let Some(dir) = &output.out {
-        let mut files = drawn("modes", &figure(&rows, &args.modes))?;
-        files.extend(output.tables("modes", &answer, &rows)?);
-        output.write(dir, &files)?;
+        let mut files = drawn(&output.name(""), &figure(&rows, &args.modes))?;
+        files.extend(output.tables(&output.name(""), &answer, &rows)?);
+        output.write(dir, files)?;
     }
     output.emit(&answer, &rows, || text(&modes, &rows, &args.modes))
 }

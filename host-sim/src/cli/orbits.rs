@@ -75,15 +75,16 @@ pub struct Args {
     cart: CartArg,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
+    let output = &output.about([&rig])?;
     if args.curves {
-        return run_curves(args, &rig);
+        return run_curves(args, output, &rig);
     }
     let request = request(args, &rig)?;
     let progress = Progress::new("starts", request.simulations(), output.quiet);
@@ -99,15 +100,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     if let Some(dir) = &output.out {
         let behind = pictures::orbits::simulated(&found, usize::from(args.behind))?;
         let figure = pictures::orbits::figure(&rig.name, &found, &behind);
-        let mut contents = drawn("orbits", &figure)?;
-        contents.extend(output.tables("orbits", &answer, &answer.orbits)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &answer, &answer.orbits)?);
+        output.write(dir, contents)?;
     }
     output.emit(&answer, &answer.orbits, || text(&answer))
 }
 
-fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
-    let output = &args.output;
+fn run_curves(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserError> {
     let misplaced = [
         ("--gap", args.rig.has_gap_option(), "--gaps"),
         ("--along gap", args.along == Axis::Gap, "--gaps"),
@@ -131,9 +131,9 @@ fn run_curves(args: &Args, rig: &NamedRig) -> Result<(), UserError> {
     let rows = line_rows(&rig.params, &lines);
     if let Some(dir) = &output.out {
         let figure = pictures::orbits::lines_figure(&rig.name, &rig.params, &lines);
-        let mut contents = drawn("orbits-curves", &figure)?;
-        contents.extend(output.tables("orbits-curves", &rows, &rows)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
+        output.write(dir, contents)?;
     }
     output.emit(&rows, &rows, || curves_text(&rows))
 }

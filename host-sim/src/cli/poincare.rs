@@ -69,7 +69,7 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// The answer as JSON.
@@ -96,9 +96,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let rig = args.rig.load()?;
     let request = request(args, &rig)?;
+    let output = &output.about([&rig])?;
     match args.against {
-        Some(Other::Smoothed) => run_against(args, &rig, &request),
-        None => run_section(args, &rig, &request),
+        Some(Other::Smoothed) => run_against(args, output, &rig, &request),
+        None => run_section(args, output, &rig, &request),
     }
 }
 
@@ -139,8 +140,12 @@ fn request(args: &Args, rig: &NamedRig) -> Result<SectionRequest, UserError> {
     })
 }
 
-fn run_section(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<(), UserError> {
-    let output = &args.output;
+fn run_section(
+    args: &Args,
+    output: &OutputArgs,
+    rig: &NamedRig,
+    request: &SectionRequest,
+) -> Result<(), UserError> {
     let progress = Progress::new("drive periods", u64::from(request.points), output.quiet);
     let (portrait, exponents) = rayon::join(
         || portrait(request, &progress),
@@ -151,9 +156,9 @@ fn run_section(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<
     let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
     let answer = answer(rig, request, &portrait, exponents);
     if let Some(dir) = &output.out {
-        let mut contents = output.tables("poincare", &answer, &rows)?;
-        contents.extend(drawn("poincare", &figure(rig, request, &portrait))?);
-        output.write(dir, &contents)?;
+        let mut contents = output.tables(&output.name(""), &answer, &rows)?;
+        contents.extend(drawn(&output.name(""), &figure(rig, request, &portrait))?);
+        output.write(dir, contents)?;
     }
     output.emit(&answer, &rows, || text(&answer, &portrait))
 }
@@ -242,8 +247,12 @@ fn text(answer: &Answer, portrait: &Portrait) -> String {
     text
 }
 
-fn run_against(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<(), UserError> {
-    let output = &args.output;
+fn run_against(
+    args: &Args,
+    output: &OutputArgs,
+    rig: &NamedRig,
+    request: &SectionRequest,
+) -> Result<(), UserError> {
     let widths = match args.epsilon_m.as_slice() {
         [] => &against::WIDTHS_M[..],
         widths => widths,
@@ -254,10 +263,10 @@ fn run_against(args: &Args, rig: &NamedRig, request: &SectionRequest) -> Result<
     progress.finish();
     let rows = found.rows();
     if let Some(dir) = &output.out {
-        let mut contents = output.tables("poincare-against", &rows, &rows)?;
+        let mut contents = output.tables(&output.name(""), &rows, &rows)?;
         let figure = against_figure(rig, request, &found);
-        contents.extend(drawn("poincare-against", &figure)?);
-        output.write(dir, &contents)?;
+        contents.extend(drawn(&output.name(""), &figure)?);
+        output.write(dir, contents)?;
     }
     output.emit(&rows, &rows, || {
         heading(rig, request) + &against_text(&found, &rows)

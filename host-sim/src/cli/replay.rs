@@ -9,6 +9,7 @@ use crate::progress::Progress;
 use crate::replay::{Replayed, replay};
 use emulator::log::{Reader, TICK_US};
 use files::UserError;
+use files::made_from::MadeFrom;
 
 /// Exit code: 0 the decisions are the same, 1 they differ, 2 the log cannot be used.
 #[derive(Debug, clap::Args)]
@@ -24,6 +25,10 @@ pub struct Args {
     /// No progress on standard error
     #[arg(long)]
     quiet: bool,
+
+    /// What is asked for, as the answer carries it.
+    #[arg(skip)]
+    pub made_from: MadeFrom,
 }
 
 /// The answer for programs.
@@ -61,16 +66,23 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         recorded: difference.as_ref().map(|d| d.recorded.clone()),
         here: difference.as_ref().map(|d| d.here.clone()),
     };
-    emit(args.format, &answer, &[&answer], || match &difference {
-        None => format!("same decisions over {ticks} ticks ({:.3} s)\n", at_s(ticks)),
-        Some(d) => format!(
-            "first difference at tick {} ({:.5} s): {} was {}, is {} here\n",
-            d.tick,
-            at_s(d.tick),
-            d.what,
-            d.recorded,
-            d.here
-        ),
-    })?;
+    let made = Some(&args.made_from);
+    emit(
+        args.format,
+        made,
+        &answer,
+        &[&answer],
+        || match &difference {
+            None => format!("same decisions over {ticks} ticks ({:.3} s)\n", at_s(ticks)),
+            Some(d) => format!(
+                "first difference at tick {} ({:.5} s): {} was {}, is {} here\n",
+                d.tick,
+                at_s(d.tick),
+                d.what,
+                d.recorded,
+                d.here
+            ),
+        },
+    )?;
     Ok(i32::from(!same))
 }

@@ -10,7 +10,7 @@ use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
-use files::table::{to_csv, to_parquet};
+use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::{
     Engine, Method, Observation, Plan, Precision, Recorder, Sample, Start, machine, observe,
@@ -43,7 +43,7 @@ pub struct Args {
     engine: EngineArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// The answer as JSON.
@@ -90,6 +90,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
+    let output = &output.about([&rig])?;
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();
@@ -111,9 +112,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let answer = Answer::new(&rig, engine, plan, &seen, &recorder);
     if let Some(dir) = &output.out {
         let figure = figure(&rig, &answer.row, &recorder, &section);
-        let mut contents = drawn("simulate", &figure)?;
-        contents.extend(tables(output.format, &answer, &recorder, &section)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(tables(output, &answer, &recorder, &section)?);
+        output.write(dir, contents)?;
     }
     let row = std::slice::from_ref(&answer.row);
     output.emit(&answer, row, || text(&answer, &recorder))
@@ -156,25 +157,25 @@ impl Answer {
 
 /// JSON, and tables of the history, the section and the contacts.
 fn tables(
-    format: Format,
+    output: &OutputArgs,
     answer: &Answer,
     recorder: &Recorder,
     section: &[SectionRow],
 ) -> Result<Contents, UserError> {
     let mut contents = vec![
-        ("simulate.json".to_owned(), to_json(answer)?.into_bytes()),
-        ("simulate-history.csv".into(), to_csv(&recorder.samples)),
-        ("simulate-section.csv".into(), to_csv(section)),
+        (output.name(".json"), to_json(answer)?.into_bytes()),
+        (output.name("-history.csv"), to_csv(&recorder.samples)),
+        (output.name("-section.csv"), to_csv(section)),
         (
-            "simulate-contacts.csv".into(),
+            output.name("-contacts.csv"),
             to_csv(&contact_rows(recorder)),
         ),
     ];
-    if format == Format::Parquet {
+    if output.format == Format::Parquet {
         let row = std::slice::from_ref(&answer.row);
-        contents.push(("simulate.parquet".into(), to_parquet(row)?));
-        let history = to_parquet(&recorder.samples)?;
-        contents.push(("simulate-history.parquet".into(), history));
+        contents.push((output.name(".parquet"), output.parquet(row)?));
+        let history = output.parquet(&recorder.samples)?;
+        contents.push((output.name("-history.parquet"), history));
     }
     Ok(contents)
 }

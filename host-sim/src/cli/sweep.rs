@@ -47,13 +47,14 @@ pub struct Args {
     engine: EngineArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
+    let output = &output.about([&rig])?;
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();
@@ -85,15 +86,16 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             measured.as_ref(),
             error,
         );
-        let mut contents = drawn("sweep", &figure)?;
-        contents.extend(output.tables("sweep", &rows, &rows)?);
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
         if let (Some(others), Some(other)) = (&others, other) {
-            contents.push((format!("sweep-{}.csv", other.name()), to_csv(others)));
+            let end = format!("-{}.csv", other.name());
+            contents.push((output.name(&end), to_csv(others)));
         }
         if let Some(error) = &error {
-            contents.push(("sweep-error.json".into(), to_json(error)?.into_bytes()));
+            contents.push((output.name("-error.json"), to_json(error)?.into_bytes()));
         }
-        output.write(dir, &contents)?;
+        output.write(dir, contents)?;
     }
     output.emit(&rows, &rows, || text(&rows))?;
     if let Some(error) = &error {

@@ -8,6 +8,7 @@ use crate::pictures::trials::figure;
 use crate::progress::Progress;
 use emulator::trials::{Distribution, Outcome, RIGS, Row, run_all};
 use files::UserError;
+use numerics::NamedRig;
 
 /// Rig time of a trial, s: from 20 s, in which every trial should hold, to an hour.
 const DURATION_S: (f64, f64) = (20.0, 3600.0);
@@ -37,7 +38,7 @@ pub struct Args {
     show: Option<u32>,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// All trials of a rig, or of all.
@@ -82,6 +83,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         super::terminal::print(&trial.to_toml(args.seconds));
         return Ok(());
     }
+    let output = &output.about(&named(&rigs)?)?;
     let progress = Progress::new("trials", u64::from(args.count), output.quiet);
     let outcomes = run_all(args.seed, args.count, &rigs, args.seconds, &progress)?;
     progress.finish();
@@ -94,11 +96,16 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         trials: &rows,
     };
     if let Some(dir) = &output.out {
-        let mut contents = drawn("trials", &figure(&outcomes, args.seconds))?;
-        contents.extend(output.tables("trials", &answer, &rows)?);
-        output.write(dir, &contents)?;
+        let mut contents = drawn(&output.name(""), &figure(&outcomes, args.seconds))?;
+        contents.extend(output.tables(&output.name(""), &answer, &rows)?);
+        output.write(dir, contents)?;
     }
     output.emit(&answer, &rows, || text(args, &lines))
+}
+
+/// The nominal rigs, around which the trials are drawn.
+fn named(rigs: &[&str]) -> Result<Vec<NamedRig>, UserError> {
+    rigs.iter().map(|rig| Ok(NamedRig::preset(rig)?)).collect()
 }
 
 /// Each rig that was tried, then all of them.

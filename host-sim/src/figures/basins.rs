@@ -33,7 +33,7 @@ pub const PARTS: [Part; 6] = [
 ];
 
 /// What the chapter's text says about all six figures.
-const CHAPTER: &str = "At gaps above 1.5 A0, between z = 1/1 and z = 1/2, it depends on the start whether the hammer strikes: after a small push it strikes for some time and falls silent, or strikes on. The figure shows impact (blue) and no impact (red), so both, over the initial conditions at two points.";
+const CHAPTER: &str = "3.3.6: above a gap of 1.5, between z = 1/1 and z = 1/2, \"various impact conditions\" occur that depend on the start; after a small push impacts end, or they remain. The caption: \"condition of impact (blue) / no impact (red)\".";
 
 /// Every page, in order.
 ///
@@ -103,7 +103,11 @@ fn page(figure: &'static str, effort: Effort, progress: &Progress) -> Result<Vec
         figure,
         title,
         chapter: CHAPTER,
-        found: format!("{verdict} {}", said.join(" ")),
+        found: format!(
+            "{verdict} {}{}",
+            said.join(" "),
+            knife_edge(figure, effort, progress)?
+        ),
         command: points.first().map_or(String::new(), |p| {
             format!(
                 "host-sim basins --rig {rig} --ratio {} --gap-ratio {} --out DIR",
@@ -112,6 +116,31 @@ fn page(figure: &'static str, effort: Effort, progress: &Progress) -> Result<Vec
         }),
         files,
     }])
+}
+
+/// How the share of figure 3.36a changes beside its frequency; nothing for the others.
+fn knife_edge(figure: &str, effort: Effort, progress: &Progress) -> Result<String, UserError> {
+    let Some(point) = POINTS
+        .iter()
+        .find(|p| p.figure == figure && figure == "3.36")
+    else {
+        return Ok(String::new());
+    };
+    let share = |ratio: f64| -> Result<f64, UserError> {
+        let query = query(&Point { ratio, ..*point }, effort)?;
+        let query = BasinsRequest {
+            samples: 0,
+            until: query.cycles,
+            ..query
+        };
+        let basins = explore(Engine::Event, &query, progress)?;
+        Ok(100.0 * basins.summary().impact_share)
+    };
+    Ok(format!(
+        " Point a) stands on a knife edge: {:.1} % of the starts strike at Ω/ω = 1.99 and {:.1} % at 2.01.",
+        share(1.99)?,
+        share(2.01)?
+    ))
 }
 
 /// What one point shows, in words.

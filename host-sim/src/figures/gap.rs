@@ -44,7 +44,7 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     Ok(vec![Page {
         figure: "gap advice",
         title: "Why 0.0 mm: the pick over gaps, wires".to_owned(),
-        chapter: "It is recommended to operate with a 0.0 mm gap, because the impact forces are in the same range as at higher gaps, where nonlinear jumps occur, which is not the case at 0.0 mm, where about the largest force occurs over a wider frequency range.",
+        chapter: "3.5: \"it is recommended to operate with 0.0 mm gap\": forces are \"in the same range\" as at higher gaps, where nonlinear jumps occur, and near the maximum \"for a wider frequency range\".",
         found: found(&advice),
         command: "host-sim pick --gaps 0:3.5:0.5 --out DIR".to_owned(),
         files,

@@ -5,14 +5,15 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 
 use super::map_force::by_force;
-use super::{Effort, Page, stem};
+use super::{Effort, Page, made_from, stem};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::words;
 use crate::words::map::percent;
 use files::UserError;
-use files::table::{to_csv, to_parquet};
+use files::made_from::pair;
+use files::table::{parquet_with, to_csv};
 use numerics::NamedRig;
 use numerics::engine::Setting;
 use numerics::lanes::CellPlan;
@@ -23,15 +24,13 @@ use numerics::row::regime_as_text;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
-/// Points at which the chapter shows measurement and computation together (figures 3.16–3.23) and names the regime:
-/// gap (mm), Ω/ω, p, n.
-const NAMED: [(f64, f64, u16, u8); 6] = [
+/// Points at which the chapter shows measurement and computation together and names the regime (3.3.5: figures 3.17,
+/// 3.18, 3.19 and 3.21): gap (mm), Ω/ω, p, n.
+const NAMED: [(f64, f64, u16, u8); 4] = [
     (0.0, 3.8, 1, 2),
     (1.0, 1.5, 1, 1),
     (1.0, 3.3, 1, 2),
     (2.4, 1.2, 1, 1),
-    (2.4, 1.4, 1, 1),
-    (2.4, 2.7, 1, 2),
 ];
 
 /// The region the chapter calls unstable: Ω/ω and gap/A0 of the details.
@@ -42,14 +41,14 @@ const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
 /// # Errors
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
-    let map = chapter_map("wires", effort, progress)?;
+    let map = effort_map("wires", effort, progress)?;
     let first = Page {
         figure: "3.24",
         title: "Wires: Peterka map".to_owned(),
-        chapter: "At 0.0 mm several contacts a period, then 1/1, a doubling near Ω/ω = 2.7 and 1/2 by 3.8; a large area of 1/1 and one of 1/2, and above 1.5 A0 between them many regimes side by side. 209,916 simulations took 120 hours.",
-        found: format!("{} {}", shares(&map), unrest(&map)),
+        chapter: "3.3.6: red (z = 1/1) and green (z = 1/2) areas; \"for a gap condition higher than 1.5\" between them various motions that depend on the start. 209,916 simulations took around 120 hours.",
+        found: format!("{} {} {}", areas(&map), shares(&map), unrest(&map)),
         command: "host-sim map --rig wires --out out".to_owned(),
-        files: with_cells("3.24", &pictures::map::regimes(&map), &map)?,
+        files: with_cells("3.24", effort, &pictures::map::regimes(&map), &map)?,
     };
     Ok(vec![
         first,
@@ -72,19 +71,20 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         ("3.50", "3.51", "beam-135", [(2.15, 1.60), (2.25, 1.50)]),
     ];
     let (mut pages, mut maps) = (Vec::new(), Vec::new());
+    let wires = effort_map("wires", effort, progress)?;
     for (regimes, force, rig, basins) in FIGURES {
-        let map = chapter_map(rig, effort, progress)?;
+        let map = effort_map(rig, effort, progress)?;
         let fine = detail_map(rig, effort, progress)?;
         let named = basins.map(|(ratio, gap)| (ratio, gap, format!("basin {ratio:.2}, {gap:.2}")));
         let detail = pictures::map::detail(&fine, DETAIL.0, DETAIL.1, &named);
-        let mut files = with_cells(regimes, &pictures::map::regimes(&map), &map)?;
+        let mut files = with_cells(regimes, effort, &pictures::map::regimes(&map), &map)?;
         files.extend(drawn(&format!("{}-detail", stem(regimes)), &detail)?);
         let command = format!("host-sim map --rig {rig} --out out");
         pages.push(Page {
             figure: regimes,
             title: format!("{rig}: Peterka map, and its detail between 1/1 and 1/2"),
-            chapter: "Alike to the map of the hammer on wires, the unstable region after 1/1 above 1.5 A0 included.",
-            found: format!("{} {}", shares(&map), unrest(&map)),
+            chapter: "3.4.3: \"similar characteristics to the Peterka map supported by wires\", \"even the instability region\" after 1/1 above 1.5.",
+            found: format!("{} {} {}", like_wires(&wires, &map), shares(&map), unrest(&map)),
             command: command.clone(),
             files,
         });
@@ -161,16 +161,27 @@ const COARSE: CellPlan = CellPlan {
     ..CellPlan::CHAPTER
 };
 
-fn chapter_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+/// The chapter's map of a rig, of every `step`-th gap and frequency.
+///
+/// # Errors
+/// If a motion cannot be followed.
+pub fn chapter_map(name: &str, step: usize, progress: &Progress) -> Result<Map, UserError> {
+    map_of(name, step, CellPlan::CHAPTER, progress)
+}
+
+fn effort_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
+    match effort {
+        Effort::Full => chapter_map(name, 1, progress),
+        Effort::Coarse => map_of(name, 24, COARSE, progress),
+    }
+}
+
+fn map_of(name: &str, step: usize, plan: CellPlan, progress: &Progress) -> Result<Map, UserError> {
     let rig = NamedRig::preset(name)?;
     let (gaps, hz) = (
         chapter_gaps_mm(&rig.params),
         chapter_frequencies_hz(&rig.params),
     );
-    let (step, plan) = match effort {
-        Effort::Full => (1, CellPlan::CHAPTER),
-        Effort::Coarse => (24, COARSE),
-    };
     let grid = Grid {
         gaps_mm: gaps.into_iter().step_by(step).collect(),
         frequencies_hz: hz.into_iter().step_by(step).collect(),
@@ -234,6 +245,7 @@ fn counts(map: &Map) -> Vec<Count> {
 /// The picture, the number of cells of each regime, and every cell.
 fn with_cells(
     figure: &str,
+    effort: Effort,
     picture: &Figure,
     map: &Map,
 ) -> Result<Vec<(String, Vec<u8>)>, UserError> {
@@ -241,7 +253,8 @@ fn with_cells(
     let mut files = drawn(&stem, picture)?;
     files.push((format!("{stem}-regimes.csv"), to_csv(&counts(map))));
     let rows: Vec<_> = map.rows().collect();
-    files.push((format!("{stem}-cells.parquet"), to_parquet(&rows)?));
+    let pairs = vec![pair(&made_from(figure, effort))];
+    files.push((format!("{stem}-cells.parquet"), parquet_with(&rows, pairs)?));
     Ok(files)
 }
 
@@ -278,26 +291,66 @@ fn bands(map: &Map, row: usize) -> String {
     text.join(", ")
 }
 
+/// Whether 1/1 and 1/2 are the two regimes with the largest areas, as the chapter's colours say.
+fn areas(map: &Map) -> &'static str {
+    let counts = counts(map);
+    let periodic = counts.iter().filter(|c| c.regime.periods().is_some());
+    let mut first = periodic.take(2).map(|c| c.regime);
+    let two = first.next().zip(first.next());
+    match two.is_some_and(|(a, b)| [a, b].iter().all(|r| r.is(1, 1) || r.is(1, 2))) {
+        true => "Agrees: 1/1 and 1/2 have the largest areas of all that repeats.",
+        false => "Differs: 1/1 and 1/2 are not the largest areas of all that repeats.",
+    }
+}
+
+/// How the map of a beam rig compares with that of the wires.
+fn like_wires(wires: &Map, beam: &Map) -> String {
+    let s = similarity(wires, beam);
+    let orderly = 100.0 * s.same_orderly as f64 / s.orderly.max(1) as f64;
+    let [above, below] = unrest_shares(beam);
+    let verdict = match (orderly > 90.0, above > below) {
+        (true, true) => "Agrees",
+        (false, false) => "Differs",
+        _ => "Agrees in part",
+    };
+    let none = |map: &Map| {
+        map.cells
+            .iter()
+            .filter(|c| c.regime == Regime::None)
+            .count()
+    };
+    format!(
+        "{verdict}: the same regime as on wires in {orderly:.1} % of the cells that repeat in one or two periods on both, and in {} of all. Without contact are {} of the cells, on wires {}: wires have no damping, and where beams fall silent they go on aperiodically.",
+        percent(s.same, s.cells),
+        percent(none(beam), beam.cells.len()),
+        percent(none(wires), wires.cells.len())
+    )
+}
+
 /// How often neighbours in frequency differ in regime between 1/1 and 1/2, above and below 1.5 A0.
 fn unrest(map: &Map) -> String {
+    let ((from, to), _) = DETAIL;
+    let [above, below] = unrest_shares(map);
+    format!(
+        "Between Ω/ω = {from} and {to} neighbours in frequency differ in regime in {above:.1} % of pairs above 1.5 A0 and in {below:.1} % below: where the regimes lie mixed."
+    )
+}
+
+/// How often neighbours in frequency differ in regime between 1/1 and 1/2, %: above and below 1.5 A0.
+pub fn unrest_shares(map: &Map) -> [f64; 2] {
     let (ratios, gaps) = (map.frequency_ratios(), map.gap_ratios());
     let ((from, to), _) = DETAIL;
-    let share = |above: bool| {
-        let (mut differ, mut pairs) = (0, 0);
+    [true, false].map(|above| {
+        let (mut differ, mut pairs) = (0u32, 0u32);
         for row in (0..gaps.len()).filter(|i| (gaps[*i] > 1.5) == above) {
             for j in (1..ratios.len()).filter(|j| (from..=to).contains(&ratios[*j])) {
                 let [a, b] = [j - 1, j].map(|j| map.cell(row, j).regime);
                 pairs += 1;
-                differ += usize::from(!numerics::map::agree::same_label(a, b));
+                differ += u32::from(!numerics::map::agree::same_label(a, b));
             }
         }
-        percent(differ, pairs)
-    };
-    format!(
-        "Between Ω/ω = {from} and {to} neighbours in frequency differ in regime in {} of pairs above 1.5 A0 and in {} below: where the regimes lie mixed.",
-        share(true),
-        share(false)
-    )
+        100.0 * f64::from(differ) / f64::from(pairs.max(1))
+    })
 }
 
 /// Figure 3.25, with the points that the chapter names.
@@ -329,9 +382,9 @@ fn measured(map: &Map) -> Result<Page, UserError> {
     Ok(Page {
         figure: "3.25",
         title: "Wires: Peterka map with the chapter's measured operating points".to_owned(),
-        chapter: "Measured regimes, as dots, over the computed map.",
+        chapter: "3.3.6: \"numerical (bright colors) / experiment (dots) comparison\".",
         found: format!(
-            "No table of measured points is at hand. Drawn are the {} operating points at which the chapter compares displacement with measurement and names the regime (figures 3.17 to 3.23): {} of the {} on the map lie in a cell of that regime, {} lie outside it. Your own: --measured FILE.csv.",
+            "No table of measured points is at hand. Drawn are the {} operating points at which the chapter compares displacement with measurement and names the regime (3.3.5, figures 3.17, 3.18, 3.19 and 3.21): {} of the {} on the map lie in a cell of that regime, {} lie outside it. Your own: --measured FILE.csv.",
             points.len(),
             agree.same,
             agree.points,
@@ -360,7 +413,7 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
     Ok(Page {
         figure: "beams-alike",
         title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
-        chapter: "The three maps are the same in shape whatever the stiffness, except for the chaotic region between 1/1 and 1/2.",
+        chapter: "3.4.3: the maps \"are identical in all cases, except for the chaotic region between regions z = 1/1 and z = 1/2\".",
         found: text,
         command: "host-sim map --beams --out out".to_owned(),
         files,

@@ -11,9 +11,9 @@ use numerics::map::Map;
 
 /// The strongest 1/1 of a gap.
 #[derive(Serialize)]
-struct Strongest {
+pub struct Strongest {
     gap_mm: f64,
-    gap_ratio: f64,
+    pub gap_ratio: f64,
     frequency_ratio: f64,
     force_ratio: f64,
     /// Highest Ω/ω of the 1/1 it belongs to.
@@ -44,18 +44,24 @@ fn strongest(map: &Map, row: usize) -> Option<Strongest> {
     })
 }
 
+/// The strongest 1/1 of every gap that has one.
+pub fn strongest_rows(map: &Map) -> Vec<Strongest> {
+    let rows = 0..map.grid.gaps_mm.len();
+    rows.filter_map(|row| strongest(map, row)).collect()
+}
+
+/// Whether it lies at the upper edge of its 1/1.
+pub fn at_edge(map: &Map, row: &Strongest) -> bool {
+    let ratios = map.frequency_ratios();
+    let steps = ratios.windows(2).map(|w| w[1] - w[0]);
+    let step = steps.fold(0.0, f64::max);
+    row.one_one_to_ratio - row.frequency_ratio < 1.5 * step
+}
+
 /// The page of a map of 1/1 by its force: figures 3.26, 3.47, 3.49 and 3.51.
 pub fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, UserError> {
-    let rows: Vec<Strongest> = (0..map.grid.gaps_mm.len())
-        .filter_map(|row| strongest(map, row))
-        .collect();
-    let step = map
-        .frequency_ratios()
-        .windows(2)
-        .map(|w| w[1] - w[0])
-        .fold(0.0, f64::max);
-    let at_edge = |r: &&Strongest| r.one_one_to_ratio - r.frequency_ratio < 1.5 * step;
-    let edge: Vec<&Strongest> = rows.iter().filter(at_edge).collect();
+    let rows = strongest_rows(map);
+    let edge: Vec<&Strongest> = rows.iter().filter(|row| at_edge(map, row)).collect();
     let forces = || rows.iter().map(|r| r.force_ratio);
     let (least, most) = (
         forces().fold(f64::INFINITY, f64::min),
@@ -88,7 +94,17 @@ pub fn by_force(figure: &'static str, map: &Map, command: &str) -> Result<Page, 
     Ok(Page {
         figure,
         title: format!("{}: Peterka map of 1/1 by its force", map.rig.name),
-        chapter: "At the natural frequency the force is about 3 times below the largest. The largest force at a gap is not at the edge of 1/1, except at large gaps. At 0.0 mm it is about as large as at other gaps.",
+        chapter: match figure {
+            "3.26" => {
+                "3.3.6: at the natural frequency forces \"3 times smaller in magnitude than the maximum force\"; the largest force \"does not occur at the z = 1/1 boundary, except for high values of gap\"; at 0.0 mm it is as large as at higher gaps."
+            }
+            "3.51" => {
+                "3.4.3: \"the same observations stated for the hammer supported by wires\" (figure 3.26). The caption says 150 mm, as that of 3.49 does; by its place after 3.50 it is the 135 mm rig's."
+            }
+            _ => {
+                "3.4.3: \"the same observations stated for the hammer supported by wires\" (figure 3.26)."
+            }
+        },
         found,
         command: command.to_owned(),
         files,

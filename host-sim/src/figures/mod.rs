@@ -5,10 +5,10 @@ pub mod bifurcation;
 pub mod conclusion;
 pub mod contact;
 pub mod force;
-mod force_curves;
+pub(crate) mod force_curves;
 pub mod gap;
 pub mod map;
-mod map_force;
+pub(crate) mod map_force;
 pub mod modes;
 pub mod orbits;
 pub mod section;
@@ -16,6 +16,8 @@ pub mod switch;
 
 use crate::progress::Progress;
 use files::UserError;
+use files::made_from::MadeFrom;
+use numerics::NamedRig;
 
 /// One figure of the chapter (or one beyond it), made again.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub struct Page {
     pub chapter: &'static str,
     /// What this run finds, in numbers: whether it agrees with the chapter, and by how much it differs.
     pub found: String,
-    /// How to make it alone: a command line.
+    /// A command that makes the like of it for other rigs, gaps and ranges; empty if there is none.
     pub command: String,
     /// Pictures (SVG, PNG) and tables (CSV): name and content. Names are unique and begin with `figure-3-27`.
     pub files: Vec<(String, Vec<u8>)>,
@@ -82,7 +84,7 @@ impl Part {
 pub const AREAS: &[Part] = &[
     Part::new(
         "contact laws",
-        &["3.3", "contact laws"],
+        &["3.2", "3.3", "contact laws"],
         0.3,
         contact::law_pages,
     ),
@@ -94,7 +96,12 @@ pub const AREAS: &[Part] = &[
         section::smoothing,
     ),
     Part::new("switch model", &["3.5", "3.6"], 2.6, switch::pages),
-    Part::new("drop tests", &["3.9", "3.10"], 2.9, contact::drop_pages),
+    Part::new(
+        "drop tests",
+        &["3.8", "3.9", "3.10"],
+        2.9,
+        contact::drop_pages,
+    ),
     Part::new("force, wires", &["3.12", "3.13", "3.14"], 0.6, force::wires),
     Part::new(
         "sections, wires",
@@ -179,24 +186,81 @@ pub const AREAS: &[Part] = &[
 ];
 
 /// Figures of the chapter that are no computations, and what they are.
-pub const DRAWINGS: [(&str, &str); 7] = [
+pub const DRAWINGS: [(&str, &str); 5] = [
     ("3.1", "a drawing: where the energy of an impact goes"),
-    (
-        "3.2",
-        "a drawing: the force of the spring-dashpot over an impact",
-    ),
     (
         "3.7",
         "a photograph: the steel hammer made for the identification",
-    ),
-    (
-        "3.8",
-        "a measurement: force and acceleration of a first impact",
     ),
     ("3.11", "a drawing: the hammer on wires"),
     ("3.15", "a drawing: what a Poincaré map is"),
     ("3.39", "a drawing: the hammer on beam springs"),
 ];
+
+/// The command that makes the figure alone: the same bytes.
+pub fn alone(figure: &str, effort: Effort) -> String {
+    let name = match figure.contains(' ') {
+        true => format!("'{figure}'"),
+        false => figure.to_owned(),
+    };
+    let coarse = match effort {
+        Effort::Full => "",
+        Effort::Coarse => " --coarse",
+    };
+    format!("host-sim figures --only {name}{coarse}")
+}
+
+/// What the files of a figure are made from.
+pub fn made_from(figure: &str, effort: Effort) -> MadeFrom {
+    let rigs = rigs(figure);
+    let rigs = rigs.iter().filter_map(|(name, gap_mm)| {
+        let rig = NamedRig::preset(name).ok()?;
+        let params = rig.params.with_gap_mm(gap_mm.unwrap_or(0.0)).ok()?;
+        Some((NamedRig { params, ..rig }, gap_mm.is_some()))
+    });
+    let rigs: Vec<(NamedRig, bool)> = rigs.collect();
+    let mut made = MadeFrom::this_program().with_rigs(rigs.iter().map(|(rig, _)| rig));
+    for (used, (_, one_gap)) in made.rigs.iter_mut().zip(&rigs) {
+        // The others show several gaps, which their titles name.
+        if !one_gap {
+            used.parameters.remove("gap_mm");
+        }
+    }
+    made.command = alone(figure, effort);
+    made.options = serde_json::Map::from_iter([
+        ("only".to_owned(), figure.into()),
+        ("coarse".to_owned(), (effort == Effort::Coarse).into()),
+    ]);
+    made
+}
+
+/// The rigs of a figure, with the gap (mm) where it shows one.
+fn rigs(figure: &str) -> Vec<(&'static str, Option<f64>)> {
+    let number = figure
+        .strip_prefix("3.")
+        .and_then(|n| n.parse::<u32>().ok());
+    let beams = ["beam-170", "beam-150", "beam-135"];
+    let beam = |i: u32| vec![(beams[(i % 3) as usize], None)];
+    match (number, figure) {
+        (Some(3), _) => Vec::new(),
+        (Some(4 | 13 | 18..=20 | 30..=32), _) => vec![("wires", Some(1.0))],
+        (Some(14 | 21..=23 | 33..=35), _) => vec![("wires", Some(2.4))],
+        (Some(2 | 5 | 6 | 8 | 9 | 10 | 12 | 16 | 17 | 27..=29), _) => vec![("wires", Some(0.0))],
+        (Some(n @ 40..=45), _) => beam(n - 40),
+        (Some(n @ 46..=51), _) => beam((n - 46) / 2),
+        (Some(n @ 52..=54), _) => beam(n - 52),
+        (_, "conclusion") => ["wires"]
+            .iter()
+            .chain(&beams)
+            .map(|rig| (*rig, None))
+            .collect(),
+        (_, "beams-alike") => beams.map(|rig| (rig, None)).to_vec(),
+        (_, "modes 170" | "modes mass") => beam(0),
+        (_, "modes 150") => beam(1),
+        (_, "modes 135") => beam(2),
+        _ => vec![("wires", None)],
+    }
+}
 
 /// How the files of a figure begin: `figure-3-27` for "3.27".
 pub fn stem(figure: &str) -> String {

@@ -32,20 +32,20 @@ const GAPS: [Diagrammed; 3] = [
     Diagrammed {
         figure: "orbits at 0.0 mm",
         gap_mm: 0.0,
-        chapter: "Figure 3.27: several contacts per cycle below a ratio of about 1.16, then 1/1, whose bifurcation (called a pitchfork) is seen at 2.7, then 1/2, seen at 3.8.",
-        named: &[(1, 1, 1.5), (2, 2, 2.7), (1, 2, 3.8)],
+        chapter: "3.3.6, figure 3.27: \"pitch-fork bifurcation (for gap 0.0 mm)\". 3.3.5: motion after it at 2.7, z = 1/2 at 3.8.",
+        named: &[(1, 2, 3.8)],
     },
     Diagrammed {
         figure: "orbits at 1.0 mm",
         gap_mm: 1.0,
-        chapter: "Figure 3.30: 1/1 at 1.5, 1/2 at 3.3; chaos between the bands.",
+        chapter: "3.3.5: z = 1/1 at 1.5, z = 1/2 at 3.3. 3.3.6, figure 3.30: \"chaotic behavior\".",
         named: &[(1, 1, 1.5), (1, 2, 3.3)],
     },
     Diagrammed {
         figure: "orbits at 2.4 mm",
         gap_mm: 2.4,
-        chapter: "Figure 3.33: 1/1 at 1.2 and 1.4, 1/2 at 2.7; larger gaps jump.",
-        named: &[(1, 1, 1.2), (1, 1, 1.4), (1, 2, 2.7)],
+        chapter: "3.3.5: z = 1/1 at 1.2. 3.3.6: \"chaotic behavior\"; non-zero gaps \"are known to present nonlinear jumps\".",
+        named: &[(1, 1, 1.2)],
     },
 ];
 

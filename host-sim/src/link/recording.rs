@@ -52,6 +52,7 @@ pub fn record<P: Read + Write>(
         birth: BootInfo::STORED,
         block_ticks: u32::from(hello.block_ticks),
         scenario: None,
+        made_from: None,
     };
     let mut writer = Writer::create(path, &header)?;
     client.tell(ToBoard::StreamFrames { on: true })?;

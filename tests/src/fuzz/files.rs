@@ -135,6 +135,7 @@ fn good_log() -> &'static [u8] {
             birth: BootInfo::STORED,
             block_ticks: 10,
             scenario: None,
+            made_from: None,
         };
         let mut writer = Writer::create(&path, &header).expect("room for a log");
         for k in 0..4 {

@@ -99,6 +99,9 @@ impl Writer {
             if let Some(scenario) = &header.scenario {
                 metadata.insert("scenario".to_owned(), scenario.clone());
             }
+            if let Some(made) = &header.made_from {
+                metadata.insert(files::made_from::KEY.to_owned(), made.clone());
+            }
             file.write_metadata(&Metadata {
                 name: "run".to_owned(),
                 metadata,

@@ -43,6 +43,8 @@ pub struct Header {
     pub block_ticks: u32,
     /// The scenario as TOML, if there was one.
     pub scenario: Option<String>,
+    /// What the run was made from, as JSON, if that is known.
+    pub made_from: Option<String>,
 }
 
 /// An input of the controller beside its samples, given before a block.

@@ -349,6 +349,9 @@ fn header(path: &Path, pairs: &HashMap<&str, &str>) -> Result<Header, UserError>
         birth,
         block_ticks: block_ticks.map_err(|_| foreign(path, "`block_ticks` is damaged"))?,
         scenario: pairs.get("scenario").map(|text| (*text).to_owned()),
+        made_from: pairs
+            .get(files::made_from::KEY)
+            .map(|text| (*text).to_owned()),
     })
 }
 

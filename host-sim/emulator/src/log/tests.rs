@@ -31,6 +31,7 @@ fn header() -> Header {
         },
         block_ticks: BLOCK as u32,
         scenario: Some("name = \"a test\"\n".into()),
+        made_from: Some("{}".into()),
     }
 }
 

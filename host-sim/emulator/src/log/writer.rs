@@ -198,6 +198,9 @@ fn metadata(header: &Header) -> Result<Vec<(String, String)>, UserError> {
     if let Some(scenario) = &header.scenario {
         pairs.push(("scenario", scenario.clone()));
     }
+    if let Some(made) = &header.made_from {
+        pairs.push((files::made_from::KEY, made.clone()));
+    }
     let pairs = pairs
         .into_iter()
         .map(|(key, value)| (key.to_owned(), value));

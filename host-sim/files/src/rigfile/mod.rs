@@ -41,7 +41,42 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
         let changed = overlay(&mut table, changes).and_then(|()| from_table(&table));
         params = changed.map_err(|e| UserError::from(e).at("--set"))?;
     }
-    Ok(NamedRig::new(name, params).prescribed())
+    let mut rig = NamedRig::new(titled(&name, settings), params).prescribed();
+    rig.overridden = settings.iter().map(|set| tidied(set)).collect();
+    Ok(rig)
+}
+
+/// At most so many overrides stand in a rig's name; of more, how many there are.
+const MOST_IN_NAME: usize = 4;
+
+/// A rig's name with what is set over it, so that titles, tables and file names say so: `wires (mass_kg=0.5)`. The gap
+/// stands beside the name everywhere, and is left out.
+fn titled(name: &str, settings: &[String]) -> String {
+    let sets = settings.iter().map(|set| tidied(set));
+    let sets: Vec<_> = sets.filter(|set| !set.starts_with("gap_mm=")).collect();
+    match sets.len() {
+        0 => name.to_owned(),
+        n if n <= MOST_IN_NAME => format!("{name} ({})", sets.join(", ")),
+        n => {
+            let sum = crc32fast::hash(sets.join(",").as_bytes());
+            let few = sets[..MOST_IN_NAME - 1].join(", ");
+            let more = n + 1 - MOST_IN_NAME;
+            format!("{name} ({few} and {more} more: {sum:08x})")
+        }
+    }
+}
+
+/// `key=value` without blanks around either.
+fn tidied(setting: &str) -> String {
+    match setting.split_once('=') {
+        Some((key, value)) => format!("{}={}", key.trim(), value.trim()),
+        None => setting.trim().to_owned(),
+    }
+}
+
+/// Every parameter of a rig by its key.
+pub fn parameters_of(params: &RigParams) -> Table {
+    to_table(params)
 }
 
 /// A preset with the shaker assumed for it.

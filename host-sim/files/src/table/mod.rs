@@ -6,7 +6,7 @@ mod rows;
 
 use serde::Serialize;
 
-pub use self::parquet::to_parquet;
+pub use self::parquet::{parquet_with, to_parquet};
 pub use self::read::{Line, Measurements};
 
 /// Rows as CSV with a header line.

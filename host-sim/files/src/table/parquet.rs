@@ -13,13 +13,24 @@ use crate::columns::{Error, Field, Writer};
 /// # Errors
 /// Rows that are no table (a field that is a list or a struct, or whose kind changes): a fault of the program.
 pub fn to_parquet<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<Vec<u8>, UserError> {
-    let columns = columns(rows).map_err(|e| UserError::new(format!("cannot make Parquet: {e}")))?;
-    write(&columns).map_err(|e| UserError::new(format!("cannot make Parquet: {e}")))
+    parquet_with(rows, Vec::new())
 }
 
-fn write(columns: &[Filled]) -> Result<Vec<u8>, Error> {
+/// The same, with keys and values in the footer.
+///
+/// # Errors
+/// As [`to_parquet`].
+pub fn parquet_with<T: Serialize>(
+    rows: impl IntoIterator<Item = T>,
+    pairs: Vec<(String, String)>,
+) -> Result<Vec<u8>, UserError> {
+    let columns = columns(rows).map_err(|e| UserError::new(format!("cannot make Parquet: {e}")))?;
+    write(&columns, pairs).map_err(|e| UserError::new(format!("cannot make Parquet: {e}")))
+}
+
+fn write(columns: &[Filled], pairs: Vec<(String, String)>) -> Result<Vec<u8>, Error> {
     let fields: Vec<Field> = columns.iter().map(Filled::field).collect();
-    let mut file = Writer::new(Vec::new(), "table", &fields, Vec::new())?;
+    let mut file = Writer::new(Vec::new(), "table", &fields, pairs)?;
     if !columns.is_empty() {
         file.group(columns.iter().map(|filled| &filled.column))?;
     }

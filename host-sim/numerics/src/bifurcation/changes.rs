@@ -69,7 +69,8 @@ pub struct Change {
     pub within_hz: f64,
     /// Branches (points of the section) below and above; none where the motion does not repeat.
     pub branches: [Option<u8>; 2],
-    /// Whether both sides last for three frequencies at least: a lasting change, not one of the many within chaos.
+    /// Whether both sides last for three frequencies at least, or one is a periodic motion that lasts for ten: a lasting
+    /// change, not one of the many within chaos.
     pub lasting: bool,
     /// Stations it lies between.
     #[serde(skip)]
@@ -95,6 +96,9 @@ pub struct Twofold {
 
 /// Frequencies a regime must last for to count as lasting.
 const LASTING: usize = 3;
+/// Frequencies after which the end of a periodic motion counts as lasting whatever stands beside it: at 2.4 mm the 1/1
+/// ends in a strip of chaos two frequencies wide.
+const LONG: usize = 10;
 /// A jump moves the points by more than this share of A0, and by [`LEAP`] times what their neighbours move.
 const JUMP_SHARE: f64 = 0.1;
 const LEAP: f64 = 6.0;
@@ -135,7 +139,10 @@ pub fn find(diagram: &Diagram) -> Vec<Change> {
         if let Some(other) = next(ahead) {
             let span = run.end - 1..other.start;
             if let Some(kind) = between(&stations[span.start], &stations[span.end]) {
-                let lasting = run.len() >= LASTING && other.len() >= LASTING;
+                let long = |run: &[Station]| run.len() >= LONG && run[0].row.periods.is_some();
+                let both = run.len() >= LASTING && other.len() >= LASTING;
+                let lasting =
+                    both || long(&stations[run.clone()]) || long(&stations[other.clone()]);
                 changes.push(change(diagram, span, kind, lasting));
             }
         }

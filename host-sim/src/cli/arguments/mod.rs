@@ -6,4 +6,5 @@ pub mod drive;
 pub mod engine;
 pub mod output;
 pub mod range;
+pub mod request;
 pub mod rig;

@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use serde::Serialize;
 
+use super::request::Request;
 use crate::cli::terminal::{print, print_bytes, say};
 use files::UserError;
-use files::table::{to_csv, to_parquet};
+use files::made_from::{self, MadeFrom, file_name, refuse_others};
+use files::table::{parquet_with, to_csv};
+use numerics::NamedRig;
+use serde_json::{Map, Value};
 
 /// How to answer on standard output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -26,6 +30,9 @@ pub enum Format {
 /// Files by name.
 pub type Contents = Vec<(String, Vec<u8>)>;
 
+/// The folder that commands write into when they answer a person and no other is given.
+pub const USUAL_FOLDER: &str = "out";
+
 /// How a command answers.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Output")]
@@ -34,24 +41,123 @@ pub struct OutputArgs {
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
 
-    /// Folder for pictures (SVG, PNG) and tables
+    /// Folder for pictures (SVG, PNG) and tables [default: out with --format text, none otherwise]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+
+    /// Replace files of the same names that another request made
+    #[arg(long)]
+    pub replace: bool,
 
     /// No progress, no notes on standard error
     #[arg(long)]
     pub quiet: bool,
+
+    /// What is asked for, as the answer carries it.
+    #[arg(skip)]
+    request: Request,
+
+    /// How the names of the files begin.
+    #[arg(skip)]
+    stem: String,
 }
 
 impl OutputArgs {
-    /// The same; with `--format text` and without `--out`, files go into the folder `out`.
-    #[must_use]
-    pub fn with_usual_folder(&self) -> Self {
-        let mut output = self.clone();
-        if output.format == Format::Text {
-            output.out.get_or_insert_with(|| "out".into());
+    /// Takes the request of the whole command line, and the folder that goes with it.
+    pub fn asked(&mut self, request: Request) {
+        self.stem = request.command.clone();
+        self.request = request;
+        if self.format == Format::Text {
+            self.out.get_or_insert_with(|| USUAL_FOLDER.into());
         }
-        output
+    }
+
+    /// The same for an answer about `rigs`: its files are named after the command, the first rig and the options given,
+    /// and carry the rigs. Files that another request made are refused here, before any work is done.
+    ///
+    /// # Errors
+    /// If the answer could not be written.
+    pub fn about<'a>(
+        &self,
+        rigs: impl IntoIterator<Item = &'a NamedRig>,
+    ) -> Result<Self, UserError> {
+        let rigs: Vec<&NamedRig> = rigs.into_iter().collect();
+        let first = rigs.first().map(|rig| rig.name.as_str());
+        let first = first.filter(|_| !self.gives("all"));
+        let options = self.options(&[]);
+        let parts = [self.request.command.as_str()].into_iter();
+        let stem = file_name(parts.chain(first).chain([options.as_str()]));
+        self.named(stem, rigs)
+    }
+
+    /// The same with names that begin with `stem`.
+    ///
+    /// # Errors
+    /// As [`Self::about`].
+    pub fn named<'a>(
+        &self,
+        stem: String,
+        rigs: impl IntoIterator<Item = &'a NamedRig>,
+    ) -> Result<Self, UserError> {
+        let mut output = self.clone();
+        output.stem = stem;
+        let made_from = std::mem::take(&mut output.request.made_from);
+        output.request.made_from = made_from.with_rigs(rigs);
+        output.check()?;
+        output.refuse_others([output.name(".json").as_str()])?;
+        Ok(output)
+    }
+
+    /// The same with the uncertainty of the parameters.
+    #[must_use]
+    pub fn with_uncertainty(mut self, uncertainty: Option<Map<String, Value>>) -> Self {
+        self.request.made_from.uncertainty = uncertainty;
+        self
+    }
+
+    fn gives(&self, option: &str) -> bool {
+        let mut given = self.request.given.iter();
+        given.any(|(name, _)| name == option)
+    }
+
+    /// The options given, as they stand in file names: without the rig's, and without `aside`.
+    pub fn options(&self, aside: &[&str]) -> String {
+        let given = self.request.given.iter();
+        let given = given.filter(|(name, _)| {
+            !["rig", "set"].contains(&name.as_str()) && !aside.contains(&name.as_str())
+        });
+        let parts = given.flat_map(|(name, values)| {
+            let values = values.iter().map(|value| match Path::new(value).is_file() {
+                true => Path::new(value)
+                    .file_stem()
+                    .unwrap_or_default()
+                    .to_string_lossy(),
+                false => value.as_str().into(),
+            });
+            std::iter::once(name.as_str().into()).chain(values)
+        });
+        let parts: Vec<_> = parts.collect();
+        file_name(parts.iter().map(AsRef::as_ref))
+    }
+
+    /// The name of a file of this answer: that of the request, and `end`.
+    pub fn name(&self, end: &str) -> String {
+        format!("{}{end}", self.stem)
+    }
+
+    /// What the answer is made from.
+    pub fn made_from(&self) -> &MadeFrom {
+        &self.request.made_from
+    }
+
+    fn refuse_others<'a>(
+        &self,
+        names: impl IntoIterator<Item = &'a str> + Clone,
+    ) -> Result<(), UserError> {
+        match &self.out {
+            Some(dir) if !self.replace => Ok(refuse_others(dir, names, self.made_from())?),
+            _ => Ok(()),
+        }
     }
 
     /// Refuses an output folder that cannot be written to, and Parquet on a terminal, before any work is done.
@@ -73,15 +179,41 @@ impl OutputArgs {
         }
     }
 
-    /// Writes files into `dir` and says so.
+    /// Writes files into `dir`, each with what it was made from, and says so.
     ///
     /// # Errors
-    /// If a file cannot be written.
-    pub fn write(&self, dir: &Path, contents: &[(String, Vec<u8>)]) -> Result<(), UserError> {
-        let paths = files::write::write_all(dir, contents)?;
-        let names: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
-        self.note(&format!("wrote {}", names.join(", ")));
+    /// If a file cannot be written, or would replace what another request made.
+    pub fn write(&self, dir: &Path, contents: Contents) -> Result<(), UserError> {
+        let paths = files::write::write_all(dir, &self.stamped(contents)?)?;
+        self.note(&format!("wrote {}", self.listed(&paths)));
         Ok(())
+    }
+
+    /// Paths with commas; of names that begin alike, the beginning once.
+    pub fn listed(&self, paths: &[PathBuf]) -> String {
+        let mut words: Vec<String> = Vec::with_capacity(paths.len());
+        for path in paths {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            match name.strip_prefix(&self.stem) {
+                Some(end) if !words.is_empty() => words.push(end.to_owned()),
+                _ => words.push(path.display().to_string()),
+            }
+        }
+        words.join(", ")
+    }
+
+    /// Files, each with what it was made from.
+    ///
+    /// # Errors
+    /// If one would replace what another request made.
+    pub fn stamped(&self, contents: Contents) -> Result<Contents, UserError> {
+        let names: Vec<_> = contents.iter().map(|(name, _)| name.as_str()).collect();
+        self.refuse_others(names.iter().copied())?;
+        let stamp = |(name, bytes): (String, Vec<u8>)| {
+            let bytes = made_from::stamped(&name, bytes, self.made_from());
+            (name, bytes)
+        };
+        Ok(contents.into_iter().map(stamp).collect())
     }
 
     /// Writes the answer on standard output; see [`emit`].
@@ -94,7 +226,7 @@ impl OutputArgs {
         rows: &[T],
         text: impl FnOnce() -> String,
     ) -> Result<(), UserError> {
-        emit(self.format, answer, rows, text)
+        emit(self.format, Some(self.made_from()), answer, rows, text)
     }
 
     /// The files of an answer: `NAME.csv`, `NAME.json`, and with `--format parquet` also `NAME.parquet`.
@@ -112,30 +244,48 @@ impl OutputArgs {
             (format!("{name}.json"), to_json(answer)?.into_bytes()),
         ];
         if self.format == Format::Parquet {
-            files.push((format!("{name}.parquet"), to_parquet(rows)?));
+            files.push((format!("{name}.parquet"), self.parquet(rows)?));
         }
         Ok(files)
     }
+
+    /// Rows as a Parquet file that says what it was made from.
+    ///
+    /// # Errors
+    /// If they are no table.
+    pub fn parquet<T: Serialize>(&self, rows: &[T]) -> Result<Vec<u8>, UserError> {
+        parquet_with(rows, vec![made_from::pair(self.made_from())])
+    }
 }
 
-/// Writes the answer on standard output: `text` for a person, `answer` as JSON, or `rows` as CSV or Parquet.
-/// Parquet goes to a file or a program only, never to a terminal ([`check_format`] has refused that unless there is
-/// a folder to write into).
+/// Writes the answer on standard output: `text` for a person, `answer` as JSON, or `rows` as CSV or Parquet; JSON and
+/// Parquet say what they were made from. Parquet goes to a file or a program only, never to a terminal
+/// ([`check_format`] has refused that unless there is a folder to write into).
 ///
 /// # Errors
 /// If the answer has no form in this format.
 pub fn emit<A: Serialize + ?Sized, T: Serialize>(
     format: Format,
+    made: Option<&MadeFrom>,
     answer: &A,
     rows: &[T],
     text: impl FnOnce() -> String,
 ) -> Result<(), UserError> {
     match format {
         Format::Text => print(&text()),
-        Format::Json => print(&to_json(answer)?),
+        Format::Json => {
+            let json = to_json(answer)?;
+            print(&match made {
+                Some(made) => made_from::into_json(json, made),
+                None => json,
+            });
+        }
         Format::Csv => print_bytes(&to_csv(rows)),
         Format::Parquet if stdout().is_terminal() => {}
-        Format::Parquet => print_bytes(&to_parquet(rows)?),
+        Format::Parquet => {
+            let pairs = made.into_iter().map(made_from::pair).collect();
+            print_bytes(&parquet_with(rows, pairs)?);
+        }
     }
     Ok(())
 }

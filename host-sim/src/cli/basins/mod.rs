@@ -12,6 +12,7 @@ use crate::pictures::basins::figure;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
+use numerics::NamedRig;
 use numerics::basins::chapter::{POINTS, Point};
 use numerics::basins::{Basins, BasinsRequest, Summary, Window, cells, explore};
 use numerics::engine::Engine;
@@ -83,7 +84,7 @@ pub struct Args {
     engine: EngineArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// One point and what was found.
@@ -105,6 +106,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         )));
     }
     let queries = queries(args)?;
+    let output = &about(args, &queries)?;
     let total = queries.iter().map(|(_, query)| query.runs()).sum();
     let progress = Progress::new("starts", total, output.quiet);
     let mut found = Vec::with_capacity(queries.len());
@@ -114,6 +116,17 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     progress.finish();
     write(output, &found)?;
     answer(output, &found)
+}
+
+/// The output of these points; the chapter's name their figures.
+fn about(args: &Args, queries: &[(Option<Point>, BasinsRequest)]) -> Result<OutputArgs, UserError> {
+    let mut rigs: Vec<&NamedRig> = Vec::new();
+    for (_, query) in queries {
+        if !rigs.contains(&&query.rig) {
+            rigs.push(&query.rig);
+        }
+    }
+    args.output.about(rigs)
 }
 
 fn find(
@@ -181,18 +194,21 @@ fn write(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {
     let mut contents = Vec::new();
     for one in found {
         let name = match one.point {
-            Some(point) => format!("basins-{}{}", point.figure.replace('.', "-"), point.part),
-            None => "basins".to_owned(),
+            Some(point) => {
+                let figure = point.figure.replace('.', "-");
+                output.name(&format!("-{figure}{}", point.part))
+            }
+            None => output.name(""),
         };
         contents.extend(drawn(&name, &figure(&one.basins))?);
         let rows = cells::rows(&one.basins);
         contents.extend(output.tables(&name, &one.summary, &rows)?);
     }
     if found.iter().any(|one| one.point.is_some()) {
-        let table = output.tables("basins-chapter", &summaries(found), &lines(found))?;
+        let table = output.tables(&output.name(""), &summaries(found), &lines(found))?;
         contents.extend(table);
     }
-    output.write(dir, &contents)
+    output.write(dir, contents)
 }
 
 fn answer(output: &OutputArgs, found: &[Found]) -> Result<(), UserError> {

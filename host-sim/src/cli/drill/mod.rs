@@ -86,7 +86,7 @@ pub struct Args {
     rig: RigAtGaps,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// The answer as JSON.
@@ -109,28 +109,28 @@ pub struct Answer {
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output.with_usual_folder();
+    let output = &args.output;
     output.check()?;
     if args.published {
         return published::run(&args.oscillator, args.settle, output);
     }
-    let answer = answer(args, output)?;
+    let rig = args.rig.name.load()?.prescribed();
+    let output = &output.about([&rig])?;
+    let answer = answer(args, &rig, output)?;
     if let Some(dir) = &output.out {
-        let name = format!("drill-{}", answer.rig);
-        let mut files = drawn(&name, &curves(&answer.rows, &answer.advice))?;
+        let mut files = drawn(&output.name(""), &curves(&answer.rows, &answer.advice))?;
         if answer.gaps.len() > 1 {
-            files.extend(drawn(&format!("{name}-map"), &map(&answer.rows))?);
+            files.extend(drawn(&output.name("-map"), &map(&answer.rows))?);
         }
-        files.extend(output.tables(&name, &answer, &answer.rows)?);
-        output.write(dir, &files)?;
+        files.extend(output.tables(&output.name(""), &answer, &answer.rows)?);
+        output.write(dir, files)?;
     }
     output.emit(&answer, &answer.rows, || text::text(&answer))
 }
 
-fn answer(args: &Args, output: &OutputArgs) -> Result<Answer, UserError> {
-    let rig = args.rig.name.load()?.prescribed();
+fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, UserError> {
     let setting = DrillSetting {
-        ground: ground(args, &rig)?,
+        ground: ground(args, rig)?,
         feed: args.feed,
     };
     let uncertainty = uncertainty(args)?;
@@ -148,7 +148,7 @@ fn answer(args: &Args, output: &OutputArgs) -> Result<Answer, UserError> {
     };
     let runs = (gaps_mm.len() * frequencies_hz.len()) as u64;
     let progress = Progress::new("runs", runs, output.quiet);
-    let rows = grid(&rig, &setting, &gaps_mm, &frequencies_hz, plan, &progress)?;
+    let rows = grid(rig, &setting, &gaps_mm, &frequencies_hz, plan, &progress)?;
     let mut best: Option<(NamedRig, &[DrillRow], DrillRow)> = None;
     let (mut gaps, mut gaps_any_regime) = (Vec::new(), Vec::new());
     for (gap_mm, rows) in gaps_mm.iter().zip(rows.chunks(frequencies_hz.len())) {

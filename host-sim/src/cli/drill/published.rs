@@ -61,6 +61,7 @@ pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), Us
     check("--force-amplitude", args.force_amplitude, 1e-3, 10.0)?;
     check("--damping-ratio", args.damping_ratio, 1e-4, 10.0)?;
     check("--omega", args.omega, 1e-3, 100.0)?;
+    let output = &output.about(None)?;
     let motions = args.static_force.0.iter().map(|b| Drifting {
         a: args.force_amplitude,
         b: *b,
@@ -95,9 +96,9 @@ pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), Us
         rows: &rows,
     };
     if let Some(dir) = &output.out {
-        let mut files = drawn("drill-published", &drifting(&rows))?;
-        files.extend(output.tables("drill-published", &answer, &rows)?);
-        output.write(dir, &files)?;
+        let mut files = drawn(&output.name(""), &drifting(&rows))?;
+        files.extend(output.tables(&output.name(""), &answer, &rows)?);
+        output.write(dir, files)?;
     }
     output.emit(&answer, &rows, || text(&stretches, &rows))
 }

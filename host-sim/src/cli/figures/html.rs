@@ -123,13 +123,18 @@ fn section(out: &mut String, page: &PageRecord) {
         .iter()
         .map(|f| format!("<a href=\"{0}\">{0}</a>", escaped(&f.name)))
         .collect();
+    let like = match page.like.as_str() {
+        "" => String::new(),
+        line => format!("<dt>Like it</dt><dd><code>{}</code></dd>\n", escaped(line)),
+    };
     let _ = writeln!(
         out,
         "<dl><dt>The chapter</dt><dd>{}</dd>\n<dt>Found here</dt><dd>{}</dd>\n\
-         <dt>Alone</dt><dd><code>{}</code></dd>\n<dt>Files</dt><dd>{}</dd></dl></section>",
+         <dt>Alone</dt><dd><code>{}</code></dd>\n{}<dt>Files</dt><dd>{}</dd></dl></section>",
         escaped(&page.chapter),
         escaped(&page.found),
         escaped(&page.command),
+        like,
         links.join(", ")
     );
 }
@@ -187,6 +192,7 @@ mod tests {
                 chapter: "<script>".into(),
                 found: "\"x\" & y".into(),
                 command: "host-sim".into(),
+                like: String::new(),
                 files: Vec::new(),
             }],
         };

@@ -11,6 +11,7 @@ use super::interrupt;
 use super::terminal::print;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
 use files::UserError;
+use files::made_from::stamped;
 
 use crate::progress::Progress;
 use record::Record;
@@ -18,7 +19,7 @@ use record::Record;
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder for the page (index.html), pictures and tables
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", default_value = "out/figures")]
     out: PathBuf,
 
     /// Only these figures, separated by commas: 3.24,3.27 (figures that share their runs are made together)
@@ -28,6 +29,10 @@ pub struct Args {
     /// Coarse grids and few cycles: a first look in seconds, with rough numbers
     #[arg(long)]
     coarse: bool,
+
+    /// Replace figures made with the other effort (with or without --coarse)
+    #[arg(long)]
+    replace: bool,
 
     /// No progress, no notes on standard error
     #[arg(long)]
@@ -53,6 +58,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     } else {
         Effort::Full
     };
+    refuse_other(args, effort)?;
     let key = record::key(effort)?;
     let (mut text, made) = make_missing(args, effort, &key, wanted)?;
     let records = AREAS
@@ -68,6 +74,27 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     );
     print(&text);
     Ok(())
+}
+
+/// Coarse figures do not replace full ones, nor the other way round, unless that is asked for.
+fn refuse_other(args: &Args, effort: Effort) -> Result<(), UserError> {
+    let text = std::fs::read(args.out.join("index.json")).unwrap_or_default();
+    let index: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
+    match index["effort"].as_str() {
+        Some(there) if there != word(effort) && !args.replace => Err(UserError::new(format!(
+            "{} holds figures made with {there} effort, not {}; give --out another folder, or --replace to replace them",
+            args.out.display(),
+            word(effort)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn word(effort: Effort) -> &'static str {
+    match effort {
+        Effort::Full => "full",
+        Effort::Coarse => "coarse",
+    }
 }
 
 /// Makes the parts that are not in the folder yet. Returns a line for each part, and the seconds spent.
@@ -144,7 +171,16 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
     } = part;
     let begun = Instant::now();
     let hidden = Progress::new(*name, 1, true);
-    let pages = make(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
+    let mut pages = make(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
+    for page in &mut pages {
+        let made = crate::figures::made_from(page.figure, effort);
+        for (name, bytes) in &mut page.files {
+            *bytes = stamped(name, std::mem::take(bytes), &made);
+        }
+        if page.command.starts_with("host-sim figures") {
+            page.command.clear();
+        }
+    }
     let seconds = begun.elapsed().as_secs_f64();
     let given: Vec<&str> = pages.iter().map(|p| p.figure).collect();
     if given != *figures {
@@ -160,7 +196,7 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
         .collect();
     files::write::write_all(&args.out, &all)?;
-    let record = Record::new(key, name, seconds, &pages);
+    let record = Record::new(key, effort, name, seconds, &pages);
     let text = to_json(&record)?;
     files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)
@@ -178,7 +214,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         .copied()
         .collect();
     let index = serde_json::json!({
-        "effort": format!("{effort:?}").to_lowercase(),
+        "effort": word(effort),
         "parts": there,
         "not_made": missing,
         "not_computations": DRAWINGS.map(|(figure, what)| serde_json::json!({"figure": figure, "what": what})),

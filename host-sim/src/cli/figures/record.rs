@@ -6,7 +6,7 @@ use std::path::Path;
 use crc::{CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
 
-use crate::figures::{Effort, Page};
+use crate::figures::{Effort, Page, alone};
 use files::UserError;
 
 /// A part of the figures as it was made.
@@ -28,7 +28,10 @@ pub struct PageRecord {
     pub title: String,
     pub chapter: String,
     pub found: String,
+    /// Makes this figure alone, to the same bytes.
     pub command: String,
+    /// Makes the like of it for other rigs, gaps and ranges; empty if nothing does.
+    pub like: String,
     pub files: Vec<FileRecord>,
 }
 
@@ -41,7 +44,7 @@ pub struct FileRecord {
 }
 
 impl Record {
-    pub fn new(key: &str, part: &str, seconds: f64, pages: &[Page]) -> Self {
+    pub fn new(key: &str, effort: Effort, part: &str, seconds: f64, pages: &[Page]) -> Self {
         let file = |(name, bytes): &(String, Vec<u8>)| FileRecord {
             name: name.clone(),
             bytes: bytes.len(),
@@ -52,7 +55,8 @@ impl Record {
             title: page.title.clone(),
             chapter: page.chapter.to_owned(),
             found: page.found.clone(),
-            command: page.command.clone(),
+            command: alone(page.figure, effort),
+            like: page.command.clone(),
             files: page.files.iter().map(file).collect(),
         };
         Self {

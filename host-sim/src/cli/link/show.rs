@@ -183,7 +183,7 @@ pub fn forecast(port: &mut Port, format: Format) -> Result<(), UserError> {
         })
         .collect();
     let answer = serde_json::json!({ "rows": lines, "target": target });
-    emit(format, &answer, &lines, || {
+    emit(format, None, &answer, &lines, || {
         let mut text = String::from("       Hz  from rest        N  1/1 orbit, N  multiplier\n");
         for line in &lines {
             let number =

@@ -63,7 +63,7 @@ struct Layers {
 
 impl Answer<'_> {
     /// On one line: layers have hundreds of thousands of numbers.
-    pub fn to_json(&self) -> Result<Vec<u8>, UserError> {
+    pub fn to_json(&self) -> Result<String, UserError> {
         let maps = self.requests.iter().zip(self.maps).zip(&self.summaries);
         let json = Json {
             maps: maps.map(|((r, m), s)| map(r, m, s)).collect(),
@@ -72,10 +72,9 @@ impl Answer<'_> {
             alikeness: &self.alikeness,
             measured: self.measured,
         };
-        let bytes = serde_json::to_vec(&json);
-        let mut bytes = bytes.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
-        bytes.push(b'\n');
-        Ok(bytes)
+        let text = serde_json::to_string(&json);
+        let text = text.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+        Ok(text + "\n")
     }
 }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::arguments::choice::choice;
 use super::arguments::drive::Drives;
 use super::arguments::engine::EngineArgs;
-use super::arguments::output::{Contents, Format, OutputArgs, emit};
+use super::arguments::output::{Contents, Format, OutputArgs};
 use super::arguments::rig::{CartArg, RigAtGaps};
 use super::interrupt;
 use super::terminal::print_bytes;
@@ -23,7 +23,9 @@ use crate::progress::Progress;
 use crate::tiles::Store;
 use crate::words;
 use files::UserError;
-use files::table::{to_csv, to_parquet};
+use files::made_from::into_json;
+use files::table::to_csv;
+use numerics::NamedRig;
 use numerics::error::{Error, MapError};
 use numerics::map::{
     self, Map, MapRequest, Summary, agree, measured, measured::Measured, similarity,
@@ -104,17 +106,18 @@ pub struct Args {
     engine: EngineArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let args = &Args {
-        output: args.output.with_usual_folder(),
-        ..args.clone()
-    };
     args.output.check()?;
     let requests = requests::requests(args)?;
     check(args, &requests)?;
+    let stem = file_name(&args.output, &requests[0]);
+    let args = &Args {
+        output: args.output.named(stem, rigs(&requests))?,
+        ..args.clone()
+    };
     let points = args
         .measured
         .as_deref()
@@ -129,6 +132,17 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             pool.install(work)
         }
     }
+}
+
+/// The rigs of the maps, each once.
+fn rigs(requests: &[MapRequest]) -> Vec<&NamedRig> {
+    let mut rigs: Vec<&NamedRig> = Vec::new();
+    for request in requests {
+        if !rigs.iter().any(|rig| rig.name == request.rig.name) {
+            rigs.push(&request.rig);
+        }
+    }
+    rigs
 }
 
 /// Refuses options that do not go together, before any work is done.
@@ -205,13 +219,12 @@ fn make(
     let alone = maps.len() == 1;
     match output.format {
         Format::Json => {
-            print_bytes(&answer.to_json()?);
+            let json = into_json(answer.to_json()?, output.made_from());
+            print_bytes(json.as_bytes());
             Ok(())
         }
         Format::Csv | Format::Parquet if !alone => Ok(()),
-        format => emit(format, &(), &rows(format, &maps[0]), || {
-            text::text(&answer, &maps)
-        }),
+        format => output.emit(&(), &rows(format, &maps[0]), || text::text(&answer, &maps)),
     }
 }
 
@@ -351,41 +364,55 @@ fn write(
     answer: &Answer,
     points: Option<&[Measured]>,
 ) -> Result<(), UserError> {
-    let (drawn, tabled) = rayon::join(|| draw(answer, points), || tabled(output, answer));
+    let (drawn, tabled) = rayon::join(|| draw(output, answer, points), || tabled(output, answer));
     let mut contents = drawn?;
     contents.extend(tabled?);
-    output.write(dir, &contents)
+    output.write(dir, contents)
 }
 
-fn draw(answer: &Answer, points: Option<&[Measured]>) -> Result<Contents, UserError> {
-    let figures = figures(answer, points);
+fn draw(
+    output: &OutputArgs,
+    answer: &Answer,
+    points: Option<&[Measured]>,
+) -> Result<Contents, UserError> {
+    let figures = figures(output, answer, points);
     let drawn = figures.par_iter().map(|(name, figure)| drawn(name, figure));
     let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
     Ok(drawn.into_iter().flatten().collect())
+}
+
+/// How the names of a map's files begin: its own name, and the options that this does not tell.
+fn file_name(output: &OutputArgs, request: &MapRequest) -> String {
+    let options = output.options(requests::IN_ITS_NAME);
+    files::made_from::file_name([requests::name(request).as_str(), options.as_str()])
 }
 
 /// A table for each map, and one JSON.
 fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
     let mut files = Vec::new();
     for (request, map) in answer.requests.iter().zip(answer.maps) {
-        let name = requests::name(request);
+        let name = file_name(output, request);
         let rows: Vec<_> = map.rows().collect();
         files.push((format!("{name}.csv"), to_csv(&rows)));
         if output.format == Format::Parquet {
-            files.push((format!("{name}.parquet"), to_parquet(&rows)?));
+            files.push((format!("{name}.parquet"), output.parquet(&rows)?));
         }
     }
-    let first = requests::name(&answer.requests[0]);
-    files.push((format!("{first}.json"), answer.to_json()?));
+    let first = file_name(output, &answer.requests[0]);
+    files.push((format!("{first}.json"), answer.to_json()?.into_bytes()));
     Ok(files)
 }
 
 /// The pictures and their names: of each map the regimes and the force of 1/1; how maps compare.
-fn figures(answer: &Answer, points: Option<&[Measured]>) -> Vec<(String, Figure)> {
-    let first = requests::name(&answer.requests[0]);
+fn figures(
+    output: &OutputArgs,
+    answer: &Answer,
+    points: Option<&[Measured]>,
+) -> Vec<(String, Figure)> {
+    let first = file_name(output, &answer.requests[0]);
     let mut figures = Vec::new();
     for (i, (request, map)) in answer.requests.iter().zip(answer.maps).enumerate() {
-        let name = requests::name(request);
+        let name = file_name(output, request);
         let regimes = match points {
             Some(points) if i == 0 => {
                 let seen = measured::on_map(points, map).into_iter();

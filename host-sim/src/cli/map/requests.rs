@@ -189,6 +189,9 @@ fn over_same_ratios(grid: &Grid, first: &NamedRig, rig: &NamedRig) -> Grid {
     }
 }
 
+/// The options that the name of a map tells.
+pub const IN_ITS_NAME: &[&str] = &["from", "engine", "reference"];
+
 /// How the names of a map's files begin.
 pub fn name(request: &MapRequest) -> String {
     let from = match request.from {
@@ -201,7 +204,10 @@ pub fn name(request: &MapRequest) -> String {
         Runner::Reference => "-reference",
         Runner::Switch(_) => "-switch",
     };
-    format!("map-{}{from}{runner}", request.rig.name)
+    format!(
+        "map-{}{from}{runner}",
+        files::made_from::in_name(&request.rig.name)
+    )
 }
 
 #[cfg(test)]

@@ -65,10 +65,10 @@ pub fn run(
     let advice = GapTable::from(&advice);
     progress.finish();
     if let Some(dir) = &output.out {
-        let name = format!("pick-gaps-{}", rig.name);
+        let name = output.name("");
         let mut contents = drawn(&name, &figure(&advice))?;
         contents.extend(output.tables(&name, &advice, &advice.gaps)?);
-        output.write(dir, &contents)?;
+        output.write(dir, contents)?;
     }
     output.emit(&advice, &advice.gaps, || describe(&advice))
 }

@@ -7,17 +7,19 @@ mod text;
 use std::path::Path;
 
 use serde::Serialize;
+use serde_json::{Map, Value};
 use shared::model::params::PRESETS;
 
 use super::arguments::choice::Cart;
 use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::Progress;
 use crate::words::pick::Worded;
 use files::UserError;
-use files::table::{to_csv, to_parquet};
+use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::pick::uncertainty::Uncertainty;
 use numerics::pick::{Answer, CartModel, Limits, Pick, pick_on, steps};
@@ -120,11 +122,11 @@ pub struct Args {
     springs: bending::SpringsArgs,
 
     #[command(flatten)]
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
-    let output = &args.output.with_usual_folder();
+    let output = &args.output;
     output.check()?;
     let limits = limits(args)?;
     let springs = args.springs.springs()?;
@@ -137,7 +139,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             seed: args.seed,
         };
         let rig = moved(args.cart, args.rig.load()?)?;
-        return gaps::run(&rig, output, &gaps, uncertainty, limits);
+        let output = output.about([&rig])?;
+        let output = output.with_uncertainty(uncertainty.map(stated));
+        return gaps::run(&rig, &output, &gaps, uncertainty, limits);
     }
     let names: Vec<&str> = if args.all {
         PRESETS.iter().map(|(name, _)| *name).collect()
@@ -146,6 +150,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     let rigs = names.iter().map(|name| load(args, output, name));
     let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
+    let output = &output
+        .about(&rigs)?
+        .with_uncertainty(uncertainty.map(stated));
     let progress = Progress::new(
         "rigs tried",
         steps(uncertainty) * rigs.len() as u64,
@@ -161,6 +168,19 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
     output.emit(&json(&picks)?, &rows, || text::text(&picks))
+}
+
+/// The uncertainty as an answer carries it.
+fn stated(u: Uncertainty) -> Map<String, Value> {
+    object([
+        ("natural_frequency_percent", u.natural_frequency_percent),
+        ("amplitude_percent", u.amplitude_percent),
+        ("contact_stiffness_percent", u.contact_stiffness_percent),
+        ("contact_damping_percent", u.contact_damping_percent),
+        ("gap_tolerance_mm", u.gap_mm),
+        ("samples", f64::from(u.samples)),
+        ("seed", u.seed as f64),
+    ])
 }
 
 /// The rig `name`, at a gap of 0 unless the command line sets one.
@@ -248,20 +268,17 @@ fn uncertainty(args: &Args) -> Result<Option<Uncertainty>, UserError> {
 }
 
 fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {
-    let name = match picks {
-        [one] => format!("pick-{}", one.answer.rig),
-        _ => "pick-all".to_owned(),
-    };
+    let name = output.name("");
     let mut contents = drawn(&name, &figure(picks))?;
     contents.push((format!("{name}.json"), to_json(&json(picks)?)?.into_bytes()));
     let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
     contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
     if output.format == Format::Parquet {
         let lines: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
-        contents.push((format!("{name}.parquet"), to_parquet(&lines)?));
-        contents.push((format!("{name}-curve.parquet"), to_parquet(&rows)?));
+        contents.push((format!("{name}.parquet"), output.parquet(&lines)?));
+        contents.push((format!("{name}-curve.parquet"), output.parquet(&rows)?));
     }
-    output.write(dir, &contents)
+    output.write(dir, contents)
 }
 
 /// One answer as an object, several as a list.

@@ -109,6 +109,7 @@ fn header(scenario: &Scenario) -> Header {
         birth: BootInfo::STORED,
         block_ticks: scenario.block_ticks as u32,
         scenario: None,
+        made_from: None,
     }
 }
 

@@ -1,0 +1,103 @@
+//! Where each kind of file carries what it was made from.
+
+use super::{KEY, MadeFrom};
+
+/// The bytes of the file `name` with `made`, where its kind has a place for it: JSON, SVG and PNG. (Parquet takes it
+/// when it is written, see [`pair`]; a CSV has no such place, and the JSON beside it carries it.)
+pub fn stamped(name: &str, bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
+    match name.rsplit_once('.').map(|(_, end)| end) {
+        Some("json") => match String::from_utf8(bytes) {
+            Ok(text) => into_json(text, made).into_bytes(),
+            Err(error) => error.into_bytes(),
+        },
+        Some("svg") => match String::from_utf8(bytes) {
+            Ok(text) => into_svg(&text, made).into_bytes(),
+            Err(error) => error.into_bytes(),
+        },
+        Some("png") => into_png(bytes, made),
+        _ => bytes,
+    }
+}
+
+/// The key and value in the footer of a Parquet file.
+pub fn pair(made: &MadeFrom) -> (String, String) {
+    (KEY.to_owned(), compact(made))
+}
+
+fn compact(made: &MadeFrom) -> String {
+    serde_json::to_string(made).expect("plain values always serialise")
+}
+
+/// JSON as this program writes it, with `made` as the last field of the answer; of a list, as the last field of its
+/// first object. What has no object stays as it is, and so does what already has the field.
+pub fn into_json(mut text: String, made: &MadeFrom) -> String {
+    if text.contains(&format!("\"{KEY}\":")) {
+        return text;
+    }
+    let pretty = text.contains('\n') && text.trim_end().contains('\n');
+    // A text holds no line break, so these are where an object of that depth ends.
+    let (end, indent) = if text.starts_with('[') {
+        (text.find("\n  }"), "    ")
+    } else if !text.starts_with('{') {
+        (None, "")
+    } else if pretty {
+        (text.rfind("\n}"), "  ")
+    } else {
+        (text.rfind('}'), "")
+    };
+    let Some(end) = end else { return text };
+    let comma = if text[..end].ends_with('{') { "" } else { "," };
+    let field = if pretty {
+        let value = serde_json::to_string_pretty(made).expect("plain values always serialise");
+        let value = value.replace('\n', &format!("\n{indent}"));
+        format!("{comma}\n{indent}\"{KEY}\": {value}")
+    } else {
+        format!("{comma}\"{KEY}\":{}", compact(made))
+    };
+    text.insert_str(end, &field);
+    text
+}
+
+/// An SVG with a `<metadata>` element, the first in it, that holds `made` as JSON.
+pub fn into_svg(text: &str, made: &MadeFrom) -> String {
+    let start = text
+        .find("<svg")
+        .and_then(|at| text[at..].find('>').map(|end| at + end + 1));
+    let Some(at) = start else {
+        return text.to_owned();
+    };
+    let json = compact(made)
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;");
+    let (head, tail) = text.split_at(at);
+    format!("{head}<metadata id=\"{KEY}\">{json}</metadata>{tail}")
+}
+
+/// Bytes before the first chunk after the header: the signature (8) and IHDR (12 + 13).
+const PNG_HEAD: usize = 33;
+
+/// A PNG with a text chunk `Software` and an international text chunk of the keyword [`KEY`], behind its header.
+pub fn into_png(bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
+    if bytes.len() < PNG_HEAD || &bytes[1..4] != b"PNG" {
+        return bytes;
+    }
+    let software = format!("Software\0{} {}", made.program, made.version);
+    // Not compressed, no language, no translated keyword.
+    let made = format!("{KEY}\0\0\0\0\0{}", compact(made));
+    let mut with = bytes[..PNG_HEAD].to_vec();
+    chunk(&mut with, *b"tEXt", software.as_bytes());
+    chunk(&mut with, *b"iTXt", made.as_bytes());
+    with.extend_from_slice(&bytes[PNG_HEAD..]);
+    with
+}
+
+fn chunk(out: &mut Vec<u8>, kind: [u8; 4], data: &[u8]) {
+    let length = u32::try_from(data.len()).expect("a text shorter than 4 GiB");
+    out.extend(length.to_be_bytes());
+    let begin = out.len();
+    out.extend(kind);
+    out.extend(data);
+    let sum = crc32fast::hash(&out[begin..]);
+    out.extend(sum.to_be_bytes());
+}

@@ -1,0 +1,106 @@
+use serde_json::{Value, json};
+
+use super::*;
+use crate::UserError;
+
+fn made() -> MadeFrom {
+    let mut made = MadeFrom::this_program();
+    made.command = "host-sim sweep --rig 'a <b> & c'".into();
+    made.with_rigs([&NamedRig::preset("wires").unwrap()])
+}
+
+#[test]
+fn json_carries_it_last_and_reads_back() {
+    let answers = [
+        json!({"a": 1, "b": {"c": []}}),
+        json!({}),
+        json!([{"a": "}\n  }"}, {"a": 2}]),
+    ];
+    for answer in answers {
+        for pretty in [true, false] {
+            let text = match pretty {
+                true => serde_json::to_string_pretty(&answer).unwrap() + "\n",
+                false => serde_json::to_string(&answer).unwrap() + "\n",
+            };
+            if !pretty && answer.is_array() {
+                continue;
+            }
+            let with = into_json(text.clone(), &made());
+            let read: Value = serde_json::from_str(&with).unwrap_or_else(|e| panic!("{e}: {with}"));
+            let carrier = match &read {
+                Value::Array(list) => list[0].as_object().unwrap(),
+                one => one.as_object().unwrap(),
+            };
+            let (key, value) = carrier.iter().next_back().unwrap();
+            assert_eq!(key, KEY, "{with}");
+            assert_eq!(
+                serde_json::from_value::<MadeFrom>(value.clone()).unwrap(),
+                made()
+            );
+            // A second time changes nothing.
+            assert_eq!(into_json(with.clone(), &made()), with);
+        }
+    }
+    assert_eq!(into_json("[]\n".into(), &made()), "[]\n");
+}
+
+#[test]
+fn every_parameter_of_the_rig_is_in_it() {
+    let rig = rigfile::load("beam-170", &["mass_kg=0.5".to_owned()]).unwrap();
+    let used = RigUsed::from(&rig);
+    assert_eq!(used.overridden, ["mass_kg=0.5"]);
+    assert_eq!(used.cart, "prescribed");
+    assert_eq!(used.parameters["mass_kg"], 0.5);
+    let lines = rigfile::lines(&rig.params);
+    for line in lines.lines() {
+        let key = line.split(' ').next().unwrap();
+        assert!(used.parameters.contains_key(key), "{key}");
+    }
+}
+
+#[test]
+fn names_tell_signs_and_stay_short() {
+    assert_eq!(in_name("wires (mass_kg=0.5)"), "wires-mass_kg=0.5");
+    assert_eq!(in_name("-0.1"), "minus-0.1");
+    assert_eq!(in_name("-6:-1"), "minus-6-minus-1");
+    assert_eq!(in_name("0.8:4.5:0.01"), "0.8-4.5-0.01");
+    assert_eq!(in_name("beam-170"), "beam-170");
+    assert_ne!(
+        file_name(["sweep", "gap", "0.1"]),
+        file_name(["sweep", "gap", "-0.1"])
+    );
+    let long = "x".repeat(300);
+    let (a, b) = (
+        file_name([long.as_str(), "a"]),
+        file_name([long.as_str(), "b"]),
+    );
+    assert!(a.len() <= 120 && a != b);
+}
+
+#[test]
+fn only_the_same_request_may_replace_its_files() {
+    let dir = tempfile::tempdir().unwrap();
+    let names = ["a.csv", "a.json"];
+    let look = |made: &MadeFrom| refuse_others(dir.path(), names, made);
+    assert_eq!(look(&made()), Ok(()));
+    std::fs::write(dir.path().join("a.csv"), "x").unwrap();
+    assert!(matches!(look(&made()), Err(NotOurs::Unknown(_))));
+    let text = into_json("{\n  \"x\": 1\n}\n".into(), &made());
+    std::fs::write(dir.path().join("a.json"), text).unwrap();
+    assert_eq!(look(&made()), Ok(()));
+    let mut newer = made();
+    newer.version = "99".into();
+    assert_eq!(look(&newer), Ok(()), "a newer version may replace it");
+    let mut other = made();
+    other.rigs[0].parameters["mass_kg"] = json!(0.5);
+    let line = UserError::from(look(&other).unwrap_err()).to_string();
+    assert!(line.contains("a.json") && line.contains("--replace"));
+    assert!(!line.contains('\n'));
+}
+
+#[test]
+fn an_svg_stays_well_formed() {
+    let with = into_svg("<svg xmlns=\"x\"><g/></svg>\n", &made());
+    assert!(with.starts_with("<svg xmlns=\"x\"><metadata id=\"made_from\">{"));
+    assert!(with.contains("'a &lt;b&gt; &amp; c'") && with.ends_with("</metadata><g/></svg>\n"));
+}

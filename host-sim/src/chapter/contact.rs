@@ -1,0 +1,190 @@
+//! Sections 3.1 to 3.3.2: contact laws, the switch, the impact's parameters.
+
+use shared::model::contact::Law;
+use shared::model::params::{LAWS, TABLE_3_1};
+
+use super::{Statement, Verdict};
+use crate::figures::Effort;
+use crate::figures::section::rig;
+use crate::progress::Progress;
+use files::UserError;
+use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, rows};
+use numerics::engine::Start;
+use numerics::poincare::{SectionRequest, against};
+
+/// The hammer's mass and its approach speed in a drop from 3 mm, about.
+const MASS_KG: f64 = 0.298;
+const SPEED: f64 = 0.08;
+
+pub fn statements(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+    let mut all = laws()?;
+    all.extend(smoothing(effort, progress)?);
+    all.extend(identified()?);
+    Ok(all)
+}
+
+fn one(law: Law<f64>) -> Result<Row, UserError> {
+    let mut seen = rows("", law, MASS_KG, &[SPEED])?;
+    seen.pop()
+        .ok_or_else(|| UserError::new("a contact that was asked for was not made"))
+}
+
+/// ci v: the force at the onset, N.
+fn at_onset(law: Law<f64>) -> f64 {
+    match law {
+        Law::SpringDashpot { damping, .. } => damping * SPEED,
+        _ => 0.0,
+    }
+}
+
+fn law(name: &str) -> Law<f64> {
+    let found = LAWS.iter().find(|(known, _)| *known == name);
+    found.map_or(TABLE_3_1, |(_, law)| *law)
+}
+
+fn laws() -> Result<Vec<Statement>, UserError> {
+    let hertz = one(law("hertz"))?;
+    let dashpot = one(TABLE_3_1)?;
+    let onset = at_onset(TABLE_3_1);
+    let speeds = [0.1, 0.3, 0.5];
+    let crossley = rows("", FIGURE_3_3, FIGURE_3_3_MASS_KG, &speeds)?;
+    let never_pulls = crossley.iter().all(|row| row.pull_n == 0.0);
+    let given = 0.3;
+    let lankarani = one(Law::LankaraniNikravesh {
+        stiffness: law("lankarani-nikravesh").stiffness(),
+        exponent: 1.5,
+        restitution: given,
+    })?;
+    Ok(vec![
+        Statement::new(
+            "3.1.2, Hertz",
+            "\"its equivalent coefficient of restitution is 1\"",
+            format!("restitution {:.4} at {SPEED} m/s", hertz.restitution),
+            Verdict::of((hertz.restitution - 1.0).abs() < 1e-4),
+        ),
+        Statement::new(
+            "3.1.2, figure 3.2, point A",
+            "force at the beginning \"is discontinuous, because of the damping term\"",
+            format!(
+                "Table 3.1 at {SPEED} m/s: the force begins at {onset:.1} N; its peak is {:.1} N",
+                dashpot.force_n
+            ),
+            Verdict::of(onset > 0.1 * dashpot.force_n),
+        ),
+        Statement::new(
+            "3.1.2, figure 3.2, point B",
+            "\"a negative force is present that holds the objects\"",
+            format!(
+                "the law alone would pull with up to {:.1} N over {:.0} % of its contact (here a contact is let go at F = 0: restitution {:.3}, not {:.3})",
+                dashpot.pull_n,
+                100.0 * dashpot.pull_share,
+                dashpot.restitution,
+                dashpot.pulling_restitution
+            ),
+            Verdict::of(dashpot.pull_n > 0.0),
+        ),
+        Statement::new(
+            "3.1.2, Hunt and Crossley",
+            "force \"begins and ends with the correct value of zero\"",
+            format!(
+                "figure 3.3's law from {} to {} m/s: no pull at any speed, restitution {:.3} to {:.3}",
+                speeds[0], speeds[2], crossley[0].restitution, crossley[2].restitution
+            ),
+            Verdict::of(never_pulls),
+        ),
+        Statement::measured(
+            "3.1.2, figure 3.3",
+            "\"for different velocities before impact\"",
+            "the speeds are not printed, so no curve can be compared by itself",
+        ),
+        Statement::new(
+            "3.1.2, Lankarani, (3-5)",
+            "e is \"Newton's coefficient of restitution\"",
+            format!(
+                "given e = {given}, the law rebounds at {:.3} of the approach speed (at e = 0 at 0.66): it is not e",
+                lankarani.restitution
+            ),
+            Verdict::of((lankarani.restitution - given).abs() < 0.05),
+        ),
+    ])
+}
+
+fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
+    let rig = rig("wires", 1.0)?;
+    let (points, widths): (u32, &[f64]) = match effort {
+        Effort::Full => (4000, &against::WIDTHS_M),
+        Effort::Coarse => (300, &against::WIDTHS_M[..1]),
+    };
+    let request = SectionRequest {
+        params: rig.params,
+        frequency_hz: 2.7 * rig.params.natural_frequency_hz(),
+        start: Start::Rest,
+        phases: vec![0.0],
+        transient: 200,
+        points,
+    };
+    let found = against::against(&request, widths, progress)?;
+    let steps = found.smoothed.iter().map(|s| s.summary.steps_per_period);
+    let most = steps.fold(0.0, f64::max);
+    let carried = found.smoothed.iter().map(|s| s.summary.carried);
+    let least = carried.fold(f64::INFINITY, f64::min);
+    let switch = found.summary.steps_per_period;
+    Ok(vec![
+        Statement::new(
+            "3.2.2",
+            "the smoothing method \"yields stiff differential equations\"",
+            format!(
+                "wires, 1.0 mm, Ω/ω = 2.7: up to {most:.0} steps per drive period, the switch {switch:.0}"
+            ),
+            Verdict::of(most > 1.5 * switch),
+        ),
+        Statement::new(
+            "3.2.2, figure 3.4",
+            "in chaos \"the results using the smoothing method will probably be incorrect\"",
+            format!(
+                "there the clouds lie at least {least:.3} A0 from the switch's; two runs of the switch {:.4} A0 apart",
+                found.again.carried
+            ),
+            Verdict::of(least > 3.0 * found.again.carried),
+        ),
+    ])
+}
+
+fn identified() -> Result<Vec<Statement>, UserError> {
+    let table = one(TABLE_3_1)?;
+    let hertz = one(law("hertz"))?;
+    Ok(vec![
+        Statement::measured(
+            "3.3.2, figure 3.8",
+            "\"no difference in the profiles of impact force and acceleration\"",
+            "a measurement; here the hammer is rigid by assumption",
+        ),
+        Statement::measured(
+            "3.3.2",
+            "oscillation \"within the 3 kHz range\" from the cart's surface",
+            "a measurement; the emulator's force sensor rings so, the model does not",
+        ),
+        Statement::new(
+            "3.3.2",
+            "Hertz discarded: \"does not take into account any loss of energy\"",
+            format!(
+                "energy lost per contact {:.1e} of what came in",
+                (hertz.energy_lost_j / hertz.energy_in_j).abs()
+            ),
+            Verdict::of((hertz.energy_lost_j / hertz.energy_in_j).abs() < 1e-3),
+        ),
+        Statement::measured(
+            "3.3.2",
+            "the spring-dashpot \"generated the best results\"",
+            "needs the measured drop tests",
+        ),
+        Statement::measured(
+            "3.3.2, Table 3.1",
+            "ki 5.5·10⁶ N/m, ci 1.2·10³ Ns/m",
+            format!(
+                "the value used; it means contacts of {:.3} ms and restitution {:.3}",
+                table.contact_time_ms, table.restitution
+            ),
+        ),
+    ])
+}

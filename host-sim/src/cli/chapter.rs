@@ -1,0 +1,84 @@
+//! `host-sim chapter`.
+
+use super::arguments::output::OutputArgs;
+use crate::chapter::{AREAS, Statement, Verdict, statements};
+use crate::figures::Effort;
+use crate::progress::Progress;
+use files::UserError;
+use numerics::NamedRig;
+use shared::model::params::PRESETS;
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Coarser grids: the same verdicts in a few seconds, with rougher figures
+    #[arg(long)]
+    coarse: bool,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let rigs: Vec<NamedRig> = PRESETS
+        .iter()
+        .map(|(name, _)| NamedRig::preset(name))
+        .collect::<Result<_, _>>()?;
+    let name = match args.coarse {
+        true => "chapter-coarse",
+        false => "chapter",
+    };
+    let output = &args.output.named(name.to_owned(), &rigs)?;
+    let effort = match args.coarse {
+        true => Effort::Coarse,
+        false => Effort::Full,
+    };
+    let progress = Progress::new("areas", AREAS, output.quiet);
+    let hidden = Progress::new("areas", AREAS, true);
+    let all = statements(effort, &hidden)?;
+    progress.inc(AREAS);
+    progress.finish();
+    if let Some(dir) = &output.out {
+        let mut contents = output.tables(&output.name(""), &all, &all)?;
+        contents.push((output.name(".md"), text(&all).into_bytes()));
+        output.write(dir, contents)?;
+    }
+    output.emit(&all, &all, || text(&all))
+}
+
+/// The page as Markdown.
+fn text(all: &[Statement]) -> String {
+    let of = |verdict| all.iter().filter(|s| s.verdict == verdict).count();
+    let mut text = format!(
+        "# What the chapter says, and what is computed here
+
+Every statement of the chapter *Study of an embarked vibro-impact system: mathematical modeling and
+nonlinear analysis* that says something about its model, its figures or its measurements. The command
+
+    host-sim chapter
+
+writes this page (`out/chapter.md`, with CSV and JSON); every figure in it is computed by that run, with the
+cart as the chapter moves it. A test computes all verdicts again, on coarser grids (`--coarse`). \"Cannot be
+told\" means: it needs the chapter's measurements, which are not public, or the chapter gives no figure.
+
+{} statements: {} same, {} differ, {} cannot be told.
+
+| | section | the chapter | computed here | verdict |
+|---|---|---|---|---|
+",
+        all.len(),
+        of(Verdict::Same),
+        of(Verdict::Differs),
+        of(Verdict::CannotBeTold)
+    );
+    for s in all {
+        text += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            s.number,
+            s.section,
+            s.words,
+            s.ours.replace('|', "\\|"),
+            s.verdict.words()
+        );
+    }
+    text
+}

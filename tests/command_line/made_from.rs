@@ -1,0 +1,178 @@
+//! Every answer says what it was made from, and no file is replaced by another request's.
+
+use serde_json::Value;
+
+use crate::support::{Folder, assert_refused, assert_svg_shows};
+
+const RUN: &str = "simulate --ratio 1.5 --cycles 20 --transient 10";
+
+/// What the JSON `text` says it was made from: the last field, of a list that of its first object.
+fn made_from(text: &str) -> Value {
+    let answer: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"));
+    let carrier = answer.as_array().map_or(&answer, |list| &list[0]);
+    let (key, value) = carrier.as_object().unwrap().iter().next_back().unwrap();
+    assert_eq!(key, "made_from", "{text}");
+    value.clone()
+}
+
+#[test]
+fn every_answer_carries_program_rig_and_options() {
+    for (line, command) in [
+        (RUN, "simulate"),
+        (
+            "sweep --ratio 1.5:1.6:0.1 --cycles 20 --transient 10",
+            "sweep",
+        ),
+        ("pick --nominal", "pick"),
+        ("pick --all --nominal", "pick"),
+        ("map --ratio 1.5:1.6:0.1 --gap 0 --cycles 20", "map"),
+        ("orbits --ratio 1.5:1.6 --starts 1 --periods 1", "orbits"),
+        ("contact --speed 0.1:0.2:0.1", "contact"),
+        ("drop --impacts 1", "drop"),
+        (
+            "bifurcation --ratio 1.5:1.6:0.1 --cycles 20 --recorded 10",
+            "bifurcation",
+        ),
+        (
+            "poincare --ratio 1.5 --points 10 --transient 10",
+            "poincare",
+        ),
+        (
+            "basins --ratio 2 --grid 2 --samples 0 --cycles 20 --recorded 10",
+            "basins",
+        ),
+    ] {
+        let ran = Folder::new()
+            .run(&format!("{line} --format json --quiet"))
+            .well();
+        let made = made_from(&ran.out);
+        assert_eq!(made["program"], "host-sim", "{line}");
+        assert_eq!(made["version"], env!("CARGO_PKG_VERSION"));
+        let again = made["command"].as_str().unwrap();
+        assert!(
+            again.starts_with(&format!("host-sim {command} ")),
+            "{again}"
+        );
+        assert!(!again.contains("--quiet") && !again.contains("--format"));
+        let rig = &made["rigs"][0];
+        assert_eq!(rig["name"], "wires", "{line}");
+        assert_eq!(rig["parameters"]["mass_kg"], 0.298);
+        assert_eq!(rig["parameters"]["contact_stiffness_n_per_m"], 5.5e6);
+    }
+}
+
+#[test]
+fn seed_uncertainty_and_defaults_are_in_it() {
+    let ran = Folder::new()
+        .run("pick --samples 0 --seed 7 --format json --quiet")
+        .well();
+    let made = made_from(&ran.out);
+    assert_eq!(made["seed"], 7);
+    assert_eq!(made["uncertainty"]["contact_stiffness_percent"], 20.0);
+    assert_eq!(made["options"]["amplitude_percent"], 5, "a default");
+    assert_eq!(made["rigs"][0]["cart"], "recoil");
+    assert!(made["rigs"][0]["parameters"]["shaker_loop_hz"].is_number());
+    let ran = Folder::new()
+        .run("pick --nominal --format json --quiet")
+        .well();
+    assert_eq!(made_from(&ran.out)["uncertainty"], Value::Null);
+}
+
+#[test]
+fn pictures_and_parquet_carry_the_same_and_csv_stands_beside_the_json() {
+    let folder = Folder::new();
+    let line = format!("{RUN} --format parquet --out o");
+    let words: Vec<_> = line.split(' ').collect();
+    let ran = folder.command(&words).output().expect("the program runs");
+    assert!(ran.status.success());
+    let stem = "o/simulate-wires-ratio-1.5-cycles-20-transient-10";
+    let said = made_from(&folder.read(&format!("{stem}.json")));
+    let svg = folder.read(&format!("{stem}.svg"));
+    assert_svg_shows(&svg, &["host-sim simulate --ratio 1.5"]);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let mut nodes = document.descendants();
+    let metadata = nodes.find(|n| n.tag_name().name() == "metadata");
+    let in_svg: Value = serde_json::from_str(metadata.unwrap().text().unwrap()).unwrap();
+    assert_eq!(in_svg, said);
+    let png = std::fs::read(folder.path(&format!("{stem}.png"))).unwrap();
+    let reader = png::Decoder::new(std::io::Cursor::new(png))
+        .read_info()
+        .unwrap();
+    let texts = &reader.info().utf8_text;
+    assert_eq!(texts[0].keyword, "made_from");
+    let in_png: Value = serde_json::from_str(&texts[0].get_text().unwrap()).unwrap();
+    assert_eq!(in_png, said);
+    for end in [".parquet", "-history.parquet"] {
+        let bytes = std::fs::read(folder.path(&format!("{stem}{end}"))).unwrap();
+        let compact = serde_json::to_string(&said).unwrap();
+        let footer = bytes
+            .windows(compact.len())
+            .any(|w| w == compact.as_bytes());
+        assert!(footer, "{end}");
+    }
+}
+
+#[test]
+fn what_is_set_shows_in_title_and_file_name() {
+    let folder = Folder::new();
+    let line = format!("{RUN} --set mass_kg=0.5 --gap -0.1 --out o");
+    let ran = folder.run(&line).well();
+    assert!(
+        ran.out.starts_with("wires (mass_kg=0.5), gap -0.1 mm"),
+        "{ran:?}"
+    );
+    let names = folder.names();
+    let stem = "o/simulate-wires-mass_kg=0.5-ratio-1.5-cycles-20-transient-10-gap-minus-0.1";
+    assert!(names.contains(&format!("{stem}.svg")), "{names:?}");
+    assert_svg_shows(
+        &folder.read(&format!("{stem}.svg")),
+        &["wires (mass_kg=0.5)"],
+    );
+    // The picture at 0.0 mm has another name.
+    folder
+        .run(&format!("{RUN} --set mass_kg=0.5 --gap 0 --out o"))
+        .well();
+    assert_eq!(folder.names().len(), 2 * names.len());
+}
+
+#[test]
+fn the_same_request_replaces_its_files_by_the_same_bytes_and_another_is_refused() {
+    let folder = Folder::new().with("mine.toml", "preset = \"wires\"\nmass_kg = 0.3\n");
+    let line = format!("{RUN} --rig mine.toml --out o");
+    folder.run(&line).well();
+    let bytes = |folder: &Folder| -> Vec<Vec<u8>> {
+        let names = folder.names().into_iter().filter(|n| n.starts_with("o/"));
+        names
+            .map(|n| std::fs::read(folder.path(&n)).unwrap())
+            .collect()
+    };
+    let first = bytes(&folder);
+    folder.run(&format!("{line} --format json")).well();
+    assert_eq!(bytes(&folder), first);
+    // The same name, another rig in the file.
+    let folder = folder.with("mine.toml", "preset = \"wires\"\nmass_kg = 0.4\n");
+    let why = "was made from something else";
+    assert_refused(&folder, [(line.as_str(), why), (&line, "--replace")]);
+    assert_eq!(bytes(&folder), first);
+    folder.run(&format!("{line} --replace")).well();
+    assert_ne!(bytes(&folder), first);
+    // A file that nobody knows is not replaced, either.
+    let other = Folder::new().with("simulate-wires-ratio-1.5-cycles-20-transient-10.json", "{}");
+    let line = format!("{RUN} --out .");
+    assert_refused(&other, [(line, "does not say what it was made from")]);
+}
+
+#[test]
+fn without_out_a_person_gets_files_in_one_folder_and_a_program_none() {
+    for line in ["contact --speed 0.1:0.2:0.1", "drop --impacts 1", RUN] {
+        let folder = Folder::new();
+        folder.run(&format!("{line} --format csv --quiet")).well();
+        assert_eq!(folder.names(), Vec::<String>::new());
+        folder.run(line).well();
+        let names = folder.names();
+        assert!(
+            !names.is_empty() && names.iter().all(|n| n.starts_with("out/")),
+            "{names:?}"
+        );
+    }
+}
