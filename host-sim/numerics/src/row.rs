@@ -7,6 +7,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::Observation;
 use crate::error::{Error, PickError};
+use crate::pick::uncertainty::Stated;
 
 /// A rig and its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +18,8 @@ pub struct NamedRig {
     pub params: RigParams,
     /// The shaker that moves its cart, if one is known.
     pub shaker: Option<LoopParams>,
+    /// What its file states of its uncertainty.
+    pub stated: Stated,
 }
 
 impl NamedRig {
@@ -30,6 +33,7 @@ impl NamedRig {
             name: name.into(),
             params,
             shaker,
+            stated: Stated::default(),
         }
     }
 

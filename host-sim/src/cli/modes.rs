@@ -76,6 +76,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.rig.load()?;
+    output.doubt(&rig);
     let beam = Beam {
         tip: args.tip,
         mass_ratio: args.beam_mass,

@@ -75,6 +75,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
+    output.doubt(&rig);
     if args.curves {
         return run_curves(args, &rig);
     }

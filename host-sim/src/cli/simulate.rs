@@ -90,6 +90,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
+    output.doubt(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();

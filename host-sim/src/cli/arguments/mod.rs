@@ -7,3 +7,4 @@ pub mod engine;
 pub mod output;
 pub mod range;
 pub mod rig;
+pub mod uncertainty;

@@ -7,8 +7,9 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use crate::cli::terminal::{print, print_bytes, say};
-use files::UserError;
 use files::table::{to_csv, to_parquet};
+use files::{UserError, rigfile};
+use numerics::NamedRig;
 
 /// How to answer on standard output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -68,8 +69,13 @@ impl OutputArgs {
 
     /// Writes a note for a person on standard error.
     pub fn note(&self, text: &str) {
-        if !self.quiet {
-            say(text);
+        note(self.quiet, text);
+    }
+
+    /// Says which values of `rig` look like ones in another unit.
+    pub fn doubt(&self, rig: &NamedRig) {
+        for line in rigfile::doubts(&rig.params) {
+            self.note(&line);
         }
     }
 
@@ -115,6 +121,13 @@ impl OutputArgs {
             files.push((format!("{name}.parquet"), to_parquet(rows)?));
         }
         Ok(files)
+    }
+}
+
+/// Writes a note for a person on standard error, unless it is to be quiet.
+pub fn note(quiet: bool, text: &str) {
+    if !quiet {
+        say(text);
     }
 }
 
