@@ -8,6 +8,7 @@
 //! | [`cli`] | one module per command: options, order of work, printed answer |
 //! | [`pictures`], [`figures`] | the picture of each analysis; the chapter's figures |
 //! | [`record`], [`measured`] | records of sensors and measured points, from files |
+//! | [`own_rig`] | a rig file from what a person can measure |
 //! | [`tiles`] | the tiles of an unfinished map, on disk |
 //! | [`mod@link`] | a board, or an emulated one, on a serial port |
 //! | [`replay`] | a log through the controller again |
@@ -19,6 +20,7 @@ pub mod cli;
 pub mod figures;
 pub mod link;
 pub mod measured;
+pub mod own_rig;
 pub mod pictures;
 pub mod progress;
 pub mod record;

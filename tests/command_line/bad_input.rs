@@ -214,7 +214,7 @@ fn engines_limits_and_uncertainties_that_do_not_go() {
         ("pick --amplitude-percent 100", "below 90"),
         (
             "pick --nominal --max-force-n 1 --format json",
-            "relax the limits",
+            "the nearest that can be kept",
         ),
         (
             "pick --nominal --max-frequency-hz 0.1 --format json",

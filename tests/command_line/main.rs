@@ -27,6 +27,7 @@ mod pick;
 mod pick_limits;
 mod pipes;
 mod poincare;
+mod rig_new;
 mod rigs;
 mod simulate;
 mod snapshots;

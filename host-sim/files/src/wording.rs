@@ -166,7 +166,7 @@ fn map(error: &MapError) -> String {
             missing.len(),
             ranges(missing)
         ),
-        MapError::AuditCarried => "--audit runs cells alone, and with --from up or down each begins where its neighbour ended; leave one of the two out".to_owned(),
+        MapError::AuditCarried => "--audit runs cells alone, and with --direction up or down each begins where its neighbour ended; leave one of the two out".to_owned(),
         MapError::Store(words) => words.clone(),
     }
 }
@@ -273,7 +273,7 @@ fn in_record(name: &str, what: &RecordError) -> String {
             format!("{name}: neither displacement_mm nor force_n is there to compare")
         }
         RecordError::UnsteadyCart => format!(
-            "{name}: the cart does not move at one frequency and phase throughout; cut out a part where it does with --from and --to, or give --frequency"
+            "{name}: the cart does not move at one frequency and phase throughout; cut out a part where it does with --from-s and --to-s, or give --frequency"
         ),
         RecordError::NoContacts => "no contact in the record".to_owned(),
         RecordError::FewContacts(count) => format!(
@@ -298,24 +298,66 @@ fn in_record(name: &str, what: &RecordError) -> String {
 
 fn pick(rig: &str, what: &PickError) -> String {
     match what {
-        PickError::NoOneOne { gap_m, ratios } => format!(
-            "rig {rig} has no stable 1/1 at a gap of {:?} mm between {} and {} times its natural frequency; try a smaller gap or a larger amplitude",
-            tidy(gap_m * 1e3),
-            ratios.0,
-            ratios.1
-        ),
-        PickError::NoneRobust => format!(
-            "rig {rig}: no frequency gives a stable 1/1 for every rig within the uncertainty; narrow it (--amplitude-percent and the like) or use --nominal"
-        ),
+        PickError::NoOneOne {
+            gap_m,
+            ratios,
+            nearest_gap_m,
+        } => {
+            let mend = match nearest_gap_m {
+                Some(gap_m) => format!("there is one at {:.3} mm", gap_m * 1e3),
+                None => "try a larger amplitude".to_owned(),
+            };
+            format!(
+                "rig {rig} has no stable 1/1 at a gap of {:?} mm between {} and {} times its natural frequency; {mend}",
+                tidy(gap_m * 1e3),
+                ratios.0,
+                ratios.1
+            )
+        }
+        PickError::NoneRobust { share } => {
+            let nearest = match share {
+                Some(share) => format!(
+                    "{:.0} % of that uncertainty still allows one",
+                    100.0 * share
+                ),
+                None => "not even a hundredth of it allows one".to_owned(),
+            };
+            format!(
+                "rig {rig}: no frequency gives a stable 1/1 for every rig within the uncertainty; {nearest}: narrow it (--amplitude-percent and the like) or use --nominal"
+            )
+        }
         PickError::MemberLost { frequency_hz } => format!(
             "rig {rig}: at {frequency_hz:.4} Hz a rig within the uncertainty has no stable 1/1; narrow the uncertainty"
         ),
-        PickError::Limits { range_hz, limits } => format!(
-            "rig {rig}: no frequency with a stable 1/1 ({:.4} to {:.4} Hz) keeps {}; relax the limits",
+        PickError::Limits {
+            range_hz,
+            limits,
+            feasible,
+        } => format!(
+            "rig {rig}: no frequency with a stable 1/1 ({:.4} to {:.4} Hz) keeps {}; {}",
             range_hz.0,
             range_hz.1,
-            named(*limits).join(" and ")
+            named(*limits).join(" and "),
+            nearest_limits(**feasible)
         ),
+    }
+}
+
+/// What the limits would have to be at least, four digits, rounded up so that they can be kept.
+fn nearest_limits(feasible: Limits) -> String {
+    let up = |x: f64| {
+        let scale = 10f64.powi(3 - x.abs().log10().floor() as i32);
+        (x * scale).ceil() / scale
+    };
+    let least = named(Limits {
+        max_force_n: feasible.max_force_n.map(up),
+        max_frequency_hz: feasible.max_frequency_hz.map(up),
+        max_drive_force_n: feasible.max_drive_force_n.map(up),
+        max_loop_force_n: feasible.max_loop_force_n.map(up),
+    });
+    match least.as_slice() {
+        [] => "relax one of them".to_owned(),
+        least => format!("the nearest that can be kept: {}", least.join(" and ")),
     }
 }
 

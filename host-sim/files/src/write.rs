@@ -76,7 +76,24 @@ pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), Writ
     prepare(path.as_ref(), bytes.as_ref())?.commit().map(drop)
 }
 
-/// The same without a sync: for files that can be computed again if a power failure damages them.
+/// Writes `bytes` as the file `path` if nothing is there; makes the folder. It appears whole.
+///
+/// # Errors
+/// [`WriteError`], also when something is there: that stays as it was.
+pub fn write_new(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    if path.symlink_metadata().is_ok() {
+        return Err(invalid(
+            path.to_owned(),
+            "it exists already and is not replaced",
+        ));
+    }
+    let Staged { file, target, .. } = prepare(path, bytes.as_ref())?;
+    let kept = file.persist_noclobber(&target);
+    kept.map(drop).map_err(|e| failed(path, e.error))
+}
+
+/// The same as [`write()`] without a sync: for files that can be computed again if a power failure damages them.
 ///
 /// # Errors
 /// As [`write()`].

@@ -359,9 +359,14 @@ pub enum PickError {
         gap_m: f64,
         /// The ratios Ω/ω that were searched.
         ratios: (f64, f64),
+        /// A gap at which there is one, m: the nearest on the way to 0 that was tried. None if there is none at 0 either.
+        nearest_gap_m: Option<f64>,
     },
     /// No frequency has a stable 1/1 for every rig within the uncertainty.
-    NoneRobust,
+    NoneRobust {
+        /// With this share of the uncertainty there is one. None if there is none even for a hundredth of it.
+        share: Option<f64>,
+    },
     /// A rig within the uncertainty has no stable 1/1.
     MemberLost {
         /// Drive frequency, Hz.
@@ -373,6 +378,8 @@ pub enum PickError {
         range_hz: (f64, f64),
         /// The limits.
         limits: crate::pick::Limits,
+        /// What those of them that cannot be kept would have to be at least.
+        feasible: Box<crate::pick::Limits>,
     },
 }
 

@@ -7,6 +7,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::Observation;
 use crate::error::{Error, PickError};
+use crate::pick::uncertainty::Stated;
 
 /// A rig and its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub struct NamedRig {
     pub shaker: Option<LoopParams>,
     /// What was set over the preset or the file it was read from, `key=value`.
     pub overridden: Vec<String>,
+    /// What its file states of its uncertainty.
+    pub stated: Stated,
 }
 
 impl NamedRig {
@@ -33,6 +36,7 @@ impl NamedRig {
             params,
             shaker,
             overridden: Vec::new(),
+            stated: Stated::default(),
         }
     }
 

@@ -72,6 +72,40 @@ pub fn sweep(
     Ok(rows)
 }
 
+/// The runs of several rigs, each at its own frequency (Hz); rows come back in the order given. `Up` carries the state from
+/// each to the next, `Down` from each to the one before; runs carried over start from rest at the first visited.
+///
+/// # Errors
+/// As [`sweep`].
+pub fn over(
+    runs: &[(NamedRig, f64)],
+    engine: Engine,
+    direction: Direction,
+    plan: Plan,
+    progress: &dyn Progress,
+) -> Result<Vec<Row>, Error> {
+    let run = |(rig, hz): &(NamedRig, f64), start| run_one(rig, engine, *hz, start, plan, progress);
+    if direction == Direction::Rest {
+        let rows = runs.par_iter().map(|one| Ok(run(one, Start::Rest)?.0));
+        return rows.collect();
+    }
+    let mut order: Vec<&(NamedRig, f64)> = runs.iter().collect();
+    if direction == Direction::Down {
+        order.reverse();
+    }
+    let mut start = Start::Rest;
+    let mut rows = Vec::with_capacity(order.len());
+    for one in order {
+        let (row, section) = run(one, start)?;
+        rows.push(row);
+        start = Start::Section(section);
+    }
+    if direction == Direction::Down {
+        rows.reverse();
+    }
+    Ok(rows)
+}
+
 fn run_one(
     rig: &NamedRig,
     engine: Engine,

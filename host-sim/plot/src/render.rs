@@ -42,7 +42,7 @@ fn fine(figure: &Figure) -> (u32, u32) {
 }
 
 /// What both files show.
-fn shapes(figure: &Figure) -> Result<Vec<Shape>, PictureError> {
+pub(super) fn shapes(figure: &Figure) -> Result<Vec<Shape>, PictureError> {
     let (width, height) = figure.size;
     let allowed = 200..=8000;
     if !allowed.contains(&width) || !allowed.contains(&height) {

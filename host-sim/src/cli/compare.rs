@@ -33,12 +33,12 @@ pub struct Args {
     frame: Frame,
 
     /// Compare from this time of the record, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    from: Option<f64>,
+    #[arg(long, alias = "from", value_name = "S", allow_negative_numbers = true)]
+    from_s: Option<f64>,
 
     /// Compare to this time of the record, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    to: Option<f64>,
+    #[arg(long, alias = "to", value_name = "S", allow_negative_numbers = true)]
+    to_s: Option<f64>,
 
     #[command(flatten)]
     cycles: CycleArgs,
@@ -70,15 +70,15 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         plan: args.cycles.plan()?,
         frame: args.frame,
     };
-    for (option, value) in [("--from", args.from), ("--to", args.to)] {
+    for (option, value) in [("--from-s", args.from_s), ("--to-s", args.to_s)] {
         if value.is_some_and(f64::is_nan) {
             return Err(UserError::new(format!("{option} is NaN, must be a number")));
         }
     }
     let whole = crate::record::read(&args.file)?;
     let signal = whole.between(
-        args.from.unwrap_or(f64::NEG_INFINITY),
-        args.to.unwrap_or(f64::INFINITY),
+        args.from_s.unwrap_or(f64::NEG_INFINITY),
+        args.to_s.unwrap_or(f64::INFINITY),
     )?;
     let comparison = compare(&signal, &question)?;
     let answer = Worded::from(&comparison.errors);

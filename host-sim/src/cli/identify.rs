@@ -205,13 +205,11 @@ fn best(fits: &[Fit]) -> Option<&Fit> {
     least.or(fits.first())
 }
 
-fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
-    if !(1..=50).contains(&args.impacts) {
-        return Err(UserError::new(format!(
-            "--impacts is {}, must be from 1 to 50",
-            args.impacts
-        )));
-    }
+/// Where the hammer was released, mm: as given, else the record's first displacement, else 3 mm from rest.
+///
+/// # Errors
+/// If what is given is no number.
+pub fn release_mm(given: Option<f64>, signal: &Signal) -> Result<f64, UserError> {
     // A few samples, so that a noisy one does not decide.
     let shown = signal.displacement_mm.as_ref().map(|d| {
         let first = &d[..d.len().min(5)];
@@ -219,12 +217,23 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
     });
     // No sensor resolves less than a nanometre.
     let shown = shown.map(|mm| (mm * 1e6).round() / 1e6);
-    let release_mm = args.release_mm.or(shown).unwrap_or(-3.0);
+    let release_mm = given.or(shown).unwrap_or(-3.0);
     if !release_mm.is_finite() {
         return Err(UserError::new(format!(
             "--release-mm is {release_mm}, must be a number"
         )));
     }
+    Ok(release_mm)
+}
+
+fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
+    if !(1..=50).contains(&args.impacts) {
+        return Err(UserError::new(format!(
+            "--impacts is {}, must be from 1 to 50",
+            args.impacts
+        )));
+    }
+    let release_mm = release_mm(args.release_mm, signal)?;
     Ok(Settings {
         release_m: release_mm * 1e-3,
         seek_release: args.seek_release,

@@ -23,6 +23,7 @@ mod pick;
 mod pil;
 mod poincare;
 mod replay;
+mod rig;
 mod rigs;
 mod scenarios;
 mod simulate;
@@ -56,34 +57,70 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
+    #[command(
+        after_help = "Examples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.pdf\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gaps 0:2.4:0.4"
+    )]
     Pick(pick::Args),
     /// Run at one frequency: time history, phase plane, section, regime and force
+    #[command(
+        after_help = "Examples:\n  host-sim simulate --ratio 2 --out out\n  host-sim simulate --gap 2.4 --frequency 4.9 --initial -2,0"
+    )]
     Simulate(simulate::Args),
     /// The force curve over frequency, from rest or carried up or down
+    #[command(
+        after_help = "Examples:\n  host-sim sweep --ratio 0.8:4.5:0.01 --direction up --out out\n  host-sim sweep --ratio 2 --over contact_stiffness_n_per_m=1e5:1e7:log20"
+    )]
     Sweep(sweep::Args),
     /// The Peterka map: what the hammer does over gap and frequency
+    #[command(
+        after_help = "Examples:\n  host-sim map --gap 0:3:0.5 --ratio 1:4:0.25\n  host-sim map --direction up --cycles 300 --transient 200 --out out"
+    )]
     Map(map::Args),
     /// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
+    #[command(
+        after_help = "Examples:\n  host-sim orbits --gap 1 --ratio 1:2.5\n  host-sim orbits --curves --gaps 0:1:0.5 --ratio 1:3"
+    )]
     Orbits(orbits::Args),
     /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
     Drill(drill::Args),
     /// Beam springs with more than one bending mode: force, displacement and where the energy goes
+    #[command(
+        after_help = "Examples:\n  host-sim modes --rig beam-170 --ratio 1.6:2.4:0.05 --modes 1,3"
+    )]
     Modes(modes::Args),
     /// Basins of attraction: which initial conditions lead to impact, and what they settle on
+    #[command(
+        after_help = "Examples:\n  host-sim basins --ratio 2 --gap-ratio 2 --grid 100 --out out\n  host-sim basins --chapter --out out"
+    )]
     Basins(basins::Args),
     /// Bifurcation diagram: displacement and force at the section over frequency, per gap, up, down and from rest
+    #[command(
+        after_help = "Examples:\n  host-sim bifurcation --gap 1 --ratio 1.4:4:0.01 --direction all --out out"
+    )]
     Bifurcation(bifurcation::Args),
     /// Poincaré section with thousands of points, Lyapunov exponents, the smoothing method compared with the switch
+    #[command(
+        after_help = "Examples:\n  host-sim poincare --gap 2.4 --ratio 2.7 --points 2000 --out out"
+    )]
     Poincare(poincare::Args),
     /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
+    #[command(after_help = "Examples:\n  host-sim emulate\n  host-sim emulate field --out out")]
     Emulate(emulate::Args),
     /// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes
+    #[command(after_help = "Examples:\n  host-sim trials --count 20")]
     Trials(trials::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
+    #[command(
+        after_help = "Examples:\n  host-sim scenarios\n  host-sim scenarios field > mine.toml"
+    )]
     Scenarios(scenarios::Args),
     /// Run a log through the controller again: the same decisions, bit for bit, or the first tick that differs
+    #[command(after_help = "Examples:\n  host-sim replay out/field.parquet")]
     Replay(replay::Args),
     /// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
+    #[command(
+        after_help = "Examples:\n  host-sim link /dev/ttyACM0 status\n  host-sim link /dev/ttyACM0 sweep --from-hz 3 --to-hz 4 --step-hz 0.1 --csv curve.csv"
+    )]
     Link(link::Args),
     /// The desktop's half of `cargo xtask pil`
     #[command(hide = true)]
@@ -91,16 +128,33 @@ enum Command {
     /// What the chapter says, statement by statement: its words, the figure computed here, same or different
     Chapter(chapter::Args),
     /// Make every figure of the chapter again: pictures, tables and one page to read
+    #[command(
+        after_help = "Examples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"
+    )]
     Figures(figures::Args),
     /// One impact of a free mass on a wall under the four contact laws: force, restitution, energy, where a law would pull
+    #[command(
+        after_help = "Examples:\n  host-sim contact --speed 0.1\n  host-sim contact --figure-3-3"
+    )]
     Contact(contact::Args),
     /// Make a synthetic drop test: the released hammer falls back and strikes; with noise, ringing, quantisation
+    #[command(after_help = "Examples:\n  host-sim drop --noise-n 0.2 --format csv > drop.csv")]
     Drop(drop::Args),
     /// Identify the contact parameters of any of the four laws from a drop test (CSV), with 95 % intervals
+    #[command(after_help = "Examples:\n  host-sim identify drop.csv --misfit force --out out")]
     Identify(identify::Args),
     /// Compare measured displacement or force with a simulation: both curves, and the errors
+    #[command(
+        after_help = "Examples:\n  host-sim compare record.csv --from-s 2 --to-s 10 --out out"
+    )]
     Compare(compare::Args),
+    /// Write the file of a rig of one's own from what can be measured: weights, lengths, times
+    #[command(
+        after_help = "Examples:\n  host-sim rig new mine.toml\n  host-sim rig new mine.toml --support wires --mass-g 298 --swings 20 --swing-time-s 10.99 --stroke-mm 1.8 --cart-mass-kg 5.4"
+    )]
+    Rig(rig::Args),
     /// List the rigs, or print one as a TOML file to start from
+    #[command(after_help = "Examples:\n  host-sim rigs\n  host-sim rigs wires > mine.toml")]
     Rigs(rigs::Args),
 }
 
@@ -170,6 +224,7 @@ impl Command {
             | Self::Link(_)
             | Self::Pil(_)
             | Self::Figures(_)
+            | Self::Rig(_)
             | Self::Rigs(_) => None,
         }
     }
@@ -209,6 +264,7 @@ fn execute(command: &Command) -> i32 {
         Command::Drop(args) => drop::run(args).map(|()| 0),
         Command::Identify(args) => identify::run(args).map(|()| 0),
         Command::Compare(args) => compare::run(args).map(|()| 0),
+        Command::Rig(args) => rig::run(args).map(|()| 0),
         Command::Rigs(args) => rigs::run(args).map(|()| 0),
     };
     done.unwrap_or_else(|error| {
@@ -240,4 +296,49 @@ fn one_line(message: &str) -> String {
         .find(|line| line.starts_with("tip:"));
     let tip = tip.map_or(String::new(), |tip| format!(" ({tip})"));
     format!("{}{tip}; see --help", words.join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn every_command_has_examples_and_they_can_be_read() {
+        for command in Cli::command()
+            .get_subcommands()
+            .filter(|c| !c.is_hide_set())
+        {
+            let name = command.get_name();
+            let help = command.get_after_help().map(ToString::to_string);
+            let help = help.unwrap_or_default();
+            let mut examples = help
+                .lines()
+                .filter_map(|line| line.strip_prefix("  host-sim "))
+                .peekable();
+            assert!(examples.peek().is_some(), "{name}");
+            for example in examples {
+                let words = example.split(" > ").next().unwrap_or(example);
+                assert!(words.starts_with(name), "{example}");
+                let line = std::iter::once("host-sim").chain(words.split_whitespace());
+                if let Err(error) = Cli::try_parse_from(line) {
+                    panic!("{example}: {error}");
+                }
+            }
+        }
+    }
+
+    /// Names that are no longer shown are still read.
+    #[test]
+    fn old_names_of_options_are_read() {
+        for line in [
+            "map --gap 0 --ratio 2 --from up",
+            "compare record.csv --from 2 --to 3",
+            "link port sweep --from 3 --to 4 --step 0.1 --out curve.csv",
+        ] {
+            let words = std::iter::once("host-sim").chain(line.split_whitespace());
+            assert!(Cli::try_parse_from(words).is_ok(), "{line}");
+        }
+    }
 }

@@ -83,6 +83,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
+    output.doubt(&rig);
     if args.curves {
         return run_curves(args, output, &rig);
     }

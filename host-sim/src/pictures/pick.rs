@@ -1,6 +1,7 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
 use crate::pictures::regimes::{OTHER_PERIODIC, regime_points};
+use crate::words::digits::Digits;
 use crate::words::pick::{other_cart, why};
 use numerics::pick::{CartModel, Pick};
 use numerics::row::Row;
@@ -13,8 +14,10 @@ const CURVE: Color = Color(0x1f, 0x4e, 0x79);
 pub fn figure(picks: &[Pick]) -> Figure {
     let title = match picks {
         [one] => format!(
-            "Run the {} hammer at {:.3} Hz (gap {:?} mm)",
-            one.answer.rig, one.answer.operating_frequency_hz, one.answer.gap_mm
+            "Run the {} hammer at {} Hz (gap {:?} mm)",
+            one.answer.rig,
+            Digits::of(&one.answer).run_at(&one.answer),
+            one.answer.gap_mm
         ),
         _ => "At which frequency to run the hammer".to_owned(),
     };
@@ -44,8 +47,10 @@ pub fn figure(picks: &[Pick]) -> Figure {
         figure = figure.panel(if picks.len() > 1 {
             let a = &pick.answer;
             one.titled(format!(
-                "{}, gap {:?} mm: {:.3} Hz",
-                a.rig, a.gap_mm, a.operating_frequency_hz
+                "{}, gap {:?} mm: {} Hz",
+                a.rig,
+                a.gap_mm,
+                Digits::of(a).run_at(a)
             ))
         } else {
             one
@@ -56,6 +61,7 @@ pub fn figure(picks: &[Pick]) -> Figure {
 
 fn panel(pick: &Pick) -> Panel {
     let answer = &pick.answer;
+    let digits = Digits::of(answer);
     let (low, high) = (answer.safe_band_hz[0], answer.safe_band_hz[1]);
     let natural = answer.operating_frequency_hz / answer.frequency_ratio;
     let force = "contact force over the hammer's weight, F/(m g)";
@@ -64,7 +70,7 @@ fn panel(pick: &Pick) -> Panel {
         Axis::new(force).with_zero(),
     )
     .item(Item::band_x(
-        format!("safe band {low:.3} to {high:.3} Hz"),
+        format!("safe band {} Hz", digits.band([low, high])),
         low,
         high,
     ))
@@ -97,8 +103,10 @@ fn panel(pick: &Pick) -> Panel {
     }
     panel.item(Item::mark_point(
         format!(
-            "{:.3} Hz: {:.1} N",
-            answer.operating_frequency_hz, answer.force_n
+            "{} Hz: {:.*} N",
+            digits.run_at(answer),
+            digits.force_n,
+            answer.force_n
         ),
         answer.operating_frequency_hz,
         answer.force_ratio,

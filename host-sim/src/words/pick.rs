@@ -1,5 +1,6 @@
 //! Why this frequency, in one sentence.
 
+use super::digits::Digits;
 use numerics::pick::{Answer, CartModel};
 use serde::Serialize;
 
@@ -48,19 +49,22 @@ pub fn other_cart(answer: &Answer) -> Option<(&'static str, f64, f64)> {
 
 /// Why this frequency, in one sentence.
 pub fn why(answer: &Answer) -> String {
+    let digits = Digits::of(answer);
     let end = match answer.period_doubling_hz {
         Some(hz) => format!(
-            "the period doubles only at {hz:.3} Hz, {:.0} % higher",
+            "the period doubles only at {} Hz, {:.0} % higher",
+            digits.hz(hz),
             100.0 * (hz / answer.operating_frequency_hz - 1.0)
         ),
         None => format!(
-            "the stable 1/1 ends at {:.3} Hz",
-            answer.stable_one_one_hz[1]
+            "the stable 1/1 ends at {} Hz",
+            digits.hz(answer.stable_one_one_hz[1])
         ),
     };
     format!(
-        "{}: {:.1} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {}{}.",
+        "{}: {:.*} times the hammer's weight, {:.1} times the force at the natural frequency; {end}, {}{}.",
         strongest_of(answer),
+        digits.force_ratio,
         answer.force_ratio,
         answer.force_ratio / answer.force_ratio_at_natural_frequency,
         jumps(answer),
@@ -78,10 +82,11 @@ fn strongest_of(answer: &Answer) -> String {
                 .to_owned()
         }
         (names, _) => format!(
-            "It is the strongest stable 1/1 that {} allows ({:.1} times the weight at {:.3} Hz without)",
+            "It is the strongest stable 1/1 that {} allows ({:.*} times the weight at {} Hz without)",
             names.join(" and "),
+            Digits::of(answer).force_ratio,
             answer.nominal_optimum_force_ratio,
-            answer.nominal_optimum_hz
+            Digits::of(answer).hz(answer.nominal_optimum_hz)
         ),
     }
 }

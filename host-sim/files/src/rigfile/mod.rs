@@ -1,24 +1,29 @@
 //! Rigs as people write them: a preset's name, a TOML file, and single settings on the command line.
 //! Keys carry their units. A file or a setting names only what differs from what it starts from.
 
+mod doubts;
 mod keys;
 mod table;
+mod uncertainty;
 
 use std::ffi::OsStr;
 use std::path::Path;
 
 use numerics::NamedRig;
+use numerics::pick::uncertainty::Stated;
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::UserError;
 use crate::{line_at, read_text};
+pub use doubts::doubts;
 use keys::NoRig;
 pub use keys::{KEYS, nearest};
 pub use table::Table;
 pub use table::as_number;
 use table::{from_table, overlay, to_table};
+pub use uncertainty::{WIDTHS, Width};
 
 /// The rig called `name`, or in the TOML file of that path, with `settings` (`key=value`) on top.
 ///
@@ -27,8 +32,8 @@ use table::{from_table, overlay, to_table};
 pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, UserError> {
     let name = name.as_ref();
     let known = name.to_str().and_then(|name| Some((name, preset(name)?)));
-    let (name, mut params) = match known {
-        Some((name, params)) => (name.to_owned(), with_shaker(params)),
+    let (name, mut params, stated) = match known {
+        Some((name, params)) => (name.to_owned(), with_shaker(params), Stated::default()),
         None => read(Path::new(name))?,
     };
     if !settings.is_empty() {
@@ -42,6 +47,7 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
         params = changed.map_err(|e| UserError::from(e).at("--set"))?;
     }
     let mut rig = NamedRig::new(titled(&name, settings), params).prescribed();
+    rig.stated = stated;
     rig.overridden = settings.iter().map(|set| tidied(set)).collect();
     Ok(rig)
 }
@@ -123,18 +129,24 @@ pub fn number(params: &RigParams, key: &str) -> Option<f64> {
     to_table(params).get(key).and_then(as_number)
 }
 
+/// The value of a key of `params` as a rig file has it, if this rig has it.
+pub fn shown(params: &RigParams, key: &str) -> Option<String> {
+    to_table(params).get(key).map(ToString::to_string)
+}
+
 /// A rig as a TOML file to start from, every parameter with its meaning.
 pub fn to_toml(rig: &NamedRig) -> String {
     format!(
-        "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n# A file may also begin with preset = \"{}\" and name only what differs.\n\n{}",
+        "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n# A file may also begin with preset = \"{}\" and name only what differs.\n\n{}{}",
         rig.name,
         rig.name,
-        lines(&rig.recoiling().as_ref().unwrap_or(rig).params)
+        lines(&rig.recoiling().as_ref().unwrap_or(rig).params),
+        uncertainty::lines(&rig.stated)
     )
 }
 
-/// The name and the rig of a file.
-fn read(path: &Path) -> Result<(String, RigParams), UserError> {
+/// The name and the rig of a file, and what it states of its uncertainty.
+fn read(path: &Path) -> Result<(String, RigParams, Stated), UserError> {
     let place = path.display().to_string();
     let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
     if !looks_like_a_file && !path.exists() {
@@ -146,11 +158,11 @@ fn read(path: &Path) -> Result<(String, RigParams), UserError> {
         )));
     }
     let text = read_text(path)?;
-    let params = parse(&text, &place)?;
+    let (params, stated) = parse_whole(&text, &place)?;
     let name = path
         .file_stem()
         .map_or(place, |s| s.to_string_lossy().into_owned());
-    Ok((name, params))
+    Ok((name, params, stated))
 }
 
 /// The rig in the text of a rig file; complaints begin with `place`.
@@ -158,14 +170,24 @@ fn read(path: &Path) -> Result<(String, RigParams), UserError> {
 /// # Errors
 /// It is not TOML, a key is unknown or missing, or a value out of range.
 pub fn parse(text: &str, place: &str) -> Result<RigParams, UserError> {
-    let changes: Table = toml::from_str(text).map_err(|e| {
+    parse_whole(text, place).map(|(params, _)| params)
+}
+
+/// The same, with what the file states of its uncertainty.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_whole(text: &str, place: &str) -> Result<(RigParams, Stated), UserError> {
+    let mut changes: Table = toml::from_str(text).map_err(|e| {
         let line = line_at(text, e.span().map_or(0, |span| span.start));
         let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
         UserError::new(format!(
             "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
         ))
     })?;
-    parameters(changes, with_shaker).map_err(|error| {
+    let stated = uncertainty::stated(changes.remove("uncertainty"));
+    let whole = stated.and_then(|stated| Ok((parameters(changes, with_shaker)?, stated)));
+    whole.map_err(|error| {
         let line = line_of_key(text, &error.key);
         let error = UserError::from(error);
         match line {
@@ -271,6 +293,31 @@ mod tests {
                 assert_eq!(back.params, rig.params, "{name}");
             }
         }
+    }
+
+    #[test]
+    fn an_uncertainty_is_read_printed_and_read_back() {
+        let rig =
+            file("preset = \"wires\"\n[uncertainty]\nmass_percent = 0.5\ngap_tolerance_mm = 0.1\n")
+                .unwrap();
+        let stated = Stated {
+            mass_percent: Some(0.5),
+            gap_mm: Some(0.1),
+            ..Stated::default()
+        };
+        assert_eq!(rig.stated, stated);
+        let back = file(&to_toml(&rig)).unwrap();
+        assert_eq!(back.stated, stated);
+        let complaint = |text: &str| file(text).unwrap_err().to_string();
+        let line = complaint("preset = \"wires\"\n[uncertainty]\nmas_percent = 1\n");
+        assert!(
+            line.contains("line 3") && line.contains("did you mean 'mass_percent'"),
+            "{line}"
+        );
+        let line = complaint("preset = \"wires\"\n[uncertainty]\nmass_percent = 50\n");
+        assert!(line.contains("must be from 0 to below 50"), "{line}");
+        let line = complaint("preset = \"wires\"\nuncertainty = 1\n");
+        assert!(line.contains("must be a table"), "{line}");
     }
 
     #[cfg(target_os = "linux")]

@@ -219,7 +219,48 @@ impl Field<'_> {
         self.rig.no_pick(PickError::Limits {
             range_hz: robust,
             limits,
+            feasible: Box::new(self.feasible(robust, limits)),
         })
+    }
+
+    /// The smallest limits that leave something of `robust`, for those of `limits` that leave nothing: of frequency and drive
+    /// force by themselves, of the other forces on what these two leave.
+    fn feasible(&self, robust: (f64, f64), limits: Limits) -> Limits {
+        let lowest_drive_n = drive_force(&self.rig.params, robust.0);
+        let top = self.top(limits);
+        let open = if top >= robust.0 {
+            (robust.0, robust.1.min(top))
+        } else {
+            robust
+        };
+        let strongest = |hz: f64| {
+            let orbit = self.branch.at(&self.rig.params, hz)?;
+            let spread = spread_of_members(&self.rig.params, self.members, &orbit)?;
+            Some((-spread.strongest_n, ()))
+        };
+        let softest_n = || {
+            let (hz, ()) = maximise(self.branch, open, strongest)?;
+            strongest(hz).map(|(minus, ())| -minus)
+        };
+        let held = |hz: f64| {
+            let orbit = self.branch.at(&self.rig.params, hz)?;
+            loop_force_n(&self.rig.params, &orbit).map(|n| (-n, ()))
+        };
+        let least_held_n = || {
+            let (hz, ()) = maximise(self.branch, open, held)?;
+            held(hz).map(|(minus, ())| -minus)
+        };
+        let beyond = |limit: Option<f64>, least: f64| limit.filter(|x| *x < least).map(|_| least);
+        Limits {
+            max_force_n: limits
+                .max_force_n
+                .and_then(|max| softest_n().filter(|least| max < *least)),
+            max_frequency_hz: beyond(limits.max_frequency_hz, robust.0),
+            max_drive_force_n: beyond(limits.max_drive_force_n, lowest_drive_n),
+            max_loop_force_n: limits
+                .max_loop_force_n
+                .and_then(|max| least_held_n().filter(|least| max < *least)),
+        }
     }
 
     /// A limit decides when dropping it, and it alone, gives more.

@@ -24,7 +24,7 @@ use crate::branch::{Branch, End, one_one_branches};
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
-use crate::progress::{Progress, check, step};
+use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::NamedRig;
 use crate::row::{Row, tidy};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
@@ -184,6 +184,10 @@ fn pick_at_amplitude(
     let jumps = Jumps::find(rig, &branch, progress)?;
     let runs = Runs::of(params, uncertainty, &choice.orbit)?;
     let sensitivity = sensitivity::table(params, &nominal);
+    let sensitivity = match &uncertainty {
+        None => sensitivity,
+        Some(u) => sensitivity.into_iter().map(|row| row.known_to(u)).collect(),
+    };
     let other = other_cart(rig, limits, progress);
     let band = force_band(params, &branch, &choice.orbit);
     let (low, high) = allowed(&choice.orbit, choice.allowed);
@@ -476,7 +480,55 @@ fn no_one_one(rig: &NamedRig) -> Error {
     rig.no_pick(PickError::NoOneOne {
         gap_m: rig.params.gap_m,
         ratios: SEARCH_RATIOS,
+        nearest_gap_m: nearest_gap_m(&rig.params),
     })
+}
+
+/// A gap with a stable 1/1 between 0 and that of `params`, near the largest such. None if there is none at 0.
+fn nearest_gap_m(params: &RigParams) -> Option<f64> {
+    const HALVINGS: usize = 6;
+    let has = |gap_m: f64| {
+        let rig = RigParams { gap_m, ..*params };
+        !one_one_branches(&rig, SEARCH_RATIOS).is_empty()
+    };
+    if params.gap_m == 0.0 || !has(0.0) {
+        return None;
+    }
+    let (mut with, mut without) = (0.0, params.gap_m);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (with + without);
+        if has(middle) {
+            with = middle;
+        } else {
+            without = middle;
+        }
+    }
+    Some(with)
+}
+
+/// The largest share of `members` with which every one of them has a stable 1/1 at a common frequency, in hundredths.
+fn robust_share(
+    rig: &NamedRig,
+    members: &[Member],
+    branch: &Branch,
+    nominal: &Orbit,
+    progress: &dyn Progress,
+) -> Option<f64> {
+    let robust = |hundredths: u32| {
+        let share = f64::from(hundredths) / 100.0;
+        let smaller: Vec<_> = members.iter().map(|m| m.scaled(share)).collect();
+        common_range(rig, &smaller, branch, nominal, &WithinStep(progress)).is_some()
+    };
+    let (mut with, mut without) = (0, 100);
+    while without - with > 1 {
+        let middle = (with + without) / 2;
+        if robust(middle) {
+            with = middle;
+        } else {
+            without = middle;
+        }
+    }
+    (with > 0).then_some(f64::from(with) / 100.0)
 }
 
 /// The frequencies at which every member has a stable 1/1.
@@ -487,6 +539,23 @@ fn robust_range(
     nominal: &Orbit,
     progress: &dyn Progress,
 ) -> Result<(f64, f64), Error> {
+    let common = common_range(rig, members, branch, nominal, progress);
+    check(progress)?;
+    common.ok_or_else(|| {
+        rig.no_pick(PickError::NoneRobust {
+            share: robust_share(rig, members, branch, nominal, progress),
+        })
+    })
+}
+
+/// The same; none if there is no such frequency, or the work is interrupted.
+fn common_range(
+    rig: &NamedRig,
+    members: &[Member],
+    branch: &Branch,
+    nominal: &Orbit,
+    progress: &dyn Progress,
+) -> Option<(f64, f64)> {
     let range = range(branch);
     let common = members
         .par_iter()
@@ -497,7 +566,6 @@ fn robust_range(
             found
         })
         .try_reduce(|| range, |a, b| Some((a.0.max(b.0), a.1.min(b.1))));
-    check(progress)?;
     // The ends of the common range are one member's loss of stability; stay a hair inside.
     let inside = common.map(|(low, high)| {
         let hair = if members.is_empty() {
@@ -507,7 +575,5 @@ fn robust_range(
         };
         (low + hair, high - hair)
     });
-    inside
-        .filter(|(low, high)| low < high)
-        .ok_or_else(|| rig.no_pick(PickError::NoneRobust))
+    inside.filter(|(low, high)| low < high)
 }

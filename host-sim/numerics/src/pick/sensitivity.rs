@@ -6,7 +6,7 @@ use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
-use super::uncertainty::scale_contact;
+use super::uncertainty::{Uncertainty, scale_contact};
 use crate::branch::Branch;
 use crate::orbit::{Orbit, shoot};
 
@@ -21,7 +21,72 @@ pub struct Sensitivity {
     pub frequency_percent: f64,
     /// Change of the force there, %.
     pub force_percent: f64,
+    /// How well the parameter is known, % either way; none for the gap, and where no uncertainty is stated.
+    pub uncertainty_percent: Option<f64>,
+    /// The same for the gap, mm either way.
+    pub uncertainty_mm: Option<f64>,
+    /// How far the best frequency is uncertain because of it, % either way.
+    pub frequency_over_uncertainty_percent: Option<f64>,
+    /// How far the force there is uncertain because of it, % either way.
+    pub force_over_uncertainty_percent: Option<f64>,
 }
+
+impl Sensitivity {
+    /// The row of a parameter that nothing is known of yet but its slope.
+    fn new(parameter: &'static str, per: &'static str, frequency: f64, force: f64) -> Self {
+        Self {
+            parameter,
+            per,
+            frequency_percent: frequency,
+            force_percent: force,
+            uncertainty_percent: None,
+            uncertainty_mm: None,
+            frequency_over_uncertainty_percent: None,
+            force_over_uncertainty_percent: None,
+        }
+    }
+
+    /// The same row for a parameter known as well as `uncertainty` says.
+    #[must_use]
+    pub fn known_to(mut self, uncertainty: &Uncertainty) -> Self {
+        let percent = match self.parameter {
+            NATURAL_FREQUENCY => uncertainty.natural_frequency_percent,
+            AMPLITUDE => uncertainty.amplitude_percent,
+            MASS => uncertainty.mass_percent,
+            CONTACT_STIFFNESS => uncertainty.contact_stiffness_percent,
+            CONTACT_DAMPING | OTHER_CONTACT_DAMPING => uncertainty.contact_damping_percent,
+            CART_MASS => uncertainty.cart_mass_percent,
+            SHAKER_LOOP => uncertainty.shaker_loop_percent,
+            GAP => {
+                self.uncertainty_mm = Some(uncertainty.gap_mm);
+                return self.over(uncertainty.gap_mm / GAP_STEP_MM);
+            }
+            _ => return self,
+        };
+        self.uncertainty_percent = Some(percent);
+        self.over(percent)
+    }
+
+    /// The same row with what `steps` of the parameter do.
+    fn over(mut self, steps: f64) -> Self {
+        self.frequency_over_uncertainty_percent = Some(self.frequency_percent.abs() * steps);
+        self.force_over_uncertainty_percent = Some(self.force_percent.abs() * steps);
+        self
+    }
+}
+
+const NATURAL_FREQUENCY: &str = "natural_frequency_hz";
+const AMPLITUDE: &str = "amplitude_mm";
+const MASS: &str = "mass_kg (same natural frequency)";
+const CONTACT_STIFFNESS: &str = "contact_stiffness_n_per_m";
+const GAP: &str = "gap_mm";
+const CART_MASS: &str = "cart_mass_kg (same loop frequency)";
+const SHAKER_LOOP: &str = "shaker_loop_hz";
+const CONTACT_DAMPING: &str = "contact_damping_n_s_per_m";
+const OTHER_CONTACT_DAMPING: &str = "contact damping";
+
+/// The step of the gap in the table, mm.
+const GAP_STEP_MM: f64 = 0.01;
 
 type Change = Box<dyn Fn(&RigParams, f64) -> Option<RigParams> + Sync>;
 
@@ -32,12 +97,12 @@ pub fn table(params: &RigParams, best: &Orbit) -> Vec<Sensitivity> {
     let rows = rows.par_iter().filter_map(|(parameter, per, change)| {
         let up = optimum(&change(params, 1.0)?, best)?;
         let down = optimum(&change(params, -1.0)?, best)?;
-        Some(Sensitivity {
+        Some(Sensitivity::new(
             parameter,
             per,
-            frequency_percent: 50.0 * (up.frequency_hz - down.frequency_hz) / best.frequency_hz,
-            force_percent: 50.0 * (up.force_n - down.force_n) / best.force_n,
-        })
+            50.0 * (up.frequency_hz - down.frequency_hz) / best.frequency_hz,
+            50.0 * (up.force_n - down.force_n) / best.force_n,
+        ))
     });
     let mut rows: Vec<_> = rows.collect();
     rows.sort_by(|a, b| b.force_percent.abs().total_cmp(&a.force_percent.abs()));
@@ -56,31 +121,27 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
     let percent = "1 %";
     let mut rows = vec![
         (
-            "natural_frequency_hz",
+            NATURAL_FREQUENCY,
             percent,
             relative(|rig, by| *rig = rig.with_natural_frequency_scaled(by)),
         ),
         (
-            "amplitude_mm",
+            AMPLITUDE,
             percent,
             relative(|rig, by| rig.amplitude_m *= by),
         ),
+        (MASS, percent, relative(|rig, by| rig.mass_kg *= by)),
         (
-            "mass_kg (same natural frequency)",
-            percent,
-            relative(|rig, by| rig.mass_kg *= by),
-        ),
-        (
-            "contact_stiffness_n_per_m",
+            CONTACT_STIFFNESS,
             percent,
             relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, 1.0)),
         ),
         (
-            "gap_mm",
+            GAP,
             "0.01 mm",
             Box::new(|params: &RigParams, steps: f64| {
                 let rig = RigParams {
-                    gap_m: params.gap_m + 1e-5 * steps,
+                    gap_m: params.gap_m + 1e-3 * GAP_STEP_MM * steps,
                     ..*params
                 };
                 rig.check().is_ok().then_some(rig)
@@ -89,12 +150,12 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
     ];
     if params.cart.recoils() {
         rows.push((
-            "cart_mass_kg (same loop frequency)",
+            CART_MASS,
             percent,
             relative(|rig, by| rig.cart_mass_kg *= by),
         ));
         rows.push((
-            "shaker_loop_hz",
+            SHAKER_LOOP,
             percent,
             relative(|rig, by| {
                 if let CartDrive::Loop(held) = &mut rig.cart {
@@ -135,7 +196,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
     match params.contact {
         Law::SpringDashpot { .. } => {
             rows.push((
-                "contact_damping_n_s_per_m",
+                CONTACT_DAMPING,
                 percent,
                 relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
             ));
@@ -153,7 +214,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
             ));
         }
         Law::HuntCrossley { .. } | Law::LankaraniNikravesh { .. } => rows.push((
-            "contact damping",
+            OTHER_CONTACT_DAMPING,
             percent,
             relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
         )),
@@ -169,24 +230,14 @@ pub fn restitution(zeta: f64) -> f64 {
     (-2.0 * zeta / root * (root / zeta).atan()).exp()
 }
 
-/// Damping ratio of the contact, ci/(2√(ki m)).
-pub fn contact_damping_ratio(params: &RigParams) -> Option<f64> {
-    match params.contact {
-        Law::SpringDashpot { stiffness, damping } => {
-            Some(damping / (2.0 * (stiffness * params.mass_kg).sqrt()))
-        }
-        _ => None,
-    }
+/// Contact time of the same mass, s, with the contact's natural frequency `omega` in rad/s: (π − 2 asin ζ)/(ω √(1−ζ²)).
+pub fn contact_time_s(zeta: f64, omega: f64) -> f64 {
+    (std::f64::consts::PI - 2.0 * zeta.asin()) / (omega * (1.0 - zeta * zeta).sqrt())
 }
 
-/// `params` with the contact's restitution scaled by `by`, through ci (the closed form, inverted by
-/// bisection).
-fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
-    let zeta = contact_damping_ratio(params)?;
-    if !(0.0..1.0).contains(&zeta) || zeta == 0.0 {
-        return None;
-    }
-    let wanted = by * restitution(zeta);
+/// The damping ratio of a contact with this restitution: [`restitution`] inverted by bisection. `None` unless it lies between
+/// what no damping and critical damping give.
+pub fn damping_ratio_of_restitution(wanted: f64) -> Option<f64> {
     let (mut a, mut b) = (1e-9, 1.0 - 1e-9);
     if !(restitution(b)..restitution(a)).contains(&wanted) {
         return None;
@@ -200,7 +251,27 @@ fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
             b = middle;
         }
     }
-    let contact = scale_contact(&params.contact, 1.0, a / zeta);
+    Some(a)
+}
+
+/// Damping ratio of the contact, ci/(2√(ki m)).
+pub fn contact_damping_ratio(params: &RigParams) -> Option<f64> {
+    match params.contact {
+        Law::SpringDashpot { stiffness, damping } => {
+            Some(damping / (2.0 * (stiffness * params.mass_kg).sqrt()))
+        }
+        _ => None,
+    }
+}
+
+/// `params` with the contact's restitution scaled by `by`, through ci.
+fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
+    let zeta = contact_damping_ratio(params)?;
+    if !(0.0..1.0).contains(&zeta) || zeta == 0.0 {
+        return None;
+    }
+    let scaled = damping_ratio_of_restitution(by * restitution(zeta))?;
+    let contact = scale_contact(&params.contact, 1.0, scaled / zeta);
     Some(RigParams { contact, ..*params })
 }
 
@@ -228,6 +299,11 @@ mod tests {
         let zeta = contact_damping_ratio(&WIRES).unwrap();
         assert!((zeta - 0.469).abs() < 5e-4, "{zeta}");
         assert!((restitution(zeta) - 0.317).abs() < 5e-4);
+        assert!(
+            (damping_ratio_of_restitution(restitution(zeta)).unwrap() / zeta - 1.0).abs() < 1e-9
+        );
+        let omega = (5.5e6f64 / 0.298).sqrt();
+        assert!((contact_time_s(zeta, omega) - 0.570_751e-3).abs() < 1e-9);
     }
 
     #[test]

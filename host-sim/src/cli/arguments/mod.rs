@@ -8,3 +8,4 @@ pub mod output;
 pub mod range;
 pub mod request;
 pub mod rig;
+pub mod uncertainty;

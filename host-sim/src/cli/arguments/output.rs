@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use super::request::Request;
 use crate::cli::terminal::{print, print_bytes, say};
-use files::UserError;
 use files::made_from::{self, MadeFrom, file_name, refuse_others};
 use files::table::{parquet_with, to_csv};
+use files::{UserError, rigfile};
 use numerics::NamedRig;
 use serde_json::{Map, Value};
 
@@ -174,8 +174,13 @@ impl OutputArgs {
 
     /// Writes a note for a person on standard error.
     pub fn note(&self, text: &str) {
-        if !self.quiet {
-            say(text);
+        note(self.quiet, text);
+    }
+
+    /// Says which values of `rig` look like ones in another unit.
+    pub fn doubt(&self, rig: &NamedRig) {
+        for line in rigfile::doubts(&rig.params) {
+            self.note(&line);
         }
     }
 
@@ -255,6 +260,13 @@ impl OutputArgs {
     /// If they are no table.
     pub fn parquet<T: Serialize>(&self, rows: &[T]) -> Result<Vec<u8>, UserError> {
         parquet_with(rows, vec![made_from::pair(self.made_from())])
+    }
+}
+
+/// Writes a note for a person on standard error, unless it is to be quiet.
+pub fn note(quiet: bool, text: &str) {
+    if !quiet {
+        say(text);
     }
 }
 

@@ -31,6 +31,65 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
     Ok((0..count as u64).map(|i| from + i as f64 * step).collect())
 }
 
+/// Values of a parameter, and whether they are spaced by factors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// In the order given.
+    pub list: Vec<f64>,
+    /// Whether they are spaced by even factors.
+    pub log: bool,
+}
+
+/// The values of `FROM:TO:STEP`, `FROM:TO:linN`, `FROM:TO:logN`, or with commas between them.
+///
+/// # Errors
+/// If they cannot be read, N is not from 2 to a million, or FROM and TO of `logN` are not positive.
+pub fn parse_values(text: &str) -> Result<Values, String> {
+    let number = |text: &str| {
+        parse_finite(text).ok_or_else(|| format!("'{}' is no finite number", text.trim()))
+    };
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let [from, to, spacing] = parts.as_slice() else {
+        let list: Result<Vec<f64>, _> = text.split(',').map(number).collect();
+        let list = list.map_err(|why| {
+            format!("{why}; write FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with commas")
+        })?;
+        return Ok(Values { list, log: false });
+    };
+    let (log, count) = match (spacing.strip_prefix("log"), spacing.strip_prefix("lin")) {
+        (Some(count), _) => (true, count),
+        (None, Some(count)) => (false, count),
+        (None, None) => {
+            return parse_range(text).map(|list| Values { list, log: false });
+        }
+    };
+    let (from, to) = (number(from)?, number(to)?);
+    let count: u32 = count.parse().map_err(|_| {
+        format!("{spacing}: write the number of values after it, for example log20")
+    })?;
+    if !(2..=MOST as u32).contains(&count) {
+        return Err(format!(
+            "{spacing}: there must be from 2 to {MOST:.0} values"
+        ));
+    }
+    if from >= to {
+        return Err(format!("FROM ({from}) must be below TO ({to})"));
+    }
+    if log && from <= 0.0 {
+        return Err(format!("FROM is {from}, must be positive for {spacing}"));
+    }
+    let last = f64::from(count - 1);
+    let at = |i: u32| match i {
+        // The ends as they were written.
+        0 => from,
+        i if i == count - 1 => to,
+        i if log => from * (to / from).powf(f64::from(i) / last),
+        i => from + (to - from) * f64::from(i) / last,
+    };
+    let list = (0..count).map(at).collect();
+    Ok(Values { list, log })
+}
+
 /// A finite number.
 pub fn parse_finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
@@ -39,6 +98,32 @@ pub fn parse_finite(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_are_spaced_as_asked() {
+        let list = |text: &str| parse_values(text).unwrap().list;
+        assert_eq!(list("1:3:lin5"), [1.0, 1.5, 2.0, 2.5, 3.0]);
+        assert_eq!(list("0:1:0.5"), [0.0, 0.5, 1.0]);
+        assert_eq!(list("5,2,2.5"), [5.0, 2.0, 2.5]);
+        assert_eq!(list("-0.1"), [-0.1]);
+        let log = parse_values("1e5:1e7:log3").unwrap();
+        assert!(log.log && log.list.len() == 3);
+        assert_eq!((log.list[0], log.list[2]), (1e5, 1e7));
+        assert!((log.list[1] / 1e6 - 1.0).abs() < 1e-12);
+        for bad in [
+            "",
+            "1:2",
+            "1:2:log",
+            "1:2:log1",
+            "0:1:log5",
+            "2:1:lin5",
+            "1,a",
+            "1:2:cube5",
+            "1:nan:lin3",
+        ] {
+            assert!(parse_values(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn ranges_include_both_ends_and_a_single_value_is_allowed() {

@@ -42,7 +42,15 @@ impl RigName {
     /// # Errors
     /// If the rig or an override cannot be used.
     pub fn load_named(&self, name: &str) -> Result<NamedRig, UserError> {
-        rigfile::load(name, &self.set)
+        self.load_with(name, &[])
+    }
+
+    /// The rig `name` with the same overrides, and `settings` on top.
+    ///
+    /// # Errors
+    /// If the rig, an override or a setting cannot be used.
+    pub fn load_with(&self, name: &str, settings: &[String]) -> Result<NamedRig, UserError> {
+        rigfile::load(name, &[&self.set, settings].concat())
     }
 
     /// Whether an override sets the parameter `key`.
@@ -70,15 +78,21 @@ impl RigArgs {
     /// # Errors
     /// If the rig, an override or the gap cannot be used.
     pub fn load(&self) -> Result<NamedRig, UserError> {
-        self.load_named(self.name.name())
+        self.load_with(self.name.name(), &[])
     }
 
-    /// The rig `name` with the same overrides and gap.
+    /// The rig `name` with the same overrides and gap, and `settings` on top.
     ///
     /// # Errors
-    /// If the rig, an override or the gap cannot be used.
-    pub fn load_named(&self, name: &str) -> Result<NamedRig, UserError> {
-        let mut rig = self.name.load_named(name)?;
+    /// If the rig, an override, a setting or the gap cannot be used.
+    pub fn load_with(&self, name: &str, settings: &[String]) -> Result<NamedRig, UserError> {
+        let mut rig = self.name.load_with(name, settings)?;
+        let gap_set = settings
+            .iter()
+            .any(|setting| setting.trim_start().starts_with("gap_mm"));
+        if gap_set {
+            return Ok(rig);
+        }
         if let Some(gap_mm) = self.gap {
             rig.params = at_gap(&rig.params, gap_mm, "--gap")?;
         }

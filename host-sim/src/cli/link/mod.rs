@@ -149,14 +149,14 @@ struct Recording {
 #[derive(Debug, clap::Args)]
 struct Sweep {
     /// Lowest frequency, Hz
-    #[arg(long, value_name = "HZ")]
-    from: f64,
+    #[arg(long, alias = "from", value_name = "HZ")]
+    from_hz: f64,
     /// Highest frequency, Hz
-    #[arg(long, value_name = "HZ")]
-    to: f64,
+    #[arg(long, alias = "to", value_name = "HZ")]
+    to_hz: f64,
     /// From one frequency to the next, Hz
-    #[arg(long, value_name = "HZ")]
-    step: f64,
+    #[arg(long, alias = "step", value_name = "HZ")]
+    step_hz: f64,
     /// Time to settle at each, s
     #[arg(long, value_name = "S", default_value_t = 10.0)]
     settle: f64,
@@ -170,8 +170,8 @@ struct Sweep {
     #[arg(long)]
     down: bool,
     /// File to write; if something fails or you interrupt, it gets what was measured until then
-    #[arg(long, value_name = "FILE.csv")]
-    out: PathBuf,
+    #[arg(long, alias = "out", value_name = "FILE.csv")]
+    csv: PathBuf,
     #[command(flatten)]
     session: Session,
 }
@@ -241,8 +241,8 @@ fn check(what: &What) -> Result<(), UserError> {
         }
         What::Record(record) => positive("--for", record.duration_s),
         What::Sweep(plan) => {
-            positive("--from", plan.from)?;
-            positive("--step", plan.step)?;
+            positive("--from-hz", plan.from_hz)?;
+            positive("--step-hz", plan.step_hz)?;
             positive("--settle", plan.settle)?;
             positive("--measure", plan.measure)?;
             given("--amplitude", plan.amplitude)?;
@@ -371,9 +371,10 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
 }
 
 fn frequencies(plan: &Sweep) -> Result<Vec<f64>, UserError> {
-    let range = format!("{}:{}:{}", plan.from, plan.to, plan.step);
+    let range = format!("{}:{}:{}", plan.from_hz, plan.to_hz, plan.step_hz);
     let parsed = parse_range(&range);
-    let mut list = parsed.map_err(|e| UserError::new(format!("--from, --to, --step: {e}")))?;
+    let mut list =
+        parsed.map_err(|e| UserError::new(format!("--from-hz, --to-hz, --step-hz: {e}")))?;
     if plan.down {
         list.reverse();
     }
@@ -390,8 +391,8 @@ fn sweep(port: &mut Port, plan: &Sweep) -> Result<i32, UserError> {
         points.push(point.clone());
     });
     if !points.is_empty() {
-        files::write::write(&plan.out, to_csv(&points))?;
-        say(&format!("wrote {}", plan.out.display()));
+        files::write::write(&plan.csv, to_csv(&points))?;
+        say(&format!("wrote {}", plan.csv.display()));
     }
     if ended? == Ended::Whole {
         return Ok(0);

@@ -53,8 +53,12 @@ pub struct Args {
     settle: Option<u32>,
 
     /// Each cell from rest, or at each gap the state carried up or down the frequencies
-    #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
-    from: Direction,
+    #[arg(long, alias = "from", value_parser = choice::<Direction>(), default_value = "rest")]
+    direction: Direction,
+
+    /// How many of the first cycles are not recorded: the other way to say --recorded
+    #[arg(long, value_name = "N", conflicts_with = "recorded")]
+    transient: Option<u32>,
 
     /// Compute every cell with the event-located reference instead of the fast engine (hours, not seconds)
     #[arg(long)]

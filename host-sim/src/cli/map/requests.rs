@@ -100,18 +100,19 @@ pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
     }
     let grid = grid(args, &rigs[0])?;
     let runner = runner(args)?;
+    let recorded = recorded(args)?;
     let request = |rig: &NamedRig| MapRequest {
         grid: over_same_ratios(&grid, &rigs[0], rig),
         rig: rig.clone(),
         runner,
         plan: CellPlan {
             cycles: args.cycles,
-            recorded: args.recorded.unwrap_or((args.cycles / 2).min(100)),
+            recorded,
             early: true,
             strobes: 0,
         },
         settle: args.settle,
-        from: args.from,
+        from: args.direction,
     };
     let mut requests: Vec<MapRequest> = rigs.iter().map(request).collect();
     if let Some(against) = args.against {
@@ -124,6 +125,19 @@ pub fn requests(args: &Args) -> Result<Vec<MapRequest>, UserError> {
         requests.push(other);
     }
     Ok(requests)
+}
+
+/// Cycles of a cell that are recorded: as asked for, what the transient leaves, or the usual.
+fn recorded(args: &Args) -> Result<u32, UserError> {
+    match (args.recorded, args.transient) {
+        (Some(recorded), _) => Ok(recorded),
+        (None, Some(transient)) if transient < args.cycles => Ok(args.cycles - transient),
+        (None, Some(transient)) => Err(UserError::new(format!(
+            "--transient {transient} leaves nothing of --cycles {} to record; it must be smaller",
+            args.cycles
+        ))),
+        (None, None) => Ok((args.cycles / 2).min(100)),
+    }
 }
 
 fn runner(args: &Args) -> Result<Runner, UserError> {

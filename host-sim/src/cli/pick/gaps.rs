@@ -6,6 +6,7 @@ use crate::cli::arguments::rig::at_gap;
 use crate::pictures::drawn;
 use crate::pictures::gaps::figure;
 use crate::progress::Progress;
+use crate::words::digits::decimals;
 use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
 use numerics::NamedRig;
@@ -70,14 +71,14 @@ pub fn run(
         contents.extend(output.tables(&name, &advice, &advice.gaps)?);
         output.write(dir, contents)?;
     }
-    output.emit(&advice, &advice.gaps, || describe(&advice))
+    output.emit(&advice, &advice.gaps, || describe(&advice, uncertainty))
 }
 
-fn describe(advice: &GapTable) -> String {
+fn describe(advice: &GapTable, uncertainty: Option<Uncertainty>) -> String {
     let mut text = format!("{}\n\n", advice.why);
     text += "  gap, mm  run at, Hz  ratio  force/weight (largest)  safe band, Hz        band, %  multiplier  jumps, Hz        from rest  basin, % (95 %)\n";
     for row in &advice.gaps {
-        text += &line(row);
+        text += &line(row, uncertainty);
     }
     let basin = advice.gaps.iter();
     let basin = basin.filter_map(|r| Some((r.gap_mm, 100.0 * r.basin_share?)));
@@ -97,12 +98,17 @@ fn describe(advice: &GapTable) -> String {
         .render()
 }
 
-fn line(row: &GapRow) -> String {
+fn line(row: &GapRow, uncertainty: Option<Uncertainty>) -> String {
     if let Some(why) = &row.no_pick {
         return format!("  {:>7.3}  no pick: {why}\n", row.gap_mm);
     }
     let number =
         |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    // The natural frequency leaves the best frequency open in proportion.
+    let half = uncertainty.zip(row.operating_frequency_hz);
+    let half = half.map_or(0.0, |(u, hz)| hz * u.natural_frequency_percent / 100.0);
+    let hz = decimals(half, 4);
+    let few = if uncertainty.is_some() { 2 } else { 3 };
     let percent = |x: Option<f64>| number(x.map(|x| 100.0 * x), 1);
     let jumps = match (row.jump_low_hz, row.jump_high_hz) {
         (Some(low), Some(high)) if high - low < 5e-4 => format!("{high:.3}"),
@@ -112,12 +118,12 @@ fn line(row: &GapRow) -> String {
     format!(
         "  {:>7.3}  {:>10} {:>6}  {:>12} {:>9}  {:>8} to {:<8} {:>8} {:>11}  {:<16} {:<9}  {} ({} to {})\n",
         row.gap_mm,
-        number(row.operating_frequency_hz, 4),
-        number(row.frequency_ratio, 3),
+        number(row.operating_frequency_hz, hz),
+        number(row.frequency_ratio, few),
         number(row.force_ratio, 2),
         format!("({})", number(row.largest_force_ratio, 2)),
-        number(row.safe_band_low_hz, 3),
-        number(row.safe_band_high_hz, 3),
+        number(row.safe_band_low_hz, hz.min(3)),
+        number(row.safe_band_high_hz, hz.min(3)),
         number(row.safe_band_percent, 1),
         number(row.multiplier, 3),
         jumps,

@@ -1,10 +1,12 @@
 //! `host-sim pick`.
 
 mod bending;
+mod beside;
 mod gaps;
+mod report;
 mod text;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -14,6 +16,7 @@ use super::arguments::choice::Cart;
 use super::arguments::output::{Format, OutputArgs, to_json};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigArgs};
+use super::arguments::uncertainty::UncertaintyArgs;
 use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::Progress;
@@ -32,6 +35,14 @@ pub struct Args {
     #[arg(long, conflicts_with = "rig")]
     all: bool,
 
+    /// Another rig, or other settings of one, side by side with --rig: NAME|FILE.toml,KEY=VALUE,...; may be given several times
+    #[arg(long, value_name = "RIG[,KEY=VALUE]", conflicts_with_all = ["all", "gaps"])]
+    beside: Vec<String>,
+
+    /// Also write a report of one page: answer, picture, assumptions, what to measure first; may be given for both
+    #[arg(long, value_name = "FILE.html|FILE.pdf", conflicts_with_all = ["all", "gaps", "beside"], help_heading = "Output")]
+    report: Vec<PathBuf>,
+
     /// Pick at each of these gaps (mm), and advise at which to run
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, conflicts_with_all = ["all", "gap"])]
     gaps: Option<String>,
@@ -40,77 +51,35 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
     starts: u32,
 
-    /// Take the parameters as exact
-    #[arg(long, conflicts_with_all = [
-        "natural_frequency_percent", "amplitude_percent", "contact_stiffness_percent",
-        "contact_damping_percent", "gap_tolerance_mm", "samples", "seed",
-    ])]
-    nominal: bool,
-
     /// Largest contact force allowed, N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        help_heading = "Limits"
+    )]
     max_force_n: Option<f64>,
 
     /// Largest drive frequency allowed, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "HZ",
+        allow_negative_numbers = true,
+        help_heading = "Limits"
+    )]
     max_frequency_hz: Option<f64>,
 
     /// Largest force the shaker can give to move cart and hammer, N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        help_heading = "Limits"
+    )]
     max_drive_force_n: Option<f64>,
 
-    /// Uncertainty of the natural frequency, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 2.0,
-        allow_negative_numbers = true
-    )]
-    natural_frequency_percent: f64,
-
-    /// Uncertainty of the cart amplitude, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 5.0,
-        allow_negative_numbers = true
-    )]
-    amplitude_percent: f64,
-
-    /// Uncertainty of the contact stiffness, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 20.0,
-        allow_negative_numbers = true
-    )]
-    contact_stiffness_percent: f64,
-
-    /// Uncertainty of the contact damping, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 20.0,
-        allow_negative_numbers = true
-    )]
-    contact_damping_percent: f64,
-
-    /// Uncertainty of the gap, mm either way
-    #[arg(
-        long,
-        value_name = "MM",
-        default_value_t = 0.05,
-        allow_negative_numbers = true
-    )]
-    gap_tolerance_mm: f64,
-
-    /// Random rigs within the uncertainty, in addition to its corners
-    #[arg(long, value_name = "N", default_value_t = 256)]
-    samples: u32,
-
-    /// Seed of the random rigs
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    uncertainty: UncertaintyArgs,
 
     #[command(flatten)]
     rig: RigArgs,
@@ -130,44 +99,53 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let limits = limits(args)?;
     let springs = args.springs.springs()?;
-    let uncertainty = uncertainty(args)?;
+    args.uncertainty.check()?;
+    report::check(&args.report)?;
     if let Some(text) = &args.gaps {
         let gaps = gaps::Gaps {
             text,
             springs,
             starts: args.starts,
-            seed: args.seed,
+            seed: args.uncertainty.seed(),
         };
         let rig = moved(args.cart, args.rig.load()?)?;
+        output.doubt(&rig);
+        let uncertainty = args.uncertainty.of(&rig)?;
         let output = output.about([&rig])?;
         let output = output.with_uncertainty(uncertainty.map(stated));
         return gaps::run(&rig, &output, &gaps, uncertainty, limits);
     }
-    let names: Vec<&str> = if args.all {
-        PRESETS.iter().map(|(name, _)| *name).collect()
-    } else {
-        vec![args.rig.name.name()]
-    };
-    let rigs = names.iter().map(|name| load(args, output, name));
-    let rigs: Vec<NamedRig> = rigs.collect::<Result<_, _>>()?;
-    let output = &output
-        .about(&rigs)?
-        .with_uncertainty(uncertainty.map(stated));
-    let progress = Progress::new(
-        "rigs tried",
-        steps(uncertainty) * rigs.len() as u64,
-        output.quiet,
-    );
-    let picks = rigs
-        .iter()
-        .map(|rig| pick_on(rig, springs, uncertainty, limits, &progress));
+    let rigs = rigs(args, output)?;
+    for rig in &rigs {
+        output.doubt(rig);
+    }
+    let uncertain = |rig: &NamedRig| args.uncertainty.of(rig);
+    let widths: Vec<_> = rigs.iter().map(uncertain).collect::<Result<_, _>>()?;
+    let first = widths.first().copied().flatten();
+    let output = &output.about(&rigs)?.with_uncertainty(first.map(stated));
+    let work = widths.iter().map(|width| steps(*width)).sum();
+    let progress = Progress::new("rigs tried", work, output.quiet);
+    let picks = rigs.iter().zip(&widths);
+    let picks = picks.map(|(rig, width)| pick_on(rig, springs, *width, limits, &progress));
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
     if let Some(dir) = &output.out {
         write(output, dir, &picks)?;
     }
+    if let ([rig], [pick]) = (rigs.as_slice(), picks.as_slice()) {
+        for file in &args.report {
+            report::write(file, rig, pick)?;
+            output.note(&format!("wrote {}", file.display()));
+        }
+    }
     let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
-    output.emit(&json(&picks)?, &rows, || text::text(&picks))
+    output.emit(&json(&picks)?, &rows, || {
+        if args.beside.is_empty() {
+            text::text(&picks)
+        } else {
+            beside::text(&rigs, &picks)
+        }
+    })
 }
 
 /// The uncertainty as an answer carries it.
@@ -183,10 +161,38 @@ fn stated(u: Uncertainty) -> Map<String, Value> {
     ])
 }
 
-/// The rig `name`, at a gap of 0 unless the command line sets one.
-fn load(args: &Args, output: &OutputArgs, name: &str) -> Result<NamedRig, UserError> {
-    let mut rig = moved(args.cart, args.rig.load_named(name)?)?;
-    if !args.rig.sets_gap() {
+/// The rigs asked for.
+fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
+    if args.all {
+        let names = PRESETS.iter();
+        return names
+            .map(|(name, _)| load(args, output, name, &[]))
+            .collect();
+    }
+    let mut rigs = vec![load(args, output, args.rig.name.name(), &[])?];
+    for beside in &args.beside {
+        let mut parts = beside.split(',');
+        let name = parts.next().unwrap_or_default().trim();
+        let settings: Vec<String> = parts.map(str::to_owned).collect();
+        let rig = load(args, output, name, &settings);
+        rigs.push(rig.map_err(|error| error.at(format!("--beside {beside}")))?);
+    }
+    Ok(rigs)
+}
+
+/// The rig `name` with `settings` besides those of the command line, at a gap of 0 unless one of them sets one.
+fn load(
+    args: &Args,
+    output: &OutputArgs,
+    name: &str,
+    settings: &[String],
+) -> Result<NamedRig, UserError> {
+    let loaded = args.rig.load_with(name, settings)?;
+    let mut rig = moved(args.cart, loaded)?;
+    let gap_set = settings
+        .iter()
+        .any(|setting| setting.trim_start().starts_with("gap_mm"));
+    if !args.rig.sets_gap() && !gap_set {
         default_to_zero_gap(&mut rig, output);
     }
     Ok(rig)
@@ -226,45 +232,6 @@ fn limits(args: &Args) -> Result<Limits, UserError> {
         max_drive_force_n: check("--max-drive-force-n", args.max_drive_force_n)?,
         max_loop_force_n: None,
     })
-}
-
-fn uncertainty(args: &Args) -> Result<Option<Uncertainty>, UserError> {
-    let half_width = |name: &str, value: f64, below: f64| {
-        if (0.0..below).contains(&value) {
-            return Ok(value);
-        }
-        Err(UserError::new(format!(
-            "{name} is {value}, must be from 0 to below {below}"
-        )))
-    };
-    let uncertainty = Uncertainty {
-        natural_frequency_percent: half_width(
-            "--natural-frequency-percent",
-            args.natural_frequency_percent,
-            50.0,
-        )?,
-        amplitude_percent: half_width("--amplitude-percent", args.amplitude_percent, 90.0)?,
-        contact_stiffness_percent: half_width(
-            "--contact-stiffness-percent",
-            args.contact_stiffness_percent,
-            90.0,
-        )?,
-        contact_damping_percent: half_width(
-            "--contact-damping-percent",
-            args.contact_damping_percent,
-            100.0,
-        )?,
-        gap_mm: half_width("--gap-tolerance-mm", args.gap_tolerance_mm, 10.0)?,
-        samples: args.samples,
-        seed: args.seed,
-    };
-    if args.samples > 100_000 {
-        return Err(UserError::new(format!(
-            "--samples is {}, must be at most 100000",
-            args.samples
-        )));
-    }
-    Ok((!args.nominal).then_some(uncertainty))
 }
 
 fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserError> {

@@ -1,9 +1,11 @@
 //! The answer as a person reads it.
 
 use super::bending;
+use crate::words::digits::Digits;
 use crate::words::pick::{jumping_at, other_cart, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
+use numerics::pick::sensitivity::Sensitivity;
 use numerics::pick::{Answer, CartModel, Pick};
 use plot::chart::Chart;
 
@@ -13,26 +15,35 @@ pub fn text(picks: &[Pick]) -> String {
         return one_text(one);
     }
     let mut text = String::from(
-        "rig        run at, Hz  ratio  force, N  force/weight (worst)  safe band, Hz        doubling, Hz  jumps\n",
+        "rig        run at, Hz  ratio  force, N  force/weight (worst)        safe band, Hz  doubling, Hz  jumps\n",
     );
     for pick in picks {
         let a = &pick.answer;
+        let digits = Digits::of(a);
         text += &format!(
-            "{:<9} {:>11.4} {:>6.3} {:>9.2} {:>13.2} ({:.2}) {:>9.3} to {:<9.3} {:>12} {:>6}\n",
+            "{:<9} {:>11} {:>6.*} {:>9.*} {:>13.*} ({:.*}) {:>20} {:>13} {:>6}\n",
             a.rig,
-            a.operating_frequency_hz,
+            digits.run_at(a),
+            digits.ratio,
             a.frequency_ratio,
+            digits.force_n,
             a.force_n,
+            digits.force_ratio,
             a.force_ratio,
+            digits.force_ratio,
             a.force_ratio_worst,
-            a.safe_band_hz[0],
-            a.safe_band_hz[1],
+            digits.band(a.safe_band_hz),
             a.period_doubling_hz
-                .map_or("-".to_owned(), |hz| format!("{hz:.3}")),
+                .map_or("-".to_owned(), |hz| digits.hz(hz)),
             if a.jump_free { "no" } else { "yes" }
         );
     }
     text.push('\n');
+    text + &chart_of(picks)
+}
+
+/// The curves of several rigs, over frequency ratio.
+pub fn chart_of(picks: &[Pick]) -> String {
     let chart = Chart::new(
         "drive frequency over natural frequency",
         "force over weight, stable 1/1",
@@ -45,7 +56,7 @@ pub fn text(picks: &[Pick]) -> String {
             .map(|(hz, force)| (hz / natural_hz, *force));
         chart.series(pick.answer.rig.clone(), curve.collect())
     });
-    text + &chart.render()
+    chart.render()
 }
 
 /// A choice closer than this to the top of its safe band has no margin, %.
@@ -53,15 +64,8 @@ const EDGE_PERCENT: f64 = 0.5;
 
 fn one_text(pick: &Pick) -> String {
     let a = &pick.answer;
-    let head = format!(
-        "{}, gap {:?} mm: run it at {:.4} Hz ({:.3} times the natural frequency)\n{}\n\n",
-        a.rig,
-        a.gap_mm,
-        a.operating_frequency_hz,
-        a.frequency_ratio,
-        why(a)
-    );
-    let lines = [operation(a), stability(a), shaker(a), limits(a)].concat();
+    let head = format!("{}\n{}\n\n", head(a), why(a));
+    let lines = lines(a);
     let lines = lines
         .iter()
         .map(|(name, what)| format!("  {name:<18} {what}\n"));
@@ -69,15 +73,56 @@ fn one_text(pick: &Pick) -> String {
     format!("{head}{lines}\n{}\n{}", sensitivity(a), chart(pick))
 }
 
-type Lines = Vec<(&'static str, String)>;
+/// Names and what is said of them.
+pub type Lines = Vec<(&'static str, String)>;
+
+/// The answer line by line.
+pub fn lines(a: &Answer) -> Lines {
+    [operation(a), stability(a), shaker(a), limits(a)].concat()
+}
+
+/// The first line.
+pub fn head(a: &Answer) -> String {
+    format!(
+        "{}, gap {:?} mm: run it at {} Hz ({:.*} times the natural frequency)",
+        a.rig,
+        a.gap_mm,
+        Digits::of(a).run_at(a),
+        Digits::of(a).ratio,
+        a.frequency_ratio
+    )
+}
+
+/// The parameters that leave the force most open, first.
+pub fn by_what_they_leave_open(a: &Answer) -> Vec<&Sensitivity> {
+    let open = |row: &&Sensitivity| row.force_over_uncertainty_percent.unwrap_or(0.0);
+    let mut rows: Vec<_> = a.sensitivity.iter().collect();
+    rows.sort_by(|a, b| open(b).total_cmp(&open(a)));
+    rows
+}
+
+/// How well the parameter of `row` is known.
+pub fn known_to(row: &Sensitivity) -> String {
+    match (row.uncertainty_percent, row.uncertainty_mm) {
+        (Some(0.0), _) | (None, Some(0.0)) => "exact".to_owned(),
+        (Some(percent), _) => format!("±{percent} %"),
+        (None, Some(mm)) => format!("±{mm} mm"),
+        (None, None) => "-".to_owned(),
+    }
+}
 
 /// Regime, force and band at the operating point.
 fn operation(a: &Answer) -> Lines {
-    let force = format!("{:.2} N, {:.2} times the weight", a.force_n, a.force_ratio);
+    let digits = Digits::of(a);
+    let (n, ratio) = (digits.force_n, digits.force_ratio);
+    let force = format!(
+        "{:.n$} N, {:.ratio$} times the weight",
+        a.force_n, a.force_ratio
+    );
     let (spread, over) = match a.uncertainty {
         Some(_) => (
             format!(
-                "; {:.2} to {:.2} over the uncertainty",
+                "; {:.ratio$} to {:.ratio$} over the uncertainty",
                 a.force_ratio_worst, a.force_ratio_largest
             ),
             " over the uncertainty",
@@ -86,8 +131,10 @@ fn operation(a: &Answer) -> Lines {
     };
     let [low, high] = a.safe_band_hz;
     let power = format!(
-        "{:.5} W; at most {:.5} W, at {:.4} Hz",
-        a.impact_power_w, a.power_optimum_w, a.power_optimum_hz
+        "{} W; at most {} W, at {} Hz",
+        digits.other(a.impact_power_w),
+        digits.other(a.power_optimum_w),
+        digits.hz(a.power_optimum_hz)
     );
     let mut lines = vec![("regime", from_rest(a)), ("force", force + &spread)];
     lines.extend(bending::lines(a));
@@ -96,7 +143,8 @@ fn operation(a: &Answer) -> Lines {
     lines.push((
         "safe band",
         format!(
-            "{low:.4} to {high:.4} Hz: 1/1 stable{over}, nominal force above 90 %{}{}",
+            "{} Hz: 1/1 stable{over}, nominal force above 90 %{}{}",
+            digits.band(a.safe_band_hz),
             with_modes(a),
             at_the_ends(a)
         ),
@@ -106,8 +154,8 @@ fn operation(a: &Answer) -> Lines {
         lines.push((
             "no margin above",
             format!(
-                "the operating frequency is the top of the safe band; if it can drift, run lower, for example at {:.3} Hz",
-                0.5 * (low + high)
+                "the operating frequency is the top of the safe band; if it can drift, run lower, for example at {} Hz",
+                digits.hz(0.5 * (low + high))
             ),
         ));
     }
@@ -125,6 +173,7 @@ fn with_modes(a: &Answer) -> String {
 
 /// Which cart the answer is for, and what the other would give.
 fn cart(a: &Answer) -> Lines {
+    let digits = Digits::of(a);
     let Some(held) = a.shaker_loop else {
         let what =
             "moved as prescribed: its shaker is not known (shaker_loop_hz), so it cannot recoil";
@@ -145,7 +194,11 @@ fn cart(a: &Answer) -> Lines {
         let more = 100.0 * (force / a.force_ratio - 1.0);
         lines.push((
             "other cart",
-            format!("{force:.2} times the weight at {hz:.4} Hz {what} ({more:+.1} % of force)"),
+            format!(
+                "{force:.*} times the weight at {} Hz {what} ({more:+.1} % of force)",
+                digits.force_ratio,
+                digits.hz(hz)
+            ),
         ));
     }
     lines
@@ -170,8 +223,13 @@ fn at_the_ends(a: &Answer) -> String {
 fn stability(a: &Answer) -> Lines {
     let [low, high] = a.stable_one_one_hz;
     let [below, above] = a.stable_one_one_ends.map(ending);
+    let digits = Digits::of(a);
+    let others = digits.others;
     let worst = match a.uncertainty {
-        Some(_) => format!("; {:.4} at worst over the uncertainty", a.multipliers_worst),
+        Some(_) => format!(
+            "; {:.others$} at worst over the uncertainty",
+            a.multipliers_worst
+        ),
         None => String::new(),
     };
     let jumps = match a.jump_range_hz {
@@ -193,16 +251,26 @@ fn stability(a: &Answer) -> Lines {
     vec![
         (
             "stable 1/1",
-            format!("{low:.4} Hz ({below}) to {high:.4} Hz ({above})"),
+            format!(
+                "{} Hz ({below}) to {} Hz ({above})",
+                digits.hz(low),
+                digits.hz(high)
+            ),
         ),
         (
             "multipliers",
-            format!("{:.4}{worst} (1 is the limit of stability)", a.multipliers),
+            format!(
+                "{:.others$}{worst} (1 is the limit of stability)",
+                a.multipliers
+            ),
         ),
         ("jumps", jumps),
         (
             "at natural freq.",
-            format!("{:.2} times the weight", a.force_ratio_at_natural_frequency),
+            format!(
+                "{} times the weight",
+                digits.other(a.force_ratio_at_natural_frequency)
+            ),
         ),
     ]
 }
@@ -215,10 +283,12 @@ fn rounded_mm(mm: f64) -> f64 {
 /// What the shaker must give, and what it gets for it.
 fn shaker(a: &Answer) -> Lines {
     let s = &a.shaker;
+    let digits = Digits::of(a);
     let held = s.loop_force_n.map_or(String::new(), |force| {
         let most = a.shaker_loop.map_or(f64::INFINITY, |held| held.max_force_n);
         format!(
-            "; its position loop gives up to {force:.1} N, recoil included, of the {most} N it can"
+            "; its position loop gives up to {} N, recoil included, of the {most} N it can",
+            digits.other(force)
         )
     });
     let lowered = if a.amplitude_lowered {
@@ -234,22 +304,22 @@ fn shaker(a: &Answer) -> Lines {
         (
             "shaker must give",
             format!(
-                "{} mm stroke, {:.4} m/s, {:.2} N on cart and hammer, {:.4} W mean and {:.4} W reactive power{held}",
+                "{} mm stroke, {} m/s, {} N on cart and hammer, {} W mean and {} W reactive power{held}",
                 rounded_mm(s.stroke_mm),
-                s.velocity_m_per_s,
-                s.force_n,
-                s.mean_power_w,
-                s.reactive_power_w
+                digits.other(s.velocity_m_per_s),
+                digits.other(s.force_n),
+                digits.other(s.mean_power_w),
+                digits.other(s.reactive_power_w)
             ),
         ),
         (
             "blows",
             format!(
-                "{:.3} a second, {:.3} mJ each, {:.4} ms at {:.4} m/s",
-                s.blows_per_second,
-                s.energy_per_blow_j * 1e3,
-                a.contact_time_ms,
-                a.approach_speed_m_per_s
+                "{} a second, {} mJ each, {} ms at {} m/s",
+                digits.other(s.blows_per_second),
+                digits.other(s.energy_per_blow_j * 1e3),
+                digits.other(a.contact_time_ms),
+                digits.other(a.approach_speed_m_per_s)
             ),
         ),
     ]
@@ -268,14 +338,18 @@ fn limits(a: &Answer) -> Lines {
     a.limits.iter().map(line).collect()
 }
 
+/// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
 fn sensitivity(a: &Answer) -> String {
     let mut text = format!(
-        "What to measure first (change of the nominal optimum)\n  {:<44} {:>8} {:>13} {:>9}\n",
-        "parameter", "per", "frequency, %", "force, %"
+        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
+        "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"
     );
-    for row in &a.sensitivity {
+    for row in by_what_they_leave_open(a) {
+        let known = known_to(row);
+        let open = row.force_over_uncertainty_percent;
+        let open = open.map_or("-".to_owned(), |open| format!("±{open:.1}"));
         text += &format!(
-            "  {:<44} {:>8} {:>+13.2} {:>+9.2}\n",
+            "  {:<44} {:>8} {:>+13.2} {:>+9.2}  {known:>9}  {open:>14}\n",
             row.parameter, row.per, row.frequency_percent, row.force_percent
         );
     }

@@ -1,6 +1,7 @@
 //! The choice on wires at no gap, whose force rises to a maximum inside the stable 1/1 and falls again.
 
 use super::*;
+
 use crate::branch::one_one_branches;
 use crate::pick::uncertainty::Uncertainty;
 use shared::model::params::WIRES;
@@ -261,8 +262,31 @@ fn what_has_no_choice_says_why() {
     let made = Made::new(0.0, 0.0);
     let (range_hz, limits) = (made.range(), force(1.0));
     let none = made.field().choose(range_hz, limits).err().unwrap();
-    let what = PickError::Limits { range_hz, limits };
+    let Error::Pick {
+        what: PickError::Limits { feasible, .. },
+        ..
+    } = &none
+    else {
+        panic!("{none:?}");
+    };
+    let feasible = **feasible;
+    let what = PickError::Limits {
+        range_hz,
+        limits,
+        feasible: Box::new(feasible),
+    };
     assert_eq!(none, made.rig.no_pick(what));
+    // What is said to be the nearest limit can be kept, and a little less cannot.
+    let least = feasible.max_force_n.unwrap();
+    let with = |max: f64| made.field().choose(range_hz, force(max));
+    assert!(with(1.0001 * least).is_ok() && with(0.999 * least).is_err());
+    let slow = Limits {
+        max_frequency_hz: Some(0.5 * range_hz.0),
+        ..Limits::default()
+    };
+    let feasible = made.field().feasible(range_hz, slow);
+    assert_eq!(feasible.max_frequency_hz, Some(range_hz.0));
+    assert_eq!(feasible.max_force_n, None);
     // A rig with 60 % more natural frequency has no 1/1 where the nominal one has.
     let far = Made::new(60.0, 0.0);
     let lost = far

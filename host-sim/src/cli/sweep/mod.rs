@@ -1,14 +1,16 @@
 //! `host-sim sweep`.
 
+mod over;
+
 use std::path::PathBuf;
 
-use super::arguments::choice::choice;
-use super::arguments::cycles::CycleArgs;
-use super::arguments::drive::Drives;
-use super::arguments::engine::EngineArgs;
-use super::arguments::output::{Format, OutputArgs, to_json};
-use super::arguments::rig::{CartArg, RigArgs};
-use super::terminal::print;
+use crate::cli::arguments::choice::choice;
+use crate::cli::arguments::cycles::CycleArgs;
+use crate::cli::arguments::drive::Drives;
+use crate::cli::arguments::engine::EngineArgs;
+use crate::cli::arguments::output::{Format, OutputArgs, to_json};
+use crate::cli::arguments::rig::{CartArg, RigArgs};
+use crate::cli::terminal::print;
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
@@ -17,6 +19,7 @@ use files::UserError;
 use files::table::to_csv;
 use numerics::row::Row;
 use numerics::sweep::{Direction, Measured, MeasuredError, sweep};
+use over::{Over, parse_over};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -25,6 +28,11 @@ use plot::{Axis, Color, Figure, Item, Panel};
 pub struct Args {
     #[command(flatten)]
     drive: Drives,
+
+    /// Instead of over frequency, over a parameter of the rig at one frequency: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN
+    /// (N values evenly spaced, or by even factors), or values with commas: contact_stiffness_n_per_m=1e5:1e7:log20
+    #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with = "measured")]
+    over: Option<Over>,
 
     /// Each frequency from rest, or the state carried up or down (which shows the jumps)
     #[arg(long, value_parser = choice::<Direction>(), default_value = "rest")]
@@ -53,8 +61,12 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
+    if let Some(asked) = &args.over {
+        return over::run(args, asked);
+    }
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
+    output.doubt(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();

@@ -1,0 +1,116 @@
+//! How well the rig is known: `--nominal`, the half-widths, samples and seed.
+
+use files::UserError;
+use files::rigfile::WIDTHS;
+use numerics::NamedRig;
+use numerics::pick::uncertainty::{Stated, Uncertainty};
+
+/// Random rigs at most.
+const MOST_SAMPLES: u32 = 100_000;
+
+/// How well the rig is known.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Uncertainty (an option comes before the rig file's [uncertainty])")]
+pub struct UncertaintyArgs {
+    /// Take the parameters as exact
+    #[arg(long, conflicts_with_all = [
+        "natural_frequency_percent", "amplitude_percent", "contact_stiffness_percent",
+        "contact_damping_percent", "gap_tolerance_mm", "mass_percent", "cart_mass_percent",
+        "shaker_loop_percent", "samples", "seed",
+    ])]
+    nominal: bool,
+
+    /// Natural frequency, % either way [default: the rig file's, else 2]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    natural_frequency_percent: Option<f64>,
+
+    /// Cart amplitude, % either way [default: the rig file's, else 5]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    amplitude_percent: Option<f64>,
+
+    /// Contact stiffness, % either way [default: the rig file's, else 20]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    contact_stiffness_percent: Option<f64>,
+
+    /// Contact damping, % either way [default: the rig file's, else 20]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    contact_damping_percent: Option<f64>,
+
+    /// Gap, mm either way [default: the rig file's, else 0.05]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    gap_tolerance_mm: Option<f64>,
+
+    /// Hammer mass, % either way [default: the rig file's, else 0]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    mass_percent: Option<f64>,
+
+    /// Cart mass, % either way; counts where the cart recoils [default: the rig file's, else 0]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    cart_mass_percent: Option<f64>,
+
+    /// Natural frequency of the shaker's loop, % either way; counts where the cart recoils [default: the rig file's, else 0]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    shaker_loop_percent: Option<f64>,
+
+    /// Random rigs within the uncertainty, in addition to its corners
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    samples: u32,
+
+    /// Seed of the random rigs
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+impl UncertaintyArgs {
+    /// Seed of the random rigs.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Refuses an option that is out of range.
+    ///
+    /// # Errors
+    /// If one is.
+    pub fn check(&self) -> Result<(), UserError> {
+        self.given().map(drop)
+    }
+
+    /// The uncertainty of `rig`: what the options say, else what its file states, else the usual. None with `--nominal`.
+    ///
+    /// # Errors
+    /// If an option is out of range.
+    pub fn of(&self, rig: &NamedRig) -> Result<Option<Uncertainty>, UserError> {
+        let stated = self.given()?.or(&rig.stated);
+        let recoils = rig.params.cart.recoils();
+        let whole = stated.complete(self.samples, self.seed, recoils);
+        Ok((!self.nominal).then_some(whole))
+    }
+
+    /// What the options say.
+    fn given(&self) -> Result<Stated, UserError> {
+        if self.samples > MOST_SAMPLES {
+            return Err(UserError::new(format!(
+                "--samples is {}, must be at most {MOST_SAMPLES}",
+                self.samples
+            )));
+        }
+        let options = [
+            self.natural_frequency_percent,
+            self.amplitude_percent,
+            self.contact_stiffness_percent,
+            self.contact_damping_percent,
+            self.gap_tolerance_mm,
+            self.mass_percent,
+            self.cart_mass_percent,
+            self.shaker_loop_percent,
+        ];
+        let mut stated = Stated::default();
+        for (width, value) in WIDTHS.iter().zip(options) {
+            if let Some(value) = value {
+                let option = format!("--{}", width.key.replace('_', "-"));
+                width.set(&mut stated, &option, value)?;
+            }
+        }
+        Ok(stated)
+    }
+}

@@ -1,0 +1,226 @@
+//! `sweep --over`: the force at one drive frequency over any parameter of the rig.
+
+use serde::Serialize;
+
+use super::Args;
+use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::range::{Values, parse_values};
+use crate::pictures::drawn;
+use crate::pictures::pick::by_regime;
+use crate::pictures::regimes::regime_points;
+use crate::progress::Progress;
+use files::{UserError, rigfile};
+use numerics::NamedRig;
+use numerics::row::{Row, regime_as_text};
+use numerics::sweep::{Direction, over};
+use plot::chart::Chart;
+use plot::{Axis, Color, Figure, Item, Panel};
+use shared::model::regime::Regime;
+
+/// Values at most: each is a simulation and a rig.
+const MOST: usize = 100_000;
+
+/// One value of the parameter.
+#[derive(Debug, Serialize)]
+struct OverRow<'a> {
+    /// The parameter, as rig files name it.
+    parameter: &'a str,
+    /// Its value, in the unit of its name.
+    value: f64,
+    // What follows is the row of a sweep over frequency: a CSV cannot hold one row inside another.
+    rig: &'a str,
+    gap_mm: f64,
+    frequency_hz: f64,
+    frequency_ratio: f64,
+    impacts: u16,
+    periods: Option<u8>,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
+    force_ratio: f64,
+    force_n: f64,
+    approach_speed_m_per_s: Option<f64>,
+    contact_time_ms: Option<f64>,
+    #[serde(skip)]
+    row: &'a Row,
+}
+
+impl<'a> OverRow<'a> {
+    fn new(parameter: &'a str, value: f64, row: &'a Row) -> Self {
+        Self {
+            parameter,
+            value,
+            rig: &row.rig,
+            gap_mm: row.gap_mm,
+            frequency_hz: row.frequency_hz,
+            frequency_ratio: row.frequency_ratio,
+            impacts: row.impacts,
+            periods: row.periods,
+            regime: row.regime,
+            force_ratio: row.force_ratio,
+            force_n: row.force_n,
+            approach_speed_m_per_s: row.approach_speed_m_per_s,
+            contact_time_ms: row.contact_time_ms,
+            row,
+        }
+    }
+}
+
+/// `KEY=VALUES` as an option.
+#[derive(Clone, Debug)]
+pub struct Over {
+    key: String,
+    values: Values,
+}
+
+/// Reads `KEY=VALUES`.
+///
+/// # Errors
+/// In words: there is no such parameter, it is no number, or the values cannot be read.
+pub fn parse_over(text: &str) -> Result<Over, String> {
+    let (key, values) = text
+        .split_once('=')
+        .ok_or("write KEY=VALUES, for example contact_stiffness_n_per_m=1e5:1e7:log20")?;
+    let key = key.trim();
+    let keys = rigfile::KEYS.iter().map(|(known, _)| *known);
+    if !keys.clone().any(|known| known == key) {
+        let hint = rigfile::nearest(key, keys);
+        return Err(format!(
+            "there is no parameter '{key}'{hint}; `host-sim rigs wires` prints them all"
+        ));
+    }
+    let values = parse_values(values)?;
+    if values.list.len() > MOST {
+        return Err(format!(
+            "that is {} values, more than {MOST}; use fewer",
+            values.list.len()
+        ));
+    }
+    Ok(Over {
+        key: key.to_owned(),
+        values,
+    })
+}
+
+/// The sweep over the parameter.
+///
+/// # Errors
+/// If a rig cannot be, more than one frequency is given, or a run fails.
+pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
+    let rig = args.rig.load()?;
+    let output = &args.output.about([&rig])?;
+    let engine = args.engine.engine(output)?;
+    let plan = args.cycles.plan()?;
+    let runs = runs(args, asked)?;
+    let progress = Progress::new("values", runs.len() as u64, output.quiet);
+    let rows = over(&runs, engine, args.direction, plan, &progress)?;
+    progress.finish();
+    let rows: Vec<OverRow<'_>> = rows
+        .iter()
+        .zip(&asked.values.list)
+        .map(|(row, value)| OverRow::new(&asked.key, *value, row))
+        .collect();
+    if let Some(dir) = &output.out {
+        let mut contents = drawn(&output.name(""), &figure(args.direction, asked, &rows))?;
+        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
+        output.write(dir, contents)?;
+    }
+    output.emit(&rows, &rows, || text(output, asked, &rows))
+}
+
+/// A rig and its drive frequency for each value.
+fn runs(args: &Args, asked: &Over) -> Result<Vec<(NamedRig, f64)>, UserError> {
+    let one = |value: &f64| {
+        let setting = format!("{}={value:?}", asked.key);
+        let at = |error: UserError| error.at(format!("--over {}", asked.key));
+        let rig = args.rig.load_with(args.rig.name.name(), &[setting]);
+        let rig = args.cart.apply(rig.map_err(at)?)?;
+        let hz = args.drive.needed_hz(rig.params.natural_frequency_hz())?;
+        match hz.as_slice() {
+            [hz] => Ok((rig, *hz)),
+            _ => Err(UserError::new(
+                "--over goes with one drive frequency; give --ratio or --frequency one value",
+            )),
+        }
+    };
+    asked.values.list.iter().map(one).collect()
+}
+
+fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
+    let mut text = format!(
+        "{:>28}   Hz        Ω/ω      regime      force/weight  force, N\n",
+        asked.key
+    );
+    let every = rows.len().div_ceil(40).max(1);
+    for OverRow { value, row, .. } in rows.iter().step_by(every) {
+        text += &format!(
+            "{value:>28} {:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}\n",
+            row.frequency_hz,
+            row.frequency_ratio,
+            // A regime ignores the width of its column; a string does not.
+            row.regime.to_string(),
+            row.force_ratio,
+            row.force_n
+        );
+    }
+    if every > 1 {
+        text += &format!(
+            "(every {every} of {} rows; --format csv gives all)\n",
+            rows.len()
+        );
+    }
+    text.push('\n');
+    if asked.values.log {
+        output.note("note: the chart's axis is the logarithm of the parameter");
+    }
+    let along = |value: f64| {
+        if asked.values.log {
+            value.log10()
+        } else {
+            value
+        }
+    };
+    let axis = match asked.values.log {
+        true => format!("log10 of {}", asked.key),
+        false => asked.key.clone(),
+    };
+    let curve = rows.iter().map(|r| (along(r.value), r.row.force_ratio));
+    text + &Chart::new(axis, "force over weight")
+        .series("force", curve.collect())
+        .render()
+}
+
+const BLUE: Color = Color(0x1f, 0x4e, 0x79);
+
+fn figure(direction: Direction, asked: &Over, rows: &[OverRow<'_>]) -> Figure {
+    let first = rows.first();
+    let title = first.map_or(String::new(), |r| {
+        format!("{}: force over {}", r.row.rig, asked.key)
+    });
+    let how = match direction {
+        Direction::Rest => "each value from rest",
+        Direction::Up => "state carried from value to value, upwards",
+        Direction::Down => "state carried from value to value, downwards",
+    };
+    let axis = Axis::new(asked.key.clone());
+    let axis = if asked.values.log { axis.log() } else { axis };
+    let curve = rows.iter().map(|r| (r.value, r.row.force_ratio)).collect();
+    let mut panel = Panel::new(axis, Axis::new("contact force over the weight").with_zero())
+        .item(Item::line("force", BLUE, curve));
+    // Points by regime come with frequencies: here a value takes their place.
+    let placed: Vec<Row> = rows
+        .iter()
+        .map(|r| Row {
+            frequency_hz: r.value,
+            ..r.row.clone()
+        })
+        .collect();
+    for (regime, points) in by_regime(placed.iter()) {
+        panel = panel.item(regime_points(&regime, points));
+    }
+    Figure::new(title)
+        .subtitle(format!(
+            "Largest contact force of the recorded cycles, {how}."
+        ))
+        .size(1000, 640)
+        .panel(panel)
+}
