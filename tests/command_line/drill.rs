@@ -36,21 +36,14 @@ fn more_gaps_give_a_map_and_a_row_each() {
     let rate = |row| number(row, "rate_of_penetration_um_per_s");
     // At the frequency that is best at 0 mm, a gap of 1 mm drills far less.
     assert!(rate(far) < 0.5 * rate(near), "{near} {far}");
-    let names = [
-        "out/drill-wires-map.png",
-        "out/drill-wires-map.svg",
-        "out/drill-wires.csv",
-        "out/drill-wires.json",
-        "out/drill-wires.png",
-        "out/drill-wires.svg",
-    ];
-    assert_eq!(folder.names(), names);
+    let ends = ["-map.png", "-map.svg", ".csv", ".json", ".png", ".svg"];
+    assert_eq!(folder.ends("out/drill"), ends);
     assert_svg_shows(
-        &folder.read("out/drill-wires.svg"),
+        &folder.read_made("out/drill", ".svg"),
         &["rate of penetration, µm/s"],
     );
     assert_svg_shows(
-        &folder.read("out/drill-wires-map.svg"),
+        &folder.read_made("out/drill", "-map.svg"),
         &["progress per cycle, µm"],
     );
 }

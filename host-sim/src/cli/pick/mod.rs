@@ -156,6 +156,9 @@ fn stated(u: Uncertainty) -> Map<String, Value> {
         ("contact_stiffness_percent", u.contact_stiffness_percent),
         ("contact_damping_percent", u.contact_damping_percent),
         ("gap_tolerance_mm", u.gap_mm),
+        ("mass_percent", u.mass_percent),
+        ("cart_mass_percent", u.cart_mass_percent),
+        ("shaker_loop_percent", u.shaker_loop_percent),
         ("samples", f64::from(u.samples)),
         ("seed", u.seed as f64),
     ])
