@@ -120,11 +120,12 @@ impl OutputArgs {
         given.any(|(name, _)| name == option)
     }
 
-    /// The options given, as they stand in file names: without the rig's, and without `aside`.
+    /// The options given, as they stand in file names: without the rig's, without `aside`, and without
+    /// the report, which has a name of its own.
     pub fn options(&self, aside: &[&str]) -> String {
         let given = self.request.given.iter();
         let given = given.filter(|(name, _)| {
-            !["rig", "set"].contains(&name.as_str()) && !aside.contains(&name.as_str())
+            !["rig", "set", "report"].contains(&name.as_str()) && !aside.contains(&name.as_str())
         });
         let parts = given.flat_map(|(name, values)| {
             let values = values.iter().map(|value| match Path::new(value).is_file() {

@@ -287,7 +287,7 @@ fn shaker(a: &Answer) -> Lines {
     let held = s.loop_force_n.map_or(String::new(), |force| {
         let most = a.shaker_loop.map_or(f64::INFINITY, |held| held.max_force_n);
         format!(
-            "; its position loop gives up to {} N, recoil included, of the {most} N it can",
+            "; its position loop gives up to {} N, recoil included (shaker_max_force_n: {most} N)",
             digits.other(force)
         )
     });
