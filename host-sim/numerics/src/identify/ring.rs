@@ -1,5 +1,5 @@
 //! The surface's ringing: what the force record shows after the release and the model, whose surface is rigid (section
-//! 3.3.2), does not. Here it is looked for; [`super::shape`] fits it together with the contact.
+//! 3.3.2), does not. Here it is looked for; the shape of the force fits it together with the contact.
 
 use std::f64::consts::TAU;
 
