@@ -82,6 +82,9 @@ enum Command {
     )]
     Orbits(orbits::Args),
     /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
+    #[command(
+        after_help = "Examples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
+    )]
     Drill(drill::Args),
     /// Beam springs with more than one bending mode: force, displacement and where the energy goes
     #[command(
@@ -126,6 +129,9 @@ enum Command {
     #[command(hide = true)]
     Pil(pil::Args),
     /// What the chapter says, statement by statement: its words, the figure computed here, same or different
+    #[command(
+        after_help = "Examples:\n  host-sim chapter\n  host-sim chapter --coarse --format csv > chapter.csv"
+    )]
     Chapter(chapter::Args),
     /// Make every figure of the chapter again: pictures, tables and one page to read
     #[command(
