@@ -91,21 +91,21 @@ fn rising(from: u64, percent: u64) -> impl Iterator<Item = u64> {
 
 #[test]
 fn a_limit_on_the_size_of_files_leaves_no_half_answer() {
-    let arguments = ["contact", "--out", "o"];
+    let arguments = ["contact", "--out", "o", "--replace"];
     let refused = under("-f", rising(0, 150), &arguments, "cannot write");
     assert!(refused >= 4, "{refused}");
 }
 
 #[test]
 fn a_limit_on_the_size_of_files_leaves_no_half_log() {
-    let arguments = ["emulate", "short.toml", "--out", "o"];
+    let arguments = ["emulate", "short.toml", "--out", "o", "--replace"];
     let refused = under("-f", rising(0, 150), &arguments, "cannot write");
     assert!(refused >= 4, "{refused}");
 }
 
 #[test]
 fn too_little_memory_anywhere_is_one_line_and_leaves_nothing() {
-    let arguments = ["emulate", "short.toml", "--out", "o"];
+    let arguments = ["emulate", "short.toml", "--out", "o", "--replace"];
     // With less the program cannot be loaded, and so say nothing.
     let loaded = |limit: &u64| {
         let limit = Some(format!("-v {limit}"));
