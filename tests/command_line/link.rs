@@ -77,6 +77,12 @@ fn the_forecast_comes_whole_in_every_format() {
         .well()
         .json();
     assert_eq!(json["rows"].as_array().map(Vec::len), Some(rows.len()));
+    let command = format!("host-sim link {} forecast", board.path);
+    assert_eq!(json["made_from"]["command"], command);
+    assert!(
+        json["settings"]["rig"]["mass_kg"].as_f64() > Some(0.0),
+        "{json}"
+    );
     let text = folder.run(&board.line("forecast")).well().out;
     assert_eq!(text.lines().count(), rows.len() + 2);
     assert!(text.contains("target"));
@@ -112,6 +118,18 @@ fn a_recording_is_a_log_without_a_gap_that_replays() {
     assert_eq!(first.expect("ticks").frame.force, AdcCode(600));
     let replayed = folder.run("replay run.parquet --quiet").well();
     assert!(replayed.out.contains("same decisions"), "{replayed:?}");
+    let made = log
+        .header()
+        .made_from
+        .as_deref()
+        .expect("what it was made from");
+    assert!(made.contains("record --for 0.5"), "{made}");
+    let there = "run.parquet is there already";
+    refused(
+        &folder,
+        &board.line("record run.parquet"),
+        &[there, "--replace"],
+    );
 }
 
 /// As Ctrl-C does.
@@ -184,6 +202,14 @@ fn a_sweep_by_hand_visits_every_frequency_within_the_limits_and_stops() {
         .run(&board.line(&format!("{sweep} down.csv --down")))
         .well();
     assert_eq!(column("down.csv", "frequency_hz"), [5.0, 5.0, 4.5, 4.0]);
+    let beside = folder.read("up.json");
+    let json: serde_json::Value = serde_json::from_str(&beside).expect("JSON");
+    assert_eq!(json["made_from"]["options"]["to_hz"], 5.5);
+    assert_eq!(json["points"].as_array().map(Vec::len), Some(4));
+    let there = "up.csv is there already";
+    refused(&folder, &board.line(&format!("{sweep} up.csv")), &[there]);
+    let again = sweep.replace("--out", "--replace --out");
+    folder.run(&board.line(&format!("{again} up.csv"))).well();
     // What it wrote is what the other sweep reads.
     let compared = "sweep --frequency 4:5:0.5 --cycles 20 --transient 10 --quiet --measured up.csv";
     let ran = folder.run(compared).well();
@@ -230,7 +256,11 @@ fn an_interrupted_sweep_writes_what_was_measured_and_stops_the_drive() {
     let rest: Vec<String> = std::iter::from_fn(|| Some(said()))
         .take_while(|line| !line.starts_with("interrupted after"))
         .collect();
-    assert!(rest.iter().any(|line| line == "wrote part.csv"), "{rest:?}");
+    assert!(
+        rest.iter()
+            .any(|line| line == "wrote part.csv and part.json"),
+        "{rest:?}"
+    );
     assert_eq!(wait(sweep).code(), Some(130));
     assert!(!csv_rows(&folder.read("part.csv")).is_empty());
     let status = board.client().status().expect("an answer");

@@ -197,11 +197,11 @@ impl Command {
     fn asked(&mut self, request: Request) {
         match self.output() {
             Some(output) => output.asked(request),
-            None => {
-                if let Self::Replay(args) = self {
-                    args.made_from = request.made_from;
-                }
-            }
+            None => match self {
+                Self::Replay(args) => args.made_from = request.made_from,
+                Self::Link(args) => args.made_from = request.made_from,
+                _ => {}
+            },
         }
     }
 

@@ -11,6 +11,7 @@ use super::client::Client;
 use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
 use emulator::names::state_name;
 use files::UserError;
+use files::made_from::{self, MadeFrom};
 
 /// A board that streams nothing for so long is taken as stopped.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -27,6 +28,7 @@ pub fn record<P: Read + Write>(
     client: &mut Client<P>,
     hello: &Hello,
     path: &Path,
+    made: &MadeFrom,
     ticks: u64,
     given: Option<Command>,
 ) -> Result<PathBuf, UserError> {
@@ -52,7 +54,7 @@ pub fn record<P: Read + Write>(
         birth: BootInfo::STORED,
         block_ticks: u32::from(hello.block_ticks),
         scenario: None,
-        made_from: None,
+        made_from: Some(made_from::pair(made).1),
     };
     let mut writer = Writer::create(path, &header)?;
     client.tell(ToBoard::StreamFrames { on: true })?;

@@ -6,9 +6,9 @@ use files::made_from::{Input, MadeFrom};
 use serde_json::{Map, Value};
 
 /// Options that only say where and how to answer, or how to share out the work: they change no number.
-const ASIDE: [&str; 12] = [
+const ASIDE: [&str; 13] = [
     "help", "version", "format", "out", "quiet", "replace", "threads", "tiles", "merge", "only",
-    "no_log", "show",
+    "no_log", "show", "csv",
 ];
 
 /// What a command line asks for.
@@ -31,6 +31,24 @@ impl Request {
             given: Vec::new(),
         };
         let mut words = vec!["host-sim".to_owned(), request.command.clone()];
+        request.read(command, matches, &mut words);
+        if let Some((name, given)) = matches.subcommand()
+            && let Some(command) = command.find_subcommand(name)
+        {
+            words.push(name.to_owned());
+            request.read(command, given, &mut words);
+        }
+        request.made_from.command = words.join(" ");
+        request.made_from.seed = request
+            .made_from
+            .options
+            .get("seed")
+            .and_then(Value::as_u64);
+        request
+    }
+
+    /// Takes up the options of `matches`, which `command` read, and adds them to the `words` of the command line.
+    fn read(&mut self, command: &clap::Command, matches: &ArgMatches, words: &mut Vec<String>) {
         let ours = command.get_arguments().filter(|arg| {
             let id = arg.get_id().as_str();
             !ASIDE.contains(&id)
@@ -44,7 +62,7 @@ impl Request {
             let long = arg.get_long().filter(|long| *long != "scenario");
             let id = if id == "scenario" { "name" } else { id };
             let name = long.map_or_else(|| id.replace('_', "-"), str::to_owned);
-            let made = &mut request.made_from;
+            let made = &mut self.made_from;
             made.options
                 .insert(name.replace('-', "_"), typed(arg, &values));
             if matches.value_source(arg.get_id().as_str()) != Some(ValueSource::CommandLine) {
@@ -56,22 +74,15 @@ impl Request {
             let long = long.map(|long| format!("--{long}"));
             if switch {
                 words.extend(long);
-                request.given.push((name, Vec::new()));
+                self.given.push((name, Vec::new()));
                 continue;
             }
             for value in &values {
                 words.extend(long.clone());
                 words.push(quoted(value));
             }
-            request.given.push((name, values));
+            self.given.push((name, values));
         }
-        request.made_from.command = words.join(" ");
-        request.made_from.seed = request
-            .made_from
-            .options
-            .get("seed")
-            .and_then(Value::as_u64);
-        request
     }
 }
 

@@ -1,8 +1,9 @@
 //! `host-sim link PORT …`.
 
 mod show;
+mod sweep;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Subcommand;
@@ -13,17 +14,15 @@ use shared::link::{Act, Answer, Hello, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::{Format, check_format};
-use super::arguments::range::parse_range;
-use super::interrupt;
 use super::terminal::{print, say};
-use crate::link::by_hand::{self, Ended, Plan};
 use crate::link::client::{self, Client};
 use crate::link::{recording, settings_file};
 use files::UserError;
+use files::made_from::MadeFrom;
 use files::read_text;
 use files::rigfile;
-use files::table::to_csv;
 use show::line;
+use sweep::{Sweep, frequencies, sweep};
 
 type Port = Client<Box<dyn SerialPort>>;
 
@@ -42,6 +41,10 @@ pub struct Args {
 
     #[command(subcommand)]
     what: What,
+
+    /// What is asked for, as answers and recordings carry it.
+    #[arg(skip)]
+    pub made_from: MadeFrom,
 }
 
 #[derive(Debug, Subcommand)]
@@ -142,36 +145,9 @@ struct Recording {
     /// and leaves the controller running: `link PORT stop`)
     #[arg(long)]
     start: bool,
-    #[command(flatten)]
-    session: Session,
-}
-
-#[derive(Debug, clap::Args)]
-struct Sweep {
-    /// Lowest frequency, Hz
-    #[arg(long, alias = "from", value_name = "HZ")]
-    from_hz: f64,
-    /// Highest frequency, Hz
-    #[arg(long, alias = "to", value_name = "HZ")]
-    to_hz: f64,
-    /// From one frequency to the next, Hz
-    #[arg(long, alias = "step", value_name = "HZ")]
-    step_hz: f64,
-    /// Time to settle at each, s
-    #[arg(long, value_name = "S", default_value_t = 10.0)]
-    settle: f64,
-    /// Time to measure the force at each, s
-    #[arg(long, value_name = "S", default_value_t = 5.0)]
-    measure: f64,
-    /// Cart amplitude, mm [default: the rig's]
-    #[arg(long, value_name = "MM")]
-    amplitude: Option<f64>,
-    /// Go from the highest to the lowest
+    /// Replace the file if there is one of this name
     #[arg(long)]
-    down: bool,
-    /// File to write; if something fails or you interrupt, it gets what was measured until then
-    #[arg(long, alias = "out", value_name = "FILE.csv")]
-    csv: PathBuf,
+    replace: bool,
     #[command(flatten)]
     session: Session,
 }
@@ -193,7 +169,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     let (mut port, hello) = client::open(&args.port, args.baud)?;
     let port = &mut port;
     let done = match &args.what {
-        What::Status { format } => show::status(port, &hello, *format),
+        What::Status { format } => show::status(port, &hello, *format, &args.made_from),
         What::Start(start) => in_session(port, start.session, |port| {
             if start.manual {
                 steer(port, start)
@@ -212,11 +188,15 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         }),
         What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
         What::Set(set) => in_session(port, set.session, |port| send_settings(port, &set.new)),
-        What::Forecast { format } => show::forecast(port, *format),
+        What::Forecast { format } => show::forecast(port, &hello, *format, &args.made_from),
         What::Record(recording) => in_session(port, recording.session, |port| {
-            record(port, &hello, recording)
+            record(port, &hello, recording, &args.made_from)
         }),
-        What::Sweep(plan) => return in_session(port, plan.session, |port| sweep(port, plan)),
+        What::Sweep(plan) => {
+            return in_session(port, plan.session, |port| {
+                sweep(port, &hello, plan, &args.made_from)
+            });
+        }
         What::Monitor { duration_s, rate } => show::monitor(port, *duration_s, *rate),
     };
     done.map(|()| 0)
@@ -239,20 +219,35 @@ fn check(what: &What) -> Result<(), UserError> {
             given("--amplitude", start.amplitude)?;
             given("--for", start.duration_s)
         }
-        What::Record(record) => positive("--for", record.duration_s),
+        What::Record(record) => {
+            positive("--for", record.duration_s)?;
+            unless_there([record.out.as_path()], record.replace)
+        }
         What::Sweep(plan) => {
             positive("--from-hz", plan.from_hz)?;
             positive("--step-hz", plan.step_hz)?;
             positive("--settle", plan.settle)?;
             positive("--measure", plan.measure)?;
             given("--amplitude", plan.amplitude)?;
-            frequencies(plan).map(|_| ())
+            frequencies(plan)?;
+            unless_there([&plan.csv, &plan.csv.with_extension("json")], plan.replace)
         }
         What::Monitor { duration_s, rate } => {
             positive("--rate", *rate)?;
             given("--for", *duration_s)
         }
         What::Forecast { format } => check_format(*format, false),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses to replace what was measured before.
+fn unless_there<const N: usize>(files: [&Path; N], replace: bool) -> Result<(), UserError> {
+    match files.into_iter().find(|file| file.exists()) {
+        Some(file) if !replace => Err(UserError::new(format!(
+            "{} is there already; give another name, or --replace to replace it",
+            file.display()
+        ))),
         _ => Ok(()),
     }
 }
@@ -320,12 +315,17 @@ fn send_settings(port: &mut Port, set: &NewSettings) -> Result<(), UserError> {
     Ok(())
 }
 
-fn record(port: &mut Port, hello: &Hello, recording: &Recording) -> Result<(), UserError> {
+fn record(
+    port: &mut Port,
+    hello: &Hello,
+    recording: &Recording,
+    made: &MadeFrom,
+) -> Result<(), UserError> {
     let command = recording
         .start
         .then_some(control::Command::Start(Mode::Automatic));
     let ticks = (recording.duration_s * f64::from(TICK_RATE_HZ)) as u64;
-    let written = recording::record(port, hello, &recording.out, ticks, command)?;
+    let written = recording::record(port, hello, &recording.out, made, ticks, command)?;
     say(&format!("wrote {}", written.display()));
     Ok(())
 }
@@ -367,75 +367,5 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
             _ => {}
         }
         std::thread::sleep(PACE);
-    }
-}
-
-fn frequencies(plan: &Sweep) -> Result<Vec<f64>, UserError> {
-    let range = format!("{}:{}:{}", plan.from_hz, plan.to_hz, plan.step_hz);
-    let parsed = parse_range(&range);
-    let mut list =
-        parsed.map_err(|e| UserError::new(format!("--from-hz, --to-hz, --step-hz: {e}")))?;
-    if plan.down {
-        list.reverse();
-    }
-    Ok(list)
-}
-
-/// Measures the curve and writes what was measured, also when something fails or the user interrupts.
-fn sweep(port: &mut Port, plan: &Sweep) -> Result<i32, UserError> {
-    let by_hand = by_hand_plan(port, plan)?;
-    interrupt::finish_first();
-    let mut points = Vec::new();
-    let ended = by_hand::measure(port, &by_hand, &interrupt::interrupted, |point| {
-        show_point(point);
-        points.push(point.clone());
-    });
-    if !points.is_empty() {
-        files::write::write(&plan.csv, to_csv(&points))?;
-        say(&format!("wrote {}", plan.csv.display()));
-    }
-    if ended? == Ended::Whole {
-        return Ok(0);
-    }
-    say(&format!(
-        "interrupted after {} of {} frequencies; the drive is stopped",
-        points.len(),
-        by_hand.frequencies_hz.len()
-    ));
-    Ok(interrupt::CODE)
-}
-
-fn by_hand_plan(port: &mut Port, plan: &Sweep) -> Result<Plan, UserError> {
-    let settings = settings(port)?;
-    let amplitude_m = match plan.amplitude {
-        Some(mm) => 1e-3 * mm,
-        None => settings.rig.amplitude_m,
-    };
-    let most_m = f64::from(settings.limits.amplitude_m);
-    if amplitude_m > most_m {
-        say(&format!(
-            "note: {} mm was asked; the controller keeps within its limit of {:.3} mm",
-            1e3 * amplitude_m,
-            1e3 * most_m
-        ));
-    }
-    Ok(Plan {
-        frequencies_hz: frequencies(plan)?,
-        amplitude_m,
-        settle_s: plan.settle,
-        measure_s: plan.measure,
-    })
-}
-
-fn show_point(point: &by_hand::Point) {
-    say(&format!(
-        "{:8.4} Hz  {:8.2} N  {:>9}  {:.3} mm",
-        point.frequency_hz, point.force_n, point.regime, point.amplitude_mm
-    ));
-    if point.was_limited() {
-        say(&format!(
-            "note: {} Hz was asked; the controller keeps within its frequency limits (`host-sim link PORT get` prints them)",
-            point.asked_hz
-        ));
     }
 }

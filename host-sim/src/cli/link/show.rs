@@ -13,6 +13,7 @@ use crate::cli::arguments::output::{Format, emit, to_json};
 use crate::cli::terminal::{print, print_if_read};
 use emulator::names::state_name;
 use files::UserError;
+use files::made_from::{MadeFrom, into_json};
 
 /// One line: what a person wants to know at a glance.
 pub fn line(status: &Status) -> String {
@@ -70,7 +71,12 @@ struct FaultAnswer {
     episode: Vec<&'static str>,
 }
 
-pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), UserError> {
+pub fn status(
+    port: &mut Port,
+    hello: &Hello,
+    format: Format,
+    made: &MadeFrom,
+) -> Result<(), UserError> {
     let status = port.status()?;
     let board = port.board()?;
     if format == Format::Json {
@@ -94,7 +100,7 @@ pub fn status(port: &mut Port, hello: &Hello, format: Format) -> Result<(), User
         answer["awaits_acknowledgement"] = board.awaits_acknowledgement.into();
         answer["fault"] = serde_json::to_value(fault)
             .map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
-        print(&to_json(&answer)?);
+        print(&into_json(to_json(&answer)?, made));
         return Ok(());
     }
     print(&format!(
@@ -169,7 +175,13 @@ struct ForecastLine {
     stable: Option<bool>,
 }
 
-pub fn forecast(port: &mut Port, format: Format) -> Result<(), UserError> {
+pub fn forecast(
+    port: &mut Port,
+    hello: &Hello,
+    format: Format,
+    made: &MadeFrom,
+) -> Result<(), UserError> {
+    let settings = super::settings(port)?;
     let (rows, target) = pages(port)?;
     let lines: Vec<_> = rows
         .iter()
@@ -182,8 +194,14 @@ pub fn forecast(port: &mut Port, format: Format) -> Result<(), UserError> {
             stable: row.orbit.map(|orbit| orbit.is_stable()),
         })
         .collect();
-    let answer = serde_json::json!({ "rows": lines, "target": target });
-    emit(format, None, &answer, &lines, || {
+    let answer = serde_json::json!({
+        "rows": lines,
+        "target": target,
+        "board": hello.board.as_str(),
+        "firmware": hello.firmware.as_str(),
+        "settings": settings,
+    });
+    emit(format, Some(made), &answer, &lines, || {
         let mut text = String::from("       Hz  from rest        N  1/1 orbit, N  multiplier\n");
         for line in &lines {
             let number =
