@@ -108,6 +108,40 @@ fn curves_give_a_row_per_gap_and_special_point() {
     );
 }
 
+/// The doubling of the 1/1 over gap and frequency, as one curve: the one-parameter run's at 0.0 mm is its end.
+#[test]
+fn a_curve_over_two_parameters_has_the_one_parameter_run_s_points() {
+    let folder = Folder::new();
+    let line = "orbits --curve gap_mm=0:0.5 --ratio 2.3:2.8 --periods 1 --impacts 1 --starts 3 --searches 2";
+    let ran = folder
+        .run(&format!("{line} --format csv --out out --quiet"))
+        .well();
+    assert_eq!(folder.ends("out/orbits"), [".csv", ".json", ".png", ".svg"]);
+    let json: Value = serde_json::from_str(&folder.read_made("out/orbits", ".json")).unwrap();
+    let curves = json["curves"].as_array().unwrap();
+    assert_eq!(curves.len(), 1, "{curves:?}");
+    assert_eq!(curves[0]["condition"], "period_doubling");
+    assert_eq!(curves[0]["ends"], serde_json::json!(["limit", "limit"]));
+    let rows = csv_rows(&ran.out);
+    assert_eq!(rows.len(), json["points"].as_array().unwrap().len());
+    for row in &rows {
+        assert_eq!(row["parameter_2"], "gap_mm");
+        let multiplier = |k: &str| number(row, k);
+        let nearest = (multiplier("multiplier_1_re") + 1.0).abs();
+        let nearest = nearest.min((multiplier("multiplier_2_re") + 1.0).abs());
+        assert!(nearest < 1e-9, "{row:?}");
+    }
+    let end = rows.iter().find(|r| number(r, "value_2") == 0.0).unwrap();
+    let alone =
+        answer("orbits --gap 0 --ratio 2.3:2.8 --periods 1 --impacts 1 --starts 3 --checks 0");
+    let alone = number(&alone["special_points"][0], "frequency_ratio");
+    assert!((number(end, "value_1") - alone).abs() < 1e-8);
+    assert_svg_shows(
+        &folder.read_made("out/orbits", ".svg"),
+        &["1/1 period doubling", "gap_mm", "frequency_ratio"],
+    );
+}
+
 #[test]
 fn the_text_has_the_branches_the_special_points_and_a_chart() {
     let text = Folder::new().run(&format!("{SHORT} --quiet")).well().out;
@@ -143,6 +177,27 @@ fn what_cannot_be_used_is_refused_in_one_line() {
         ("orbits --gaps 0:1", "--along gap or --curves"),
         ("orbits --curves --gap 1", "use --gaps FROM:TO:STEP"),
         ("orbits --curves --gaps 0:1", "FROM:TO:STEP"),
+        ("orbits --curve gap_mm", "write KEY=FROM:TO"),
+        ("orbits --curve gap=0:3", "did you mean 'gap_mm'?"),
+        ("orbits --curve gap_mm=3:0", "must be below TO"),
+        ("orbits --curve gap_mm=0:3:log", "must be positive with log"),
+        (
+            "orbits --curve damping_ratio=0:0.1",
+            "has no frequency_ratio and damping_ratio",
+        ),
+        ("orbits --curve gap_mm=0:300", "gap_mm"),
+        (
+            "orbits --curve gap_mm=0:3 --gap 1",
+            "--gap does not go with",
+        ),
+        (
+            "orbits --along gap --ratio 2 --curve gap_mm=0:3",
+            "must differ",
+        ),
+        (
+            "orbits --curve gap_mm=0:3 --curve mass_kg=0.2:0.4",
+            "needs the drive frequency",
+        ),
         ("orbits --engine switch", "unexpected argument '--engine'"),
         ("orbits --periods 0", "--periods"),
         ("orbits --starts 0", "--starts"),

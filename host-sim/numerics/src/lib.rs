@@ -32,6 +32,7 @@ pub mod error;
 mod fingerprint;
 pub mod golden;
 pub mod identify;
+pub mod knob;
 pub mod lanes;
 pub mod low_pass;
 pub mod lyapunov;

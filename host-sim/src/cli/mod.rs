@@ -78,7 +78,7 @@ enum Command {
     Map(map::Args),
     /// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
     #[command(
-        after_help = "Examples:\n  host-sim orbits --gap 1 --ratio 1:2.5\n  host-sim orbits --curves --gaps 0:1:0.5 --ratio 1:3"
+        after_help = "Examples:\n  host-sim orbits --gap 1 --ratio 1:2.5\n  host-sim orbits --curves --gaps 0:1:0.5 --ratio 1:3\n  host-sim orbits --curve gap_mm=0:3 --periods 1 --impacts 1 --out out\n  host-sim orbits --curve contact_stiffness_n_per_m=1e6:1e8:log --ratio 1:3"
     )]
     Orbits(orbits::Args),
     /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs

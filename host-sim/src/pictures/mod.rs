@@ -17,6 +17,7 @@ pub mod pick;
 pub mod poincare;
 pub mod regimes;
 pub mod trials;
+pub mod two;
 
 /// `figure` as the files `NAME.svg` and `NAME.png`.
 ///

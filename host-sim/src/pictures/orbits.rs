@@ -106,6 +106,7 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
             "gap over amplitude, gap/A0",
             format!("Ω/ω = {:.4}", hz / diagram.params.natural_frequency_hz()),
         ),
+        Along::Rig { knob, .. } => (knob.name(), "one drive frequency".to_owned()),
     };
     let (low, high) = diagram.request.limits;
     let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));

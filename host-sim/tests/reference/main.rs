@@ -12,3 +12,4 @@ mod scipy;
 mod special_points;
 mod stiff_limit;
 mod support;
+mod two_parameters;

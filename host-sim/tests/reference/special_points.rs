@@ -24,7 +24,7 @@ fn stable(ratio: f64, gap_m: f64) -> Bouncing {
 }
 
 /// The ratio between `low` and `high` at which `test` of the closed form changes sign.
-fn bisected(mut low: f64, mut high: f64, test: impl Fn(f64) -> f64) -> f64 {
+pub fn bisected(mut low: f64, mut high: f64, test: impl Fn(f64) -> f64) -> f64 {
     let sign = test(low).signum();
     assert!(sign != test(high).signum(), "no change of sign");
     for _ in 0..60 {

@@ -6,6 +6,7 @@ use nalgebra::{Matrix5, Vector5};
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
+use crate::knob::Knob;
 use crate::orbit::{CLOSURE, Image, Orbit, Section, after_periods, largest};
 
 /// What is varied along a curve.
@@ -15,6 +16,34 @@ pub enum Along {
     Frequency,
     /// The gap at this drive frequency, Hz. The parameter is gap/A0.
     Gap(f64),
+    /// A number of the rig. The parameter is its value over `unit`.
+    Rig {
+        /// Which.
+        knob: Knob,
+        /// One of the parameter, in the unit of the knob's name.
+        unit: f64,
+        /// The drive.
+        drive: Drive,
+    },
+}
+
+/// The drive frequency of a rig whose numbers vary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// This, Hz.
+    Hz(f64),
+    /// This over the natural frequency, Ω/ω.
+    Ratio(f64),
+}
+
+impl Drive {
+    /// The frequency of a rig, Hz.
+    pub fn hz(self, params: &RigParams) -> f64 {
+        match self {
+            Self::Hz(hz) => hz,
+            Self::Ratio(ratio) => ratio * params.natural_frequency_hz(),
+        }
+    }
 }
 
 /// A place on a curve: coordinate over 5 A0 and rate over 5 A0 ω (as a displacement and a velocity), the parameter, and
@@ -137,6 +166,12 @@ impl Family {
                     ..self.params
                 };
                 (params, frequency_hz)
+            }
+            Along::Rig { knob, unit, drive } => {
+                // A rig without this number stays as it is; the caller has asked for one that has it.
+                let params = knob.set(&self.params, parameter * unit);
+                let params = params.unwrap_or(self.params);
+                (params, drive.hz(&params))
             }
         }
     }

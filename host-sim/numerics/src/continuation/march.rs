@@ -3,7 +3,7 @@
 use super::Special;
 use super::family::{Family, Node, UP, ahead, between, dot, minus};
 use super::locate;
-use crate::orbit::Orbit;
+use crate::orbit::{Orbit, Watch};
 
 /// What ends a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -51,7 +51,7 @@ pub fn march(family: &Family, seed: &Node, limits: (f64, f64), until: Until) -> 
     let mut before: Option<Node> = None;
     let mut stride = 0.5 * STRIDE;
     while nodes.len() < MOST {
-        if let Some(near) = before.as_ref().and_then(|b| Break::ahead(b, &last)) {
+        if let Some(near) = before.as_ref().and_then(|b| Break::of(b, &last)) {
             if near.distance < GRAZING_TOLERANCE {
                 return at_break(nodes, last, near.end);
             }
@@ -122,39 +122,73 @@ fn contacts_alike(a: &Node, b: &Node) -> bool {
     within(&of_a, &of_b) && within(&of_b, &of_a)
 }
 
+/// How far an orbit is from one with another number of contacts: none where no such change is near. All three pass 0
+/// linearly there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Margins {
+    /// Clearance of the nearest miss.
+    pub near_miss: Option<f64>,
+    /// Square of the slowest approach.
+    pub approach: Option<f64>,
+    /// Square of the shortest flight.
+    pub flight: Option<f64>,
+}
+
+impl Margins {
+    /// Of a motion of `period_s`.
+    pub fn new(seen: &Watch, period_s: f64) -> Self {
+        let square = |x: Option<f64>| x.map(|x| x * x);
+        let speeds = seen.grazing_contacts().map(|c| c.approach_speed_m_per_s);
+        Self {
+            near_miss: seen.near_miss_m,
+            approach: square(speeds.reduce(f64::min)),
+            // Only a flight that is shorter than the contacts at its ends is about to vanish.
+            flight: square(seen.shortest_flight(period_s).filter(|share| *share < 1.0)),
+        }
+    }
+
+    /// Of an orbit.
+    pub fn of(orbit: &Orbit) -> Self {
+        Self::new(&orbit.seen, f64::from(orbit.periods) / orbit.frequency_hz)
+    }
+}
+
 /// Where the last two orbits head for another number of contacts.
-struct Break {
+pub(super) struct Break {
     /// What ends the curve there.
-    end: End,
+    pub end: End,
     /// How far along the curve.
-    distance: f64,
+    pub distance: f64,
 }
 
 impl Break {
-    /// The nearest, by the clearance of the nearest miss, the square of the slowest approach and the square of the
-    /// shortest flight: all three pass 0 linearly.
-    fn ahead(before: &Node, last: &Node) -> Option<Self> {
-        let moved = minus(last.place, before.place);
-        let length = dot(moved, moved).sqrt();
-        let (a, b) = (&before.orbit, &last.orbit);
+    /// The nearest, of orbits that are `length` apart.
+    pub fn ahead(length: f64, before: &Margins, last: &Margins) -> Option<Self> {
         let of = |end: End, from: Option<f64>, to: Option<f64>| {
             let (from, to) = (from?, to?);
             let fall = from - to;
             let distance = length * to.max(0.0) / fall;
             (fall > 0.0).then_some(Self { end, distance })
         };
-        let square = |x: Option<f64>| x.map(|x| x * x);
-        // Only a flight that is shorter than the contacts at its ends is about to vanish.
-        let flight = |o: &Orbit| square(o.shortest_flight().filter(|share| *share < 1.0));
-        let approach = |o: &Orbit| square(o.slowest_approach_m_per_s());
         let (gained, lost) = (Special::GrazingGained, Special::GrazingLost);
         let all = [
-            of(End::Special(gained), a.seen.near_miss_m, b.seen.near_miss_m),
-            of(End::Special(lost), approach(a), approach(b)),
-            of(End::Merged, flight(a), flight(b)),
+            of(End::Special(gained), before.near_miss, last.near_miss),
+            of(End::Special(lost), before.approach, last.approach),
+            of(End::Merged, before.flight, last.flight),
         ];
         let all = all.into_iter().flatten();
         all.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// The nearest ahead of two orbits of a curve.
+    fn of(before: &Node, last: &Node) -> Option<Self> {
+        let moved = minus(last.place, before.place);
+        let length = dot(moved, moved).sqrt();
+        Self::ahead(
+            length,
+            &Margins::of(&before.orbit),
+            &Margins::of(&last.orbit),
+        )
     }
 }
 

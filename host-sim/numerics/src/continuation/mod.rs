@@ -9,6 +9,7 @@
 //! - [`mod@diagram`]: every curve that simulation at some frequencies finds, and what they lead to.
 //! - [`curves`]: the special points of the 1/1 over gap and frequency.
 //! - [`table`]: the results as tables.
+//! - [`two`]: doublings, folds and grazes over two parameters, each as one continuation.
 //!
 //! # Why stable orbits lose stability in two ways only
 //! Every contact and every damper takes area: det M = exp(−∫ damping) < 1. A complex pair of multipliers has
@@ -22,9 +23,10 @@ pub mod locate;
 pub mod march;
 pub mod switching;
 pub mod table;
+pub mod two;
 
 pub use diagram::{Curve, Diagram, OrbitsRequest, Origin, Seen, diagram};
-pub use family::{Along, Family, Node};
+pub use family::{Along, Drive, Family, Node};
 pub use march::{End, Until, march};
 
 /// What is special about an orbit on a curve.

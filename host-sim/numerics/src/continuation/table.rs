@@ -215,6 +215,7 @@ impl Answer {
             along: match diagram.request.along {
                 Along::Frequency => "frequency",
                 Along::Gap(_) => "gap",
+                Along::Rig { knob, .. } => knob.name(),
             },
             branches: branches.collect(),
             special_points: specials.collect(),

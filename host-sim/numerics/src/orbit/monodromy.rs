@@ -135,6 +135,17 @@ impl Monodromy {
         1.0 - (a + d) + (a * d - b * c)
     }
 
+    /// The slope of det(λI − M) at λ = 1: where it and [`Self::fold_test`] are 0, two multipliers are +1.
+    pub(crate) fn slope_at_one(&self) -> f64 {
+        if self.size > 2 {
+            let left = Matrix4::identity() - self.matrix();
+            let minor = |i: usize| left.remove_row(i).remove_column(i).determinant();
+            return (0..4).map(minor).sum();
+        }
+        let [[a, _], [_, d]] = self.hammer();
+        2.0 - (a + d)
+    }
+
     /// The direction that the map turns round, M e = −e, at a period doubling.
     pub(crate) fn turned(&self) -> Section {
         if self.size > 2 {

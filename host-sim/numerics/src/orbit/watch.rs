@@ -11,6 +11,8 @@ pub struct Watch {
     pub contacts: Vec<Contact>,
     /// The smallest clearance at which the hammer turned back in flight without touching, m; none: it never did.
     pub near_miss_m: Option<f64>,
+    /// When that was, drive periods since the start.
+    pub near_miss_at: Option<f64>,
     /// The largest value of the contact force inside a contact below zero, N: 0 where it only pushed.
     pub largest_pull_n: f64,
     /// The deepest penetration in flight towards the surface, m: 0 where no contact was overlooked.
@@ -96,6 +98,9 @@ impl Watch {
         }
         let (q, v) = segment.at(before);
         let clearance = -at(q, v).delta;
-        self.near_miss_m = Some(self.near_miss_m.map_or(clearance, |m| m.min(clearance)));
+        if self.near_miss_m.is_none_or(|m| clearance < m) {
+            self.near_miss_m = Some(clearance);
+            self.near_miss_at = Some(segment.cycle as f64 + before / segment.period_s);
+        }
     }
 }

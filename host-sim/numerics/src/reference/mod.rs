@@ -64,6 +64,8 @@ pub struct Segment<'a> {
     pub rig: &'a Rig<f64>,
     /// Whole drive periods before this one.
     pub cycle: u64,
+    /// Drive period, s.
+    pub period_s: f64,
     /// Side of the switch.
     pub mode: Mode,
     /// δ̇⁻ of the contact, m/s.
@@ -308,17 +310,27 @@ impl<R: Scalar> Reference<R> {
     /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
     /// becomes NaN.
     pub fn run_period(&mut self, observer: &mut impl Observer) -> Period<f64> {
+        let period = self.run_until(1.0, observer);
+        self.cycle += 1;
+        self.point.t = R::ZERO;
+        period
+    }
+
+    /// Runs to a later drive `phase` (turns, at most 1) of the present period and returns what happened on the way. If the
+    /// motion cannot be followed, the state becomes NaN.
+    pub fn run_until(&mut self, phase: f64, observer: &mut impl Observer) -> Period<f64> {
+        let end_s = phase * self.period_s;
         let mut period = Period {
             touched: self.mode == Mode::Contact,
             ..Period::default()
         };
         for _ in 0..MAX_STEPS_PER_PERIOD {
-            let to_go = self.period_s - self.point.t.to_f64();
+            let to_go = end_s - self.point.t.to_f64();
             let last = to_go <= self.next_step.min(self.max_step);
             let h = self.next_step.min(self.max_step).min(to_go);
-            // The step that ends the period must end it exactly, whatever time carries derivatives.
+            // The last step must end where it should exactly, whatever time carries derivatives.
             let length = if last {
-                R::from_f64(self.period_s) - self.point.t
+                R::from_f64(end_s) - self.point.t
             } else {
                 R::from_f64(h)
             };
@@ -339,8 +351,6 @@ impl<R: Scalar> Reference<R> {
             }
             self.accept(&step, &mut period, observer);
             if last {
-                self.cycle += 1;
-                self.point.t = R::ZERO;
                 return period;
             }
             self.next_step = tableau::next(h, step.error);
@@ -388,6 +398,7 @@ impl<R: Scalar> Reference<R> {
         observer.segment(&Segment {
             rig: &self.plain,
             cycle: self.cycle,
+            period_s: self.period_s,
             mode: self.mode,
             approach: self.approach.to_f64(),
             start,

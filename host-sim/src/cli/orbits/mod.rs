@@ -1,17 +1,21 @@
 //! `host-sim orbits`.
 
+mod curve;
+mod lines;
+
 use clap::ValueEnum;
 
-use super::arguments::output::OutputArgs;
-use super::arguments::range::parse_range;
-use super::arguments::rig::{CartArg, RigArgs, at_gap};
+use curve::{CurveOver, parse_curve};
+
+use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::continuation::table::{Answer, BranchRow, SpecialRow, line_rows};
-use numerics::continuation::{Along, End, OrbitsRequest, Special, curves, diagram};
+use numerics::continuation::table::{Answer, BranchRow, SpecialRow};
+use numerics::continuation::{Along, End, OrbitsRequest, diagram};
 use numerics::orbit::Stability;
 use plot::chart::Chart;
 use shared::model::contact::Law;
@@ -68,6 +72,15 @@ pub struct Args {
     #[arg(long)]
     curves: bool,
 
+    /// Period doublings, folds and grazes followed over what is varied and a second parameter, each as one continuation.
+    /// Given twice: over these two, at one drive frequency
+    #[arg(long, value_name = "KEY=FROM:TO[:log]", value_parser = parse_curve, conflicts_with_all = ["curves", "behind"])]
+    curve: Vec<CurveOver>,
+
+    /// Values of the second parameter of --curve at which orbits are looked for
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "curve", value_parser = clap::value_parser!(u16).range(1..=200))]
+    searches: u16,
+
     #[command(flatten)]
     rig: RigArgs,
 
@@ -85,7 +98,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &output.about([&rig])?;
     output.doubt(&rig);
     if args.curves {
-        return run_curves(args, output, &rig);
+        return lines::run(args, output, &rig);
+    }
+    if !args.curve.is_empty() {
+        return curve::run(args, output, &rig);
     }
     let request = request(args, &rig)?;
     let progress = Progress::new("starts", request.simulations(), output.quiet);
@@ -106,37 +122,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         output.write(dir, contents)?;
     }
     output.emit(&answer, &answer.orbits, || text(&answer))
-}
-
-fn run_curves(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserError> {
-    let misplaced = [
-        ("--gap", args.rig.has_gap_option(), "--gaps"),
-        ("--along gap", args.along == Axis::Gap, "--gaps"),
-    ];
-    if let Some((option, _, mend)) = misplaced.iter().find(|(_, given, _)| *given) {
-        return Err(UserError::new(format!(
-            "{option} does not go with --curves, which takes many gaps; use {mend} FROM:TO:STEP"
-        )));
-    }
-    let gaps = args.gaps.as_deref().unwrap_or("0:3.56:0.04");
-    let gaps_m = parse_range(gaps).map_err(|e| UserError::new(format!("--gaps {gaps}: {e}")))?;
-    let gaps_m: Vec<f64> = gaps_m.into_iter().map(|mm| mm * 1e-3).collect();
-    for gap_m in [gaps_m.first(), gaps_m.last()].into_iter().flatten() {
-        at_gap(&rig.params, gap_m * 1e3, "--gaps")?;
-    }
-    let ratios = ratios(args, rig)?;
-    let progress = Progress::new("gaps", gaps_m.len() as u64, output.quiet);
-    let starts = usize::from(args.starts);
-    let lines = curves::lines(&rig.params, &gaps_m, ratios, starts, &progress)?;
-    progress.finish();
-    let rows = line_rows(&rig.params, &lines);
-    if let Some(dir) = &output.out {
-        let figure = pictures::orbits::lines_figure(&rig.name, &rig.params, &lines);
-        let mut contents = drawn(&output.name(""), &figure)?;
-        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&rows, &rows, || curves_text(&rows))
 }
 
 fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
@@ -359,40 +344,4 @@ fn special_line(point: &SpecialRow) -> String {
         point.force_ratio,
         point.multiplier_modulus
     )
-}
-
-fn curves_text(rows: &[SpecialRow]) -> String {
-    let mut text = format!(
-        "{:<20} {:>6} {:>20} {:>24}\n",
-        "line of the 1/1", "points", "gaps, mm", "frequencies, Hz"
-    );
-    let mut from = 0;
-    while from < rows.len() {
-        let name = &rows[from].branch;
-        let count = rows[from..]
-            .iter()
-            .take_while(|r| r.branch == *name)
-            .count();
-        let line = &rows[from..from + count];
-        let (first, last) = (&line[0], &line[count - 1]);
-        text += &format!(
-            "{:<20} {:>6} {:>20} {:>24}\n",
-            name,
-            count,
-            format!("{:.3} to {:.3}", first.gap_mm, last.gap_mm),
-            format!("{:.5} to {:.5}", first.frequency_hz, last.frequency_hz)
-        );
-        from += count;
-    }
-    let mut chart = Chart::new("gap, mm", "drive frequency, Hz");
-    for kind in Special::ALL {
-        let points = rows.iter().filter(|r| r.special == kind);
-        let points: Vec<_> = points.map(|r| (r.gap_mm, r.frequency_hz)).collect();
-        if !points.is_empty() {
-            chart = chart.points(kind.label(), points);
-        }
-    }
-    text.push('\n');
-    text += &chart.render();
-    text
 }

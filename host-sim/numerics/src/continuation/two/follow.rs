@@ -1,0 +1,265 @@
+//! Steps along a curve over two parameters, and what ends it.
+
+use super::graze::Windows;
+use super::starts::Seed;
+use super::{Codimension, Condition, Curve, Point, System, ahead, dot, length, marks, minus};
+use crate::continuation::End;
+use crate::continuation::march::Break;
+use crate::error::Error;
+use crate::progress::{Progress, check, step};
+
+/// Longest step.
+const STRIDE: f64 = 0.06;
+/// A shorter step than this ends the curve.
+const SHORTEST: f64 = 1e-7;
+/// A change of contacts is located when it is predicted nearer than this.
+const BREAK_TOLERANCE: f64 = 1e-7;
+/// The curve may turn by this much per step: the cosine of 14°.
+const STRAIGHT: f64 = 0.97;
+/// More points than this on one curve are not followed.
+const MOST: usize = 4000;
+/// A contact that begins this many drive periods away is another.
+const OTHER: f64 = 0.08;
+
+/// The curves through `seeds`, each once. A step of progress is a seed.
+///
+/// # Errors
+/// If the work is interrupted.
+pub fn followed(seeds: &[Seed], progress: &dyn Progress) -> Result<Vec<Curve>, Error> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for seed in seeds {
+        if !curves.iter().any(|curve| curve.passes(seed)) {
+            curves.push(follow(seed, progress)?);
+        }
+        step(progress, 1)?;
+    }
+    let order = |c: &Curve| {
+        let kind = Condition::ALL.iter().position(|k| *k == c.condition);
+        (kind, c.periods, c.impacts())
+    };
+    curves.sort_by_key(order);
+    Ok(curves)
+}
+
+/// The curve through `seed`, both ways.
+///
+/// # Errors
+/// If the work is interrupted.
+pub fn follow(seed: &Seed, progress: &dyn Progress) -> Result<Curve, Error> {
+    let start = &seed.point;
+    let back = start.clone().turned();
+    let ((onwards, high), (behind, low)) = rayon::join(
+        || march(seed.system, start, progress),
+        || march(seed.system, &back, progress),
+    );
+    check(progress)?;
+    let (behind, low) = if high == End::Closed {
+        (Vec::new(), End::Closed)
+    } else {
+        (behind, low)
+    };
+    let mut points: Vec<Point> = behind.into_iter().rev().map(Point::turned).collect();
+    points.push(start.clone());
+    points.extend(onwards);
+    let mut curve = Curve {
+        condition: seed.system.condition,
+        periods: seed.system.periods,
+        points,
+        ends: [low, high],
+        system: seed.system,
+    };
+    marks::at_ends(&mut curve);
+    Ok(curve)
+}
+
+impl Curve {
+    /// Its points at one value of one of the parameters (0 or 1).
+    pub fn at(&self, parameter: usize, value: f64) -> Vec<Point> {
+        let place = self.system.plane.dimensions[parameter].place(value);
+        let pairs = self.points.windows(2).filter_map(|pair| {
+            let (a, b) = (&pair[0], &pair[1]);
+            let (from, to) = (a.parameters()[parameter], b.parameters()[parameter]);
+            let s = (place - from) / (to - from);
+            if !(0.0..=1.0).contains(&s) {
+                return None;
+            }
+            let mut guess = ahead(&a.x, s, &minus(&b.x, &a.x));
+            let n = guess.len();
+            guess[n - 2 + parameter] = place;
+            adapted(self.system, a).correct_at(&guess, parameter)
+        });
+        pairs.collect()
+    }
+
+    /// Whether `seed` lies on it.
+    fn passes(&self, seed: &Seed) -> bool {
+        /// Values of a parameter that differ by less are the same.
+        const SAME: f64 = 1e-6;
+        let wanted = &seed.point;
+        if self.condition != seed.system.condition
+            || self.periods != seed.system.periods
+            || self.impacts() != wanted.impacts
+        {
+            return false;
+        }
+        let [first, second] = wanted.parameters();
+        self.points.windows(2).any(|pair| {
+            let (a, b) = (&pair[0], &pair[1]);
+            let ([a1, a2], [b1, b2]) = (a.parameters(), b.parameters());
+            let inside = (a2.min(b2) - SAME..=a2.max(b2) + SAME).contains(&second);
+            let s = if a2 == b2 {
+                0.0
+            } else {
+                ((second - a2) / (b2 - a2)).clamp(0.0, 1.0)
+            };
+            let reach = 0.02 + (b1 - a1).abs();
+            if !inside || (a1 + s * (b1 - a1) - first).abs() > reach {
+                return false;
+            }
+            let mut guess = ahead(&a.x, s, &minus(&b.x, &a.x));
+            let n = guess.len();
+            guess[n - 1] = second;
+            let system = adapted(self.system, a);
+            let there = system.correct_at(&guess, 1);
+            there.is_some_and(|p| (p.parameters()[0] - first).abs() < SAME)
+        })
+    }
+}
+
+/// `system` with the flights around the touch at `point`.
+pub fn adapted(system: System, point: &Point) -> System {
+    let mut system = system;
+    if let (Condition::Grazing, Some(contacts)) = (system.condition, &point.flights) {
+        let phase = point.x[0].rem_euclid(1.0);
+        system.windows = Windows::between(contacts, point.frequency_hz, phase, system.periods);
+    }
+    system
+}
+
+/// The points from `seed` on (without it), and what ends them.
+fn march(system: System, seed: &Point, progress: &dyn Progress) -> (Vec<Point>, End) {
+    let mut points: Vec<Point> = Vec::new();
+    let mut last = seed.clone();
+    let mut before: Option<Point> = None;
+    let mut stride = 0.5 * STRIDE;
+    while points.len() < MOST && !progress.interrupted() {
+        let system = adapted(system, &last);
+        if let Some(near) = before.as_ref().and_then(|b| heading(b, &last)) {
+            if near.distance < BREAK_TOLERANCE {
+                return (points, near.end);
+            }
+            stride = stride.min(0.9 * near.distance);
+        }
+        let Some(next) = next(&system, &last, stride) else {
+            stride *= 0.5;
+            if stride < SHORTEST {
+                return (points, ended(&last, before.as_ref()));
+            }
+            continue;
+        };
+        if let Some(cut) = at_limit(&system, &last, &next) {
+            points.extend(marks::between(&system, &last, &cut));
+            points.push(cut);
+            return (points, End::Limit);
+        }
+        points.extend(marks::between(&system, &last, &next));
+        let closed = back_at(seed, &last, &next);
+        points.push(next.clone());
+        if closed {
+            return (points, End::Closed);
+        }
+        before = Some(std::mem::replace(&mut last, next));
+        stride = (1.5 * stride).min(STRIDE);
+    }
+    (points, End::Lost)
+}
+
+fn heading(before: &Point, last: &Point) -> Option<Break> {
+    let apart = length(&minus(&last.x, &before.x));
+    Break::ahead(apart, &before.margins, &last.margins)
+}
+
+/// The next point, if it is one of the same curve: the same contacts, and no sharp turn.
+fn next(system: &System, last: &Point, stride: f64) -> Option<Point> {
+    let guess = ahead(&last.x, stride, &last.tangent);
+    let next = system.correct(&guess, &last.tangent)?;
+    let moved = minus(&next.x, &last.x);
+    let near = dot(&moved, &moved) < 2.0 * stride * stride;
+    let straight = dot(&next.tangent, &last.tangent) > STRAIGHT;
+    let leaves = next.leaving.is_none_or(|a| a > 0.0);
+    let alike = alike(last, &next, f64::from(system.periods));
+    (near && straight && leaves && alike).then_some(next)
+}
+
+/// Whether both have the same contacts, at about the same phases.
+fn alike(a: &Point, b: &Point, round: f64) -> bool {
+    let apart = |x: f64, y: f64| {
+        let off = (x - y).rem_euclid(round);
+        off.min(round - off)
+    };
+    let within = |all: &[f64], others: &[f64]| {
+        (all.iter()).all(|x| others.iter().any(|y| apart(*x, *y) < OTHER))
+    };
+    a.impacts == b.impacts
+        && a.onsets.len() == b.onsets.len()
+        && within(&a.onsets, &b.onsets)
+        && within(&b.onsets, &a.onsets)
+}
+
+/// No further point was found: what is near at the last.
+fn ended(last: &Point, before: Option<&Point>) -> End {
+    /// What is predicted nearer than this has ended the curve.
+    const NEAR: f64 = 1e-4;
+    let near = before.and_then(|b| heading(b, last));
+    near.filter(|near| near.distance < NEAR)
+        .map_or(End::Lost, |near| near.end)
+}
+
+/// The curve cut at the limit that lies between `last` and `next`.
+fn at_limit(system: &System, last: &Point, next: &Point) -> Option<Point> {
+    let mut nearest: Option<(f64, usize, f64)> = None;
+    let (from, to) = (last.parameters(), next.parameters());
+    for k in 0..2 {
+        let (low, high) = system.plane.dimensions[k].limits();
+        for (limit, beyond) in [(low, to[k] < low), (high, to[k] > high)] {
+            let s = ((limit - from[k]) / (to[k] - from[k])).clamp(0.0, 1.0);
+            if beyond && nearest.is_none_or(|(t, ..)| s < t) {
+                nearest = Some((s, k, limit));
+            }
+        }
+    }
+    let (s, k, limit) = nearest?;
+    let mut guess = ahead(&last.x, s, &minus(&next.x, &last.x));
+    let n = guess.len();
+    guess[n - 2 + k] = limit;
+    // A curve that touches the limit only may have no point there: it ends where it was.
+    let cut = system.correct_at(&guess, k).unwrap_or_else(|| last.clone());
+    let along = dot(&cut.tangent, &last.tangent) >= 0.0;
+    Some(if along { cut } else { cut.turned() })
+}
+
+/// Whether the step from `last` to `next` has come back to `seed`.
+fn back_at(seed: &Point, last: &Point, next: &Point) -> bool {
+    let step = minus(&next.x, &last.x);
+    let to_seed = minus(&seed.x, &last.x);
+    let share = dot(&to_seed, &step) / dot(&step, &step);
+    if !(0.0..=1.0).contains(&share) || last.x == seed.x {
+        return false;
+    }
+    let off = minus(
+        &to_seed,
+        &step.iter().map(|x| share * x).collect::<Vec<_>>(),
+    );
+    dot(&off, &off) < 0.01 * dot(&step, &step) && dot(&seed.tangent, &next.tangent) > STRAIGHT
+}
+
+/// What ends a curve, as a second condition.
+pub fn mark_of(system: &System, end: End, last: &Point) -> Option<Codimension> {
+    /// A touch left slower than this, over A0 Ω², is about to be none.
+    const PRESSED: f64 = 1e-3;
+    match end {
+        End::Special(_) => Some(system.with_graze()),
+        End::Lost if last.leaving.is_some_and(|a| a < PRESSED) => Some(Codimension::PressedGraze),
+        _ => None,
+    }
+}

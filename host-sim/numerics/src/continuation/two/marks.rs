@@ -1,0 +1,104 @@
+//! Points of codimension two: where a curve has a second condition.
+
+use super::follow::mark_of;
+use super::{Codimension, Condition, Curve, Point, System, ahead, dot, length, minus};
+
+/// A mark is located to this far along the curve.
+const TOLERANCE: f64 = 1e-9;
+
+/// A function of a point that passes 0 at a mark.
+type Test<'a> = Box<dyn Fn(&Point) -> f64 + 'a>;
+
+/// The marks between two neighbouring points, in their order.
+pub fn between(system: &System, a: &Point, b: &Point) -> Vec<Point> {
+    let doubling: fn(&Point) -> f64 = |p| p.tests[0];
+    let fold: fn(&Point) -> f64 = |p| p.tests[1];
+    let mut tests: Vec<(Codimension, Test)> = Vec::new();
+    match system.condition {
+        Condition::PeriodDoubling => tests.push((Codimension::FoldDoubling, Box::new(fold))),
+        Condition::Fold => {
+            tests.push((Codimension::FoldDoubling, Box::new(doubling)));
+            // The parameters stand still and turn back there.
+            let onwards = shift(a);
+            tests.push((
+                Codimension::Cusp,
+                Box::new(move |p| dot(&shift(p), &onwards)),
+            ));
+            if system.recoils() {
+                tests.push((Codimension::Resonance, Box::new(|p| p.tests[2])));
+            }
+        }
+        Condition::Grazing => {
+            tests.push((Codimension::FoldGraze, Box::new(fold)));
+            tests.push((Codimension::DoublingGraze, Box::new(doubling)));
+        }
+    }
+    let mut found: Vec<Point> = tests
+        .into_iter()
+        .filter_map(|(kind, test)| {
+            let mut point = root(system, a, b, &test)?;
+            point.mark = Some(kind);
+            let still = length(&shift(&point)) < 1e-3;
+            (kind != Codimension::Cusp || still).then_some(point)
+        })
+        .collect();
+    let along = |p: &Point| dot(&minus(&p.x, &a.x), &a.tangent);
+    found.sort_by(|p, q| along(p).total_cmp(&along(q)));
+    found
+}
+
+/// How both parameters go on along the curve.
+fn shift(point: &Point) -> Vec<f64> {
+    let n = point.tangent.len();
+    point.tangent[n - 2..].to_vec()
+}
+
+/// The point between `a` and `b` at which `test` passes 0, if it does, by false position (the Illinois variant).
+fn root(system: &System, a: &Point, b: &Point, test: &Test) -> Option<Point> {
+    let (mut low, mut high) = ((0.0, test(a)), (1.0, test(b)));
+    if low.1.signum() == high.1.signum() {
+        return None;
+    }
+    let chord = minus(&b.x, &a.x);
+    let (mut best, mut side): (Option<Point>, i32) = (None, 0);
+    for _ in 0..60 {
+        let s = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
+        let point = system.correct(&ahead(&a.x, s, &chord), &a.tangent)?;
+        let value = test(&point);
+        let moved = best
+            .as_ref()
+            .map_or(f64::INFINITY, |p| length(&minus(&p.x, &point.x)));
+        best = Some(point);
+        if value == 0.0 || moved < 0.1 * TOLERANCE {
+            break;
+        }
+        let (end, other, own) = if value.signum() == low.1.signum() {
+            (&mut low, &mut high, -1)
+        } else {
+            (&mut high, &mut low, 1)
+        };
+        *end = (s, value);
+        if side == own {
+            other.1 *= 0.5;
+        }
+        side = own;
+    }
+    best
+}
+
+/// Marks the first and the last point, where what ends the curve there is a second condition.
+pub fn at_ends(curve: &mut Curve) {
+    let [low, high] = curve.ends;
+    let system = curve.system;
+    for (end, first) in [(low, true), (high, false)] {
+        let point = if first {
+            curve.points.first_mut()
+        } else {
+            curve.points.last_mut()
+        };
+        if let Some(point) = point {
+            let mark = mark_of(&system, end, point);
+            point.mark = point.mark.or(mark);
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The hammer with its bending modes in a cart that may recoil, and its 1/1 orbits.
+//!
+//! With a spring-dashpot contact both phases of the motion, flight and contact, are linear and driven by a sine. The state
+//! with sin Ωt, cos Ωt and 1 beside it moves by Ż = A Z with one constant matrix per phase, so a step of any length is a
+//! matrix exponential, exact but for rounding, and the derivative of the return map is a product of such matrices and of
+//! the saltations at the switches.
+//!
+//! The modes are those of [`super::ModalRig`], now under the cart's own acceleration ÿ,
+//! m_i (η̈_i + 2ζω_i η̇_i + ω_i² η_i) = −Γ_i ÿ − F, and momentum gives that of the cart, y = y* + e: with the shaker's force
+//! Fs of [`shared::model::cart`],
+//!
+//! (M + m + m_b − Σ Γ_i²/m_i) ÿ = Fs + Σ Γ_i (F/m_i + 2ζω_i η̇_i + ω_i² η_i).
+//!
+//! Lengths are in A0 and times in 1/Ω.
+
+mod orbit;
+mod run;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::TAU;
+
+use shared::model::cart::{CartDrive, LoopParams};
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
+
+use super::dense::{Square, dot};
+use super::{Beam, ModalRig};
+use crate::error::{Error, ModesError};
+
+pub use orbit::ModalOrbit;
+
+/// A step turns the fastest motion by no more than this, rad.
+const TURN_PER_STEP: f64 = 0.5;
+
+/// A shaker that holds a cart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// The position loop.
+    pub held: LoopParams,
+    /// Mass M of the cart, kg.
+    pub cart_kg: f64,
+    /// Mass of hammer and springs, kg.
+    pub hung_kg: f64,
+}
+
+/// The motion at one drive frequency.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Number of modes.
+    modes: usize,
+    /// Whether the cart recoils.
+    recoils: bool,
+    frequency_hz: f64,
+    /// A0 Ω² and A0 Ω.
+    units: (f64, f64),
+    free: Phase,
+    pressing: Phase,
+    /// δ/A0, δ̇/(A0 Ω) and the law's F/(A0 Ω²), kg, as rows on the state.
+    delta: Vec<f64>,
+    rate: Vec<f64>,
+    force: Vec<f64>,
+    /// Base step.
+    step: f64,
+}
+
+/// One of the two linear phases.
+#[derive(Clone, Debug)]
+struct Phase {
+    a: Square,
+    /// e^(A h), e^(2 A h), e^(4 A h) ...
+    ladder: Vec<Square>,
+}
+
+impl Phase {
+    fn new(a: Square, step: f64) -> Self {
+        let mut ladder = vec![a.exponential(step)];
+        while step * 2.0_f64.powi(ladder.len() as i32) < TAU {
+            let last = &ladder[ladder.len() - 1];
+            ladder.push(last.times(last));
+        }
+        Self { a, ladder }
+    }
+
+    /// e^(A t).
+    fn over(&self, t: f64, step: f64) -> Square {
+        let whole = (t / step).floor();
+        let mut product = self.a.exponential(t - whole * step);
+        for (k, power) in self.ladder.iter().enumerate() {
+            if (whole as u64) >> k & 1 == 1 {
+                product = power.times(&product);
+            }
+        }
+        product
+    }
+}
+impl Motion {
+    /// `params` with the `count` lowest modes of `beam` at `frequency_hz`, its cart as in `params`.
+    ///
+    /// # Errors
+    /// As [`ModalRig::new`], except that a gap may be negative: the orbits are not those of a start from rest, free of the
+    /// surface. Also if the frequency is not a positive number.
+    pub fn of(
+        params: &RigParams,
+        beam: Beam,
+        count: usize,
+        frequency_hz: f64,
+    ) -> Result<Self, Error> {
+        let open = RigParams {
+            gap_m: params.gap_m.max(0.0),
+            ..*params
+        };
+        let mut rig = ModalRig::new(&open, beam, count)?;
+        rig.gap_m = params.gap_m;
+        if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
+            return Err(Error::Frequency(frequency_hz));
+        }
+        let held = match params.cart {
+            CartDrive::Prescribed => None,
+            CartDrive::Loop(held) => Some(Held {
+                held,
+                cart_kg: params.cart_mass_kg,
+                hung_kg: params.mass_kg * (1.0 + beam.mass_ratio),
+            }),
+        };
+        Self::new(&rig, held, frequency_hz)
+    }
+
+    /// `rig` at `frequency_hz`, held by `held` or prescribed.
+    ///
+    /// # Errors
+    /// If the law is not the spring-dashpot.
+    pub fn new(rig: &ModalRig, held: Option<Held>, frequency_hz: f64) -> Result<Self, Error> {
+        let Law::SpringDashpot { stiffness, damping } = rig.law else {
+            return Err(ModesError::Law.into());
+        };
+        let omega = TAU * frequency_hz;
+        let n = rig.modes.len();
+        let size = 2 * n + if held.is_some() { 2 } else { 0 } + 3;
+        let one = size - 1;
+        let (mut delta, mut rate) = (vec![0.0; size], vec![0.0; size]);
+        delta[..n].fill(1.0);
+        delta[one] = -rig.gap_m / rig.amplitude_m;
+        rate[n..2 * n].fill(1.0);
+        let force: Vec<f64> = (0..size)
+            .map(|i| (stiffness * delta[i] / omega + damping * rate[i]) / omega)
+            .collect();
+        let inverse_mass: f64 = rig.modes.iter().map(|m| 1.0 / m.mass_kg).sum();
+        let highest = rig.modes.iter().map(|m| m.omega).fold(0.0, f64::max);
+        let in_contact = (stiffness * inverse_mass)
+            .sqrt()
+            .max(damping * inverse_mass);
+        let step = TURN_PER_STEP * omega / highest.max(in_contact);
+        let phase = |force: &[f64]| Phase::new(field(rig, held, omega, force), step);
+        Ok(Self {
+            modes: n,
+            recoils: held.is_some(),
+            frequency_hz,
+            units: (rig.amplitude_m * omega * omega, rig.amplitude_m * omega),
+            free: phase(&vec![0.0; size]),
+            pressing: phase(&force),
+            delta,
+            rate,
+            force,
+            step,
+        })
+    }
+
+    /// Size of the section.
+    fn section_size(&self) -> usize {
+        2 * self.modes + if self.recoils { 2 } else { 0 }
+    }
+
+    /// The state at drive phase 0 over a section point.
+    fn at_phase_zero(&self, section: &[f64]) -> Vec<f64> {
+        let mut z = section.to_vec();
+        z.extend([0.0, 1.0, 1.0]);
+        z
+    }
+
+    fn phase(&self, touching: bool) -> &Phase {
+        if touching { &self.pressing } else { &self.free }
+    }
+
+    /// Whether the hammer touches and pushes.
+    fn pushes(&self, z: &[f64]) -> bool {
+        dot(&self.delta, z) > 0.0 && dot(&self.force, z) > 0.0
+    }
+}
+
+/// The matrix of a phase whose contact force over A0 Ω² is `force`, as a row on the state.
+fn field(rig: &ModalRig, held: Option<Held>, omega: f64, force: &[f64]) -> Square {
+    let size = force.len();
+    let (n, sine) = (rig.modes.len(), size - 3);
+    let mut a = Square::zero(size);
+    a.row_mut(sine)[sine + 1] = 1.0;
+    a.row_mut(sine + 1)[sine] = -1.0;
+    // What spring and damper of mode i hold back, over its mass.
+    let holding = |i: usize| {
+        let (own, mut row) = (rig.modes[i].omega / omega, vec![0.0; size]);
+        row[i] = own * own;
+        row[n + i] = 2.0 * rig.damping_ratio * own;
+        row
+    };
+    let mut cart = vec![0.0; size];
+    cart[sine] = -1.0;
+    if let Some(Held {
+        held,
+        cart_kg,
+        hung_kg,
+    }) = held
+    {
+        let own = TAU * held.frequency_hz / omega;
+        let carried: f64 = rig
+            .modes
+            .iter()
+            .map(|m| m.participation_kg * m.participation_kg / m.mass_kg)
+            .sum();
+        let moved = cart_kg + hung_kg - carried;
+        let mut push = vec![0.0; size];
+        push[2 * n] = -cart_kg * own * own;
+        push[2 * n + 1] = -2.0 * held.damping_ratio * cart_kg * own;
+        push[sine] = -held.feed_forward * cart_kg;
+        for (i, mode) in rig.modes.iter().enumerate() {
+            for (sum, (h, f)) in push.iter_mut().zip(holding(i).iter().zip(force)) {
+                *sum += mode.participation_kg * (h + f / mode.mass_kg);
+            }
+        }
+        cart = push.iter().map(|x| x / moved).collect();
+        a.row_mut(2 * n)[2 * n + 1] = 1.0;
+        let deviation = a.row_mut(2 * n + 1);
+        deviation.copy_from_slice(&cart);
+        deviation[sine] += 1.0;
+    }
+    for (i, mode) in rig.modes.iter().enumerate() {
+        a.row_mut(i)[n + i] = 1.0;
+        let held_back = holding(i);
+        let row = a.row_mut(n + i);
+        for k in 0..size {
+            row[k] = -(mode.participation_kg * cart[k] + force[k]) / mode.mass_kg - held_back[k];
+        }
+    }
+    a
+}

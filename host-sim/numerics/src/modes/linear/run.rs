@@ -1,0 +1,201 @@
+//! One drive period of the motion: its pieces, its switches, and what it saw.
+
+use std::f64::consts::TAU;
+
+use super::Motion;
+use crate::modes::dense::{Square, dot};
+
+/// Halvings of a step in which a switch is located.
+const HALVINGS: u32 = 44;
+/// Onsets in a period beyond which it is given up.
+const MOST_ONSETS: u32 = 60;
+
+/// What happened in a period.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Seen {
+    pub onsets: u32,
+    /// Largest F/(A0 Ω²), kg, and the approach speed of its contact.
+    pub force: f64,
+    pub approach: f64,
+    /// Phases passed: whether in contact, and for how long; after each but the last a saltation.
+    pub pieces: Vec<(bool, f64)>,
+    pub saltations: Vec<Square>,
+}
+impl Motion {
+    /// Runs from drive phase 0 to drive phase 0. `None` if the motion cannot be followed.
+    pub(super) fn run(&self, section: &[f64], mut seen: Option<&mut Seen>) -> Option<Vec<f64>> {
+        let mut z = self.at_phase_zero(section);
+        let mut touching = self.pushes(&z);
+        let (mut left, mut since, mut onsets) = (TAU, 0.0, 0_u32);
+        let mut approach = dot(&self.rate, &z);
+        let mut next = z.clone();
+        loop {
+            let phase = self.phase(touching);
+            let last = left <= self.step;
+            let h = if last { left } else { self.step };
+            if last {
+                next = phase.a.exponential_of(h, &z);
+            } else {
+                phase.ladder[0].apply(&z, &mut next);
+            }
+            let switch = self.switch_within(touching, &z, &next, h);
+            if touching && let Some(seen) = seen.as_deref_mut() {
+                let until = switch.unwrap_or(h);
+                let top = self.largest_force(&z, until);
+                if top > seen.force {
+                    (seen.force, seen.approach) = (top, approach);
+                }
+            }
+            let Some(t) = switch else {
+                since += h;
+                if last {
+                    if let Some(seen) = seen {
+                        seen.onsets = onsets;
+                        seen.pieces.push((touching, since));
+                    }
+                    next.truncate(self.section_size());
+                    return next.iter().all(|x| x.is_finite()).then_some(next);
+                }
+                left -= h;
+                std::mem::swap(&mut z, &mut next);
+                continue;
+            };
+            z = phase.a.exponential_of(t, &z);
+            left -= t;
+            if let Some(seen) = seen.as_deref_mut() {
+                seen.pieces.push((touching, since + t));
+                seen.saltations.push(self.saltation(touching, &z)?);
+            }
+            (touching, since) = (!touching, 0.0);
+            if touching {
+                approach = dot(&self.rate, &z);
+                onsets += 1;
+                if onsets > MOST_ONSETS {
+                    return None;
+                }
+            }
+        }
+    }
+
+    /// When the hammer switches within a step of length `h` that begins at `z` and ends at `end`, as time since `z`: the
+    /// first instant at which it is seen to push (or no more to).
+    fn switch_within(&self, touching: bool, z: &[f64], end: &[f64], h: f64) -> Option<f64> {
+        let phase = self.phase(touching);
+        let switched = |z: &[f64]| self.pushes(z) != touching;
+        let mut high = if switched(end) {
+            h
+        } else {
+            // A short contact, or a short hop, inside the step: at the extreme of what is watched.
+            let watched = if !touching && dot(&self.delta, z).min(dot(&self.delta, end)) < 0.0 {
+                &self.delta
+            } else {
+                &self.force
+            };
+            let slope = |z: &[f64]| {
+                let mut rate = vec![0.0; z.len()];
+                phase.a.apply(z, &mut rate);
+                dot(watched, &rate)
+            };
+            let turns = if touching {
+                slope(z) < 0.0 && slope(end) > 0.0
+            } else {
+                slope(z) > 0.0 && slope(end) < 0.0
+            };
+            if !turns {
+                return None;
+            }
+            let inside = bisect(h, 30, |t| {
+                let there = slope(&phase.a.exponential_of(t, z));
+                if touching { there > 0.0 } else { there < 0.0 }
+            });
+            if !switched(&phase.a.exponential_of(inside, z)) {
+                return None;
+            }
+            inside
+        };
+        // Just after a switch the state is on the border and may round to either side.
+        if switched(z) {
+            high = high.min(h);
+            let early = phase.a.exponential_of(1e-6 * h, z);
+            if switched(&early) {
+                return Some(1e-6 * h);
+            }
+        }
+        Some(bisect(high, HALVINGS, |t| {
+            switched(&phase.a.exponential_of(t, z))
+        }))
+    }
+
+    /// The largest force within `h` from `z` on, in contact.
+    fn largest_force(&self, z: &[f64], h: f64) -> f64 {
+        let a = &self.pressing.a;
+        let slope = |z: &[f64]| {
+            let mut rate = vec![0.0; z.len()];
+            a.apply(z, &mut rate);
+            dot(&self.force, &rate)
+        };
+        let end = a.exponential_of(h, z);
+        let ends = dot(&self.force, z).max(dot(&self.force, &end));
+        if slope(z) > 0.0 && slope(&end) < 0.0 {
+            let top = bisect(h, 30, |t| slope(&a.exponential_of(t, z)) < 0.0);
+            return ends.max(dot(&self.force, &a.exponential_of(top, z)));
+        }
+        ends
+    }
+
+    /// What the switch out of `touching` at `z` makes of a small deviation. `None` where it grazes.
+    fn saltation(&self, touching: bool, z: &[f64]) -> Option<Square> {
+        let size = z.len();
+        let (mut before, mut after) = (vec![0.0; size], vec![0.0; size]);
+        self.phase(touching).a.apply(z, &mut before);
+        self.phase(!touching).a.apply(z, &mut after);
+        // An onset is where the later of the two becomes positive; a release, where the force vanishes.
+        let by_force =
+            touching || dot(&self.force, z) / self.stiffness_unit() < dot(&self.delta, z);
+        let normal = if by_force { &self.force } else { &self.delta };
+        let crossing = dot(normal, &before);
+        if crossing == 0.0 {
+            return None;
+        }
+        let mut saltation = Square::one(size);
+        for i in 0..size {
+            let jump = (after[i] - before[i]) / crossing;
+            for (x, n) in saltation.row_mut(i).iter_mut().zip(normal) {
+                *x += jump * n;
+            }
+        }
+        Some(saltation)
+    }
+
+    /// F/(A0 Ω²) per δ/A0, kg.
+    fn stiffness_unit(&self) -> f64 {
+        self.force[0]
+    }
+    /// Where `periods` drive periods from rest lead.
+    pub fn from_rest(&self, periods: u32) -> Option<Vec<f64>> {
+        self.after(&vec![0.0; self.section_size()], periods)
+    }
+
+    /// Where `periods` drive periods lead from `section`.
+    pub fn after(&self, section: &[f64], periods: u32) -> Option<Vec<f64>> {
+        let mut at = section.to_vec();
+        for _ in 0..periods {
+            at = self.run(&at, None)?;
+        }
+        Some(at)
+    }
+}
+
+/// The first time up to `h` at which `after` holds, if it holds from there to `h`.
+fn bisect(h: f64, halvings: u32, after: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, h);
+    for _ in 0..halvings {
+        let middle = 0.5 * (low + high);
+        if after(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
+}

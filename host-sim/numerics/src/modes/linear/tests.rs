@@ -1,0 +1,120 @@
+use shared::model::cart::ASSUMED_SHAKER;
+use shared::model::params::{BEAM_135, BEAM_170, SupportParams};
+
+use super::*;
+use crate::branch::one_one_branches;
+use crate::engine::Plan;
+use crate::modes::{BendingMode, Tip, observe};
+use crate::orbit::shoot_at;
+
+const BEAM: Beam = Beam {
+    tip: Tip::Guided,
+    mass_ratio: 0.1,
+};
+
+fn off(a: f64, b: f64) -> f64 {
+    (a / b - 1.0).abs()
+}
+
+/// With one mode that has the hammer's mass this is the lumped rig, whose orbit the reference finds with a recoiling
+/// cart: another method, and the equations of `shared`.
+#[test]
+fn one_mode_of_the_hammer_s_mass_is_the_reference_with_a_recoiling_cart() {
+    for (params, gap_m, ratio, loop_hz) in [
+        (BEAM_170, 0.0, 2.0, 50.0),
+        (BEAM_135, 1e-3, 1.7, 12.0),
+        (BEAM_170, -0.05e-3, 1.5, 200.0),
+    ] {
+        let held = LoopParams {
+            frequency_hz: loop_hz,
+            feed_forward: 0.8,
+            ..ASSUMED_SHAKER
+        };
+        let natural_frequency_hz = params.natural_frequency_hz();
+        let params = RigParams {
+            gap_m,
+            cart: CartDrive::Loop(held),
+            support: SupportParams::Beams {
+                natural_frequency_hz,
+                damping_ratio: 0.004,
+                cubic_stiffness_n_per_m3: Some(0.0),
+            },
+            ..params
+        };
+        let hz = ratio * natural_frequency_hz;
+        let branch = &one_one_branches(&params, (1.0, 3.0))[0];
+        let known = branch.at(&params, hz).unwrap();
+        let open = RigParams {
+            gap_m: gap_m.max(0.0),
+            ..params
+        };
+        let mut rig = ModalRig::new(&open, BEAM, 1).unwrap();
+        rig.gap_m = gap_m;
+        rig.modes = vec![BendingMode {
+            root: 1.0,
+            omega: TAU * natural_frequency_hz,
+            mass_kg: params.mass_kg,
+            participation_kg: params.mass_kg,
+        }];
+        let held = Held {
+            held,
+            cart_kg: params.cart_mass_kg,
+            hung_kg: params.mass_kg,
+        };
+        let motion = Motion::new(&rig, Some(held), hz).unwrap();
+        let found = motion.orbit(None).unwrap();
+        assert!(off(found.force_n, known.force_n) < 1e-7, "{found:?}");
+        let speed = known.contact.approach_speed_m_per_s;
+        assert!(off(found.approach_m_per_s, speed) < 1e-7, "{speed}");
+        let multiplier = known.multipliers().modulus();
+        assert!(off(found.multiplier, multiplier) < 1e-3, "{multiplier}");
+        let shot = shoot_at(&params, hz, known.at(), 1).unwrap();
+        assert!(off(shot.force_n, found.force_n) < 1e-7);
+    }
+}
+
+/// With five modes and a prescribed cart, against runs from rest of the engine with closed-form flights and integrated
+/// contacts.
+#[test]
+fn five_modes_are_those_of_the_other_engine() {
+    let cycles = Plan {
+        cycles: 400,
+        transient: 390,
+    };
+    for hz in [8.6, 9.07, 9.45] {
+        let rig = ModalRig::new(&BEAM_170, BEAM, 5).unwrap();
+        let found = Motion::of(&BEAM_170, BEAM, 5, hz).unwrap().orbit(None);
+        let found = found.unwrap();
+        let seen = observe(rig, hz, cycles).unwrap();
+        assert!(off(found.force_n, seen.force_n) < 1e-6, "{hz}: {found:?}");
+        let approach = seen.approach_m_per_s.unwrap();
+        assert!(off(found.approach_m_per_s, approach) < 1e-6, "{hz}");
+    }
+}
+
+/// The derivative of the return map against differences, in every direction, with five modes and a recoiling cart.
+#[test]
+fn the_derivative_is_that_of_the_return_map() {
+    let params = RigParams {
+        cart: CartDrive::Loop(ASSUMED_SHAKER),
+        ..BEAM_170
+    };
+    let motion = Motion::of(&params, BEAM, 5, 9.0).unwrap();
+    let orbit = motion.orbit(None).unwrap();
+    let (_, derivative, _) = motion.image(&orbit.section).unwrap();
+    for k in 0..orbit.section.len() {
+        let h = 1e-6;
+        let moved = |by: f64| {
+            let mut at = orbit.section.clone();
+            at[k] += by;
+            motion.run(&at, None).unwrap()
+        };
+        let (up, down) = (moved(h), moved(-h));
+        for i in 0..up.len() {
+            let difference = (up[i] - down[i]) / (2.0 * h);
+            let exact = derivative.row(i)[k];
+            let size = exact.abs().max(1.0);
+            assert!((difference - exact).abs() < 2e-4 * size, "{i} {k}");
+        }
+    }
+}

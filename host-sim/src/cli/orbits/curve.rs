@@ -1,0 +1,270 @@
+//! `orbits --curve`: doublings, folds and grazes over two parameters, each followed as one continuation.
+
+use super::{Args, Axis, end_words, ends, ratios};
+use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::range::parse_finite;
+use crate::pictures;
+use crate::pictures::drawn;
+use crate::progress::Progress;
+use files::{UserError, rigfile};
+use numerics::NamedRig;
+use numerics::continuation::two::table::{Answer, CurveRow, PointRow};
+use numerics::continuation::two::{Condition, Dimension, Plane, Varied, followed, seeds};
+use numerics::continuation::{Drive, OrbitsRequest};
+use numerics::knob::{KNOBS, Knob};
+use plot::chart::Chart;
+
+/// `KEY=FROM:TO` or `KEY=FROM:TO:log`.
+#[derive(Clone, Copy, Debug)]
+pub struct CurveOver {
+    knob: Knob,
+    range: (f64, f64),
+    log: bool,
+}
+
+/// Reads `KEY=FROM:TO[:log]`.
+///
+/// # Errors
+/// In words: there is no such parameter, or the range cannot be read.
+pub fn parse_curve(text: &str) -> Result<CurveOver, String> {
+    let form = "write KEY=FROM:TO or KEY=FROM:TO:log, for example gap_mm=0:3";
+    let (key, range) = text.split_once('=').ok_or(form)?;
+    let key = key.trim();
+    let knob = Knob::named(key).ok_or_else(|| {
+        let hint = rigfile::nearest(key, KNOBS.iter().copied());
+        format!(
+            "there is no number '{key}' of a rig{hint}; one of {}",
+            KNOBS.join(", ")
+        )
+    })?;
+    let parts: Vec<&str> = range.split(':').map(str::trim).collect();
+    let (from, to, log) = match parts.as_slice() {
+        [from, to] => (from, to, false),
+        [from, to, "log"] => (from, to, true),
+        _ => return Err(form.to_owned()),
+    };
+    let (Some(from), Some(to)) = (parse_finite(from), parse_finite(to)) else {
+        return Err(form.to_owned());
+    };
+    if from >= to {
+        return Err(format!("FROM ({from}) must be below TO ({to})"));
+    }
+    if log && from <= 0.0 {
+        return Err(format!("FROM is {from}, must be positive with log"));
+    }
+    Ok(CurveOver {
+        knob,
+        range: (from, to),
+        log,
+    })
+}
+
+/// Follows the curves.
+///
+/// # Errors
+/// If the request makes no sense, a rig cannot be, or the work is interrupted.
+pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserError> {
+    let plane = plane(args, rig)?;
+    let search = OrbitsRequest {
+        along: numerics::continuation::Along::Frequency,
+        limits: (0.0, 0.0),
+        periods: args.periods,
+        impacts: args.impacts,
+        starts: usize::from(args.starts),
+        checks: args.checks.map_or(0, usize::from),
+    };
+    let values = plane.dimensions[1].spread(usize::from(args.searches));
+    let steps = search.simulations() * values.len() as u64;
+    let progress = Progress::new("starts", steps, output.quiet);
+    let found = seeds(&plane, &values, &search, &progress)?;
+    progress.finish();
+    let progress = Progress::new("special points", found.seeds.len() as u64, output.quiet);
+    let curves = followed(&found.seeds, &progress)?;
+    progress.finish();
+    let answer = Answer {
+        searched_at: values.into_iter().map(numerics::row::tidy).collect(),
+        not_followed: found.refused,
+        simulations: found.simulations,
+        failed_simulations: found.failed,
+        ..Answer::new(&rig.name, &plane, &curves)
+    };
+    if answer.not_followed > 0 {
+        output.note(&format!(
+            "note: from {} of {} special points no curve could be followed",
+            answer.not_followed,
+            answer.not_followed + found.seeds.len()
+        ));
+    }
+    if let Some(dir) = &output.out {
+        let figure = pictures::two::figure(&rig.name, &plane, &answer);
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &answer, &answer.points)?);
+        output.write(dir, contents)?;
+    }
+    output.emit(&answer, &answer.points, || text(&answer))
+}
+
+/// The plane asked for: what the command varies and the one `--curve`, or the two.
+fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
+    let params = &rig.params;
+    let of =
+        |over: &CurveOver| Dimension::new(Varied::Rig(over.knob), over.range, over.log, params);
+    let gap = |over: &&CurveOver| over.knob.name() == "gap_mm";
+    let uses_gap = args.along == Axis::Gap || args.curve.iter().any(|c| gap(&c));
+    if uses_gap && args.rig.has_gap_option() {
+        return Err(UserError::new(
+            "--gap does not go with a curve over the gap; leave it out",
+        ));
+    }
+    let (first, second) = match args.curve.as_slice() {
+        [second] if args.along == Axis::Gap => {
+            let gaps = args.gaps.as_deref().unwrap_or("0:3.56");
+            let knob = Knob::named("gap_mm").map(Varied::Rig);
+            let range = ends("--gaps", gaps)?;
+            let first = knob.map(|gap| Dimension::new(gap, range, false, params));
+            (first.unwrap_or_else(|| of(second)), second)
+        }
+        [second] => {
+            let range = ratios(args, rig)?;
+            if args.frequency.is_some() {
+                let natural = params.natural_frequency_hz();
+                let hz = (range.0 * natural, range.1 * natural);
+                (Dimension::new(Varied::Frequency, hz, false, params), second)
+            } else {
+                (Dimension::new(Varied::Ratio, range, false, params), second)
+            }
+        }
+        [first, second] if args.along == Axis::Frequency => (of(first), second),
+        _ => {
+            return Err(UserError::new(
+                "--curve may be given once (beside what --along varies), or twice with --along frequency",
+            ));
+        }
+    };
+    if args.gaps.is_some() && args.along != Axis::Gap {
+        return Err(UserError::new(
+            "--gaps goes with --along gap; write --curve gap_mm=FROM:TO",
+        ));
+    }
+    let second_dimension = of(second);
+    if first.varied == second_dimension.varied {
+        return Err(UserError::new(format!(
+            "--curve {}: the two parameters must differ",
+            second.knob.name()
+        )));
+    }
+    let plane = Plane {
+        params: *params,
+        drive: drive(args, first.varied)?,
+        dimensions: [first, second_dimension],
+    };
+    check(&plane)?;
+    Ok(plane)
+}
+
+/// The drive, where neither parameter is the drive's.
+fn drive(args: &Args, first: Varied) -> Result<Drive, UserError> {
+    if first.drives() {
+        return Ok(Drive::Ratio(1.0));
+    }
+    let one = |option: &str, text: &str| {
+        let value = parse_finite(text).filter(|x| *x > 0.0);
+        value.ok_or_else(|| {
+            UserError::new(format!(
+                "{option} {text}: with two parameters of the rig write one positive number"
+            ))
+        })
+    };
+    match (&args.ratio, &args.frequency) {
+        (Some(text), _) => one("--ratio", text).map(Drive::Ratio),
+        (None, Some(text)) => one("--frequency", text).map(Drive::Hz),
+        (None, None) => Err(UserError::new(
+            "a curve over two parameters of the rig needs the drive frequency: --ratio or --frequency",
+        )),
+    }
+}
+
+/// Whether there is a rig at every corner of the plane.
+fn check(plane: &Plane) -> Result<(), UserError> {
+    let [first, second] = plane.dimensions;
+    for a in [first.range.0, first.range.1] {
+        for b in [second.range.0, second.range.1] {
+            let Some((params, _)) = plane.at([a, b]) else {
+                let names = [first, second].map(|d| d.varied.name()).join(" and ");
+                return Err(UserError::new(format!(
+                    "--curve: this rig's support, contact law or cart has no {names}; change the rig or the parameter"
+                )));
+            };
+            let checked = params.check();
+            checked.map_err(|error| UserError::from(error).at("--curve"))?;
+        }
+    }
+    Ok(())
+}
+
+fn text(answer: &Answer) -> String {
+    if answer.curves.is_empty() {
+        return "no special point was found; widen the ranges, or raise --searches, --starts, --periods or --impacts\n"
+            .to_owned();
+    }
+    let mut text = format!(
+        "{:<20} {:<6} {:>6}  {:<26} {:<30} ends\n",
+        "curve", "p/n", "points", answer.parameter_1, answer.parameter_2
+    );
+    for curve in &answer.curves {
+        text += &curve_line(curve);
+    }
+    if !answer.codimension_two.is_empty() {
+        text += &format!(
+            "\n{:<20} {:<22} {:>26} {:>30}\n",
+            "curve", "second condition", answer.parameter_1, answer.parameter_2
+        );
+    }
+    for point in &answer.codimension_two {
+        text += &mark_line(point);
+    }
+    text += "\np/n of a graze: contacts without the touch\n\n";
+    let mut chart = Chart::new(answer.parameter_2, answer.parameter_1);
+    for condition in Condition::ALL {
+        let points = answer.points.iter().filter(|p| p.condition == condition);
+        let points: Vec<_> = points.map(|p| (p.value_2, p.value_1)).collect();
+        if !points.is_empty() {
+            chart = chart.points(condition.label(), points);
+        }
+    }
+    text + &chart.render()
+}
+
+fn curve_line(curve: &CurveRow) -> String {
+    let range = |[from, to]: [f64; 2]| format!("{} to {}", short(from), short(to));
+    let [from, to] = curve.ends;
+    format!(
+        "{:<20} {:<6} {:>6}  {:<26} {:<30} {} | {}\n",
+        curve.curve,
+        format!("{}/{}", curve.impacts, curve.periods),
+        curve.points,
+        range(curve.range_1),
+        range(curve.range_2),
+        end_words(from),
+        end_words(to)
+    )
+}
+
+fn mark_line(point: &PointRow) -> String {
+    let label = point.codimension_two.map_or("", |mark| mark.label());
+    format!(
+        "{:<20} {label:<22} {:>26} {:>30}\n",
+        point.curve,
+        short(point.value_1),
+        short(point.value_2)
+    )
+}
+
+/// Six digits.
+fn short(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) {
+        format!("{x:.5e}")
+    } else {
+        format!("{x:.5}")
+    }
+}
