@@ -1,8 +1,8 @@
 //! The hammer on the microcontroller.
 //!
 //! This library is common to both boards. It has no hardware in it, and also
-//! compiles and tests on the host. The apps are in `src/bin/`, code for one board
-//! only in one module each of `hardware`.
+//! compiles and tests on the host. What is for one board only, its app
+//! included, is in one folder each of `hardware`; the other programs are in `src/bin/`.
 #![no_std]
 
 #[cfg(test)]

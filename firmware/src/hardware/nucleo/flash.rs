@@ -5,7 +5,7 @@
 //! | 1 | 0x0800 4000 | 16 KiB |
 //! | 2 | 0x0800 8000 | 16 KiB |
 //!
-//! The program's vectors lie in sector 0 and its code from sector 3 on (boards/nucleo.x), so that flashing a
+//! The program's vectors lie in sector 0 and its code from sector 3 on (memory.x), so that flashing a
 //! new program leaves the settings alone, and erasing settings takes the shortest time the part has.
 //!
 //! The part has one flash bank: while it is erased or written, the processor waits at its next fetch, interrupts
@@ -141,7 +141,7 @@ impl Store {
         let flash = SettingsFlash::new(flash);
         assert!(
             flash.agrees_with_linker(),
-            "boards/nucleo.x leaves other sectors free than are written to"
+            "memory.x leaves other sectors free than are written to"
         );
         Self(store::Store::new(flash, [0..SECTOR, SECTOR..2 * SECTOR]))
     }
