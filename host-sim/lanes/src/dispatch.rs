@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::constants::{Constants, Kind};
-use super::flight::Margins;
+use super::meet::Margins;
 use super::number::{Double, Pair, Single};
 use super::pool::{Job, Tuning, Work, run};
 use super::{Cell, CellPlan, Outcome};

@@ -2,7 +2,9 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | `flight` | flight by Taylor steps, the onset located on the step's own polynomial |
+//! | `flight` | flight by Taylor steps |
+//! | `meet` | where in a step the surface is met, on the step's own polynomial |
+//! | `root` | the root of that polynomial in an interval |
 //! | `touch` | contact in closed form, in all lanes at once |
 //! | `sustained` | contacts that `touch` cannot represent, one at a time |
 //! | `pool` | the loop over the lanes |
@@ -16,9 +18,11 @@
 mod constants;
 mod dispatch;
 mod flight;
+mod meet;
 mod number;
 mod pool;
 mod reduce;
+mod root;
 mod rows;
 mod series;
 mod sustained;

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use std::mem;
 
 use super::constants::Constants;
-use super::flight::{At, Field, Margins, meet, path};
+use super::flight::{At, Field, path};
+use super::meet::{Margins, meet};
 use super::number::{Element, MAX_LANES, Mask, Num, Row, Width};
 use super::reduce::{Record, converged, outcome};
 use super::rows::Rows;
