@@ -22,6 +22,8 @@ pub struct Field<W: Width> {
     pub damping: Num<W>,
     /// The reciprocal of the step (0 for a lane at rest).
     pub per_step: Num<W>,
+    /// With a cart that recoils: what sin τ and cos τ drive. Without, sin τ alone drives.
+    pub push: Option<[Num<W>; 2]>,
 }
 
 /// Where the hammers are.
@@ -80,8 +82,12 @@ pub fn path<W: Width>(beams: bool, f: &Field<W>, at: &At<W>, h: Num<W>) -> Path<
     let h2 = h * h;
     let zero = h.of(0.0);
     let mut drive = [zero; ORDER + 1];
-    drive[0] = sin;
-    drive[1] = h * cos;
+    let (now, rate) = match f.push {
+        None => (sin, cos),
+        Some([s, c]) => (s.mul_add(sin, c * cos), c.mul_sub_from(sin, s * cos)),
+    };
+    drive[0] = now;
+    drive[1] = h * rate;
     for k in 2..ORDER - 1 {
         drive[k] = -(drive[k - 2] * h2 * weight(k - 2));
     }
@@ -110,6 +116,7 @@ fn on_wires<W: Width>(f: &Field<W>, h2: Num<W>, drive: &Path<W>, x: &mut Path<W>
     let bend2 = f.bend * f.bend;
     let (u1, u2) = (f.bend * (-1.0 / 6.0), bend2 * (1.0 / 120.0));
     let (w1, w2) = (f.bend * -0.5, bend2 * (1.0 / 24.0));
+    let lost = f.damping * f.per_step;
     macro_rules! next {
         ($($k:literal)*) => { $(
             square[$k] = itself(&y, $k);
@@ -125,7 +132,10 @@ fn on_wires<W: Width>(f: &Field<W>, h2: Num<W>, drive: &Path<W>, x: &mut Path<W>
                 w[0] = w[0] + one;
             }
             let push = convolve(&w, drive, $k);
-            let pull = f.spring.mul_sub_from(convolve(&u, &y, $k), push);
+            let mut pull = f.spring.mul_sub_from(convolve(&u, &y, $k), push);
+            if f.push.is_some() {
+                pull = pull - lost * x[$k + 1] * ($k + 1) as f64;
+            }
             x[$k + 2] = h2 * weight($k) * pull;
             y[$k + 2] = x[$k + 2];
         )* };
