@@ -15,7 +15,7 @@ use super::ring::flight_with_ring;
 use super::rows::Rows;
 use super::series::{horner, sin_cos};
 use super::sustained::Sustained;
-use super::touch::{Anchor, Surface, contact};
+use super::touch::{Anchor, Held, Surface, contact};
 use super::{CellPlan, Outcome};
 
 /// What a lane holds beside its rows.
@@ -119,7 +119,7 @@ impl<W: Width> Pool<'_, W> {
         let zero = Num::splat(w, 0.0);
         let (path, h, per_step, ring) = if kind.recoil {
             let ring = rows.ring.each_ref().map(load);
-            let (path, h, per_step, ring) = flight_with_ring(
+            let flown = flight_with_ring(
                 kind.beams,
                 &rows.ringing.map(load),
                 field,
@@ -128,7 +128,7 @@ impl<W: Width> Pool<'_, W> {
                 ring,
                 &self.tuning,
             );
-            (path, h, per_step, Some(ring))
+            (flown.path, flown.h, flown.per_step, Some(flown.ring))
         } else {
             (path(kind.beams, &field, &at, h), h, field.per_step, None)
         };
@@ -241,7 +241,7 @@ impl<W: Width> Pool<'_, W> {
             for (row, value) in rows.cart.iter_mut().zip(there) {
                 value.store(row);
             }
-            cart = Some((joint, there));
+            cart = Some(Held { joint, at: there });
         }
         let surface = Surface {
             drive: load(&rows.drive),
@@ -275,7 +275,7 @@ impl<W: Width> Pool<'_, W> {
         good.choose(left.tau, tau).store(&mut rows.tau);
         match surface.cart {
             None => good.choose(left.v, v).store(&mut rows.v),
-            Some((joint, _)) => {
+            Some(Held { joint, .. }) => {
                 let phase = sin_cos(left.tau);
                 let ring = joint.ring([load(&rows.rest), left.v], left.cart, phase);
                 let now = [-ring[0], left.v - ring[1], ring[0], ring[1]];

@@ -23,7 +23,19 @@ impl Reach {
     }
 }
 
-/// A flight in which the cart rings, if it does: the path of the hammer, the step, its reciprocal, and the ring's path.
+/// A step of a flight in which the cart may ring.
+pub struct Flown<W: Width> {
+    /// The hammer's path.
+    pub path: Path<W>,
+    /// The step.
+    pub h: Num<W>,
+    /// Its reciprocal.
+    pub per_step: Num<W>,
+    /// The ring's path.
+    pub ring: Path<W>,
+}
+
+/// That step from `at` and `ring`, at most `full` long.
 #[inline(always)]
 pub fn flight_with_ring<W: Width>(
     beams: bool,
@@ -33,7 +45,7 @@ pub fn flight_with_ring<W: Width>(
     full: Num<W>,
     ring: [Num<W>; 2],
     tuning: &Tuning,
-) -> (Path<W>, Num<W>, Num<W>, Path<W>) {
+) -> Flown<W> {
     field.spring = ringing.spring;
     field.damping = ringing.damping;
     field.push = Some([ringing.drive_sin, ringing.drive_cos]);
@@ -51,7 +63,12 @@ pub fn flight_with_ring<W: Width>(
     for (c, z) in whole.iter_mut().zip(&ring) {
         *c = *c + *z;
     }
-    (whole, rung.h, rung.per_step, ring)
+    Flown {
+        path: whole,
+        h: rung.h,
+        per_step: rung.per_step,
+        ring,
+    }
 }
 
 /// The ring now, and the step that its height allows.

@@ -53,8 +53,17 @@ pub struct Surface<W: Width> {
     pub release: Anchor<W>,
     /// Where its force peaks.
     pub peak: Anchor<W>,
-    /// A cart that recoils, and where it is.
-    pub cart: Option<(Joint<Num<W>>, [Num<W>; 2])>,
+    /// A cart that recoils.
+    pub cart: Option<Held<W>>,
+}
+
+/// A cart that recoils, at the onset.
+#[derive(Clone, Copy)]
+pub struct Held<W: Width> {
+    /// What the cell has of it.
+    pub joint: Joint<Num<W>>,
+    /// Its deviation and rate.
+    pub at: [Num<W>; 2],
 }
 
 /// A phase of the transient: φ, e^(−ρφ) cos φ, e^(−ρφ) sin φ.
@@ -125,8 +134,9 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let swing = s.forced_sin.mul_add(sin, s.forced_cos * cos);
     let swing1 = s.forced_cos.mul_sub_from(sin, s.forced_sin * cos);
     let mut course = [swing + s.forced_mean, swing1, -swing, -swing1];
-    let slow = s.cart.as_ref().map(|(joint, cart)| {
-        let slow = slow_pair(joint, [-course[0], v - course[1]], *cart, (sin, cos));
+    let slow = s.cart.as_ref().map(|held| {
+        let off = [-course[0], v - course[1]];
+        let slow = slow_pair(&held.joint, off, held.at, (sin, cos));
         for (all, added) in course.iter_mut().zip(slow.hammer) {
             *all = *all + added;
         }
@@ -179,7 +189,8 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let rate = s.pulsation.mul_add(z1, forced1) + t * t.mul_add(forced3 * 0.5, forced2);
     // Flight from there to x = 0.
     let (push0, push1) = (s.drive * sin, s.drive * cos);
-    let beside = s.cart.as_ref().zip(slow).map(|((joint, _), slow)| {
+    let beside = s.cart.as_ref().zip(slow).map(|(held, slow)| {
+        let joint = &held.joint;
         let cart = [
             joint.q_by_touch * z0
                 + joint.q_by_touch_v * turn
@@ -231,7 +242,7 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     });
     let arrival = match &s.cart {
         None => push0 + s.pull,
-        Some((joint, cart)) => joint.beside(*cart, s.pull, (sin, cos)).x2,
+        Some(held) => held.joint.beside(held.at, s.pull, (sin, cos)).x2,
     };
     Left {
         good: near & falls & clear & peaked & zero.lt(v),
