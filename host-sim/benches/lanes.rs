@@ -4,6 +4,7 @@
 use divan::{Bencher, counter::ItemsCount};
 use numerics::engine::{Engine, Setting};
 use numerics::lanes::{Cell, CellPlan, Instructions, Options, Precision, run_one, run_with};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{RigParams, WIRES};
 use shared::model::rig::Rig;
 
@@ -59,8 +60,29 @@ fn lanes(bencher: Bencher, (precision, instructions): (Precision, Instructions))
         .bench_local(|| run_with(options, &cells, &PLAN).unwrap());
 }
 
-fn one_by_one(bencher: Bencher, engine: Engine) {
-    let cells = cells(15_013);
+#[divan::bench(args = [Precision::Single, Precision::Double], sample_count = 3, sample_size = 1)]
+fn recoiling_cart(bencher: Bencher, precision: Precision) {
+    let mut cells = cells(83);
+    for cell in &mut cells {
+        cell.params.cart = CartDrive::Loop(ASSUMED_SHAKER);
+    }
+    let options = Options {
+        precision,
+        ..Options::default()
+    };
+    let cycles = cells.len() * PLAN.cycles as usize;
+    bencher
+        .counter(ItemsCount::new(cycles))
+        .bench_local(|| run_with(options, &cells, &PLAN).unwrap());
+}
+
+fn one_by_one(bencher: Bencher, engine: Engine, recoil: bool) {
+    let mut cells = cells(15_013);
+    for cell in &mut cells {
+        if recoil {
+            cell.params.cart = CartDrive::Loop(ASSUMED_SHAKER);
+        }
+    }
     let cycles = cells.len() * PLAN.cycles as usize;
     bencher.counter(ItemsCount::new(cycles)).bench_local(|| {
         for cell in &cells {
@@ -71,10 +93,19 @@ fn one_by_one(bencher: Bencher, engine: Engine) {
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn reference(bencher: Bencher) {
-    one_by_one(bencher, Engine::Event);
+    one_by_one(bencher, Engine::Event, false);
 }
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn switch_model(bencher: Bencher) {
-    one_by_one(bencher, Engine::Switch(Setting::corrected_f32(50e-6)));
+    one_by_one(
+        bencher,
+        Engine::Switch(Setting::corrected_f32(50e-6)),
+        false,
+    );
+}
+
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn reference_recoiling_cart(bencher: Bencher) {
+    one_by_one(bencher, Engine::Event, true);
 }

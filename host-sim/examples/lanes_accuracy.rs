@@ -1,11 +1,13 @@
-//! The lanes against the reference on random cells of the chapter's map: `lanes_accuracy [CELLS] [SEED]`.
+//! The lanes against the reference on random cells: `lanes_accuracy [CELLS] [SEED]` of the chapter's map,
+//! `lanes_accuracy [CELLS] [SEED] recoil` of such maps of the four rigs, with the cart recoiling on loops of 25 to 100 Hz.
 
 use std::time::Instant;
 
 use numerics::engine::Engine;
 use numerics::lanes::{Cell, CellPlan, Options, Outcome, Precision, by_engine, run_with};
 use rand::{Rng, SeedableRng};
-use shared::model::params::{RigParams, WIRES};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use shared::model::params::{PRESETS, RigParams, WIRES};
 use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
@@ -13,12 +15,26 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let count: usize = arguments.next().map_or(Ok(2000), |a| a.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |a| a.parse())?;
+    let recoil = match arguments.next().as_deref() {
+        None => false,
+        Some("recoil") => true,
+        Some(other) => return Err(format!("{other}: expected nothing or recoil").into()),
+    };
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let cells: Vec<_> = (0..count)
         .map(|_| {
             let gap = random.random_range(0..357);
             let step = random.random_range(0..588);
-            cell(f64::from(gap) * 1e-5, 1.41 + 0.01 * f64::from(step))
+            let (mut rig, mut frequency_hz) = (WIRES, 1.41 + 0.01 * f64::from(step));
+            if recoil {
+                rig = PRESETS[random.random_range(0..PRESETS.len())].1;
+                frequency_hz *= rig.natural_frequency_hz() / WIRES.natural_frequency_hz();
+                rig.cart = CartDrive::Loop(LoopParams {
+                    frequency_hz: 25.0 * 4_f64.powf(random.random()),
+                    ..ASSUMED_SHAKER
+                });
+            }
+            cell(rig, f64::from(gap) * 1e-5, frequency_hz)
         })
         .collect::<Result<_, _>>()?;
     let full = CellPlan {
@@ -53,8 +69,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn cell(gap_m: f64, frequency_hz: f64) -> Result<Cell, shared::model::params::ParamError> {
-    let params = RigParams { gap_m, ..WIRES };
+fn cell(
+    rig: RigParams,
+    gap_m: f64,
+    frequency_hz: f64,
+) -> Result<Cell, shared::model::params::ParamError> {
+    let params = RigParams { gap_m, ..rig };
     Ok(Cell {
         params,
         frequency_hz,
@@ -90,7 +110,8 @@ fn compare(cells: &[Cell], ours: &[Outcome], reference: &[Outcome]) {
     worst.sort_by(|x, y| y.0.total_cmp(&x.0));
     for (off, cell, a, b) in worst.iter().take(8) {
         println!(
-            "  {:.2} mm {:.2} Hz: {} {:.3} N, reference {} {:.3} N, {:.3} %",
+            "  {:.2} Hz rig, {:.2} mm {:.2} Hz: {} {:.3} N, reference {} {:.3} N, {:.3} %",
+            cell.params.natural_frequency_hz(),
             cell.params.gap_m * 1e3,
             cell.frequency_hz,
             a.regime,

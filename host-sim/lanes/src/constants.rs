@@ -12,10 +12,13 @@
 
 use std::f64::consts::{PI, TAU};
 
+use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams, Torque};
 
 use super::Cell;
+use super::cart::{Around, Recoil};
+use super::linear::{Hold, Pair};
 
 /// Which equation of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +76,8 @@ pub struct Constants {
     pub peak_phase: f64,
     /// Angular frequency of the flight, at least the drive's: what step lengths are measured by.
     pub fastest: f64,
+    /// A cart that recoils.
+    pub recoil: Option<Recoil>,
 }
 
 /// Slowest and fastest drive over the hammer's own frequency that lanes take: below, a drive cycle needs too many steps
@@ -94,7 +99,6 @@ impl Constants {
     pub fn new(cell: &Cell) -> Option<Self> {
         let rig = &cell.params;
         let possible = rig.check().is_ok()
-            && !rig.cart.recoils()
             && cell.start.iter().all(|s| s.is_finite())
             && cell.start[0] <= 0.0
             && (0.0..1.0).contains(&cell.phase);
@@ -116,16 +120,30 @@ impl Constants {
         let support = Support::new(rig, omega, gap)?;
         let stiffness = support.torque * support.drive * contact_spring + support.stiffness;
         let damper = support.torque * support.drive * contact_damper + support.damping;
-        let decay = 0.5 * damper;
-        let square = stiffness - decay * decay;
-        if square <= 0.01 * stiffness {
-            return None;
-        }
-        let pulsation = square.sqrt();
+        let recoil = match &rig.cart {
+            CartDrive::Prescribed => None,
+            CartDrive::Loop(held) => {
+                let around = support.around(rig, stiffness, damper);
+                Some(Recoil::new(held, omega, &around)?)
+            }
+        };
+        let bounce = recoil.map_or(
+            Pair {
+                a: damper,
+                b: stiffness,
+            },
+            |recoil| recoil.touch,
+        );
+        let (decay, pulsation) = bounce.oscillation()?;
         if pulsation < SLOWEST_CONTACT {
             return None;
         }
         let forced = (stiffness - 1.0).powi(2) + damper * damper;
+        let alone = [
+            support.drive * (stiffness - 1.0) / forced,
+            -support.drive * damper / forced,
+        ];
+        let [forced_sin, forced_cos] = recoil.map_or(alone, |recoil| recoil.forced);
         let contact_spring = support.drive * contact_spring;
         let contact_damper = support.drive * contact_damper;
         let constants = Self {
@@ -145,14 +163,15 @@ impl Constants {
             damper,
             decay,
             pulsation,
-            forced_sin: support.drive * (stiffness - 1.0) / forced,
-            forced_cos: -support.drive * damper / forced,
+            forced_sin,
+            forced_cos,
             forced_mean: support.pull / stiffness,
             release_phase: (contact_damper * pulsation)
                 .atan2(contact_damper * decay - contact_spring)
                 .rem_euclid(PI),
             peak_phase: 0.0,
             fastest: support.fastest.max(1.0),
+            recoil,
         };
         let [x, v] = cell.start;
         let swing2 = (x / support.scale + support.rest).powi(2)
@@ -205,6 +224,19 @@ struct Support {
 }
 
 impl Support {
+    /// For a cart that recoils: `stiffness` and `damper` are those of support and surface.
+    fn around(&self, rig: &RigParams, stiffness: f64, damper: f64) -> Around {
+        let hold = |stiffness, damping| Hold { stiffness, damping };
+        Around {
+            mass_ratio: rig.mass_kg / rig.cart_mass_kg,
+            sin: (1.0 - self.drive * self.drive).max(0.0).sqrt(),
+            wires: self.kind == Kind::Wires,
+            rest: hold(self.spring, self.damping),
+            beside: hold(self.stiffness, self.damping),
+            touch: hold(stiffness, damper),
+        }
+    }
+
     fn new(rig: &RigParams, omega: f64, gap: f64) -> Option<Self> {
         Some(match rig.support {
             SupportParams::Wires {

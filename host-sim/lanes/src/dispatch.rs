@@ -3,9 +3,11 @@
 use pulp::{Simd, WithSimd};
 
 use super::constants::{Constants, Kind};
-use super::flight::Margins;
+use super::job::{Job, Model, Tuning, Work};
+use super::meet::Margins;
 use super::number::{Double, Pair, Single};
-use super::pool::{Job, Tuning, Work, run};
+use super::pool::run;
+use super::ring::Reach;
 use super::{Cell, CellPlan, Outcome};
 
 /// The floating-point format of the lanes.
@@ -43,11 +45,14 @@ pub struct Options {
 /// the steps below over a drive cycle (1e-5 in f64, 5e-5 in f32; more if the hammer swings wider than 0.15 rad).
 const GRAZING: f64 = 2e-5;
 
+/// A ring has died out at so many times the error of a step: below about once, the error itself keeps it up.
+const RING_OVER: f64 = 3.0;
+
 impl Precision {
     fn tuning(self) -> Tuning {
-        let (step, rest, grain) = match self {
-            Self::Double => (1.6, 1e-5, 1e-9),
-            Self::Single => (1.8, 2e-4, 1e-5),
+        let (step, rest, grain, ring) = match self {
+            Self::Double => (1.6, 1e-5, 1e-9, 2e-6),
+            Self::Single => (1.8, 2e-4, 1e-5, 5e-6),
         };
         Tuning {
             step,
@@ -56,19 +61,25 @@ impl Precision {
                 rest,
             },
             grain,
+            reach: Reach::new(ring),
+            dead: RING_OVER * ring,
         }
     }
 }
 
 /// The tuning with which cells with an uncertain event are run again, in f64.
-const FINE: Tuning = Tuning {
-    step: 0.8,
-    margins: Margins {
-        grazing: 1e-7,
-        rest: 1e-6,
-    },
-    grain: 1e-9,
-};
+fn fine() -> Tuning {
+    Tuning {
+        step: 0.8,
+        margins: Margins {
+            grazing: 1e-7,
+            rest: 1e-6,
+        },
+        grain: 1e-9,
+        reach: Reach::new(1e-9),
+        dead: RING_OVER * 1e-9,
+    }
+}
 
 /// What the lanes made of cells.
 #[derive(Clone, Debug, Default)]
@@ -93,13 +104,16 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
     if plan.cycles == 0 {
         return tried;
     }
-    for kind in [Kind::Wires, Kind::Beams] {
+    let fit: Vec<_> = cells.iter().map(Constants::new).collect();
+    let kinds = [Kind::Wires, Kind::Beams].map(|kind| [false, true].map(|recoil| (kind, recoil)));
+    for (kind, recoil) in kinds.into_iter().flatten() {
         let mut jobs = Vec::new();
         let mut places = Vec::new();
-        for (place, cell) in cells.iter().enumerate() {
-            if let Some(constants) = Constants::new(cell).filter(|c| c.kind == kind) {
+        for (place, (cell, constants)) in cells.iter().zip(&fit).enumerate() {
+            let of_kind = |c: &&Constants| c.kind == kind && c.recoil.is_some() == recoil;
+            if let Some(constants) = constants.as_ref().filter(of_kind) {
                 tried.fit[place] = true;
-                jobs.push(Job::new(cell, constants));
+                jobs.push(Job::new(cell, *constants));
                 places.push(place);
             }
         }
@@ -109,7 +123,10 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
         let op = Run {
             precision: options.precision,
             tuning: options.precision.tuning(),
-            beams: kind == Kind::Beams,
+            model: Model {
+                beams: kind == Kind::Beams,
+                recoil,
+            },
             jobs: &jobs,
             plan,
         };
@@ -121,7 +138,7 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
             let jobs: Vec<_> = lost.iter().map(|i| jobs[*i]).collect();
             let finer = Run {
                 precision: Precision::Double,
-                tuning: FINE,
+                tuning: fine(),
                 jobs: &jobs,
                 ..op
             };
@@ -142,7 +159,7 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
 struct Run<'a> {
     precision: Precision,
     tuning: Tuning,
-    beams: bool,
+    model: Model,
     jobs: &'a [Job],
     plan: &'a CellPlan,
 }
@@ -155,13 +172,13 @@ impl WithSimd for Run<'_> {
         let Self {
             precision,
             tuning,
-            beams,
+            model,
             jobs,
             plan,
         } = self;
         match precision {
-            Precision::Single => run(Pair(Single(simd)), beams, jobs, plan, tuning),
-            Precision::Double => run(Pair(Double(simd)), beams, jobs, plan, tuning),
+            Precision::Single => run(Pair(Single(simd)), model, jobs, plan, tuning),
+            Precision::Double => run(Pair(Double(simd)), model, jobs, plan, tuning),
         }
     }
 }

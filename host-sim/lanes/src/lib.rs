@@ -2,9 +2,15 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | `flight` | flight by Taylor steps, the onset located on the step's own polynomial |
+//! | `flight` | flight by Taylor steps |
+//! | `meet` | where in a step the surface is met, on the step's own polynomial |
+//! | `root` | the root of that polynomial in an interval |
+//! | `cart`, `linear` | a cart that recoils, split into what rings and what goes slowly |
+//! | `ring` | its ring in flight, in all lanes at once |
 //! | `touch` | contact in closed form, in all lanes at once |
 //! | `sustained` | contacts that `touch` cannot represent, one at a time |
+//! | `form` | the closed form of a contact at any time |
+//! | `job` | what the lanes are given and count |
 //! | `pool` | the loop over the lanes |
 //! | `reduce` | what a cell showed, from its strobes |
 //! | `constants` | a cell in dimensionless form, if the lanes can run it |
@@ -13,12 +19,19 @@
 //! `numerics` gives it to the reference. This is a package of its own since its kernels, one per instruction set and
 //! precision, take long to compile.
 
+mod cart;
 mod constants;
 mod dispatch;
 mod flight;
+mod form;
+mod job;
+mod linear;
+mod meet;
 mod number;
 mod pool;
 mod reduce;
+mod ring;
+mod root;
 mod rows;
 mod series;
 mod sustained;
@@ -28,7 +41,7 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
 pub use dispatch::{Instructions, Options, Precision, Tried, try_run};
-pub use pool::Work;
+pub use job::Work;
 pub use reduce::SETTLED_WITHIN;
 
 /// One simulation.

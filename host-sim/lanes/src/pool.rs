@@ -1,85 +1,22 @@
 //! The loop: every iteration moves each lane by one step of flight and, if it met the surface, through the contact. A
 //! lane whose cell is done takes the next one.
 
+mod long;
+
 use std::f64::consts::TAU;
 use std::mem;
 
-use super::constants::Constants;
-use super::flight::{At, Field, Margins, meet, path};
+use super::flight::{At, Field, path};
+use super::job::{Job, Model, Tuning, Work};
+use super::meet::meet;
 use super::number::{Element, MAX_LANES, Mask, Num, Row, Width};
 use super::reduce::{Record, converged, outcome};
+use super::ring::flight_with_ring;
 use super::rows::Rows;
-use super::series::horner;
-use super::sustained::{Event, Side, Sustained};
-use super::touch::{Anchor, Surface, contact};
-use super::{Cell, CellPlan, Outcome};
-
-/// A cell ready for a lane.
-#[derive(Clone, Copy, Debug)]
-pub struct Job {
-    /// The cell without units.
-    pub constants: Constants,
-    /// Coordinate at the start.
-    pub x: f64,
-    /// Rate at the start.
-    pub v: f64,
-    /// Drive phase at the start, rad.
-    pub tau: f64,
-}
-
-impl Job {
-    /// The start of `cell`, without units.
-    pub fn new(cell: &Cell, constants: Constants) -> Self {
-        Self {
-            x: cell.start[0] / constants.scale,
-            v: cell.start[1] / (constants.scale * constants.omega),
-            tau: cell.phase * TAU,
-            constants,
-        }
-    }
-}
-
-/// Step size and event tolerances.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tuning {
-    /// Step of flight, in radians of the faster of drive and hammer.
-    pub step: f64,
-    /// Event tolerances.
-    pub margins: Margins,
-    /// Distance between strobes that rounding and truncation alone make.
-    pub grain: f64,
-}
-
-/// Work counters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Iterations of all lanes together.
-    pub iterations: u64,
-    /// Lane steps done: iterations times lanes, less the idle ones.
-    pub steps: u64,
-    /// Lanes times iterations.
-    pub room: u64,
-    /// Iterations in which the contact was computed.
-    pub contact_rounds: u64,
-    /// Contacts done in the lanes.
-    pub contacts: u64,
-    /// Sustained contacts, or parts of them up to a section, computed one at a time.
-    pub sustained: u64,
-    /// Drive cycles.
-    pub cycles: u64,
-}
-
-impl std::ops::AddAssign for Work {
-    fn add_assign(&mut self, other: Self) {
-        self.iterations += other.iterations;
-        self.steps += other.steps;
-        self.room += other.room;
-        self.contact_rounds += other.contact_rounds;
-        self.contacts += other.contacts;
-        self.sustained += other.sustained;
-        self.cycles += other.cycles;
-    }
-}
+use super::series::{horner, sin_cos};
+use super::sustained::Sustained;
+use super::touch::{Anchor, Held, Surface, contact};
+use super::{CellPlan, Outcome};
 
 /// What a lane holds beside its rows.
 #[derive(Default)]
@@ -127,7 +64,7 @@ struct Pool<'a, W: Width> {
 #[inline(always)]
 pub fn run<W: Width>(
     w: W,
-    beams: bool,
+    kind: Model,
     jobs: &[Job],
     plan: &CellPlan,
     tuning: Tuning,
@@ -153,14 +90,14 @@ pub fn run<W: Width>(
         pool.work.iterations += 1;
         pool.work.room += W::LANES as u64;
         pool.work.steps += pool.busy as u64;
-        pool.iterate(beams);
+        pool.iterate(kind);
     }
     (pool.out, pool.work)
 }
 
 impl<W: Width> Pool<'_, W> {
     #[inline(always)]
-    fn iterate(&mut self, beams: bool) {
+    fn iterate(&mut self, kind: Model) {
         let w = self.w;
         let load = |row: &Row<W::E>| Num::load(w, row);
         let rows = &mut *self.rows;
@@ -170,6 +107,7 @@ impl<W: Width> Pool<'_, W> {
             spring: load(&rows.spring),
             damping: load(&rows.damping),
             per_step: load(&rows.per_step),
+            push: None,
         };
         let at = At {
             x: load(&rows.x),
@@ -179,12 +117,32 @@ impl<W: Width> Pool<'_, W> {
         let h = load(&rows.step);
         let turn = Num::splat(w, TAU);
         let zero = Num::splat(w, 0.0);
-        let per_step = field.per_step;
-        let path = path(beams, &field, &at, h);
+        let (path, h, per_step, ring) = if kind.recoil {
+            let ring = rows.ring.each_ref().map(load);
+            let flown = flight_with_ring(
+                kind.beams,
+                &rows.ringing.map(load),
+                field,
+                at,
+                h,
+                ring,
+                &self.tuning,
+            );
+            (flown.path, flown.h, flown.per_step, Some(flown.ring))
+        } else {
+            (path(kind.beams, &field, &at, h), h, field.per_step, None)
+        };
         let met = meet(&path, self.tuning.margins);
         let (x, slope) = horner(&path, met.at);
-        let v = slope * per_step;
-        let x = met.hit.choose(zero, x);
+        let mut v = slope * per_step;
+        let mut x = met.hit.choose(zero, x);
+        if let Some(ring) = ring {
+            let (z, slope) = horner(&ring, met.at);
+            let rate = slope * per_step;
+            (x, v) = (x - z, v - rate);
+            z.store(&mut rows.ring[0]);
+            rate.store(&mut rows.ring[1]);
+        }
         let tau = met.at.mul_add(h, at.tau);
         let strobe = !tau.lt(turn);
         let strobes = if strobe.any() {
@@ -202,7 +160,7 @@ impl<W: Width> Pool<'_, W> {
         }
         let mut uncertain = met.uncertain;
         if met.hit.any() {
-            uncertain = uncertain | self.touch(met.hit);
+            uncertain = uncertain | self.touch(kind, met.hit);
         }
         if uncertain.any() {
             for lane in each(uncertain.bits()) {
@@ -262,7 +220,7 @@ impl<W: Width> Pool<'_, W> {
 
     /// Takes lanes that met the surface through the contact. Returns those in which it was uncertain.
     #[inline(always)]
-    fn touch(&mut self, hit: Mask<W>) -> Mask<W> {
+    fn touch(&mut self, kind: Model, hit: Mask<W>) -> Mask<W> {
         self.work.contact_rounds += 1;
         let w = self.w;
         let load = |row: &Row<W::E>| Num::load(w, row);
@@ -272,6 +230,19 @@ impl<W: Width> Pool<'_, W> {
             cos: load(&rows[1]),
             sin: load(&rows[2]),
         };
+        let (tau, mut v) = (load(&rows.tau), load(&rows.v));
+        let mut cart = None;
+        if kind.recoil {
+            let joint = rows.joint.map(load);
+            let ring = rows.ring.each_ref().map(load);
+            let y = load(&rows.x) + load(&rows.rest);
+            let there = joint.cart([y, v], ring, sin_cos(tau));
+            v = v + ring[1];
+            for (row, value) in rows.cart.iter_mut().zip(there) {
+                value.store(row);
+            }
+            cart = Some(Held { joint, at: there });
+        }
         let surface = Surface {
             drive: load(&rows.drive),
             pull: load(&rows.pull),
@@ -287,8 +258,8 @@ impl<W: Width> Pool<'_, W> {
             forced_mean: load(&rows.forced_mean),
             release: anchor(&rows.release),
             peak: anchor(&rows.top),
+            cart,
         };
-        let (tau, v) = (load(&rows.tau), load(&rows.v));
         let left = contact(&surface, tau, v, self.tuning.margins.grazing);
         let good = hit & left.good & left.tau.lt(Num::splat(w, TAU));
         let one = Num::splat(w, 1.0);
@@ -302,7 +273,18 @@ impl<W: Width> Pool<'_, W> {
         good.choose(peak.max(left.force), peak)
             .store(&mut rows.peak);
         good.choose(left.tau, tau).store(&mut rows.tau);
-        good.choose(left.v, v).store(&mut rows.v);
+        match surface.cart {
+            None => good.choose(left.v, v).store(&mut rows.v),
+            Some(Held { joint, .. }) => {
+                let phase = sin_cos(left.tau);
+                let ring = joint.ring([load(&rows.rest), left.v], left.cart, phase);
+                let now = [-ring[0], left.v - ring[1], ring[0], ring[1]];
+                let [z, w] = &mut rows.ring;
+                for (row, value) in [&mut rows.x, &mut rows.v, z, w].into_iter().zip(now) {
+                    good.choose(value, load(row)).store(row);
+                }
+            }
+        }
         self.work.contacts += u64::from(good.bits().count_ones());
         let slow = hit & !good;
         if slow.any() {
@@ -311,74 +293,6 @@ impl<W: Width> Pool<'_, W> {
             }
         }
         hit & left.grazing
-    }
-
-    /// A lane leaves its row for a sustained contact, which begins with an onset.
-    fn enter(&mut self, lane: usize) {
-        let rows = &mut *self.rows;
-        let recent = rows.recent.each_ref().map(|row| row[lane].to_f64());
-        let tau = rows.tau[lane].to_f64();
-        self.in_sustained |= 1 << lane;
-        self.lanes[lane].sustained = Some(Sustained {
-            x: 0.0,
-            v: rows.v[lane].to_f64(),
-            tau,
-            side: Side::Contact,
-            peak: rows.peak[lane].to_f64(),
-            onsets: rows.onsets[lane].to_f64() as u32 + 1,
-            recent: [tau, recent[0], recent[1]],
-            chatter: self.lanes[lane].chatter,
-        });
-        rows.stand(lane);
-    }
-
-    /// Runs a lane's sustained contact to the section, or until the hammer is out and the lane returns to its row.
-    #[inline(never)]
-    fn run_sustained(&mut self, lane: usize) {
-        self.work.sustained += 1;
-        let held = &mut self.lanes[lane];
-        let (Some(mut contact), Some(job)) = (held.sustained.take(), held.job) else {
-            return;
-        };
-        let constants = &self.jobs[job].constants;
-        match contact.run(constants) {
-            Event::Lost => self.give_up(lane),
-            Event::Section => {
-                let record = Record {
-                    x: contact.x,
-                    v: contact.v,
-                    force: contact.peak as f32,
-                    onsets: u16::try_from(contact.onsets).unwrap_or(u16::MAX),
-                    touched: true,
-                    chatter: contact.chatter,
-                };
-                held.carried = contact.side == Side::Contact;
-                contact.tau = 0.0;
-                contact.peak = 0.0;
-                contact.onsets = 0;
-                contact.chatter = false;
-                contact.recent = contact.recent.map(|t| t - TAU);
-                held.sustained = Some(contact);
-                self.record(lane, record);
-            }
-            Event::Out => {
-                self.in_sustained &= !(1 << lane);
-                held.chatter = contact.chatter;
-                let step = self.tuning.step / constants.fastest;
-                let rows = &mut *self.rows;
-                let e = W::E::from_f64;
-                rows.x[lane] = e(0.0);
-                rows.v[lane] = e(contact.v);
-                rows.tau[lane] = e(contact.tau);
-                rows.step[lane] = e(step);
-                rows.per_step[lane] = e(1.0 / step);
-                rows.peak[lane] = e(contact.peak);
-                rows.onsets[lane] = e(f64::from(contact.onsets));
-                for (row, t) in rows.recent.iter_mut().zip(contact.recent) {
-                    row[lane] = e(t);
-                }
-            }
-        }
     }
 
     /// Leaves a lane's cell without an outcome.

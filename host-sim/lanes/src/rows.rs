@@ -1,7 +1,8 @@
 //! What the lanes hold of their cells, one row of memory per quantity.
 
+use super::cart::{Joint, Ringing};
+use super::job::Job;
 use super::number::{Element, Row};
-use super::pool::Job;
 
 /// Phase of an onset that never was.
 const NEVER: f64 = -1e6;
@@ -38,6 +39,12 @@ pub struct Rows<E> {
     pub forced_mean: Row<E>,
     pub release: [Row<E>; 3],
     pub top: [Row<E>; 3],
+    /// A cart that recoils: its ring and the ring's rate; x and v are then those of the slow part.
+    pub ring: [Row<E>; 2],
+    /// Where it and its rate are while the lane touches.
+    pub cart: [Row<E>; 2],
+    pub ringing: Ringing<Row<E>>,
+    pub joint: Joint<Row<E>>,
 }
 
 impl<E: Element> Rows<E> {
@@ -76,6 +83,16 @@ impl<E: Element> Rows<E> {
         for row in &mut self.recent {
             row[lane] = e(NEVER);
         }
+        for row in self.ring.iter_mut().chain(&mut self.cart) {
+            row[lane] = e(0.0);
+        }
+        if let Some(recoil) = &c.recoil {
+            let put = |row: &mut Row<E>, value| row[lane] = e(value);
+            self.ringing.put(&recoil.ringing, put);
+            self.joint.put(&recoil.joint, put);
+            let ring = recoil.ring([c.rest + job.x, job.v], [0.0; 2], job.tau);
+            self.depart(lane, [job.x, job.v], ring);
+        }
         for (rows, phase) in [
             (&mut self.release, c.release_phase),
             (&mut self.top, c.peak_phase),
@@ -88,6 +105,17 @@ impl<E: Element> Rows<E> {
         }
     }
 
+    /// The hammer of a lane at `x`, `v` with a cart that rings.
+    pub fn depart(&mut self, lane: usize, [x, v]: [f64; 2], [z, w]: [f64; 2]) {
+        let e = E::from_f64;
+        // In the lane's precision, so that a hammer on the surface is on it.
+        let z = e(z);
+        self.x[lane] = e(x - z.to_f64());
+        self.v[lane] = e(v - w);
+        self.ring[0][lane] = z;
+        self.ring[1][lane] = e(w);
+    }
+
     /// A lane that stands still below the surface.
     pub fn stand(&mut self, lane: usize) {
         self.x[lane] = E::from_f64(-1.0);
@@ -96,7 +124,10 @@ impl<E: Element> Rows<E> {
             &mut self.tau,
             &mut self.step,
             &mut self.per_step,
-        ] {
+        ]
+        .into_iter()
+        .chain(&mut self.ring)
+        {
             row[lane] = E::default();
         }
     }

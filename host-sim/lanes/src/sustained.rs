@@ -9,15 +9,7 @@ use std::f64::consts::TAU;
 use shared::model::contacts::SUSTAINED_CONTACT_S;
 
 use super::constants::Constants;
-
-/// Phase of the transient between samples of the force, rad.
-const SAMPLE_ANGLE: f64 = 0.7;
-
-/// Decay after which the transient is negligible: e⁻¹⁶ of it is left.
-const DEAD_AFTER: f64 = 16.0;
-
-/// The transient is negligible, too, when its force is less than this share of the forced one.
-const DEAD_BELOW: f64 = 1e-7;
+use super::form::{DEAD_AFTER, Form, Turning, crossing};
 
 /// Releases and onsets after which a sustained contact is given up.
 const MOST: usize = 500;
@@ -38,6 +30,8 @@ pub struct Sustained {
     pub x: f64,
     /// Rate.
     pub v: f64,
+    /// A cart that recoils: its deviation and rate.
+    pub cart: [f64; 2],
     /// Drive phase since the last strobe.
     pub tau: f64,
     /// Side of the switch.
@@ -89,11 +83,14 @@ impl Sustained {
 
     /// In contact until F falls through zero or the section comes.
     fn press(&mut self, c: &Constants) -> Option<Event> {
-        let form = Form::new(c, self.tau, self.x, self.v);
+        let form = Form::new(c, self.tau, [self.x, self.v], self.cart);
         let end = TAU - self.tau;
         let release = self.find_release(&form, end);
         let t = release.unwrap_or(end);
         (self.x, self.v) = form.state(t);
+        if let Some(together) = &form.together {
+            self.cart = together.cart(&form, t);
+        }
         self.tau += t;
         let stayed = (self.tau - self.recent[0]) / c.omega;
         self.chatter |= stayed > SUSTAINED_CONTACT_S && self.recent[0] - self.recent[2] < TAU;
@@ -115,7 +112,14 @@ impl Sustained {
             if here.0 >= end {
                 return None;
             }
-            if form.c.decay * here.0 > DEAD_AFTER || turning.dead() {
+            let over = |decay: f64| decay * here.0 > DEAD_AFTER;
+            let together = form.together.as_ref();
+            if over(
+                form.c
+                    .decay
+                    .min(together.map_or(f64::INFINITY, |t| t.decay)),
+            ) || turning.dead()
+            {
                 return self.find_slow_release(form, here.0, end);
             }
             turning.turn();
@@ -178,8 +182,17 @@ impl Sustained {
             }
             let h = step.min(TAU - self.tau);
             let (sin, cos) = libm::sincos(self.tau);
-            let a = c.drive * sin + c.pull - c.damping * self.v;
-            let j = c.drive * cos - c.damping * a;
+            let hold = c.pull - c.damping * self.v;
+            let beside = c
+                .recoil
+                .map(|recoil| recoil.joint.beside(self.cart, hold, (sin, cos)));
+            let (a, j) = match &beside {
+                None => {
+                    let a = c.drive * sin + c.pull - c.damping * self.v;
+                    (a, c.drive * cos - c.damping * a)
+                }
+                Some(beside) => (beside.x2, beside.x3),
+            };
             let at = |t: f64| {
                 (
                     self.x + t * (self.v + t * (0.5 * a + t * j / 6.0)),
@@ -200,6 +213,9 @@ impl Sustained {
             let out = leaves.then_some(());
             let t = back.unwrap_or(until);
             (self.x, self.v) = at(t);
+            if let Some(beside) = &beside {
+                self.cart = beside.cart_after(t);
+            }
             self.tau += t;
             if back.is_some() {
                 self.begin();
@@ -218,178 +234,4 @@ impl Sustained {
             }
         }
     }
-}
-
-/// Where `at` (value and slope) takes the sign it has at `high`, between `low` and `high`.
-fn crossing(low: f64, high: f64, at: impl Fn(f64) -> (f64, f64)) -> f64 {
-    let rises = at(high).0 > 0.0;
-    let (mut low, mut high) = (low, high);
-    let mut t = high;
-    for _ in 0..80 {
-        let (value, slope) = at(t);
-        if (value > 0.0) == rises {
-            high = t;
-        } else {
-            low = t;
-        }
-        let newton = t - value / slope;
-        let inside = low < newton && newton < high;
-        let next = if inside { newton } else { 0.5 * (low + high) };
-        let moved = (next - t).abs();
-        t = next;
-        if moved <= 1e-12 * high {
-            break;
-        }
-    }
-    t
-}
-
-/// The closed form of a contact from drive phase `tau`.
-struct Form<'a> {
-    c: &'a Constants,
-    tau: f64,
-    a: f64,
-    b: f64,
-    push: (f64, f64),
-}
-
-impl<'a> Form<'a> {
-    fn new(c: &'a Constants, tau: f64, x: f64, v: f64) -> Self {
-        let (sin, cos) = libm::sincos(tau);
-        let forced = c.forced_sin * sin + c.forced_cos * cos + c.forced_mean;
-        let rate = c.forced_sin * cos - c.forced_cos * sin;
-        let a = x - forced;
-        let b = (v - rate + c.decay * a) / c.pulsation;
-        Self {
-            c,
-            tau,
-            a,
-            b,
-            push: c.force_amplitudes(a, b),
-        }
-    }
-
-    /// The forced part of F: what multiplies sin τ and cos τ, and the mean.
-    fn slow(&self) -> (f64, f64, f64) {
-        let c = self.c;
-        (
-            c.contact_spring * c.forced_sin - c.contact_damper * c.forced_cos,
-            c.contact_spring * c.forced_cos + c.contact_damper * c.forced_sin,
-            c.contact_spring * c.forced_mean,
-        )
-    }
-
-    /// e^(−μt) cos νt and e^(−μt) sin νt.
-    fn transient(&self, t: f64) -> (f64, f64) {
-        let decay = -self.c.decay * t;
-        if decay < -2.0 * DEAD_AFTER {
-            return (0.0, 0.0);
-        }
-        let (sin, cos) = libm::sincos(self.c.pulsation * t);
-        let left = libm::exp(decay);
-        (left * cos, left * sin)
-    }
-
-    /// Coordinate and rate.
-    fn state(&self, t: f64) -> (f64, f64) {
-        let c = self.c;
-        let (cos, sin) = self.transient(t);
-        let z = self.a * cos + self.b * sin;
-        let turn = c.pulsation * (self.b * cos - self.a * sin);
-        let (s, k) = libm::sincos(self.tau + t);
-        (
-            z + c.forced_sin * s + c.forced_cos * k + c.forced_mean,
-            turn - c.decay * z + c.forced_sin * k - c.forced_cos * s,
-        )
-    }
-
-    /// Force and its first two derivatives.
-    fn force(&self, t: f64) -> (f64, f64, f64) {
-        let c = self.c;
-        let (cos, sin) = self.transient(t);
-        let (a, b) = self.push;
-        let (mu, nu) = (c.decay, c.pulsation);
-        let (a1, b1) = (nu * b - mu * a, -nu * a - mu * b);
-        let (a2, b2) = (nu * b1 - mu * a1, -nu * a1 - mu * b1);
-        let (s, k) = libm::sincos(self.tau + t);
-        let swing = c.forced_sin * s + c.forced_cos * k;
-        let rate = c.forced_sin * k - c.forced_cos * s;
-        let (stiff, damp) = (c.contact_spring, c.contact_damper);
-        (
-            a * cos + b * sin + stiff * (swing + c.forced_mean) + damp * rate,
-            a1 * cos + b1 * sin + stiff * rate - damp * swing,
-            a2 * cos + b2 * sin - stiff * swing - damp * rate,
-        )
-    }
-
-    /// The extremum of F between `low` and `high`, and its time.
-    fn extremum(&self, low: f64, high: f64, from: f64) -> (f64, f64) {
-        let mut t = from;
-        for _ in 0..2 {
-            let (_, slope, bend) = self.force(t);
-            t = (t - slope / bend).clamp(low, high);
-        }
-        (t, self.force(t).0)
-    }
-
-    /// Where F falls through zero between `low` and `high`.
-    fn release(&self, low: f64, high: f64) -> f64 {
-        crossing(low, high, |t| {
-            let (value, slope, _) = self.force(t);
-            (value, slope)
-        })
-    }
-}
-
-/// The force of a closed form at even steps, by rotation.
-struct Turning {
-    step: f64,
-    /// Both transient terms of F, and how a step turns and shrinks them.
-    transient: (f64, f64),
-    shrink: (f64, f64),
-    /// Both forced terms of F, and how a step turns them.
-    forced: (f64, f64),
-    turn: (f64, f64),
-    mean: f64,
-}
-
-impl Turning {
-    fn new(form: &Form) -> Self {
-        let c = form.c;
-        let step = SAMPLE_ANGLE / c.pulsation;
-        let (sample_sin, sample_cos) = libm::sincos(SAMPLE_ANGLE);
-        let (sin, cos) = libm::sincos(form.tau);
-        let (p, q, mean) = form.slow();
-        let left = libm::exp(-c.decay * step);
-        let (turn_sin, turn_cos) = libm::sincos(step);
-        Self {
-            step,
-            transient: form.push,
-            shrink: (left * sample_cos, left * sample_sin),
-            forced: (p * sin + q * cos, p * cos - q * sin),
-            turn: (turn_cos, turn_sin),
-            mean,
-        }
-    }
-
-    fn force(&self) -> f64 {
-        self.transient.0 + self.forced.0 + self.mean
-    }
-
-    /// Whether drive and support alone make the force from here on.
-    fn dead(&self) -> bool {
-        let square = |(a, b): (f64, f64)| a * a + b * b;
-        let least = DEAD_BELOW * DEAD_BELOW * (square(self.forced) + self.mean * self.mean);
-        square(self.transient) < least
-    }
-
-    fn turn(&mut self) {
-        self.transient = turned(self.transient, self.shrink);
-        self.forced = turned(self.forced, self.turn);
-    }
-}
-
-/// (a, b) → (a c + b s, b c − a s).
-fn turned((a, b): (f64, f64), (c, s): (f64, f64)) -> (f64, f64) {
-    (a * c + b * s, b * c - a * s)
 }

@@ -6,6 +6,7 @@
 //! releases, so that only short polynomials are left. What these cannot represent (sustained contacts, contacts during
 //! which the section comes, hops that end before the hammer has left) is reported, and computed by [`super::sustained`].
 
+use super::cart::Joint;
 use super::number::{Mask, Num, Width};
 use super::series::{horner, polynomial, sin_cos};
 
@@ -52,6 +53,17 @@ pub struct Surface<W: Width> {
     pub release: Anchor<W>,
     /// Where its force peaks.
     pub peak: Anchor<W>,
+    /// A cart that recoils.
+    pub cart: Option<Held<W>>,
+}
+
+/// A cart that recoils, at the onset.
+#[derive(Clone, Copy)]
+pub struct Held<W: Width> {
+    /// What the cell has of it.
+    pub joint: Joint<Num<W>>,
+    /// Its deviation and rate.
+    pub at: [Num<W>; 2],
 }
 
 /// A phase of the transient: φ, e^(−ρφ) cos φ, e^(−ρφ) sin φ.
@@ -76,6 +88,8 @@ pub struct Left<W: Width> {
     pub v: Num<W>,
     /// Largest force.
     pub force: Num<W>,
+    /// Where a cart that recoils is then, and its rate.
+    pub cart: [Num<W>; 2],
     /// Whether the contact was so shallow that there may have been none.
     pub grazing: Mask<W>,
 }
@@ -118,8 +132,17 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let (short, rho) = (s.short, s.rho);
     // The forced motion and its derivatives by τ.
     let swing = s.forced_sin.mul_add(sin, s.forced_cos * cos);
-    let forced = swing + s.forced_mean;
-    let forced1 = s.forced_cos.mul_sub_from(sin, s.forced_sin * cos);
+    let swing1 = s.forced_cos.mul_sub_from(sin, s.forced_sin * cos);
+    let mut course = [swing + s.forced_mean, swing1, -swing, -swing1];
+    let slow = s.cart.as_ref().map(|held| {
+        let off = [-course[0], v - course[1]];
+        let slow = slow_pair(&held.joint, off, held.at, (sin, cos));
+        for (all, added) in course.iter_mut().zip(slow.hammer) {
+            *all = *all + added;
+        }
+        slow.cart
+    });
+    let [forced, forced1, forced2, forced3] = course;
     let moved = Transient {
         a: -forced,
         b: (s.decay.mul_sub_from(forced, v - forced1)) * short,
@@ -133,12 +156,12 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
         b: k * moved.b - c * s.decay.mul_add(moved.b, s.pulsation * moved.a),
     };
     let force0 = k.mul_add(forced, c * forced1);
-    let force1 = c.mul_sub_from(swing, k * forced1);
-    let force2 = -(k.mul_add(swing, c * forced1));
-    let slow = [force0, force1, force2];
+    let force1 = c.mul_add(forced2, k * forced1);
+    let force2 = k.mul_add(forced2, c * forced3);
+    let slow_force = [force0, force1, force2];
     // Release: F falls through zero.
     let mut f: [Num<W>; ORDER + 1] = push.about(&s.release, rho);
-    add_slow(&mut f, &slow, &s.release, short);
+    add_slow(&mut f, &slow_force, &s.release, short);
     let mut steep = one / f[1];
     let (mut falls, mut last) = (f[1].lt(zero), one);
     let first = -(f[0] * steep);
@@ -161,14 +184,39 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let z: [Num<W>; ORDER + 1] = moved.about(&s.release, rho);
     let (z0, z1) = horner(&z, d);
     let t = (s.release.phase + d) * short;
-    let x = z0 + taylor3([forced, forced1, -swing, -forced1], t);
-    let rate = s.pulsation.mul_add(z1, forced1) - t * t.mul_add(forced1 * 0.5, swing);
+    let x = z0 + taylor3(course, t);
+    let turn = s.pulsation * z1;
+    let rate = s.pulsation.mul_add(z1, forced1) + t * t.mul_add(forced3 * 0.5, forced2);
     // Flight from there to x = 0.
     let (push0, push1) = (s.drive * sin, s.drive * cos);
-    let e = s
-        .damping
-        .mul_sub_from(rate, taylor3([push0, push1, -push0, -push1], t) + s.pull);
-    let e1 = push1 - t * push0;
+    let beside = s.cart.as_ref().zip(slow).map(|(held, slow)| {
+        let joint = &held.joint;
+        let cart = [
+            joint.q_by_touch * z0
+                + joint.q_by_touch_v * turn
+                + taylor3([slow[0], slow[1], slow[2], slow[3]], t),
+            joint.v_by_touch * z0
+                + joint.v_by_touch_v * turn
+                + taylor3([slow[1], slow[2], slow[3], slow[4]], t),
+        ];
+        let hold = s.damping.mul_sub_from(rate, s.pull);
+        joint.beside(
+            cart,
+            hold,
+            (
+                taylor3([sin, cos, -sin, -cos], t),
+                taylor3([cos, -sin, -cos, sin], t),
+            ),
+        )
+    });
+    let (e, e1) = match &beside {
+        None => (
+            s.damping
+                .mul_sub_from(rate, taylor3([push0, push1, -push0, -push1], t) + s.pull),
+            push1 - t * push0,
+        ),
+        Some(beside) => (beside.x2, beside.x3),
+    };
     let inside = rate.mul_add(rate, -(e * x * 2.0));
     let root = inside.max(one * 1e-30).sqrt();
     let sum = root - rate;
@@ -184,14 +232,64 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
         & rate.lt(zero)
         & !(x.lt(v * short * -1e-4))
         & whole.lt(one * LONGEST);
-    let (force, peaked) = peak(s, &push, (rho, short), &slow, s.damper * v);
+    let (force, peaked) = peak(s, &push, (rho, short), &slow_force, s.damper * v);
+    let cart = beside.map_or([zero; 2], |beside| {
+        let [q, v, q2, q3] = beside.cart;
+        [
+            taylor3([q, v, q2, q3], out),
+            taylor3([v, q2, q3, zero], out),
+        ]
+    });
+    let arrival = match &s.cart {
+        None => push0 + s.pull,
+        Some(held) => held.joint.beside(held.at, s.pull, (sin, cos)).x2,
+    };
     Left {
         good: near & falls & clear & peaked & zero.lt(v),
         tau: tau + whole,
         v: leaving,
         force,
         // A top v²/(2|e|) above the surface.
-        grazing: (v * v).lt((push0 + s.pull) * (-2.0 * grazing)),
+        grazing: (v * v).lt(arrival * (-2.0 * grazing)),
+        cart,
+    }
+}
+
+/// The pair in contact in which hammer and cart go together.
+struct Together<W: Width> {
+    /// x and its first three derivatives.
+    hammer: [Num<W>; 4],
+    /// The cart and its first four derivatives, its course's swing included.
+    cart: [Num<W>; 5],
+}
+
+/// That pair for a hammer that is `x`, `v` off what the drive forces, in a cart at `q`, `w`.
+#[inline(always)]
+fn slow_pair<W: Width>(
+    j: &Joint<Num<W>>,
+    [x, v]: [Num<W>; 2],
+    [q, w]: [Num<W>; 2],
+    (sin, cos): (Num<W>, Num<W>),
+) -> Together<W> {
+    let course = j.forced_sin.mul_add(sin, j.forced_cos * cos);
+    let course1 = j.forced_cos.mul_sub_from(sin, j.forced_sin * cos);
+    let (q, w) = (q - course, w - course1);
+    let u0 = j.slow_q_by_x * x + j.slow_q_by_v * v + j.slow_q_by_q * q + j.slow_q_by_w * w;
+    let u1 = j.slow_v_by_x * x + j.slow_v_by_v * v + j.slow_v_by_q * q + j.slow_v_by_w * w;
+    let next = |u: Num<W>, u1: Num<W>| -(j.slow_a * u1 + j.slow_b * u);
+    let u2 = next(u0, u1);
+    let u3 = next(u1, u2);
+    let u4 = next(u2, u3);
+    let x = |u: Num<W>, u1: Num<W>| j.x_by_slow * u + j.x_by_slow_v * u1;
+    Together {
+        hammer: [x(u0, u1), x(u1, u2), x(u2, u3), x(u3, u4)],
+        cart: [
+            u0 + course,
+            u1 + course1,
+            u2 - course,
+            u3 - course1,
+            u4 + course,
+        ],
     }
 }
 

@@ -1,5 +1,7 @@
 //! The lanes against the reference, and against themselves on other instructions, chunks and threads.
 
+mod recoil;
+
 use numerics::engine::Engine;
 use numerics::lanes::{
     Cell, CellPlan, Instructions, Options, Outcome, Precision, Report, by_engine, run,

@@ -60,7 +60,7 @@ pub struct Args {
     starts: u16,
 
     /// Frequencies (or gaps) at which simulations check that no orbit was missed [default: forty times --starts; twice
-    /// where every simulation is the reference's: nonlinear contact laws and carts that recoil]
+    /// where every simulation is the reference's: nonlinear contact laws]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=20000))]
     checks: Option<u16>,
 
@@ -177,7 +177,7 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
         checks: args.checks.map_or_else(
             || {
                 let law = &rig.params.contact;
-                let fast = matches!(law, Law::SpringDashpot { .. }) && !rig.params.cart.recoils();
+                let fast = matches!(law, Law::SpringDashpot { .. });
                 usize::from(args.starts) * if fast { 40 } else { 2 }
             },
             usize::from,
