@@ -7,7 +7,9 @@ const NARROW: &str = "--ratio 1.96:2.12:0.04 --settle 120";
 
 #[test]
 fn it_says_where_the_rate_is_largest_and_what_the_rigid_pick_has_of_it() {
-    let told = answer(&format!("drill --threshold-n 25 {NARROW}"));
+    let told = answer(&format!(
+        "drill --threshold-n 25 {NARROW} --cart prescribed"
+    ));
     let advice = &told["advice"];
     let best = &advice["best"];
     let rate = number(best, "rate_of_penetration_um_per_s");
@@ -23,6 +25,22 @@ fn it_says_where_the_rate_is_largest_and_what_the_rigid_pick_has_of_it() {
     let feed = 1e3 * number(best, "feed_needed_mm_per_s");
     assert!((feed / rate - 1.0).abs() < 1e-9);
     assert_eq!(advice["corners"].as_array().map(Vec::len), Some(4));
+    assert_eq!(told["cart"], "prescribed");
+    let recoil = number(advice, "recoil_rate_um_per_s");
+    assert!((0.83..0.86).contains(&(recoil / rate)), "{recoil} {rate}");
+}
+
+#[test]
+fn the_cart_recoils_where_its_shaker_is_known() {
+    let told = answer(&format!("drill --threshold-n 25 {NARROW}"));
+    let advice = &told["advice"];
+    assert_eq!(told["cart"], "recoil");
+    let rate = number(&advice["best"], "rate_of_penetration_um_per_s");
+    assert_eq!(number(advice, "recoil_rate_um_per_s"), rate);
+    let prescribed = number(advice, "prescribed_rate_um_per_s");
+    // The sketch's, with a prescribed cart.
+    assert!((prescribed / 77.7 - 1.0).abs() < 0.01, "{prescribed}");
+    assert!((0.83..0.86).contains(&(rate / prescribed)), "{rate}");
 }
 
 #[test]
@@ -54,6 +72,20 @@ fn the_published_oscillator_repeats_after_two_periods_where_its_authors_say_so()
     let rows = told["rows"].as_array().unwrap();
     let there = rows.iter().find(|r| number(r, "b") == 0.1).unwrap();
     assert_eq!(there["periods"], 2);
+}
+
+#[test]
+fn the_points_of_the_published_diagram_are_a_table() {
+    let folder = Folder::new();
+    let line = "drill --published --static-force 0.14:0.15:0.01 --settle 50 --out out";
+    folder.run(line).well();
+    let made = folder.read_made("out/drill", "-points.csv");
+    let rows = csv_rows(&made);
+    assert_eq!(rows.len(), 2 * 64);
+    assert!(number(&rows[0], "b") == 0.14 && number(&rows[127], "b") == 0.15);
+    // One period: one point.
+    let apart = number(&rows[0], "p") - number(&rows[63], "p");
+    assert!(apart.abs() < 1e-3, "{apart}");
 }
 
 #[test]

@@ -25,6 +25,7 @@ mod modes;
 mod orbits;
 mod pick;
 mod pick_limits;
+mod pick_rop;
 mod pipes;
 mod poincare;
 mod rig_new;

@@ -3,6 +3,7 @@
 
 use numerics::drill::published::DriftingRow;
 use numerics::drill::{DrillAnswer, DrillRow};
+use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges};
 
 /// Gaps drawn as curves at most; more are thinned out evenly.
@@ -36,9 +37,10 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer) -> Figure {
         best.rig, best.threshold_n
     ))
     .subtitle(format!(
-        "Ground {:e} N/m, {:?} N·s/m; the feed restores the gap, the cart moves as prescribed. Lines: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm.",
+        "Ground {:e} N/m, {:?} N·s/m; the feed restores the gap, the cart {}. Lines: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm.",
         best.ground_stiffness_n_per_m,
         best.ground_damping_n_s_per_m,
+        moves(best),
         best.rate_of_penetration_um_per_s,
         best.frequency_ratio,
         best.gap_mm
@@ -47,6 +49,14 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer) -> Figure {
     .panel(panel("rate of penetration, µm/s", |r| r.rate_of_penetration_um_per_s))
     .panel(panel("peak contact force, N", |r| r.force_n).without_legend())
     .panel(panel("energy per blow, mJ", |r| r.energy_per_blow_mj.unwrap_or(f64::NAN)).without_legend())
+}
+
+/// What the cart does.
+fn moves(row: &DrillRow) -> &'static str {
+    match row.cart {
+        CartModel::Recoil => "recoils",
+        CartModel::Prescribed => "moves as prescribed",
+    }
 }
 
 /// Progress per cycle over frequency and gap.
@@ -73,7 +83,10 @@ pub fn map(rows: &[DrillRow]) -> Figure {
         )
     });
     Figure::new(title)
-        .subtitle("Each cell from rest; the feed restores the gap, the cart moves as prescribed.")
+        .subtitle(format!(
+            "Each cell from rest; the feed restores the gap, the cart {}.",
+            rows.first().map_or("moves", moves)
+        ))
         .size(1000, 640)
         .panel(Panel::new(Axis::new("Ω/ω"), Axis::new("gap, mm")).item(Item::Raster(raster)))
 }

@@ -16,6 +16,7 @@ pub mod orbits;
 pub mod pick;
 pub mod poincare;
 pub mod regimes;
+pub mod rop;
 pub mod trials;
 pub mod two;
 

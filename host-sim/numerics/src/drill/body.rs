@@ -1,6 +1,10 @@
 //! What strikes the ground: the hammer in its cart, or the free mass of the published drifting oscillator.
 
+use shared::model::cart::Cart;
+use shared::model::contact::Law;
+use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Kinematics, Rig};
+use shared::model::slider::Slider;
 
 use crate::reference::Scalar;
 
@@ -18,10 +22,49 @@ pub struct FreeMass {
 /// What strikes.
 #[derive(Clone, Copy, Debug)]
 pub enum Body<R> {
-    /// The hammer in a cart that moves as y = A0 sin Ωt; A0 Ω², m/s².
-    Hammer(Rig<R>, f64),
+    /// The hammer in its cart.
+    Hammer(Carried<R>),
     /// The published oscillator.
     Free(FreeMass),
+}
+
+/// The hammer in a cart whose course is y* = A0 sin Ωt.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried<R> {
+    rig: Rig<R>,
+    /// A cart that recoils from its course; none where it keeps to it.
+    cart: Option<Cart<R>>,
+    /// A0 Ω, m/s.
+    speed: f64,
+    /// A0 Ω², m/s².
+    acceleration: f64,
+}
+
+impl<R: Scalar> Carried<R> {
+    /// The hammer of `params` at Ω = `omega`, rad/s.
+    ///
+    /// # Errors
+    /// The first parameter out of range.
+    pub fn new(params: &RigParams, omega: f64) -> Result<Self, ParamError> {
+        let speed = params.amplitude_m * omega;
+        Ok(Self {
+            rig: Rig::new(params)?,
+            cart: Cart::of(params),
+            speed,
+            acceleration: speed * omega,
+        })
+    }
+}
+
+/// Accelerations at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<R> {
+    /// q̈.
+    pub acceleration: R,
+    /// ë of the cart, m/s²: 0 where it keeps to its course.
+    pub deviation: R,
+    /// What drives the body: inertial acceleration, m/s², or force, N.
+    drive: R,
 }
 
 /// Where it is.
@@ -43,6 +86,8 @@ pub struct Powers {
     pub damping: f64,
     /// That the contact force takes from the body, as its equation of motion has it.
     pub contact: f64,
+    /// Of the shaker, on the cart that recoils.
+    pub shaker: f64,
 }
 
 impl<R: Scalar> Body<R> {
@@ -50,8 +95,8 @@ impl<R: Scalar> Body<R> {
     #[inline]
     pub fn place(&self, q: R, v: R) -> Place<R> {
         match self {
-            Self::Hammer(rig, _) => {
-                let at = rig.kinematics(q, v);
+            Self::Hammer(carried) => {
+                let at = carried.rig.kinematics(q, v);
                 Place {
                     depth: at.delta,
                     rate: at.rate,
@@ -69,40 +114,72 @@ impl<R: Scalar> Body<R> {
     /// m, kg.
     pub fn mass(&self) -> f64 {
         match self {
-            Self::Hammer(rig, _) => rig.mass().to_f64(),
+            Self::Hammer(carried) => carried.rig.mass().to_f64(),
             Self::Free(free) => free.mass,
         }
     }
 
-    /// A length that matters, in units of the coordinate.
-    pub fn scale(&self) -> f64 {
+    /// A length that matters, in units of the coordinate and in m.
+    pub fn scales(&self) -> (f64, f64) {
         match self {
-            Self::Hammer(rig, _) => rig.coordinate_scale().to_f64(),
-            Self::Free(_) => 1.0,
-        }
-    }
-
-    /// The drive at angle Ωt = `angle`: inertial acceleration, m/s², or force, N.
-    #[inline]
-    fn drive(&self, angle: R) -> R {
-        match self {
-            Self::Hammer(_, acceleration) => angle.sin() * R::from_f64(*acceleration),
-            Self::Free(free) => {
-                let quarter = R::from_f64(std::f64::consts::FRAC_PI_2);
-                let force = (angle + quarter).sin() * R::from_f64(free.amplitude);
-                force + R::from_f64(free.static_force)
+            Self::Hammer(carried) => {
+                let rig = &carried.rig;
+                (rig.coordinate_scale().to_f64(), rig.amplitude().to_f64())
             }
+            Self::Free(_) => (1.0, 1.0),
         }
     }
 
-    /// q̈ at drive angle `angle` under the contact force `force`.
+    /// Whether it rides in a cart that recoils.
+    pub fn recoils(&self) -> bool {
+        matches!(self, Self::Hammer(carried) if carried.cart.is_some())
+    }
+
+    /// Force of the loop on a cart that recoils, N; 0 with a prescribed one.
+    pub fn loop_force(&self, angle: R, off: [R; 2]) -> f64 {
+        match self {
+            Self::Hammer(carried) => carried.loop_force(angle, off).to_f64(),
+            Self::Free(_) => 0.0,
+        }
+    }
+
+    /// Accelerations at drive angle `angle` under the contact force `force`, with the cart `off` (m, m/s) its course.
     #[inline]
-    pub fn acceleration(&self, at: &Place<R>, v: R, angle: R, force: R) -> R {
-        let drive = self.drive(angle);
+    pub fn motion(&self, at: &Place<R>, v: R, angle: R, force: R, off: [R; 2]) -> Motion<R> {
         match (self, &at.hammer) {
-            (Self::Hammer(rig, _), Some(at)) => rig.acceleration(at, v, drive, force),
-            (Self::Hammer(..), None) => R::from_f64(f64::NAN),
-            (Self::Free(free), _) => (drive - force) * R::from_f64(1.0 / free.mass),
+            (Self::Hammer(carried), Some(at)) => {
+                let course = angle.sin() * R::from_f64(carried.acceleration);
+                let rig = &carried.rig;
+                match &carried.cart {
+                    None => Motion {
+                        acceleration: rig.acceleration(at, v, course, force),
+                        deviation: R::ZERO,
+                        drive: course,
+                    },
+                    Some(cart) => {
+                        let both = cart.both(rig, at, v, force, course, off);
+                        Motion {
+                            acceleration: both.acceleration,
+                            deviation: both.deviation,
+                            drive: both.drive,
+                        }
+                    }
+                }
+            }
+            (Self::Hammer(_), None) => Motion {
+                acceleration: R::from_f64(f64::NAN),
+                deviation: R::ZERO,
+                drive: R::ZERO,
+            },
+            (Self::Free(free), _) => {
+                let drive = cos(angle) * R::from_f64(free.amplitude);
+                let drive = drive + R::from_f64(free.static_force);
+                Motion {
+                    acceleration: (drive - force) * R::from_f64(1.0 / free.mass),
+                    deviation: R::ZERO,
+                    drive,
+                }
+            }
         }
     }
 
@@ -110,24 +187,35 @@ impl<R: Scalar> Body<R> {
     #[inline]
     pub fn depth_acceleration(&self, at: &Place<R>, v: R, acceleration: R) -> R {
         match (self, &at.hammer) {
-            (Self::Hammer(rig, _), Some(at)) => rig.penetration_acceleration(at, v, acceleration),
+            (Self::Hammer(carried), Some(at)) => {
+                carried.rig.penetration_acceleration(at, v, acceleration)
+            }
             _ => acceleration,
         }
     }
 
-    /// Where the energy goes.
-    pub fn powers(&self, at: &Place<R>, v: R, angle: R, force: R) -> Powers {
-        let drive = self.drive(angle);
+    /// Where the energy goes, at the same point as `motion`.
+    pub fn powers(
+        &self,
+        at: &Place<R>,
+        v: R,
+        angle: R,
+        force: R,
+        off: [R; 2],
+        motion: &Motion<R>,
+    ) -> Powers {
         match (self, &at.hammer) {
-            (Self::Hammer(rig, _), Some(at)) => Powers {
-                drive: rig.inertial_power(at, drive).to_f64(),
-                damping: rig.damping_power(v).to_f64(),
-                contact: rig.contact_power(at, v, force).to_f64(),
+            (Self::Hammer(carried), Some(at)) => Powers {
+                drive: carried.rig.inertial_power(at, motion.drive).to_f64(),
+                damping: carried.rig.damping_power(v).to_f64(),
+                contact: carried.rig.contact_power(at, v, force).to_f64(),
+                shaker: carried.shaker_power(angle, off),
             },
             _ => Powers {
-                drive: (drive * v).to_f64(),
+                drive: (motion.drive * v).to_f64(),
                 damping: 0.0,
                 contact: (force * v).to_f64(),
+                shaker: 0.0,
             },
         }
     }
@@ -135,14 +223,17 @@ impl<R: Scalar> Body<R> {
     /// Kinetic and potential energy relative to the cart, J.
     pub fn energy(&self, q: R, v: R) -> f64 {
         match self {
-            Self::Hammer(rig, _) => rig.energy(&rig.kinematics(q, v), v).to_f64(),
+            Self::Hammer(carried) => {
+                let rig = &carried.rig;
+                rig.energy(&rig.kinematics(q, v), v).to_f64()
+            }
             Self::Free(free) => 0.5 * free.mass * v.to_f64() * v.to_f64(),
         }
     }
 
     /// The coordinate of a body that is `by` less deep than at `q`, and its rate, if it moves on as fast in depth.
     pub fn drawn_back(&self, q: R, v: R, by: R) -> (R, R) {
-        let Self::Hammer(rig, _) = self else {
+        let Self::Hammer(Carried { rig, .. }) = self else {
             return (q - by, v);
         };
         let at = rig.kinematics(q, v);
@@ -155,4 +246,42 @@ impl<R: Scalar> Body<R> {
         }
         (moved, at.rate / rig.kinematics(moved, v).slope)
     }
+}
+
+impl<R: Scalar> Carried<R> {
+    /// The loop's force on a cart that recoils, N.
+    fn loop_force(&self, angle: R, off: [R; 2]) -> R {
+        let Some(cart) = &self.cart else {
+            return R::ZERO;
+        };
+        let course = angle.sin() * R::from_f64(self.acceleration);
+        cart.force(course, off)
+    }
+
+    /// Its power, W.
+    fn shaker_power(&self, angle: R, off: [R; 2]) -> f64 {
+        if self.cart.is_none() {
+            return 0.0;
+        }
+        let speed = cos(angle) * R::from_f64(self.speed) + off[1];
+        (self.loop_force(angle, off) * speed).to_f64()
+    }
+}
+
+fn cos<R: Scalar>(angle: R) -> R {
+    (angle + R::from_f64(std::f64::consts::FRAC_PI_2)).sin()
+}
+
+/// q of a hammer at rest. With a negative gap it rests pressed on, where its support and the ground's spring balance; the
+/// ground must bear that.
+///
+/// # Errors
+/// The first parameter out of range.
+pub fn resting(params: &RigParams, slider: &Slider<f64>) -> Result<f64, ParamError> {
+    let mut on_spring = *params;
+    on_spring.contact = Law::SpringDashpot {
+        stiffness: slider.stiffness,
+        damping: slider.damping,
+    };
+    Ok(Rig::<f64>::new(&on_spring)?.rest())
 }

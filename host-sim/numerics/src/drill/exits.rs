@@ -51,8 +51,8 @@ impl<R: Scalar> Field<'_, R> {
     /// Its rate.
     fn beyond_rate(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> f64 {
         let (slider, speed) = (self.slider, self.speed(at));
-        let (_, acceleration) = self.acceleration(p, at);
-        let deeper = self.body.depth_acceleration(at, p.v, acceleration);
+        let (_, motion) = self.motion(p, at);
+        let deeper = self.body.depth_acceleration(at, p.v, motion.acceleration);
         let compression = slider.compression_rate(self.touch, p.e, speed);
         let rate = match exit {
             Exit::Meets => speed - compression,
@@ -75,8 +75,9 @@ impl<R: Scalar> Field<'_, R> {
             return None;
         }
         let triple = |p: &Point<R>| {
-            let (_, a) = self.acceleration(p, &self.body.place(p.q, p.v));
-            (p.q.to_f64(), p.v.to_f64(), a.to_f64())
+            let (_, motion) = self.motion(p, &self.body.place(p.q, p.v));
+            let acceleration = motion.acceleration.to_f64();
+            (p.q.to_f64(), p.v.to_f64(), acceleration)
         };
         let arc = Arc::new(h, triple(from), triple(end));
         let found = exits(self.touch)
@@ -105,7 +106,10 @@ impl<R: Scalar> Field<'_, R> {
         let guess = |s: f64| {
             let (q, v) = arc.at(s);
             let tau = R::from_f64(s * h);
-            let (p, at) = self.after(from, tau, R::from_f64(q), R::from_f64(v));
+            // No end of a phase depends on where the cart is.
+            let [off, off_rate] = from.cart;
+            let moved = [R::from_f64(q), R::from_f64(v), off, off_rate];
+            let (p, at) = self.after(from, tau, moved);
             self.beyond(exit, &p, &at).to_f64()
         };
         let exact = |s: f64| {

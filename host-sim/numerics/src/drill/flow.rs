@@ -3,7 +3,7 @@
 
 use shared::model::slider::{Slider, Touch};
 
-use super::body::{Body, Place};
+use super::body::{Body, Motion, Place};
 use crate::reference::Scalar;
 use crate::reference::tableau::{A, B, C, E3, E5, STAGES, error};
 
@@ -20,6 +20,8 @@ pub struct Point<R> {
     pub e: R,
     /// How far the front is beyond its nominal place, m.
     pub lead: R,
+    /// Deviation of the cart from its course (m) and its rate (m/s): 0 where it keeps to it.
+    pub cart: [R; 2],
 }
 
 /// Where energy went, J.
@@ -39,6 +41,8 @@ pub struct Energies {
     pub progress: f64,
     /// ∫F dt, N·s.
     pub impulse: f64,
+    /// From the shaker into a cart that recoils.
+    pub shaker: f64,
 }
 
 impl Energies {
@@ -51,6 +55,7 @@ impl Energies {
         self.dashpot += weight * other.dashpot;
         self.progress += weight * other.progress;
         self.impulse += weight * other.impulse;
+        self.shaker += weight * other.shaker;
     }
 }
 
@@ -67,8 +72,8 @@ pub struct Field<'a, R> {
     pub omega: f64,
     /// Speed at which the rig is fed towards the ground, m/s.
     pub feed: f64,
-    /// Errors of coordinate and rate are weighed by these.
-    pub units: (f64, f64),
+    /// Errors of coordinate, rate, and the cart's deviation and its rate are weighed by these.
+    pub units: [f64; 4],
 }
 
 /// A step taken.
@@ -91,8 +96,9 @@ impl<R: Scalar> Field<'_, R> {
         at.rate + R::from_f64(self.feed)
     }
 
-    /// The state after `tau`, with the body at `q` and `v`.
-    pub fn after(&self, from: &Point<R>, tau: R, q: R, v: R) -> (Point<R>, Place<R>) {
+    /// The state after `tau`, with the body and its cart at `moved`: coordinate, rate, deviation and its rate.
+    pub fn after(&self, from: &Point<R>, tau: R, moved: [R; 4]) -> (Point<R>, Place<R>) {
+        let [q, v, off, off_rate] = moved;
         let at = self.body.place(q, v);
         let fed = from.lead - tau * R::from_f64(self.feed);
         let (e, lead) = match self.slider.compression_limit(self.touch) {
@@ -105,47 +111,55 @@ impl<R: Scalar> Field<'_, R> {
                 }
             }
         };
-        let t = from.t + tau;
-        (Point { t, q, v, e, lead }, at)
+        let end = Point {
+            t: from.t + tau,
+            q,
+            v,
+            e,
+            lead,
+            cart: [off, off_rate],
+        };
+        (end, at)
     }
 
-    /// Contact force and q̈.
+    /// Contact force and accelerations.
     #[inline]
-    pub fn acceleration(&self, p: &Point<R>, at: &Place<R>) -> (R, R) {
+    pub fn motion(&self, p: &Point<R>, at: &Place<R>) -> (R, Motion<R>) {
         let force = self.slider.force(self.touch, p.e, self.speed(at));
         let angle = p.t * R::from_f64(self.omega);
-        (force, self.body.acceleration(at, p.v, angle, force))
+        (force, self.body.motion(at, p.v, angle, force, p.cart))
     }
 
     /// One step of length `h`.
     pub fn step(&self, from: &Point<R>, h: R) -> Step<R> {
-        let mut rates = [(R::ZERO, R::ZERO); STAGES];
+        let mut rates = [[R::ZERO; 4]; STAGES];
         let mut energies = Energies::default();
         let length = h.to_f64();
+        // A cart that keeps to its course costs nothing.
+        let count = if self.body.recoils() { 4 } else { 2 };
         for stage in 0..STAGES {
-            let (q, v) = moved(from, h, &rates, A[stage]);
+            let moved = moved(from, h, &rates, A[stage], count);
             let tau = h * R::from_f64(C[stage]);
-            let (p, at) = self.after(from, tau, q, v);
-            let (force, acceleration) = self.acceleration(&p, &at);
-            rates[stage] = (v, acceleration);
+            let (p, at) = self.after(from, tau, moved);
+            let (force, motion) = self.motion(&p, &at);
+            rates[stage] = [p.v, motion.acceleration, p.cart[1], motion.deviation];
             if let Some((_, weight)) = B.iter().find(|(i, _)| *i == stage) {
-                energies.add(&self.powers(&p, &at, force), weight * length);
+                energies.add(&self.powers(&p, &at, force, &motion), weight * length);
             }
         }
-        let (q, v) = moved(from, h, &rates, B);
-        let (end, _) = self.after(from, h, q, v);
+        let (end, _) = self.after(from, h, moved(from, h, &rates, B, count));
         let dug = match self.touch {
             Touch::Slipping => end.lead - from.lead + h * R::from_f64(self.feed),
             _ => R::ZERO,
         };
         self.exactly(from, &end, dug.to_f64(), &mut energies);
         let estimate = |weights: &[(usize, f64)]| {
-            let (mut q, mut v) = (0.0, 0.0);
-            for &(i, w) in weights {
-                q += w * rates[i].0.to_f64();
-                v += w * rates[i].1.to_f64();
+            let mut square = 0.0;
+            for (j, unit) in self.units[..count].iter().enumerate() {
+                let errors = weights.iter().map(|&(i, w)| w * rates[i][j].to_f64());
+                square += (errors.sum::<f64>() / unit).powi(2);
             }
-            (q / self.units.0).hypot(v / self.units.1) * length.abs()
+            square.sqrt() * length.abs()
         };
         Step {
             end,
@@ -155,9 +169,9 @@ impl<R: Scalar> Field<'_, R> {
         }
     }
 
-    fn powers(&self, p: &Point<R>, at: &Place<R>, force: R) -> Energies {
+    fn powers(&self, p: &Point<R>, at: &Place<R>, force: R, motion: &Motion<R>) -> Energies {
         let angle = p.t * R::from_f64(self.omega);
-        let body = self.body.powers(at, p.v, angle, force);
+        let body = self.body.powers(at, p.v, angle, force, p.cart, motion);
         let speed = self.speed(at);
         Energies {
             drive: body.drive,
@@ -167,6 +181,7 @@ impl<R: Scalar> Field<'_, R> {
             dashpot: self.slider.dashpot_power(self.touch, p.e, speed).to_f64(),
             progress: 0.0,
             impulse: force.to_f64(),
+            shaker: body.shaker,
         }
     }
 
@@ -181,19 +196,22 @@ impl<R: Scalar> Field<'_, R> {
     }
 }
 
-/// Coordinate and rate after `h` at the weighted rates.
+/// Coordinate, rate, and the cart's deviation and its rate, after `h` at the weighted rates; the first `count` move.
 #[inline]
 fn moved<R: Scalar>(
     from: &Point<R>,
     h: R,
-    rates: &[(R, R); STAGES],
+    rates: &[[R; 4]; STAGES],
     weights: &[(usize, f64)],
-) -> (R, R) {
-    let (mut dq, mut dv) = (R::ZERO, R::ZERO);
-    for &(i, weight) in weights {
-        let weight = R::from_f64(weight);
-        dq += rates[i].0 * weight;
-        dv += rates[i].1 * weight;
+    count: usize,
+) -> [R; 4] {
+    let mut end = [from.q, from.v, from.cart[0], from.cart[1]];
+    for (j, x) in end[..count].iter_mut().enumerate() {
+        let mut sum = R::ZERO;
+        for &(i, weight) in weights {
+            sum += rates[i][j] * R::from_f64(weight);
+        }
+        *x += h * sum;
     }
-    (from.q + h * dq, from.v + h * dv)
+    end
 }

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use shared::model::contacts::{Period, SUSTAINED_CONTACT_S};
 use shared::model::params::{ParamError, RigParams};
-use shared::model::rig::Rig;
 use shared::model::slider::{Slider, Touch};
 
-use super::body::{Body, FreeMass};
+use super::blow::{Blow, Feed};
+use super::body::{Body, Carried, FreeMass, resting};
 use super::exits::Exit;
 use super::flow::{Energies, Field, Point, Step};
 use crate::golden::maximum;
@@ -25,54 +25,19 @@ const FIRST_STEP: f64 = 0.2;
 /// Steps after which a period is given up.
 const MAX_STEPS_PER_PERIOD: usize = 100_000;
 
-/// How the rig follows the ground. The first three restore the gap; they differ in when and what they move, and their
-/// answers differ by less than 1 %.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Feed {
-    /// At each drive phase 0 the cart is moved on by what was dug in the period. Hammer and ground stay where they are,
-    /// so this can be done in contact, too.
-    Cart,
-    /// At each drive phase 0 the ground is brought back by what was dug, to a hammer that stays where it is in the cart. In
-    /// contact it waits for the next phase 0.
-    Ground,
-    /// Steadily: through each period at the mean speed at which the last one dug.
-    Steady,
-    /// Steadily at this speed, m/s, whatever is dug: the gap sets itself.
-    Speed(f64),
-}
-
-/// A contact with the ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Blow {
-    /// When it began, s since the start.
-    pub onset_s: f64,
-    /// How long it lasted, s.
-    pub duration_s: f64,
-    /// Speed of the hammer into the ground at onset, m/s.
-    pub approach_speed_m_per_s: f64,
-    /// Progress, m.
-    pub progress_m: f64,
-    /// Largest contact force, N.
-    pub peak_force_n: f64,
-    /// Energy that it took from the hammer, J.
-    pub energy_lost_j: f64,
-    /// ∫F dt, N·s.
-    pub impulse_n_s: f64,
-}
-
 /// What strikes and what is struck, driven at one frequency.
 #[derive(Clone, Debug)]
 pub struct Drill<R> {
-    body: Body<R>,
+    pub(super) body: Body<R>,
     slider: Slider<R>,
     feed: Feed,
     /// Speed of the feed now, m/s.
     speed: f64,
-    omega: f64,
+    pub(super) omega: f64,
     period_s: f64,
     tolerance: f64,
     longest: (f64, f64),
-    point: Point<R>,
+    pub(super) point: Point<R>,
     touch: Touch,
     cycle: u64,
     next_step: f64,
@@ -82,10 +47,13 @@ pub struct Drill<R> {
     open: Option<Blow>,
     onsets: [f64; 3],
     energies: Energies,
+    /// The largest force of the shaker's loop, N, where it is watched.
+    pub(super) loop_force_n: Option<f64>,
 }
 
 impl<R: Scalar> Drill<R> {
-    /// The hammer of `params` at rest on ground that gives way, in a cart that moves as prescribed, at drive phase 0.
+    /// The hammer of `params` at rest on ground that gives way, in its cart (prescribed or recoiling, as `params` say) that
+    /// is on its course, at drive phase 0.
     ///
     /// # Errors
     /// The first parameter out of range.
@@ -99,11 +67,8 @@ impl<R: Scalar> Drill<R> {
         frequency_hz: f64,
     ) -> Result<Self, ParamError> {
         slider.check()?;
-        let rig = Rig::<R>::new(params)?;
         let rest = resting(params, slider)?;
-        let omega = TAU * frequency_hz;
-        let acceleration = params.amplitude_m * omega * omega;
-        let body = Body::Hammer(rig, acceleration);
+        let body = Body::Hammer(Carried::new(params, TAU * frequency_hz)?);
         let fastest = frequency_hz.max(params.natural_frequency_hz());
         let mut drill = Self::new(body, slider, feed, frequency_hz, fastest);
         drill.place([R::from_f64(rest), R::ZERO, R::ZERO]);
@@ -159,6 +124,7 @@ impl<R: Scalar> Drill<R> {
                 v: R::ZERO,
                 e: R::ZERO,
                 lead: R::ZERO,
+                cart: [R::ZERO; 2],
             },
             touch: Touch::Apart,
             cycle: 0,
@@ -168,6 +134,7 @@ impl<R: Scalar> Drill<R> {
             open: None,
             onsets: [f64::NEG_INFINITY; 3],
             energies: Energies::default(),
+            loop_force_n: None,
         }
     }
 
@@ -179,14 +146,20 @@ impl<R: Scalar> Drill<R> {
     }
 
     /// Puts it on the section at coordinate, rate and compression; where they touch, the compression follows from the
-    /// coordinate.
-    pub fn place(&mut self, [q, v, e]: [R; 3]) {
+    /// coordinate. The cart is on its course.
+    pub fn place(&mut self, section: [R; 3]) {
+        self.place_off(section, [R::ZERO; 2]);
+    }
+
+    /// The same with a cart that recoils `cart` (m, m/s) off its course.
+    pub fn place_off(&mut self, [q, v, e]: [R; 3], cart: [R; 2]) {
         self.point = Point {
             t: R::ZERO,
             q,
             v,
             e,
             lead: R::ZERO,
+            cart,
         };
         self.open = None;
         self.touch = Touch::Apart;
@@ -203,6 +176,16 @@ impl<R: Scalar> Drill<R> {
     /// Coordinate, rate and compression on the section.
     pub fn section(&self) -> [R; 3] {
         [self.point.q, self.point.v, self.point.e]
+    }
+
+    /// Deviation of the cart from its course (m) and its rate (m/s) now.
+    pub fn cart(&self) -> [R; 2] {
+        self.point.cart
+    }
+
+    /// Whether the cart recoils.
+    pub fn recoils(&self) -> bool {
+        self.body.recoils()
     }
 
     /// How hammer and ground touch.
@@ -233,8 +216,14 @@ impl<R: Scalar> Drill<R> {
 
     /// Units of coordinate and rate: the amplitude and amplitude times Ω.
     pub fn units(&self) -> (f64, f64) {
-        let scale = self.body.scale();
-        (scale, scale * self.omega)
+        let [q, v, ..] = self.all_units();
+        (q, v)
+    }
+
+    /// The same, and those of the cart's deviation and its rate.
+    pub fn all_units(&self) -> [f64; 4] {
+        let (scale, length) = self.body.scales();
+        [scale, scale * self.omega, length, length * self.omega]
     }
 
     /// Where energy went since the start, J.
@@ -249,15 +238,14 @@ impl<R: Scalar> Drill<R> {
         (self.body.energy(p.q, p.v), stored)
     }
 
-    fn field(&self) -> Field<'_, R> {
-        let (q, v) = self.units();
+    pub(super) fn field(&self) -> Field<'_, R> {
         Field {
             body: &self.body,
             slider: &self.slider,
             touch: self.touch,
             omega: self.omega,
             feed: self.speed,
-            units: (q * self.tolerance, v * self.tolerance),
+            units: self.all_units().map(|unit| unit * self.tolerance),
         }
     }
 
@@ -359,6 +347,7 @@ impl<R: Scalar> Drill<R> {
             period.touched = true;
             period.peak_force = period.peak_force.max(peak);
         }
+        self.watch_loop(step);
         self.energies.add(&step.energies, 1.0);
         self.drift += step.dug.to_f64();
         self.dug += step.dug;
@@ -370,7 +359,7 @@ impl<R: Scalar> Drill<R> {
         let field = self.field();
         let force = |p: &Point<R>| {
             let at = self.body.place(p.q, p.v);
-            field.acceleration(p, &at).0.to_f64()
+            field.motion(p, &at).0.to_f64()
         };
         let ends = force(&self.point).max(force(&step.end));
         let rises = |p: &Point<R>| field.held_force_rate(p) > 0.0;
@@ -412,15 +401,4 @@ impl<R: Scalar> Drill<R> {
         });
         self.onsets = [onset_s, self.onsets[0], self.onsets[1]];
     }
-}
-
-/// q of a hammer at rest. With a negative gap it rests pressed on, where its support and the ground's spring balance; the
-/// ground must bear that.
-fn resting(params: &RigParams, slider: &Slider<f64>) -> Result<f64, ParamError> {
-    let mut on_spring = *params;
-    on_spring.contact = shared::model::contact::Law::SpringDashpot {
-        stiffness: slider.stiffness,
-        damping: slider.damping,
-    };
-    Ok(Rig::<f64>::new(&on_spring)?.rest())
 }

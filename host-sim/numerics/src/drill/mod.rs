@@ -1,7 +1,7 @@
 //! The hammer on ground that gives way: how fast it drills.
 //!
 //! The ground is [`shared::model::slider`]: spring and dashpot on a massless slider that dry friction holds up to a
-//! threshold Pf. The cart moves as prescribed. [`march`] integrates hammer and ground from drive phase 0 to drive phase 0
+//! threshold Pf. The cart moves as prescribed or recoils, as the rig's parameters say. [`march`] integrates hammer and ground from drive phase 0 to drive phase 0
 //! with every switch located; its phases are flight (the top relaxes), contact with the ground held, and contact with the
 //! ground giving way.
 //!
@@ -9,16 +9,20 @@
 //! progress, which grows. So the section repeats, regimes are found as with a surface that stays, and the return map has
 //! multipliers ([`orbit`]).
 
+pub mod blow;
 pub mod body;
 mod exits;
 pub mod flow;
 pub mod march;
 pub mod orbit;
+pub mod pick;
 pub mod published;
 mod run;
 pub mod search;
+mod watch;
 
-pub use march::{Blow, Drill, Feed};
+pub use blow::{Blow, Feed};
+pub use march::Drill;
 pub use run::{DrillPlan, DrillRow, DrillSetting, Seen, grid, run};
 pub use search::{Among, Corner, DrillAnswer, GroundUncertainty, advise, refined};
 

@@ -1,15 +1,16 @@
 //! Periodic orbits on ground that gives way, and their multipliers.
 //!
-//! With [`Feed::Cart`] the section has the coordinates q, q̇ and e, all measured from the front of the ground; what has
-//! been dug is in none of them. So the return map's derivative exists as with a surface that stays, and dual numbers give
-//! it, switches included.
+//! With [`Feed::Cart`] the section has the coordinates q, q̇ and e, all measured from the front of the ground, and the
+//! deviation of a cart that recoils and its rate; what has been dug is in none of them. So the return map's derivative
+//! exists as with a surface that stays, and dual numbers give it, switches included.
 
 use shared::model::params::RigParams;
 use shared::model::slider::{Slider, Touch};
 
-use super::march::{Drill, Feed};
+use super::blow::Feed;
+use super::march::Drill;
 use crate::dual::Dual;
-use crate::orbit::Multipliers;
+use crate::orbit::{Monodromy, Multipliers, Section};
 
 /// A compression below this share of Pf/k at drive phase 0 is as good as none.
 const RELAXED: f64 = 1e-9;
@@ -23,87 +24,118 @@ const CLOSURE: f64 = 1e-10;
 /// A period-one orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillOrbit {
-    /// Coordinate and rate on the section.
-    pub section: [f64; 2],
+    /// Drive frequency, Hz.
+    pub frequency_hz: f64,
+    /// Coordinate and rate on the section, and the cart's deviation and its rate.
+    pub section: Section,
     /// Derivative of the return map, in units of A0 and A0 Ω.
-    pub monodromy: [[f64; 2]; 2],
+    pub monodromy: Monodromy,
     /// Contacts in the period.
     pub impacts: u16,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// Energy that the contacts take from the hammer in the period, J.
+    pub contact_j: f64,
     /// Progress in the period, m.
     pub progress_m: f64,
-    /// Derivative of that progress by coordinate and rate on the section, m per unit of A0 and A0 Ω.
-    pub progress_slope_m: [f64; 2],
+    /// Derivative of that progress along the section, m per unit of A0 and A0 Ω; the last two are 0 with a prescribed cart.
+    pub progress_slope_m: [f64; 4],
 }
 
 impl DrillOrbit {
-    /// The eigenvalues of the monodromy matrix.
+    /// The two leading eigenvalues of the monodromy matrix.
     pub fn multipliers(&self) -> Multipliers {
-        let [[a, b], [c, d]] = self.monodromy;
-        let (half, det) = (0.5 * (a + d), a * d - b * c);
-        let square = half * half - det;
-        if square < 0.0 {
-            return Multipliers::Complex(det.sqrt());
-        }
-        let root = square.sqrt();
-        Multipliers::Real(half - root, half + root)
+        self.monodromy.multipliers()
     }
 
     /// Whether every multiplier lies inside the unit circle.
     pub fn is_stable(&self) -> bool {
         self.multipliers().modulus() < 1.0
     }
+
+    /// Whether it is a stable 1/1.
+    pub fn is_stable_one_one(&self) -> bool {
+        self.impacts == 1 && self.is_stable()
+    }
+
+    /// Rate of penetration, m/s.
+    pub fn rate_m_per_s(&self) -> f64 {
+        self.progress_m * self.frequency_hz
+    }
 }
 
 /// The period-one orbit near the section point `guess`, by Newton's iteration. None if there is none near, or the ground
-/// is still compressed at drive phase 0 (the section would have a third coordinate).
+/// is still compressed at drive phase 0 (the section would have a coordinate more).
 pub fn shoot(
     params: &RigParams,
     ground: &Slider<f64>,
     frequency_hz: f64,
-    guess: [f64; 2],
+    guess: Section,
+) -> Option<DrillOrbit> {
+    if params.cart.recoils() {
+        along::<4>(params, ground, frequency_hz, guess)
+    } else {
+        along::<2>(params, ground, frequency_hz, guess)
+    }
+}
+
+/// The same with derivatives along the first `N` directions of the section.
+fn along<const N: usize>(
+    params: &RigParams,
+    ground: &Slider<f64>,
+    frequency_hz: f64,
+    guess: Section,
 ) -> Option<DrillOrbit> {
     let mut x = guess;
     for _ in 0..ITERATIONS {
-        let mut drill = Drill::<Dual<2>>::hammer(params, ground, Feed::Cart, frequency_hz).ok()?;
-        let (q_unit, v_unit) = drill.units();
-        let units = [q_unit, v_unit];
-        let mut start = [Dual::constant(0.0); 3];
-        for i in 0..2 {
-            start[i] = Dual::variable(x[i], i);
-            start[i].eps[i] = units[i];
-        }
-        drill.place(start);
+        let mut drill = Drill::<Dual<N>>::hammer(params, ground, Feed::Cart, frequency_hz).ok()?;
+        let units = drill.all_units();
+        let start = [0, 1, 2, 3].map(|i| {
+            let mut at = Dual::<N>::constant(x[i]);
+            if i < N {
+                at.eps[i] = units[i];
+            }
+            at
+        });
+        let none = Dual::constant(0.0);
+        drill.place_off([start[0], start[1], none], [start[2], start[3]]);
         let (period, dug) = drill.run_period(&mut Vec::new());
-        let end = drill.section();
-        let relaxed = end[2].re.abs() < RELAXED * ground.threshold / ground.stiffness;
-        if !(end[0].re.is_finite() && relaxed && drill.touch() == Touch::Apart) {
+        let [q, v, e] = drill.section();
+        let [off, off_rate] = drill.cart();
+        let end = [q, v, off, off_rate];
+        let relaxed = e.re.abs() < RELAXED * ground.threshold / ground.stiffness;
+        if !(q.re.is_finite() && relaxed && drill.touch() == Touch::Apart) {
             return None;
         }
-        let miss = [0, 1].map(|i| (end[i].re - x[i]) / units[i]);
-        let monodromy = [0, 1].map(|i| [0, 1].map(|j: usize| end[i].eps[j] / units[i]));
-        if miss[0].abs().max(miss[1].abs()) < CLOSURE {
+        let miss = [0, 1, 2, 3].map(|i| (end[i].re - x[i]) / units[i]);
+        let mut derivative = [[0.0; 4]; 4];
+        let mut progress_slope_m = [0.0; 4];
+        for j in 0..N {
+            for i in 0..N {
+                derivative[i][j] = end[i].eps[j] / units[i];
+            }
+            progress_slope_m[j] = dug.eps[j];
+        }
+        let monodromy = Monodromy::new(N, derivative);
+        if crate::orbit::largest(miss) < CLOSURE {
             return Some(DrillOrbit {
+                frequency_hz,
                 section: x,
                 monodromy,
                 impacts: period.onsets,
+                force_n: period.peak_force,
+                contact_j: drill.energies().contact,
                 progress_m: dug.re,
-                progress_slope_m: dug.eps,
+                progress_slope_m,
             });
         }
-        // (I − M) step = miss.
-        let [[a, b], [c, d]] = monodromy;
-        let (a, d) = (1.0 - a, 1.0 - d);
-        let det = a * d - b * c;
-        let step = [
-            (d * miss[0] + b * miss[1]) / det,
-            (c * miss[0] + a * miss[1]) / det,
-        ];
-        let length = step[0].abs().max(step[1].abs());
+        let step = monodromy.newton_step(miss);
+        let length = crate::orbit::largest(step);
         if !length.is_finite() {
             return None;
         }
         let damping = (1.0 / length).min(1.0);
-        for i in 0..2 {
+        for i in 0..4 {
             x[i] += damping * step[i] * units[i];
         }
     }

@@ -6,9 +6,12 @@ use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 use shared::model::slider::Slider;
 
-use super::march::{Blow, Drill, Feed};
+use super::blow::{Blow, Feed};
+use super::march::Drill;
 use crate::engine::check_frequency;
 use crate::error::{Error, MotionError};
+use crate::orbit::Section;
+use crate::pick::CartModel;
 use crate::progress::{Progress, step};
 use crate::row::{NamedRig, regime_as_text, tidy};
 
@@ -66,12 +69,22 @@ pub struct Seen {
     pub contact_j: f64,
     /// The section at the end.
     pub section: [f64; 3],
+    /// Deviation of the cart from its course (m) and its rate (m/s) there.
+    pub cart: [f64; 2],
+}
+
+impl Seen {
+    /// Where a shooting for the orbit begins.
+    pub fn guess(&self) -> Section {
+        let ([q, v, _], [off, off_rate]) = (self.section, self.cart);
+        [q, v, off, off_rate]
+    }
 }
 
 /// Runs the hammer of `params` from rest at `frequency_hz`.
 ///
 /// # Errors
-/// If a parameter or the frequency is out of range, the cart recoils, or the motion cannot be followed.
+/// If a parameter or the frequency is out of range, or the motion cannot be followed.
 pub fn run(
     params: &RigParams,
     setting: &DrillSetting,
@@ -79,18 +92,23 @@ pub fn run(
     plan: DrillPlan,
 ) -> Result<Seen, Error> {
     check_frequency(frequency_hz, params)?;
-    if params.cart.recoils() {
-        return Err(Error::Recoil("drill"));
-    }
     let mut drill = Drill::<f64>::hammer(params, &setting.ground, setting.feed, frequency_hz)?;
     settle(&mut drill, plan.settle);
+    observe(&mut drill, frequency_hz, plan.recorded)
+}
+
+/// What `drill`, driven at `frequency_hz`, shows in the next `recorded` periods.
+///
+/// # Errors
+/// If the motion cannot be followed.
+pub fn observe(drill: &mut Drill<f64>, frequency_hz: f64, recorded: u32) -> Result<Seen, Error> {
     let (q_unit, v_unit) = drill.units();
     let mut detector = Detector::new(q_unit, v_unit);
     let [q, v, _] = drill.section();
     detector.push(q, v, &Default::default());
     let (before, drift) = (drill.energies(), drill.drift_m());
     let (mut blows, mut force_n, mut lead) = (Vec::new(), 0.0_f64, 0.0);
-    for _ in 0..plan.recorded {
+    for _ in 0..recorded {
         let (period, _) = drill.run_period(&mut blows);
         let [q, v, _] = drill.section();
         if q.is_nan() || (q / q_unit).abs() > LOST {
@@ -100,7 +118,7 @@ pub fn run(
         force_n = force_n.max(period.peak_force);
         lead += drill.lead_m();
     }
-    let periods = f64::from(plan.recorded);
+    let periods = f64::from(recorded);
     let per_cycle_m = (drill.drift_m() - drift) / periods;
     let after = drill.energies();
     Ok(Seen {
@@ -113,30 +131,34 @@ pub fn run(
         progress_j: (after.progress - before.progress) / periods,
         contact_j: (after.contact - before.contact) / periods,
         section: drill.section(),
+        cart: drill.cart(),
     })
 }
 
 /// Runs until the section repeats, at most `periods` drive periods.
-fn settle(drill: &mut Drill<f64>, periods: u32) {
-    let (q_unit, v_unit) = drill.units();
+pub fn settle(drill: &mut Drill<f64>, periods: u32) {
+    let [q_unit, v_unit, length, speed] = drill.all_units();
+    let state = |drill: &Drill<f64>| {
+        let ([q, v, _], [off, off_rate]) = (drill.section(), drill.cart());
+        [
+            q / q_unit,
+            v / v_unit,
+            off / length,
+            off_rate / speed,
+            drill.lead_m() / q_unit,
+        ]
+    };
     let mut blows = Vec::new();
-    let mut last = [drill.section(); 2];
-    let mut leads = [drill.lead_m(); 2];
+    let mut last = [state(drill); 2];
     for _ in 0..periods {
         drill.run_period(&mut blows);
         blows.clear();
-        let now = drill.section();
-        let lead = drill.lead_m();
-        let near = |then: &[f64; 3], lead_then: f64| {
-            let q = (now[0] - then[0]).abs() / q_unit;
-            let v = (now[1] - then[1]).abs() / v_unit;
-            q.max(v).max((lead - lead_then).abs() / q_unit) < SETTLED
-        };
-        if near(&last[0], leads[0]) || near(&last[1], leads[1]) {
+        let now = state(drill);
+        let near = |then: &[f64; 5]| (0..5).all(|i| (now[i] - then[i]).abs() < SETTLED);
+        if last.iter().any(near) {
             return;
         }
         last = [now, last[0]];
-        leads = [lead, leads[0]];
     }
 }
 
@@ -182,6 +204,8 @@ pub struct DrillRow {
     pub approach_speed_m_per_s: Option<f64>,
     /// Mean clearance that the feed leaves at drive phase 0, mm: the gap and what the front is beyond it.
     pub mean_clearance_mm: f64,
+    /// How the cart is moved.
+    pub cart: CartModel,
 }
 
 impl DrillRow {
@@ -213,6 +237,7 @@ impl DrillRow {
             force_n: seen.force_n,
             approach_speed_m_per_s: mean(|b| b.approach_speed_m_per_s),
             mean_clearance_mm: 1e3 * (rig.params.gap_m + seen.lead_m),
+            cart: CartModel::of(&rig.params),
         }
     }
 }

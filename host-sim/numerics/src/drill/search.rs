@@ -5,12 +5,12 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 use shared::model::slider::Slider;
 
-use super::march::Feed;
+use super::blow::Feed;
 use super::orbit;
 use super::run::{DrillPlan, DrillRow, DrillSetting, run};
 use crate::error::Error;
 use crate::golden::maximum;
-use crate::pick::{Limits, pick};
+use crate::pick::{CartModel, Limits, pick};
 use crate::progress::{Progress, WithinStep, check};
 use crate::row::{NamedRig, regime_as_text, tidy};
 use crate::sweep::spread;
@@ -59,7 +59,7 @@ pub struct DrillAnswer {
     pub best: DrillRow,
     /// Largest modulus of a multiplier there, where the motion is a 1/1.
     pub multiplier: Option<f64>,
-    /// The frequency that `pick` gives for a surface that stays (nominal, prescribed cart), Hz. None where it has no answer.
+    /// The frequency that `pick` gives for a surface that stays (nominal, the same cart), Hz. None where it has no answer.
     pub rigid_frequency_hz: Option<f64>,
     /// The same over the natural frequency.
     pub rigid_frequency_ratio: Option<f64>,
@@ -73,6 +73,17 @@ pub struct DrillAnswer {
     pub threshold_reached_ratios: Option<(f64, f64)>,
     /// Corners of the uncertainty.
     pub corners: Vec<Corner>,
+    /// How the cart is moved in this answer.
+    pub cart: CartModel,
+    /// The largest rate of penetration with a cart that recoils, µm/s: of this answer, or near its frequency. None where no
+    /// shaker is known.
+    pub recoil_rate_um_per_s: Option<f64>,
+    /// The frequency of that, Hz.
+    pub recoil_frequency_hz: Option<f64>,
+    /// The same with the cart as prescribed.
+    pub prescribed_rate_um_per_s: Option<f64>,
+    /// The frequency of that, Hz.
+    pub prescribed_frequency_hz: Option<f64>,
 }
 
 /// The answer at the gap of `rig`. `rows` are its runs over frequency, rising: the best is searched around the best of
@@ -120,6 +131,13 @@ pub fn advise(
             Ok(corner)
         })
         .collect();
+    let cart = CartModel::of(&rig.params);
+    let own = Some((best.rate_of_penetration_um_per_s, best.frequency_hz));
+    let other = other_cart(rig, setting, (&near, among), plan)?;
+    let (recoil, prescribed) = match cart {
+        CartModel::Recoil => (own, other),
+        CartModel::Prescribed => (other, own),
+    };
     let reached = |r: &&DrillRow| r.force_n >= (1.0 - 1e-9) * r.threshold_n;
     let first = rows.iter().find(reached);
     let last = rows.iter().rev().find(reached);
@@ -139,6 +157,11 @@ pub fn advise(
             .zip(last)
             .map(|(a, b)| (a.frequency_ratio, b.frequency_ratio)),
         corners: corners?,
+        cart,
+        recoil_rate_um_per_s: recoil.map(|r| r.0),
+        recoil_frequency_hz: recoil.map(|r| r.1),
+        prescribed_rate_um_per_s: prescribed.map(|r| r.0),
+        prescribed_frequency_hz: prescribed.map(|r| r.1),
         best,
     })
 }
@@ -226,8 +249,8 @@ fn multiplier(
         return None;
     }
     let seen = run(&rig.params, setting, best.frequency_hz, plan).ok()?;
-    let [q, v, _] = seen.section;
-    let orbit = orbit::shoot(&rig.params, &setting.ground, best.frequency_hz, [q, v])?;
+    let guess = seen.guess();
+    let orbit = orbit::shoot(&rig.params, &setting.ground, best.frequency_hz, guess)?;
     Some(orbit.multipliers().modulus())
 }
 
@@ -252,6 +275,28 @@ fn grounds(nominal: &Slider<f64>, u: GroundUncertainty) -> Vec<Slider<f64>> {
         }
     }
     found
+}
+
+/// Rate (µm/s) and frequency (Hz) of the best near `near_hz` with the cart moved the other way. None where the shaker is not
+/// known, or nothing gives way.
+fn other_cart(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    (near_hz, among): (&[f64], Among),
+    plan: DrillPlan,
+) -> Result<Option<(f64, f64)>, Error> {
+    let other = if rig.params.cart.recoils() {
+        Some(rig.clone().prescribed())
+    } else {
+        rig.recoiling()
+    };
+    let Some(other) = other else {
+        return Ok(None);
+    };
+    let rows = near_hz.par_iter().map(|hz| at(&other, setting, *hz, plan));
+    let rows: Vec<_> = rows.collect::<Result<_, _>>()?;
+    let best = refined(&other, setting, &rows, among, plan).ok();
+    Ok(best.map(|b| (b.rate_of_penetration_um_per_s, b.frequency_hz)))
 }
 
 fn corner(

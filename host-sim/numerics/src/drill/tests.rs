@@ -1,10 +1,12 @@
 mod analytic;
+mod recoil;
 
 use shared::model::params::{BEAM_170, RigParams, WIRES};
 use shared::model::slider::Slider;
 
+use super::blow::Feed;
 use super::body::FreeMass;
-use super::march::{Drill, Feed};
+use super::march::Drill;
 use super::run::{DrillPlan, DrillSetting, Seen, run};
 use super::{orbit, published};
 use crate::orbit::shoot;
@@ -84,7 +86,7 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         });
         let rigid = rigid.unwrap();
         let ground = rock(1e6);
-        let here = orbit::shoot(&params, &ground, hz, rigid.section).unwrap();
+        let here = orbit::shoot(&params, &ground, hz, rigid.at()).unwrap();
         let scale = params.amplitude_m;
         for i in 0..2 {
             let apart = (here.section[i] - rigid.section[i]).abs();
@@ -190,9 +192,8 @@ fn the_answer_does_not_depend_on_the_tolerance() {
 fn the_derivative_of_the_return_map_is_that_of_differences() {
     let hz = 2.04 * 1.82;
     let seen = at(&WIRES, 25.0, Feed::Cart, 2.04);
-    let [q, v, _] = seen.section;
-    let found = orbit::shoot(&WIRES, &rock(25.0), hz, [q, v]).unwrap();
-    assert!(found.is_stable() && found.impacts == 1);
+    let found = orbit::shoot(&WIRES, &rock(25.0), hz, seen.guess()).unwrap();
+    assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
     let drill = Drill::<f64>::hammer(&WIRES, &rock(25.0), Feed::Cart, hz).unwrap();
     let units = [drill.units().0, drill.units().1];
@@ -210,7 +211,7 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
         let (up, down) = (image(i, h), image(i, -h));
         for j in 0..2 {
             let slope = (up[j] - down[j]) / (2.0 * h);
-            let exact = found.monodromy[j][i];
+            let exact = found.monodromy.entry(j, i);
             assert!((slope - exact).abs() < 1e-6, "{i} {j}: {slope} {exact}");
         }
         let slope = (up[2] - down[2]) / (2.0 * h);
@@ -252,4 +253,32 @@ fn the_published_period_two_motion_is_found() {
     let row = published::PERIOD_TWO.run(plan).unwrap();
     assert_eq!(row.periods, Some(2), "{}", row.regime);
     assert!(row.progress_per_period > 0.0);
+}
+
+/// Pavlovskaia, Wiercigroch and co-authors found that "the maximum progression coincides with the end of the periodic
+/// regime" (Modelling of ground moling dynamics by an impact oscillator with a frictional slider, Meccanica 38, 2003).
+#[test]
+fn the_largest_progression_is_at_the_end_of_the_periodic_regime_as_published() {
+    let plan = published::DriftingPlan {
+        settle: 300,
+        recorded: 64,
+    };
+    for xi in [0.01, 0.1] {
+        let rows = (0..20).map(|i| {
+            let motion = published::Drifting {
+                b: 0.142 + 0.002 * f64::from(i),
+                xi,
+                ..published::PERIOD_TWO
+            };
+            motion.run(plan).unwrap()
+        });
+        let rows: Vec<_> = rows.collect();
+        let end = rows.iter().position(|r| r.periods != Some(1)).unwrap();
+        let rate = |i: &usize| rows[*i].progression_rate;
+        let best = (0..rows.len()).max_by(|a, b| rate(a).total_cmp(&rate(b)));
+        let best = best.unwrap();
+        assert!(end > 5, "{xi}: {end}");
+        // The last or last but one that is periodic.
+        assert!(best < end && best + 2 >= end, "{xi}: {best} {end}");
+    }
 }

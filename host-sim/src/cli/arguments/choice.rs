@@ -49,6 +49,30 @@ impl Choice for Cart {
     ];
 }
 
+/// What a pick makes largest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Objective {
+    /// The contact force.
+    Force,
+    /// The rate of penetration.
+    Rop,
+}
+
+impl Choice for Objective {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        (
+            "force",
+            "Contact force on a surface that stays",
+            Self::Force,
+        ),
+        (
+            "rop",
+            "Rate of penetration on ground that gives way (--threshold-n)",
+            Self::Rop,
+        ),
+    ];
+}
+
 impl Choice for Direction {
     const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
         ("rest", "Each frequency from rest", Self::Rest),

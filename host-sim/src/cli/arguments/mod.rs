@@ -4,6 +4,7 @@ pub mod choice;
 pub mod cycles;
 pub mod drive;
 pub mod engine;
+pub mod ground;
 pub mod output;
 pub mod range;
 pub mod request;

@@ -114,15 +114,21 @@ impl RigArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(next_help_heading = "Rig")]
 pub struct CartArg {
-    /// How the cart is moved [default: prescribed; pick: recoil where the rig's shaker is known]
+    /// How the cart is moved [default: prescribed; pick, drill: recoil where the rig's shaker is known]
     #[arg(long, value_parser = choice::<Cart>())]
     cart: Option<Cart>,
 }
 
 impl CartArg {
-    /// The cart asked for.
-    pub fn chosen(&self) -> Option<Cart> {
-        self.cart
+    /// `rig` with its cart moved as asked for; without that, as the machine's: recoiling where its shaker is known.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn as_the_machine(&self, rig: NamedRig) -> Result<NamedRig, UserError> {
+        match self.cart {
+            None => Ok(rig.recoiling().unwrap_or(rig)),
+            Some(_) => self.apply(rig),
+        }
     }
 
     /// `rig` with its cart moved as asked for, or as prescribed.

@@ -4,13 +4,12 @@ mod published;
 mod text;
 
 use serde::Serialize;
-use shared::model::contact::Law;
-use shared::model::slider::Slider;
 
 use super::arguments::drive::Drives;
+use super::arguments::ground::GroundArgs;
 use super::arguments::output::OutputArgs;
 use super::arguments::range::parse_finite;
-use super::arguments::rig::RigAtGaps;
+use super::arguments::rig::{CartArg, RigAtGaps};
 use crate::pictures::drawn;
 use crate::pictures::drill::{curves, map};
 use crate::progress::Progress;
@@ -20,6 +19,7 @@ use numerics::drill::{
     Among, DrillAnswer, DrillPlan, DrillRow, DrillSetting, Feed, GroundUncertainty, advise, grid,
     refined,
 };
+use numerics::pick::CartModel;
 use numerics::sweep::spread;
 
 /// Ω/ω without `--ratio` and `--frequency`.
@@ -28,40 +28,8 @@ const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
-    /// Contact force at which the ground gives way (Pf), N
-    #[arg(
-        long,
-        value_name = "N",
-        allow_negative_numbers = true,
-        required_unless_present = "published"
-    )]
-    threshold_n: Option<f64>,
-
-    /// Stiffness of the ground (k), N/m [default: the rig's contact stiffness]
-    #[arg(long, value_name = "N_PER_M", allow_negative_numbers = true)]
-    ground_stiffness_n_per_m: Option<f64>,
-
-    /// Damping of the ground (c), N·s/m [default: the rig's contact damping]
-    #[arg(long, value_name = "N_S_PER_M", allow_negative_numbers = true)]
-    ground_damping_n_s_per_m: Option<f64>,
-
-    /// Uncertainty of the threshold, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 20.0,
-        allow_negative_numbers = true
-    )]
-    threshold_percent: f64,
-
-    /// Uncertainty of the ground's stiffness, % either way; its damping goes with it
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 20.0,
-        allow_negative_numbers = true
-    )]
-    ground_stiffness_percent: f64,
+    #[command(flatten)]
+    ground: GroundArgs,
 
     /// How the gap is kept: cart (each period the cart is moved on by what was dug), ground (the ground is brought back),
     /// steady (at the mean speed of the last period), or a speed in mm/s, at which the gap sets itself
@@ -73,7 +41,7 @@ pub struct Args {
     settle: u32,
 
     /// Instead of a rig: the published drifting oscillator, a bifurcation diagram over its static force
-    #[arg(long, conflicts_with_all = ["threshold_n", "rig", "gaps", "ratio", "frequency"])]
+    #[arg(long, conflicts_with_all = ["threshold_n", "rig", "gaps", "ratio", "frequency", "cart"])]
     published: bool,
 
     #[command(flatten)]
@@ -86,6 +54,9 @@ pub struct Args {
     rig: RigAtGaps,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     pub output: OutputArgs,
 }
 
@@ -93,7 +64,7 @@ pub struct Args {
 #[derive(Debug, Serialize)]
 pub struct Answer {
     rig: String,
-    cart: &'static str,
+    cart: CartModel,
     feed: String,
     threshold_n: f64,
     ground_stiffness_n_per_m: f64,
@@ -114,7 +85,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     if args.published {
         return published::run(&args.oscillator, args.settle, output);
     }
-    let rig = args.rig.name.load()?.prescribed();
+    let rig = args.cart.as_the_machine(args.rig.name.load()?)?;
     let output = &output.about([&rig])?;
     let answer = answer(args, &rig, output)?;
     if let Some(dir) = &output.out {
@@ -130,10 +101,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, UserError> {
     let setting = DrillSetting {
-        ground: ground(args, rig)?,
+        ground: args.ground.ground(rig)?,
         feed: args.feed,
     };
-    let uncertainty = uncertainty(args)?;
+    let uncertainty = args.ground.uncertainty()?;
     let natural_hz = rig.params.natural_frequency_hz();
     let (from, to, count) = USUAL_RATIOS;
     let usual = || spread(from * natural_hz, to * natural_hz, count);
@@ -172,7 +143,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
     progress.finish();
     Ok(Answer {
         rig: rig.name.clone(),
-        cart: "prescribed",
+        cart: advice.cart,
         feed: feed_name(args.feed),
         threshold_n: setting.ground.threshold,
         ground_stiffness_n_per_m: setting.ground.stiffness,
@@ -182,46 +153,6 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         advice,
         gaps_any_regime,
         rows,
-    })
-}
-
-/// The ground asked for; what is left out is the rig's contact.
-fn ground(args: &Args, rig: &NamedRig) -> Result<Slider<f64>, UserError> {
-    let own = match rig.params.contact {
-        Law::SpringDashpot { stiffness, damping } => Some((stiffness, damping)),
-        _ => None,
-    };
-    let missing = |option: &str| {
-        UserError::new(format!(
-            "the contact of rig {} is no spring-dashpot, so the ground needs {option}",
-            rig.name
-        ))
-    };
-    let stiffness = args.ground_stiffness_n_per_m.or(own.map(|o| o.0));
-    let damping = args.ground_damping_n_s_per_m.or(own.map(|o| o.1));
-    let ground = Slider {
-        stiffness: stiffness.ok_or_else(|| missing("--ground-stiffness-n-per-m"))?,
-        damping: damping.ok_or_else(|| missing("--ground-damping-n-s-per-m"))?,
-        threshold: args.threshold_n.unwrap_or(f64::NAN),
-    };
-    ground.check().map_err(numerics::Error::from)?;
-    Ok(ground)
-}
-
-fn uncertainty(args: &Args) -> Result<GroundUncertainty, UserError> {
-    for (option, percent) in [
-        ("--threshold-percent", args.threshold_percent),
-        ("--ground-stiffness-percent", args.ground_stiffness_percent),
-    ] {
-        if !(0.0..100.0).contains(&percent) {
-            return Err(UserError::new(format!(
-                "{option} is {percent}, must be from 0 to below 100"
-            )));
-        }
-    }
-    Ok(GroundUncertainty {
-        threshold_percent: args.threshold_percent,
-        ground_stiffness_percent: args.ground_stiffness_percent,
     })
 }
 

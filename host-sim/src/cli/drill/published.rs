@@ -8,6 +8,7 @@ use crate::pictures::drawn;
 use crate::pictures::drill::drifting;
 use crate::progress::Progress;
 use files::UserError;
+use files::table::to_csv;
 use numerics::drill::published::{Drifting, DriftingPlan, DriftingRow, PERIOD_TWO, diagram};
 
 /// Its parameters, without dimensions: mass, stiffness and threshold are 1.
@@ -57,6 +58,34 @@ struct Stretch {
     motions: usize,
 }
 
+/// A point of the diagram: the mass seen from the front of the ground, at the end of a period of the force.
+#[derive(Serialize)]
+struct PointRow {
+    a: f64,
+    b: f64,
+    xi: f64,
+    omega: f64,
+    p: f64,
+    p_rate: f64,
+}
+
+fn points(rows: &[DriftingRow]) -> Vec<PointRow> {
+    let of = |row: &DriftingRow| {
+        let (a, b, xi, omega) = (row.a, row.b, row.xi, row.omega);
+        let points = row.section.iter();
+        let point = points.map(move |(p, p_rate)| PointRow {
+            a,
+            b,
+            xi,
+            omega,
+            p: *p,
+            p_rate: *p_rate,
+        });
+        point.collect::<Vec<_>>()
+    };
+    rows.iter().flat_map(of).collect()
+}
+
 pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), UserError> {
     check("--force-amplitude", args.force_amplitude, 1e-3, 10.0)?;
     check("--damping-ratio", args.damping_ratio, 1e-4, 10.0)?;
@@ -98,6 +127,8 @@ pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), Us
     if let Some(dir) = &output.out {
         let mut files = drawn(&output.name(""), &drifting(&rows))?;
         files.extend(output.tables(&output.name(""), &answer, &rows)?);
+        let points = points(&rows);
+        files.push((output.name("-points.csv"), to_csv(&points)));
         output.write(dir, files)?;
     }
     output.emit(&answer, &rows, || text(&stretches, &rows))

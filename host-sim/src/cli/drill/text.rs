@@ -2,6 +2,7 @@
 
 use super::Answer;
 use numerics::drill::{Corner, DrillAnswer, DrillRow};
+use numerics::pick::CartModel;
 use plot::chart::Chart;
 
 pub fn text(answer: &Answer) -> String {
@@ -50,12 +51,13 @@ pub fn text(answer: &Answer) -> String {
     }
     line("peak force", force(advice, answer.threshold_n));
     line("surface that stays", rigid(advice));
+    line("cart", cart(advice));
     text += &corners(&advice.corners, answer);
     text += &faster(answer);
     if answer.gaps.len() > 1 {
         text += &gaps(answer);
     }
-    text += "  The cart moves as prescribed. On an emulated rig whose cart recoils, the rate was a fifth to more than a third less\n  (docs/drill.md).\n\n";
+    text += "\n";
     text + &chart(answer)
 }
 
@@ -112,6 +114,31 @@ fn rigid(advice: &DrillAnswer) -> String {
         if apart >= 0.0 { "lower" } else { "higher" },
         100.0 * share
     )
+}
+
+/// How the cart is moved, and what the other would drill.
+fn cart(advice: &DrillAnswer) -> String {
+    let (own, other, what, value) = match advice.cart {
+        CartModel::Recoil => (
+            "recoils",
+            "if it kept to its course",
+            advice.prescribed_frequency_hz,
+            advice.prescribed_rate_um_per_s,
+        ),
+        CartModel::Prescribed => (
+            "keeps to its course",
+            "if it recoiled under its shaker",
+            advice.recoil_frequency_hz,
+            advice.recoil_rate_um_per_s,
+        ),
+    };
+    let (Some(hz), Some(rate)) = (what, value) else {
+        return format!(
+            "{own}; how much it recoils is not known (shaker_loop_hz in the rig's file)"
+        );
+    };
+    let more = 100.0 * (rate / advice.best.rate_of_penetration_um_per_s - 1.0);
+    format!("{own}; {other}, {rate:.1} µm/s at {hz:.4} Hz ({more:+.0} %)")
 }
 
 fn corners(corners: &[Corner], answer: &Answer) -> String {

@@ -4,6 +4,7 @@ mod bending;
 mod beside;
 mod gaps;
 mod report;
+mod rop;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -12,7 +13,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use shared::model::params::PRESETS;
 
-use super::arguments::choice::Cart;
+use super::arguments::choice::{Objective, choice};
+use super::arguments::ground::GroundArgs;
 use super::arguments::output::{Format, OutputArgs, to_json};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigArgs};
@@ -24,6 +26,7 @@ use crate::words::pick::Worded;
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
+use numerics::drill::pick::Request;
 use numerics::pick::uncertainty::Uncertainty;
 use numerics::pick::{Answer, CartModel, Limits, Pick, pick_on, steps};
 use numerics::row::regime_as_text;
@@ -50,6 +53,10 @@ pub struct Args {
     /// With --gaps: random initial conditions per gap, for the share that settles on the orbit picked
     #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
     starts: u32,
+
+    /// What to make largest
+    #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
+    objective: Objective,
 
     /// Largest contact force allowed, N
     #[arg(
@@ -88,6 +95,9 @@ pub struct Args {
     cart: CartArg,
 
     #[command(flatten)]
+    ground: GroundArgs,
+
+    #[command(flatten)]
     springs: bending::SpringsArgs,
 
     #[command(flatten)]
@@ -101,6 +111,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let springs = args.springs.springs()?;
     args.uncertainty.check()?;
     report::check(&args.report)?;
+    if args.objective == Objective::Rop {
+        return for_progress(args, output, limits);
+    }
+    if let Some(option) = args.ground.given() {
+        return Err(UserError::new(format!(
+            "{option} is for --objective rop; the other objective is on a surface that stays"
+        )));
+    }
     if let Some(text) = &args.gaps {
         let gaps = gaps::Gaps {
             text,
@@ -108,7 +126,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             starts: args.starts,
             seed: args.uncertainty.seed(),
         };
-        let rig = moved(args.cart, args.rig.load()?)?;
+        let rig = args.cart.as_the_machine(args.rig.load()?)?;
         output.doubt(&rig);
         let uncertainty = args.uncertainty.of(&rig)?;
         let output = output.about([&rig])?;
@@ -146,6 +164,41 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             beside::text(&rigs, &picks)
         }
     })
+}
+
+/// For the largest rate of penetration.
+fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), UserError> {
+    let others = [
+        ("--all", args.all),
+        ("--beside", !args.beside.is_empty()),
+        ("--gaps", args.gaps.is_some()),
+        ("--report", !args.report.is_empty()),
+    ];
+    if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
+        return Err(UserError::new(format!(
+            "{option} cannot be used with --objective rop, which is for one rig at one gap (host-sim drill --gap FROM:TO:STEP goes over gaps)"
+        )));
+    }
+    let rig = load(args, output, args.rig.name.name(), &[])?;
+    output.doubt(&rig);
+    let uncertainty = args.uncertainty.of(&rig)?;
+    let request = Request {
+        ground: args.ground.ground(&rig)?,
+        ground_uncertainty: args.ground.uncertainty()?,
+        uncertainty,
+        limits,
+    };
+    let carried = uncertainty.map(|u| {
+        let mut all = stated(u);
+        let ground = request.ground_uncertainty;
+        all.extend(object([
+            ("threshold_percent", ground.threshold_percent),
+            ("ground_stiffness_percent", ground.ground_stiffness_percent),
+        ]));
+        all
+    });
+    let output = output.about([&rig])?.with_uncertainty(carried);
+    rop::run(&rig, &request, &output)
 }
 
 /// The uncertainty as an answer carries it.
@@ -191,7 +244,7 @@ fn load(
     settings: &[String],
 ) -> Result<NamedRig, UserError> {
     let loaded = args.rig.load_with(name, settings)?;
-    let mut rig = moved(args.cart, loaded)?;
+    let mut rig = args.cart.as_the_machine(loaded)?;
     let gap_set = settings
         .iter()
         .any(|setting| setting.trim_start().starts_with("gap_mm"));
@@ -199,14 +252,6 @@ fn load(
         default_to_zero_gap(&mut rig, output);
     }
     Ok(rig)
-}
-
-/// `rig` with the cart asked for; without one, that of the machine: recoiling where its shaker is known.
-fn moved(cart: CartArg, rig: NamedRig) -> Result<NamedRig, UserError> {
-    match cart.chosen() {
-        None => Ok(rig.recoiling().unwrap_or(rig)),
-        Some(Cart::Prescribed | Cart::Recoil) => cart.apply(rig),
-    }
 }
 
 /// Sets the gap to 0.0 mm, at which the hammer is used in the field, and says so if the rig had another one.

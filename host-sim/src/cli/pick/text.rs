@@ -381,7 +381,8 @@ fn from_rest(a: &Answer) -> String {
     }
 }
 
-fn ending(end: End) -> &'static str {
+/// How a stable 1/1 ends, in words.
+pub fn ending(end: End) -> &'static str {
     match end {
         End::PeriodDoubling => "period doubling",
         End::ExtraContact => "another contact appears",

@@ -1,7 +1,7 @@
 //! The published oscillator once more, by another method: each phase has a solution in closed form, and its end is found
 //! by bisection on it. Nothing of the integrator is used.
 
-use crate::drill::published::{Drifting, DriftingPlan};
+use crate::drill::published::{Drifting, DriftingPlan, PERIOD_TWO};
 
 /// Mass seen from the front, its rate, compression of the top; drift beside it.
 #[derive(Clone, Copy)]
@@ -193,4 +193,38 @@ fn the_integrator_and_the_closed_forms_drift_alike() {
             row.progress_per_period
         );
     }
+}
+
+/// Over the whole diagram at the usual parameters: what repeats after the same number of periods drifts alike by both
+/// methods, and what does not repeat by one does not by the other.
+#[test]
+fn the_diagram_is_that_of_the_closed_forms() {
+    let mut compared = 0;
+    for step in 0..14 {
+        let motion = Drifting {
+            b: 0.03 + 0.02 * f64::from(step),
+            ..PERIOD_TWO
+        };
+        let plan = DriftingPlan {
+            settle: 400,
+            // A whole number of 1, 2, 3, 4, 6 and 8 periods.
+            recorded: 48,
+        };
+        let row = motion.run(plan).unwrap();
+        let settled = progress(&motion, 448);
+        let last = &settled[400..];
+        let repeats = |n: usize| {
+            let apart = |i: usize| (last[i] - last[i - n]).abs();
+            (n..48).map(apart).fold(0.0, f64::max) < 1e-5
+        };
+        let periods = (1..=16).find(|n| repeats(*n));
+        assert_eq!(row.periods.map(usize::from), periods, "b {}", motion.b);
+        if periods.is_some() {
+            let mean = last.iter().sum::<f64>() / 48.0;
+            let apart = row.progress_per_period / mean - 1.0;
+            assert!(apart.abs() < 1e-6, "b {}: {apart}", motion.b);
+            compared += 1;
+        }
+    }
+    assert!(compared >= 4, "{compared}");
 }

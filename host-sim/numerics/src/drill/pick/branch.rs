@@ -1,0 +1,220 @@
+//! The nominal 1/1 on ground that gives way, followed over frequency.
+
+use shared::model::params::RigParams;
+use shared::model::slider::Slider;
+
+use super::super::orbit::{DrillOrbit, shoot};
+use super::super::run::{observe, settle};
+use super::observe::on;
+use crate::branch::{Edge, End};
+use crate::golden::maximum;
+
+/// Steps along the branch, as a share of the natural frequency.
+const STEP: f64 = 0.02;
+
+/// Ends are found to this share of the natural frequency.
+const END: f64 = 1e-5;
+
+/// The best frequency is found to this share of the natural frequency.
+const RESOLUTION: f64 = 1e-5;
+
+/// A multiplier beyond this, of either sign, at an end says how the branch ends.
+const NEAR_ONE: f64 = 0.9;
+
+/// Drive periods in which what is beyond an end settles, and in which it is seen.
+const SETTLE: u32 = 300;
+const RECORDED: u32 = 48;
+
+/// Hammer and ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// The rig.
+    pub params: RigParams,
+    /// The ground.
+    pub ground: Slider<f64>,
+}
+
+impl Case {
+    /// The 1/1 near `guess` at `hz`, if it is stable.
+    pub fn one_one(&self, hz: f64, guess: &DrillOrbit) -> Option<DrillOrbit> {
+        let found = shoot(&self.params, &self.ground, hz, guess.section)?;
+        found.is_stable_one_one().then_some(found)
+    }
+}
+
+/// A stretch of stable 1/1 orbits, by rising frequency.
+#[derive(Clone, Debug)]
+pub struct GroundBranch {
+    case: Case,
+    /// Orbits along it, the ends included.
+    pub orbits: Vec<DrillOrbit>,
+    /// Its lower end.
+    pub low: Edge,
+    /// Its upper end.
+    pub high: Edge,
+}
+
+impl GroundBranch {
+    /// Follows the 1/1 `seed` both ways within `limits_hz`.
+    pub fn follow(case: Case, seed: DrillOrbit, limits_hz: (f64, f64)) -> Self {
+        let (mut orbits, low) = follow(&case, seed, limits_hz.0);
+        orbits.reverse();
+        orbits.pop();
+        let (up, high) = follow(&case, seed, limits_hz.1);
+        orbits.extend(up);
+        Self {
+            case,
+            orbits,
+            low,
+            high,
+        }
+    }
+
+    /// Where it is stable, Hz.
+    pub fn range(&self) -> (f64, f64) {
+        (self.low.frequency_hz, self.high.frequency_hz)
+    }
+
+    /// The orbit at `hz`.
+    pub fn at(&self, hz: f64) -> Option<DrillOrbit> {
+        let apart = |o: &&DrillOrbit| (o.frequency_hz - hz).abs();
+        let near = self.orbits.iter();
+        let near = near.min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        if near.frequency_hz == hz {
+            return Some(*near);
+        }
+        self.case.one_one(hz, near)
+    }
+
+    /// The orbit in `range_hz` with the largest `value`, which is None where it is not allowed.
+    pub fn best(
+        &self,
+        range_hz: (f64, f64),
+        value: impl Fn(&DrillOrbit) -> Option<f64>,
+    ) -> Option<DrillOrbit> {
+        let (low, high) = range_hz;
+        if low > high {
+            return None;
+        }
+        let inside = self.orbits.iter().map(|o| o.frequency_hz);
+        let mut nodes = vec![low];
+        nodes.extend(inside.filter(|hz| *hz > low && *hz < high));
+        nodes.push(high);
+        let worth = |hz: f64| self.at(hz).and_then(|o| value(&o));
+        let values: Vec<_> = nodes.iter().map(|hz| worth(*hz)).collect();
+        let best = (0..nodes.len()).max_by(|a, b| {
+            let of = |i: usize| values[i].unwrap_or(f64::NEG_INFINITY);
+            of(*a).total_cmp(&of(*b))
+        })?;
+        let top = values[best]?;
+        let around = (
+            nodes[best.saturating_sub(1)],
+            nodes[(best + 1).min(nodes.len() - 1)],
+        );
+        let tolerance = RESOLUTION * self.case.params.natural_frequency_hz();
+        let worth = |hz: f64| worth(hz).unwrap_or(f64::NEG_INFINITY);
+        let hz = maximum(worth, around, tolerance, nodes[best]);
+        let hz = if worth(hz) > top { hz } else { nodes[best] };
+        self.at(hz)
+    }
+
+    /// How far the stretch about `from_hz` goes, within `range_hz`, on which `holds`.
+    pub fn interval(
+        &self,
+        from_hz: f64,
+        range_hz: (f64, f64),
+        holds: impl Fn(f64) -> bool,
+    ) -> (f64, f64) {
+        let to = |end: f64| {
+            let ahead = |hz: &f64| (hz - from_hz) * (end - from_hz) > 0.0;
+            let within = |hz: &f64| (hz - from_hz).abs() < (end - from_hz).abs();
+            let nodes = self.orbits.iter().map(|o| o.frequency_hz);
+            let mut nodes: Vec<f64> = nodes.filter(|hz| ahead(hz) && within(hz)).collect();
+            nodes.push(end);
+            nodes.sort_by(|a, b| (a - from_hz).abs().total_cmp(&(b - from_hz).abs()));
+            let mut last = from_hz;
+            for hz in nodes {
+                if !holds(hz) {
+                    return edge(last, hz, self.resolution(), &holds);
+                }
+                last = hz;
+            }
+            last
+        };
+        (to(range_hz.0), to(range_hz.1))
+    }
+
+    fn resolution(&self) -> f64 {
+        END * self.case.params.natural_frequency_hz()
+    }
+}
+
+/// The last frequency at which `holds`, between `with`, where it does, and `without`.
+pub fn edge(mut with: f64, mut without: f64, resolution: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    while (without - with).abs() > resolution {
+        let middle = 0.5 * (with + without);
+        if holds(middle) {
+            with = middle;
+        } else {
+            without = middle;
+        }
+    }
+    with
+}
+
+/// Orbits from `seed` to where the stable 1/1 ends or to `limit_hz`, `seed` first.
+fn follow(case: &Case, seed: DrillOrbit, limit_hz: f64) -> (Vec<DrillOrbit>, Edge) {
+    let natural_hz = case.params.natural_frequency_hz();
+    let mut orbits = vec![seed];
+    let mut step = STEP * natural_hz;
+    let mut last = seed;
+    let ahead = (limit_hz - seed.frequency_hz).signum();
+    while step > END * natural_hz {
+        let to_go = (limit_hz - last.frequency_hz).abs();
+        if to_go == 0.0 {
+            let edge = Edge {
+                frequency_hz: limit_hz,
+                end: End::SearchLimit,
+            };
+            return (orbits, edge);
+        }
+        let hz = if step >= to_go {
+            limit_hz
+        } else {
+            last.frequency_hz + ahead * step
+        };
+        match case.one_one(hz, &last) {
+            Some(next) => {
+                orbits.push(next);
+                last = next;
+            }
+            None => step *= 0.5,
+        }
+    }
+    let end = end_of(case, &last, last.frequency_hz + 2.0 * ahead * step);
+    let edge = Edge {
+        frequency_hz: last.frequency_hz,
+        end,
+    };
+    (orbits, edge)
+}
+
+/// How the branch ends at its last orbit, seen from `beyond_hz`.
+fn end_of(case: &Case, last: &DrillOrbit, beyond_hz: f64) -> End {
+    use crate::orbit::Multipliers::Real;
+    match last.multipliers() {
+        Real(small, _) if small < -NEAR_ONE => return End::PeriodDoubling,
+        Real(_, big) if big > NEAR_ONE => return End::Fold,
+        _ => {}
+    }
+    let beyond = on(case, beyond_hz, last.section).and_then(|mut drill| {
+        settle(&mut drill, SETTLE);
+        observe(&mut drill, beyond_hz, RECORDED)
+    });
+    match beyond.map(|seen| seen.regime) {
+        // It goes on, but the hammer touches the ground at drive phase 0, where no orbit is sought.
+        Ok(regime) if regime.is(1, 1) => End::SearchLimit,
+        Ok(regime) if regime.periods() == Some(1) => End::ExtraContact,
+        _ => End::Fold,
+    }
+}

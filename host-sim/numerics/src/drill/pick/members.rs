@@ -1,0 +1,161 @@
+//! The rigs and grounds that the real ones may be.
+
+use rayon::prelude::*;
+use shared::model::contact::Law;
+use shared::model::params::RigParams;
+use shared::model::slider::Slider;
+
+use super::super::orbit::{DrillOrbit, shoot};
+use super::super::search::GroundUncertainty;
+use super::branch::{Case, GroundBranch, edge};
+use crate::pick::uncertainty::{Member, Uncertainty};
+
+/// Steps in which the deviations grow where the orbit is not found at once.
+const STEPS: u32 = 4;
+
+/// Ends of a member's range are found to this share of the natural frequency.
+const END: f64 = 1e-4;
+
+/// The uncertainty of a rig with that of the ground in place of its contact's, which the ground takes the place of.
+#[must_use]
+pub fn with_ground(rig: Uncertainty, ground: GroundUncertainty) -> Uncertainty {
+    Uncertainty {
+        contact_stiffness_percent: ground.ground_stiffness_percent,
+        contact_damping_percent: ground.threshold_percent,
+        ..rig
+    }
+}
+
+/// `member` of an uncertainty from [`with_ground`] at a `share` of its deviations. The dashpot goes with the spring.
+pub fn apply(nominal: &Case, member: &Member, share: f64) -> Case {
+    let ground = nominal.ground;
+    // Pf and k ride where a contact's stiffness and damping are.
+    let carrier = RigParams {
+        contact: Law::SpringDashpot {
+            stiffness: ground.stiffness,
+            damping: ground.threshold,
+        },
+        ..nominal.params
+    };
+    let moved = member.apply(&carrier, share);
+    let Law::SpringDashpot { stiffness, damping } = moved.contact else {
+        return *nominal;
+    };
+    Case {
+        params: RigParams {
+            contact: nominal.params.contact,
+            ..moved
+        },
+        ground: Slider {
+            stiffness,
+            damping: ground.damping * stiffness / ground.stiffness,
+            threshold: damping,
+        },
+    }
+}
+
+/// What is spread over the uncertainty at a frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Smallest rate of penetration, m/s.
+    pub least_m_per_s: f64,
+    /// Largest rate of penetration, m/s.
+    pub most_m_per_s: f64,
+    /// Smallest contact force, N.
+    pub weakest_n: f64,
+    /// Largest contact force, N.
+    pub strongest_n: f64,
+    /// Largest modulus of a multiplier.
+    pub multiplier: f64,
+}
+
+impl Spread {
+    fn of(orbit: &DrillOrbit) -> Self {
+        let rate = orbit.rate_m_per_s();
+        Self {
+            least_m_per_s: rate,
+            most_m_per_s: rate,
+            weakest_n: orbit.force_n,
+            strongest_n: orbit.force_n,
+            multiplier: orbit.multipliers().modulus(),
+        }
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            least_m_per_s: self.least_m_per_s.min(other.least_m_per_s),
+            most_m_per_s: self.most_m_per_s.max(other.most_m_per_s),
+            weakest_n: self.weakest_n.min(other.weakest_n),
+            strongest_n: self.strongest_n.max(other.strongest_n),
+            multiplier: self.multiplier.max(other.multiplier),
+        }
+    }
+}
+
+/// The nominal branch and everything that the real rig and ground may be.
+#[derive(Clone, Copy)]
+pub struct Crowd<'a> {
+    /// Nominal.
+    pub case: &'a Case,
+    /// Its stable 1/1.
+    pub branch: &'a GroundBranch,
+    /// The members.
+    pub members: &'a [Member],
+}
+
+impl Crowd<'_> {
+    /// The stable 1/1 of `member` at the frequency of the nominal `orbit`, followed from it while the deviations grow.
+    fn follow(&self, member: &Member, orbit: &DrillOrbit) -> Option<DrillOrbit> {
+        let hz = orbit.frequency_hz;
+        if let Some(found) = apply(self.case, member, 1.0).one_one(hz, orbit) {
+            return Some(found);
+        }
+        let mut found = *orbit;
+        for step in 1..=STEPS {
+            let there = apply(self.case, member, f64::from(step) / f64::from(STEPS));
+            found = shoot(&there.params, &there.ground, hz, found.section)?;
+        }
+        found.is_stable_one_one().then_some(found)
+    }
+
+    fn has(&self, member: &Member, hz: f64) -> bool {
+        let orbit = self.branch.at(hz);
+        orbit.is_some_and(|orbit| self.follow(member, &orbit).is_some())
+    }
+
+    /// Rates, forces and multipliers at `hz`. None where a member has no stable 1/1.
+    pub fn spread(&self, hz: f64) -> Option<Spread> {
+        let orbit = self.branch.at(hz)?;
+        self.members
+            .par_iter()
+            .map(|member| self.follow(member, &orbit).map(|o| Spread::of(&o)))
+            .try_reduce(|| Spread::of(&orbit), |a, b| Some(a.with(b)))
+    }
+
+    /// The frequencies about `from_hz` at which every member has a stable 1/1; the first `corners` members are those whose
+    /// ranges are likely the shortest. None where a member has no stable 1/1 at any of a few frequencies near `from_hz`.
+    pub fn common_range(&self, from_hz: f64, corners: usize) -> Option<(f64, f64)> {
+        let (low, high) = self.branch.range();
+        let seeds = [1.0, 0.95, 1.05, 0.9, 0.85].map(|share| (share * from_hz).clamp(low, high));
+        let all = |hz: f64| self.members.par_iter().all(|m| self.has(m, hz));
+        let seed = seeds.into_iter().find(|hz| all(*hz))?;
+        let (corners, inside) = self.members.split_at(corners.min(self.members.len()));
+        let by_corners = self.shared(corners, seed, (low, high));
+        Some(self.shared(inside, seed, by_corners))
+    }
+
+    /// The part of `range` about `seed` that every one of `members` has.
+    fn shared(&self, members: &[Member], seed: f64, range: (f64, f64)) -> (f64, f64) {
+        let resolution = END * self.case.params.natural_frequency_hz();
+        let to = |member: &Member, end: f64| {
+            if self.has(member, end) {
+                end
+            } else {
+                edge(seed, end, resolution, |hz| self.has(member, hz))
+            }
+        };
+        let own = |member: &Member| (to(member, range.0), to(member, range.1));
+        let inner = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
+        members.par_iter().map(own).reduce(|| range, inner)
+    }
+}

@@ -1,0 +1,224 @@
+//! What runs on the ground show: where to begin, the orbit chosen, its reach from rest, and jumps.
+
+use rayon::prelude::*;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+
+use super::branch::{Case, GroundBranch};
+use super::members::{Crowd, apply, with_ground};
+use super::peak_speed;
+use crate::branch::End;
+use crate::drill::blow::{Blow, Feed};
+use crate::drill::march::Drill;
+use crate::drill::orbit::{DrillOrbit, shoot};
+use crate::drill::run::{DrillPlan, DrillSetting, Seen, grid, observe, run};
+use crate::drill::search::{Among, GroundUncertainty};
+use crate::error::{Error, MotionError};
+use crate::orbit::Section;
+use crate::pick::Uncertainty;
+use crate::pick::answer::{Shaker, drive_force};
+use crate::progress::Progress;
+use crate::row::{NamedRig, tidy};
+use crate::sweep::spread;
+
+/// Ratios Ω/ω of the runs from rest among which the best 1/1 is where the branch begins, and how many.
+const SEED_RATIOS: (f64, f64, usize) = (0.9, 4.0, 32);
+
+/// How long they are.
+const SEED_PLAN: DrillPlan = DrillPlan {
+    settle: 300,
+    recorded: 16,
+};
+
+/// Drive periods in which a point that is reported is observed.
+const OBSERVED: u32 = 48;
+
+/// Frequencies in the jump test, drive periods at each, and those of them whose progress is compared.
+const JUMP_POINTS: usize = 48;
+const JUMP_PERIODS: u32 = 60;
+const JUMP_RECORDED: u32 = 16;
+
+/// Up and down sweeps that differ by less than this share of the largest progress do not jump.
+const JUMP_SHARE: f64 = 0.02;
+
+/// The stable 1/1 that drills fastest from rest. None if there is none.
+///
+/// # Errors
+/// [`Error::NoProgress`] if nothing gives way; else as [`run`].
+pub fn seed(
+    rig: &NamedRig,
+    case: &Case,
+    progress: &dyn Progress,
+) -> Result<Option<DrillOrbit>, Error> {
+    let natural_hz = rig.params.natural_frequency_hz();
+    let (from, to, count) = SEED_RATIOS;
+    let frequencies = spread(from * natural_hz, to * natural_hz, count);
+    let setting = setting(case);
+    let gap_mm = [tidy(rig.params.gap_m * 1e3)];
+    let rows = grid(rig, &setting, &gap_mm, &frequencies, SEED_PLAN, progress)?;
+    if Among::All.best(&rows).is_none() {
+        return Err(Error::NoProgress {
+            threshold_n: case.ground.threshold,
+        });
+    }
+    let Some(best) = Among::OneOne.best(&rows) else {
+        return Ok(None);
+    };
+    let hz = rows[best].frequency_hz;
+    let seen = run(&case.params, &setting, hz, SEED_PLAN)?;
+    let found = shoot(&case.params, &case.ground, hz, seen.guess());
+    Ok(found.filter(DrillOrbit::is_stable_one_one))
+}
+
+fn setting(case: &Case) -> DrillSetting {
+    DrillSetting {
+        ground: case.ground,
+        feed: Feed::Cart,
+    }
+}
+
+/// The hammer on its section point.
+///
+/// # Errors
+/// The first parameter out of range.
+pub fn on(case: &Case, hz: f64, section: Section) -> Result<Drill<f64>, Error> {
+    let mut drill = Drill::<f64>::hammer(&case.params, &case.ground, Feed::Cart, hz)?;
+    let [q, v, off, off_rate] = section;
+    drill.place_off([q, v, 0.0], [off, off_rate]);
+    Ok(drill)
+}
+
+/// The largest force of the loop over a period of `orbit`, N. None with a prescribed cart.
+pub fn loop_force_n(case: &Case, orbit: &DrillOrbit) -> Option<f64> {
+    let drill = on(case, orbit.frequency_hz, orbit.section).ok()?;
+    let mut drill = drill.watching_the_loop();
+    drill.run_period(&mut Vec::new());
+    drill.largest_loop_force_n()
+}
+
+/// What is seen of the orbit chosen.
+pub struct Observed {
+    /// On the orbit.
+    pub on_orbit: Seen,
+    /// A blow of it.
+    pub blow: Blow,
+    /// Regime from rest.
+    pub from_rest: Regime,
+    /// Corners of the uncertainty, and how many of them settle on 1/1 from rest.
+    pub corners: usize,
+    /// See `corners`.
+    pub corners_reaching: usize,
+    /// Largest contact force from rest at the natural frequency, N.
+    pub force_at_natural_n: f64,
+    loop_force_n: Option<f64>,
+    /// Energy that the support's damping takes in a period, J.
+    damping_j: f64,
+}
+
+impl Observed {
+    /// Of `chosen`.
+    ///
+    /// # Errors
+    /// If a motion cannot be followed.
+    pub fn of(
+        case: &Case,
+        chosen: &DrillOrbit,
+        crowd: &Crowd,
+        uncertainty: Option<(Uncertainty, GroundUncertainty)>,
+    ) -> Result<Self, Error> {
+        let hz = chosen.frequency_hz;
+        let mut drill = on(case, hz, chosen.section)?;
+        let on_orbit = observe(&mut drill, hz, OBSERVED)?;
+        let damping_j = drill.energies().damping / f64::from(OBSERVED);
+        let lost = MotionError::Lost { frequency_hz: hz };
+        let blow = *on_orbit.blows.last().ok_or(lost)?;
+        let at_rest = |case: &Case, hz: f64| run(&case.params, &setting(case), hz, SEED_PLAN);
+        let corners =
+            uncertainty.map_or(Vec::new(), |(u, ground)| with_ground(u, ground).corners());
+        let reaching = corners.par_iter().filter(|corner| {
+            let there = apply(crowd.case, corner, 1.0);
+            at_rest(&there, hz).is_ok_and(|seen| seen.regime.is(1, 1))
+        });
+        Ok(Self {
+            blow,
+            from_rest: at_rest(case, hz)?.regime,
+            corners: corners.len(),
+            corners_reaching: reaching.count(),
+            force_at_natural_n: at_rest(case, case.params.natural_frequency_hz())?.force_n,
+            loop_force_n: loop_force_n(case, chosen),
+            damping_j,
+            on_orbit,
+        })
+    }
+
+    /// What the shaker must give for `chosen`.
+    pub fn shaker(&self, params: &RigParams, chosen: &DrillOrbit) -> Shaker {
+        let (hz, amplitude) = (chosen.frequency_hz, params.amplitude_m);
+        let velocity = peak_speed(amplitude, hz);
+        let force_n = drive_force(params, hz);
+        Shaker {
+            stroke_mm: tidy(2e3 * amplitude),
+            velocity_m_per_s: velocity,
+            acceleration_m_per_s2: peak_speed(velocity, hz),
+            force_n,
+            mean_power_w: (chosen.contact_j + self.damping_j) * hz,
+            reactive_power_w: 0.5 * force_n * velocity,
+            energy_per_blow_j: chosen.contact_j,
+            blows_per_second: hz,
+            loop_force_n: self.loop_force_n,
+        }
+    }
+}
+
+/// Frequencies within the nominal stable 1/1 at which sweeps up and down dig differently, and those at which it folds: Hz,
+/// rising.
+///
+/// # Errors
+/// If a motion cannot be followed.
+pub fn jumps(case: &Case, branch: &GroundBranch) -> Result<Vec<f64>, Error> {
+    let (low, high) = branch.range();
+    let margin = 0.02 * case.params.natural_frequency_hz();
+    let up = spread(low - margin, high + margin, JUMP_POINTS);
+    let down: Vec<f64> = up.iter().rev().copied().collect();
+    let (a, b) = rayon::join(|| sweep(case, &up), || sweep(case, &down));
+    let (a, mut b) = (a?, b?);
+    b.reverse();
+    let largest = a.iter().chain(&b).copied().fold(0.0, f64::max);
+    let differ = |i: &usize| (a[*i] - b[*i]).abs() > JUMP_SHARE * largest;
+    let mut at_hz: Vec<f64> = (0..up.len()).filter(differ).map(|i| up[i]).collect();
+    // Beyond the ends of the stable 1/1 they are not judged.
+    at_hz.retain(|hz| (low..=high).contains(hz));
+    let folds = [branch.low, branch.high].into_iter();
+    let folds = folds.filter(|edge| edge.end == End::Fold);
+    at_hz.extend(folds.map(|edge| edge.frequency_hz));
+    at_hz.sort_by(f64::total_cmp);
+    Ok(at_hz)
+}
+
+/// Progress per period at each frequency, m, each from where the last one ended.
+fn sweep(case: &Case, frequencies: &[f64]) -> Result<Vec<f64>, Error> {
+    let mut last: Option<Section> = None;
+    let mut dug = Vec::with_capacity(frequencies.len());
+    for hz in frequencies {
+        let mut drill = match last {
+            None => Drill::<f64>::hammer(&case.params, &case.ground, Feed::Cart, *hz)?,
+            Some(section) => on(case, *hz, section)?,
+        };
+        let mut blows = Vec::new();
+        let mut before = 0.0;
+        for period in 0..JUMP_PERIODS {
+            if period == JUMP_PERIODS - JUMP_RECORDED {
+                before = drill.drift_m();
+            }
+            drill.run_period(&mut blows);
+            blows.clear();
+        }
+        let ([q, v, _], [off, off_rate]) = (drill.section(), drill.cart());
+        if q.is_nan() {
+            return Err(MotionError::Lost { frequency_hz: *hz }.into());
+        }
+        last = Some([q, v, off, off_rate]);
+        dug.push((drill.drift_m() - before) / f64::from(JUMP_RECORDED));
+    }
+    Ok(dug)
+}
