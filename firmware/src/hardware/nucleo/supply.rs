@@ -15,6 +15,7 @@ use shared::control::Unfit;
 use stm32f4xx_hal::pac;
 
 use super::{drive, report};
+use crate::brown_out;
 
 /// PLS of PWR_CR: 3.03 V rising, 2.93 V falling.
 const LEVEL: u8 = 6;
@@ -34,7 +35,7 @@ pub fn watch(pwr: &pac::PWR, flash: &pac::FLASH, exti: &pac::EXTI) -> Unfit {
     acknowledge();
     exti.imr().modify(|_, w| w.mr16().set_bit());
 
-    let level = flash.optcr().read().bor_lev().is_bor_level3();
+    let level = brown_out::is_level_3(flash.optcr().read().bits());
     Unfit::SUPPLY
         .when(low)
         .and(Unfit::BROWN_OUT_LEVEL.when(!level))
