@@ -21,8 +21,8 @@ use crate::brown_out;
 const LEVEL: u8 = 6;
 /// The detector's line of EXTI.
 const LINE: u32 = 1 << 16;
-/// What the detector is given to settle, processor cycles: 1 ms at 180 MHz.
-const SETTLING: u32 = 180_000;
+/// What the detector is given to settle, in turns of 3 to 4 cycles: 1 ms at 180 MHz.
+const SETTLING: u32 = 50_000;
 
 /// Starts the detector. Its interface needs its clock, which the HAL has switched on for the over-drive.
 pub fn watch(pwr: &pac::PWR, flash: &pac::FLASH, exti: &pac::EXTI) -> Unfit {
