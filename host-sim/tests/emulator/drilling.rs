@@ -62,7 +62,7 @@ fn assert_alike(plant: Plant, params: &RigParams, hz: f64, threshold: f64) {
     assert!(known > 1e-6, "{threshold} N: {known}");
     let apart = (dug / known - 1.0).abs();
     println!("{threshold} N: progress {apart:.1e}");
-    assert!(apart < 1e-5, "{threshold} N: {dug} {known}");
+    assert!(apart < 1e-7, "{threshold} N: {dug} {known}");
     for (a, b) in seen.iter().zip(&truth) {
         let late = (a.onset_s - b.onset_s).abs();
         if late > 1e-7 {

@@ -102,7 +102,11 @@ pub fn pick_rop(
         with_ground(u, request.ground_uncertainty).corners().len()
     });
     let robust = crowd.common_range(nominal.frequency_hz, corners);
-    let robust = robust.ok_or_else(|| rig.no_pick(PickError::NoneRobust { share: None }))?;
+    let robust = robust.ok_or_else(|| {
+        rig.no_pick(PickError::NoneRobust {
+            share: robust_share(crowd, nominal.frequency_hz, corners),
+        })
+    })?;
     step(progress, 1)?;
     let field = Field { crowd, limits };
     let chosen = field.best(robust).ok_or_else(|| {
@@ -229,6 +233,31 @@ pub fn pick_rop(
         ground,
         curve: curve(&branch),
     })
+}
+
+/// The largest share of the uncertainty's corners with which every one of them has a stable 1/1 at a common frequency, in
+/// hundredths.
+fn robust_share(crowd: Crowd, from_hz: f64, corners: usize) -> Option<f64> {
+    let robust = |hundredths: u32| {
+        let share = f64::from(hundredths) / 100.0;
+        let smaller = crowd.members[..corners].iter();
+        let members: Vec<_> = smaller.map(|m| m.scaled(share)).collect();
+        let crowd = Crowd {
+            members: &members,
+            ..crowd
+        };
+        crowd.common_range(from_hz, corners).is_some()
+    };
+    let (mut with, mut without) = (0, 100);
+    while without - with > 1 {
+        let middle = (with + without) / 2;
+        if robust(middle) {
+            with = middle;
+        } else {
+            without = middle;
+        }
+    }
+    (with > 0).then_some(f64::from(with) / 100.0)
 }
 
 fn no_one_one(rig: &NamedRig) -> Error {
