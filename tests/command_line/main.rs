@@ -15,6 +15,7 @@ mod contact;
 mod drill;
 mod drop_test;
 mod emulate;
+mod failed_cells;
 mod figures;
 #[cfg(unix)]
 mod link;

@@ -1,5 +1,7 @@
 //! One run as a row of a table, and numbers without the noise of a unit conversion.
 
+use std::fmt;
+
 use serde::{Serialize, Serializer};
 use shared::model::cart::{CartDrive, LoopParams};
 use shared::model::params::{RigParams, preset};
@@ -73,7 +75,7 @@ impl NamedRig {
 }
 
 /// One run. Units are in the names.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the rig.
     pub rig: String,
@@ -87,8 +89,7 @@ pub struct Row {
     pub impacts: u16,
     /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
-    /// Written as "p/n", "none", "aperiodic" or "chatter".
-    #[serde(serialize_with = "regime_as_text")]
+    /// Written as "p/n", "none", "aperiodic" or "chatter"; as "failed" if the run failed.
     pub regime: Regime,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
@@ -98,16 +99,69 @@ pub struct Row {
     pub approach_speed_m_per_s: Option<f64>,
     /// Duration of the strongest contact, ms.
     pub contact_time_ms: Option<f64>,
+    /// Whether the hammer could not be followed: its forces are then no numbers, and its regime is not known.
+    pub failed: bool,
+}
+
+/// A row as tables have it: of a run that failed nothing is known.
+#[derive(Serialize)]
+struct Shown<'a> {
+    rig: &'a str,
+    gap_mm: f64,
+    frequency_hz: f64,
+    frequency_ratio: f64,
+    impacts: Option<u16>,
+    periods: Option<u8>,
+    regime: Outcome,
+    force_ratio: Option<f64>,
+    force_n: Option<f64>,
+    approach_speed_m_per_s: Option<f64>,
+    contact_time_ms: Option<f64>,
+}
+
+impl Serialize for Row {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let known = |x: f64| (!self.failed).then_some(x);
+        let shown = Shown {
+            rig: &self.rig,
+            gap_mm: self.gap_mm,
+            frequency_hz: self.frequency_hz,
+            frequency_ratio: self.frequency_ratio,
+            impacts: (!self.failed).then_some(self.impacts),
+            periods: self.periods,
+            regime: self.outcome(),
+            force_ratio: known(self.force_ratio),
+            force_n: known(self.force_n),
+            approach_speed_m_per_s: self.approach_speed_m_per_s,
+            contact_time_ms: self.contact_time_ms,
+        };
+        shown.serialize(serializer)
+    }
+}
+
+/// What became of a run: its regime, or none if it failed. As text "p/n", "none", "aperiodic", "chatter" or "failed".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome(pub Option<Regime>);
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(regime) => f.pad(&regime.to_string()),
+            None => f.pad("failed"),
+        }
+    }
+}
+
+impl Serialize for Outcome {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 impl Row {
     /// The row of a run of the rig `rig` with `params`.
     pub fn new(rig: &str, params: &RigParams, seen: &Observation) -> Self {
         Self {
-            rig: rig.to_owned(),
-            gap_mm: tidy(params.gap_m * 1e3),
-            frequency_hz: tidy(seen.frequency_hz),
-            frequency_ratio: tidy(seen.frequency_hz / params.natural_frequency_hz()),
             impacts: seen.regime.impacts(),
             periods: seen.regime.periods(),
             regime: seen.regime,
@@ -115,7 +169,32 @@ impl Row {
             force_n: seen.force_n,
             approach_speed_m_per_s: seen.strongest.map(|c| c.approach_speed_m_per_s),
             contact_time_ms: seen.strongest.map(|c| c.duration_s * 1e3),
+            failed: false,
+            ..Self::failed(rig, params, seen.frequency_hz)
         }
+    }
+
+    /// The row of a run at `frequency_hz` whose hammer could not be followed.
+    pub fn failed(rig: &str, params: &RigParams, frequency_hz: f64) -> Self {
+        Self {
+            rig: rig.to_owned(),
+            gap_mm: tidy(params.gap_m * 1e3),
+            frequency_hz: tidy(frequency_hz),
+            frequency_ratio: tidy(frequency_hz / params.natural_frequency_hz()),
+            impacts: 0,
+            periods: None,
+            regime: Regime::None,
+            force_ratio: f64::NAN,
+            force_n: f64::NAN,
+            approach_speed_m_per_s: None,
+            contact_time_ms: None,
+            failed: true,
+        }
+    }
+
+    /// Its regime, or that it failed.
+    pub fn outcome(&self) -> Outcome {
+        Outcome((!self.failed).then_some(self.regime))
     }
 }
 

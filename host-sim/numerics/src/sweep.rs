@@ -34,11 +34,11 @@ impl Direction {
 }
 
 /// The curve at `frequencies_hz` (rising); rows come back by rising frequency, whatever the direction.
-/// Runs carried over start from rest at the first frequency visited.
+/// Runs carried over start from rest at the first frequency visited, and behind one that failed. A hammer that leaves what
+/// the model describes is a row that says so.
 ///
 /// # Errors
-/// If a parameter or frequency is out of range, or if the hammer leaves what the model describes, or if the work is
-/// interrupted.
+/// If a parameter or frequency is out of range, if every run fails, or if the work is interrupted.
 pub fn sweep(
     rig: &NamedRig,
     engine: Engine,
@@ -50,10 +50,8 @@ pub fn sweep(
     let run =
         |frequency_hz: f64, start: Start| run_one(rig, engine, frequency_hz, start, plan, progress);
     if direction == Direction::Rest {
-        let rows = frequencies_hz
-            .par_iter()
-            .map(|f| Ok(run(*f, Start::Rest)?.0));
-        return rows.collect();
+        let rows = frequencies_hz.par_iter().map(|f| run(*f, Start::Rest));
+        return unless_all_failed(rows.collect::<Result<_, _>>()?);
     }
     let mut order: Vec<f64> = frequencies_hz.to_vec();
     if direction == Direction::Down {
@@ -62,14 +60,40 @@ pub fn sweep(
     let mut start = Start::Rest;
     let mut rows = Vec::with_capacity(order.len());
     for frequency_hz in order {
-        let (row, section) = run(frequency_hz, start)?;
-        rows.push(row);
-        start = Start::Section(section);
+        let found = run(frequency_hz, start)?;
+        start = found.carried();
+        rows.push(found);
     }
     if direction == Direction::Down {
         rows.reverse();
     }
-    Ok(rows)
+    unless_all_failed(rows)
+}
+
+/// What became of a run: its row, and where it ended, or why it failed.
+struct Ran {
+    row: Row,
+    end: Result<[f64; 2], Error>,
+}
+
+impl Ran {
+    /// Where the next begins: behind a run that failed, from rest.
+    fn carried(&self) -> Start {
+        match self.end {
+            Ok(section) => Start::Section(section),
+            Err(_) => Start::Rest,
+        }
+    }
+}
+
+/// The rows; the first error if every run failed.
+fn unless_all_failed(runs: Vec<Ran>) -> Result<Vec<Row>, Error> {
+    if let Some(Err(error)) = runs.first().map(|ran| &ran.end)
+        && runs.iter().all(|ran| ran.row.failed)
+    {
+        return Err(error.clone());
+    }
+    Ok(runs.into_iter().map(|ran| ran.row).collect())
 }
 
 /// The runs of several rigs, each at its own frequency (Hz); rows come back in the order given. `Up` carries the state from
@@ -86,8 +110,8 @@ pub fn over(
 ) -> Result<Vec<Row>, Error> {
     let run = |(rig, hz): &(NamedRig, f64), start| run_one(rig, engine, *hz, start, plan, progress);
     if direction == Direction::Rest {
-        let rows = runs.par_iter().map(|one| Ok(run(one, Start::Rest)?.0));
-        return rows.collect();
+        let rows = runs.par_iter().map(|one| run(one, Start::Rest));
+        return unless_all_failed(rows.collect::<Result<_, _>>()?);
     }
     let mut order: Vec<&(NamedRig, f64)> = runs.iter().collect();
     if direction == Direction::Down {
@@ -96,14 +120,14 @@ pub fn over(
     let mut start = Start::Rest;
     let mut rows = Vec::with_capacity(order.len());
     for one in order {
-        let (row, section) = run(one, start)?;
-        rows.push(row);
-        start = Start::Section(section);
+        let found = run(one, start)?;
+        start = found.carried();
+        rows.push(found);
     }
     if direction == Direction::Down {
         rows.reverse();
     }
-    Ok(rows)
+    unless_all_failed(rows)
 }
 
 fn run_one(
@@ -113,11 +137,21 @@ fn run_one(
     start: Start,
     plan: Plan,
     progress: &dyn Progress,
-) -> Result<(Row, [f64; 2]), Error> {
+) -> Result<Ran, Error> {
     let mut hammer = machine(engine, &rig.params, frequency_hz, start)?;
-    let seen = observe(hammer.as_mut(), plan, &mut Recorder::default())?;
+    let seen = observe(hammer.as_mut(), plan, &mut Recorder::default());
     step(progress, 1)?;
-    Ok((Row::new(&rig.name, &rig.params, &seen), hammer.section()))
+    match seen {
+        Ok(seen) => Ok(Ran {
+            row: Row::new(&rig.name, &rig.params, &seen),
+            end: Ok(hammer.section()),
+        }),
+        Err(error @ Error::Motion(_)) => Ok(Ran {
+            row: Row::failed(&rig.name, &rig.params, frequency_hz),
+            end: Err(error),
+        }),
+        Err(error) => Err(error),
+    }
 }
 
 /// The frequencies (Hz, rising) at which the up and the down sweep differ by more than `share` of force:
@@ -127,6 +161,9 @@ pub fn jumps(up: &[Row], down: &[Row], weight_n: f64, share: f64) -> Vec<f64> {
     let differs = |(a, b): (&Row, &Row)| {
         // Against at least the hammer's weight: two nearly silent runs are alike.
         let scale = a.force_n.max(b.force_n).max(weight_n);
+        if a.failed || b.failed {
+            return None;
+        }
         let repeats = |r: &Row| r.periods.is_some() || r.regime == Regime::None;
         let differs = (repeats(a) || repeats(b)) && (a.force_n - b.force_n).abs() > share * scale;
         differs.then_some(a.frequency_hz)
@@ -165,6 +202,7 @@ pub struct MeasuredError {
 impl Measured {
     /// The error of `rows` (by rising frequency) against this measurement, interpolated linearly.
     pub fn error(&self, rows: &[Row]) -> MeasuredError {
+        let rows: Vec<&Row> = rows.iter().filter(|r| !r.failed).collect();
         let simulated = |frequency_hz: f64| {
             let above = rows.partition_point(|r| r.frequency_hz < frequency_hz);
             let b = rows.get(above)?;
@@ -209,7 +247,8 @@ pub fn single(
     plan: Plan,
 ) -> Result<Row, Error> {
     let rig = NamedRig::new(String::new(), *params);
-    Ok(run_one(&rig, Engine::Event, frequency_hz, start, plan, &())?.0)
+    let ran = run_one(&rig, Engine::Event, frequency_hz, start, plan, &())?;
+    ran.end.map(|_| ran.row)
 }
 
 #[cfg(test)]

@@ -89,6 +89,7 @@ struct DiagramAnswer {
     changes: Vec<Change>,
     measured_displacement_mm: Option<Distance>,
     measured_force_n: Option<Distance>,
+    failed: usize,
 }
 
 /// A change in a table.
@@ -122,6 +123,13 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     progress.finish();
     let points = rows(&diagrams);
     let answer = answer(&request, &diagrams, measured.as_ref());
+    let failed: usize = answer.diagrams.iter().map(|d| d.failed).sum();
+    if failed > 0 {
+        output.note(&format!(
+            "note: in {failed} of {} simulations the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed",
+            answer.simulations
+        ));
+    }
     if let Some(dir) = &output.out {
         let abscissa = match args.drive.in_hz() {
             true => Abscissa::Frequency,
@@ -188,7 +196,11 @@ fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Meas
         gap_mm: d.gap_mm,
         direction: d.direction.name(),
         frequencies: d.stations.len(),
-        not_settled: d.stations.iter().filter(|s| !s.settled).count(),
+        not_settled: d
+            .stations
+            .iter()
+            .filter(|s| !s.settled && !s.row.failed)
+            .count(),
         changes: d.changes.clone(),
         measured_displacement_mm: measured
             .filter(|m| !m.displacement_mm.is_empty())
@@ -196,6 +208,7 @@ fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Meas
         measured_force_n: measured
             .filter(|m| !m.force_n.is_empty())
             .map(|m| m.force_distance(d)),
+        failed: d.stations.iter().filter(|s| s.row.failed).count(),
     };
     let of = |gap: f64, direction| {
         diagrams

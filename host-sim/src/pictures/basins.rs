@@ -38,6 +38,7 @@ fn styles(basins: &Basins) -> Vec<(String, Color)> {
         }
         named += 1;
         let own = match attractor.name.kind {
+            Kind::Failed => Some(Color::PAPER),
             Kind::NoImpact => Some(STILL),
             Kind::Aperiodic => Some(regime_color("aperiodic")),
             Kind::Chatter { .. } => Some(regime_color("chatter")),

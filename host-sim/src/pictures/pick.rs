@@ -128,7 +128,7 @@ fn legend(regime: Regime) -> String {
 /// (frequency in Hz, force ratio) of rows, gathered by regime in order of first appearance.
 pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f64, f64)>)> {
     let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    for row in rows {
+    for row in rows.filter(|row| !row.failed) {
         let point = (row.frequency_hz, row.force_ratio);
         let label = legend(row.regime);
         match groups.iter_mut().find(|(known, _)| *known == label) {

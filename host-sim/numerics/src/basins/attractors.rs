@@ -16,6 +16,8 @@ const NEAR: f64 = 0.05;
 /// The kind of motion of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
+    /// None: the hammer could not be followed.
+    Failed,
     /// No contact.
     NoImpact,
     /// Nothing repeats, whatever the number of contacts and whether or not there was chatter.
@@ -62,6 +64,7 @@ pub struct Name {
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Failed => f.write_str("failed"),
             Self::NoImpact => f.write_str("no impact"),
             Self::Aperiodic => f.write_str("aperiodic"),
             Self::Chatter { impacts, periods } => write!(f, "chatter {impacts}/{periods}"),
@@ -107,7 +110,11 @@ pub struct Attractor {
 pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
     let mut by_kind: Vec<(Kind, Vec<usize>)> = Vec::new();
     for (i, fate) in fates.iter().enumerate() {
-        let kind = Kind::from(fate.regime);
+        let kind = if fate.failed {
+            Kind::Failed
+        } else {
+            Kind::from(fate.regime)
+        };
         match by_kind.iter_mut().find(|(other, _)| *other == kind) {
             Some((_, members)) => members.push(i),
             None => by_kind.push((kind, vec![i])),
@@ -208,6 +215,7 @@ mod tests {
             settled_after: middle.map(|_| 10),
             last_contact: None,
             uncertain: false,
+            failed: false,
         }
     }
 

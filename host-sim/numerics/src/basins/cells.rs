@@ -1,10 +1,9 @@
 //! Basins as a table: a line per start.
 
 use serde::Serialize;
-use shared::model::regime::Regime;
 
 use super::{Basins, Name};
-use crate::row::regime_as_text;
+use crate::row::Outcome;
 
 /// One start of the grid and what became of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -17,9 +16,8 @@ pub struct CellRow {
     pub phase_turns: f64,
     /// Whether it has a contact in the recorded cycles.
     pub impact: bool,
-    /// "p/n", "none", "aperiodic" or "chatter".
-    #[serde(serialize_with = "regime_as_text")]
-    pub regime: Regime,
+    /// "p/n", "none", "aperiodic", "chatter" or "failed".
+    pub regime: Outcome,
     /// p.
     pub impacts: u16,
     /// n, if the section repeats.
@@ -46,7 +44,7 @@ pub fn rows(basins: &Basins) -> Vec<CellRow> {
             velocity_m_per_s: fate.start[1],
             phase_turns: basins.query.phase,
             impact: fate.impacts(),
-            regime: fate.regime,
+            regime: Outcome((!fate.failed).then_some(fate.regime)),
             impacts: fate.regime.impacts(),
             periods: fate.regime.periods(),
             attractor: basins.attractors[usize::from(*which)].name,

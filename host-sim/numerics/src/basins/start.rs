@@ -109,6 +109,8 @@ pub struct Fate {
     pub last_contact: Option<u32>,
     /// Whether the fast engine handed the cell to the reference.
     pub uncertain: bool,
+    /// Whether the hammer could not be followed: nothing else is then known.
+    pub failed: bool,
 }
 
 impl Fate {
@@ -131,6 +133,20 @@ impl Fate {
             settled_after: outcome.settled_after,
             last_contact: outcome.last_contact,
             uncertain: outcome.uncertain,
+            failed: false,
+        }
+    }
+
+    fn failed(start: [f64; 2]) -> Self {
+        Self {
+            start,
+            regime: Regime::None,
+            middle: None,
+            force_n: 0.0,
+            settled_after: None,
+            last_contact: None,
+            uncertain: false,
+            failed: true,
         }
     }
 
@@ -151,7 +167,7 @@ impl Fate {
 ///
 /// # Errors
 /// If a start is out of the rig's reach or deep inside the surface, if a parameter, the frequency or the phase is out
-/// of range, or if the hammer leaves what the model describes, or if the work is interrupted.
+/// of range, if every hammer leaves what the model describes, or if the work is interrupted.
 pub fn fates(
     engine: Engine,
     drive: &Drive,
@@ -169,11 +185,25 @@ pub fn fates(
     let scale = Rig::<f64>::new(&drive.params)?.coordinate_scale();
     let units = [scale, scale * std::f64::consts::TAU * drive.frequency_hz];
     let mut fates = Vec::with_capacity(starts.len());
+    let mut why = None;
     for chunk in starts.chunks(chunk(engine)) {
         let outcomes = outcomes(engine, drive, chunk, &plan)?;
-        let found = chunk.iter().zip(&outcomes);
-        fates.extend(found.map(|(start, outcome)| Fate::new(*start, outcome, units)));
+        for (start, outcome) in chunk.iter().zip(outcomes) {
+            fates.push(match outcome {
+                Ok(outcome) => Fate::new(*start, &outcome, units),
+                Err(error @ Error::Motion(_)) => {
+                    why.get_or_insert(error);
+                    Fate::failed(*start)
+                }
+                Err(error) => return Err(error),
+            });
+        }
         step(progress, chunk.len() as u64)?;
+    }
+    if let Some(error) = why
+        && fates.iter().all(|fate| fate.failed)
+    {
+        return Err(error);
     }
     Ok(fates)
 }
@@ -202,6 +232,10 @@ pub fn touching(
     // Every cycle of every start is kept: few starts at a time.
     for chunk in starts.chunks(chunk(engine) / 8) {
         for outcome in outcomes(engine, drive, chunk, &plan)? {
+            // One that failed touches nothing that is known.
+            let Some(outcome) = lanes::or_failed(outcome)? else {
+                continue;
+            };
             for (count, cycle) in counts.iter_mut().zip(cycles) {
                 *count += u64::from(touched(&outcome, *cycle, recorded));
             }
@@ -228,7 +262,7 @@ fn outcomes(
     drive: &Drive,
     starts: &[[f64; 2]],
     plan: &CellPlan,
-) -> Result<Vec<Outcome>, Error> {
+) -> Result<Vec<Result<Outcome, Error>>, Error> {
     let rig = Rig::<f64>::new(&drive.params)?;
     let omega = std::f64::consts::TAU * drive.frequency_hz;
     let cell = |start: &[f64; 2]| {
@@ -240,10 +274,10 @@ fn outcomes(
         })
     };
     let cells: Vec<Cell> = starts.iter().map(cell).collect::<Result<_, Error>>()?;
-    match engine {
-        Engine::Event => lanes::run(&cells, plan),
-        Engine::Switch(_) => lanes::by_engine(engine, &cells, plan),
-    }
+    Ok(match engine {
+        Engine::Event => lanes::run_each(&cells, plan),
+        Engine::Switch(_) => lanes::each_by_engine(engine, &cells, plan),
+    })
 }
 
 #[cfg(test)]

@@ -50,6 +50,9 @@ pub struct Summary {
     pub over_cycles: Vec<ImpactAfter>,
     /// Starts (of the grid) an engine was uncertain of.
     pub uncertain: usize,
+    /// Starts of the grid whose hammer could not be followed: they are among the attractors, as "failed", and count as no
+    /// impact.
+    pub failed: usize,
 }
 
 /// An attractor's part.
@@ -119,6 +122,7 @@ impl Summary {
             attractors: attractors.collect(),
             over_cycles: basins.over_cycles.clone(),
             uncertain: basins.grid.iter().filter(|f| f.uncertain).count(),
+            failed: basins.grid.iter().filter(|f| f.failed).count(),
         }
     }
 }

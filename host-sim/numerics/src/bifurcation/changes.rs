@@ -116,12 +116,13 @@ pub fn find(diagram: &Diagram) -> Vec<Change> {
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     for k in 0..stations.len() {
         match runs.last_mut() {
-            Some(run) if label(&stations[run.start]) == label(&stations[k]) => run.end = k + 1,
+            Some(run) if alike(&stations[run.start], &stations[k]) => run.end = k + 1,
             _ => runs.push(k..k + 1),
         }
     }
     let unsettled = |run: &std::ops::Range<usize>| {
-        run.len() < LASTING && label(&stations[run.start]) == APERIODIC
+        let first = &stations[run.start];
+        run.len() < LASTING && !first.row.failed && label(first) == APERIODIC
     };
     let mut changes = Vec::new();
     let mut at = 0;
@@ -177,11 +178,16 @@ fn label(station: &Station) -> Regime {
     }
 }
 
+/// Whether two stations show the same motion, or both failed.
+fn alike(a: &Station, b: &Station) -> bool {
+    a.row.failed == b.row.failed && label(a) == label(b)
+}
+
 const APERIODIC: Regime = Regime::Aperiodic { impacts: 0 };
 
-/// What lies between two motions; none if they have the same name.
+/// What lies between two motions; none if they have the same name, or if one of them is not known.
 fn between(a: &Station, b: &Station) -> Option<Kind> {
-    if label(a) == label(b) {
+    if a.row.failed || b.row.failed || label(a) == label(b) {
         return None;
     }
     let (silent_a, silent_b) = (a.row.regime == Regime::None, b.row.regime == Regime::None);
@@ -239,7 +245,7 @@ fn moved(a: &Station, b: &Station) -> Option<f64> {
 /// beginning where the frequency on the side one comes from began.
 pub fn locate(
     diagram: &mut Diagram,
-    run: &impl Fn(&[Cell]) -> Result<Vec<Outcome>, Error>,
+    run: &impl Fn(&[Cell]) -> Result<Vec<Option<Outcome>>, Error>,
 ) -> Result<(), Error> {
     let down = diagram.direction == crate::sweep::Direction::Down;
     let natural = diagram.params.natural_frequency_hz();
@@ -268,6 +274,10 @@ pub fn locate(
         let outcomes = run(&cells)?;
         for ((i, low, high, _), (cell, outcome)) in open.iter_mut().zip(cells.iter().zip(outcomes))
         {
+            // A run that failed tells nothing: the change stays where it is.
+            let Some(outcome) = outcome else {
+                continue;
+            };
             let found = super::station("", cell, &outcome)?;
             let change = &diagram.changes[*i];
             let below = label(&diagram.stations[change.span.start]) == label(&found);

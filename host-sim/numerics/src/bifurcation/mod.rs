@@ -8,7 +8,6 @@ pub mod measured;
 
 use serde::Serialize;
 use shared::model::params::RigParams;
-use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
 use crate::engine::Engine;
@@ -16,7 +15,7 @@ use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
 use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
-use crate::row::{Row, regime_as_text, tidy};
+use crate::row::{Outcome as Ended, Row, tidy};
 use crate::sweep::Direction;
 
 pub use changes::{Change, Kind, Twofold};
@@ -32,19 +31,18 @@ pub struct PointRow {
     pub frequency_hz: f64,
     /// Ω/ω.
     pub frequency_ratio: f64,
-    /// Regime over the recorded periods.
-    #[serde(serialize_with = "regime_as_text")]
-    pub regime: Regime,
+    /// Regime over the recorded periods; "failed", in the one row of a run that could not be followed.
+    pub regime: Ended,
     /// Displacement at drive phase 0, in the fixed frame and relative to the cart alike, mm.
-    pub displacement_mm: f64,
+    pub displacement_mm: Option<f64>,
     /// Its rate relative to the cart, m/s.
-    pub relative_velocity_m_per_s: f64,
+    pub relative_velocity_m_per_s: Option<f64>,
     /// Largest contact force in the drive period that ended there, N.
-    pub force_n: f64,
+    pub force_n: Option<f64>,
     /// The same over m g.
-    pub force_ratio: f64,
+    pub force_ratio: Option<f64>,
     /// Contacts that began in that period.
-    pub contacts: u16,
+    pub contacts: Option<u16>,
 }
 
 /// A point of the section in a station.
@@ -115,10 +113,10 @@ impl DiagramRequest {
         (self.gaps_mm.len() * self.frequencies_hz.len() * self.directions.len()) as u64
     }
 
-    fn run(&self, cells: &[Cell]) -> Result<Vec<Outcome>, Error> {
+    fn run(&self, cells: &[Cell]) -> Vec<Result<Outcome, Error>> {
         match self.engine {
-            Engine::Event => lanes::run(cells, &self.plan),
-            Engine::Switch(_) => lanes::by_engine(self.engine, cells, &self.plan),
+            Engine::Event => lanes::run_each(cells, &self.plan),
+            Engine::Switch(_) => lanes::each_by_engine(self.engine, cells, &self.plan),
         }
     }
 }
@@ -136,9 +134,11 @@ struct Chain {
 /// From rest, every frequency is a cell of its own. Carried up or down, all chains go on together from frequency to
 /// frequency, each from where it was.
 ///
+/// A hammer that leaves what the model describes is a station that failed, without points; carried on, the next begins
+/// from rest.
+///
 /// # Errors
-/// If a parameter or a frequency is out of range, or if the hammer leaves what the model describes, or if the work is
-/// interrupted.
+/// If a parameter or a frequency is out of range, if every run fails, or if the work is interrupted.
 pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec<Diagram>, Error> {
     let mut chains = Vec::new();
     for gap_mm in &request.gaps_mm {
@@ -161,6 +161,9 @@ pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec
     for direction in [Direction::Up, Direction::Down] {
         carry(request, &chains, direction, &mut stations, progress)?;
     }
+    if let Some(error) = all_failed(request, &stations) {
+        return Err(error);
+    }
     let mut diagrams = Vec::with_capacity(chains.len());
     for (chain, stations) in chains.into_iter().zip(stations) {
         let mut diagram = Diagram {
@@ -174,12 +177,29 @@ pub fn diagrams(request: &DiagramRequest, progress: &dyn Progress) -> Result<Vec
         if request.locate {
             changes::locate(&mut diagram, &|cells| {
                 check(progress)?;
-                request.run(cells)
+                let outcomes = request.run(cells);
+                outcomes.into_iter().map(lanes::or_failed).collect()
             })?;
         }
         diagrams.push(diagram);
     }
     Ok(diagrams)
+}
+
+/// Why, if every run failed.
+fn all_failed(request: &DiagramRequest, stations: &[Vec<Station>]) -> Option<Error> {
+    let first = stations.iter().flatten().next()?;
+    if !stations.iter().flatten().all(|s| s.row.failed) {
+        return None;
+    }
+    let params = request.rig.params.with_gap_mm(first.row.gap_mm).ok()?;
+    let again = Cell {
+        params,
+        frequency_hz: first.row.frequency_hz,
+        start: first.start,
+        phase: 0.0,
+    };
+    request.run(&[again]).pop()?.err()
 }
 
 /// Simulations handed over at once, so that progress shows.
@@ -193,9 +213,9 @@ fn from_rest(
     let mut stations = Vec::with_capacity(request.frequencies_hz.len());
     for some in request.frequencies_hz.chunks(BATCH) {
         let cells: Vec<_> = some.iter().map(|hz| cell(chain, *hz, chain.rest)).collect();
-        let outcomes = request.run(&cells)?;
+        let outcomes = request.run(&cells);
         for (cell, outcome) in cells.iter().zip(outcomes) {
-            stations.push(station(&request.rig.name, cell, &outcome)?);
+            stations.push(ended(&request.rig.name, chain, cell, outcome)?);
         }
         step(progress, some.len() as u64)?;
     }
@@ -222,9 +242,9 @@ fn carry(
             .iter()
             .map(|i| cell(&chains[*i], hz, start(i)))
             .collect();
-        let outcomes = request.run(&cells)?;
+        let outcomes = request.run(&cells);
         for ((i, cell), outcome) in going.iter().zip(&cells).zip(outcomes) {
-            stations[*i].push(station(&request.rig.name, cell, &outcome)?);
+            stations[*i].push(ended(&request.rig.name, &chains[*i], cell, outcome)?);
         }
         step(progress, going.len() as u64)?;
     }
@@ -243,6 +263,25 @@ fn cell(chain: &Chain, frequency_hz: f64, start: [f64; 2]) -> Cell {
     }
 }
 
+/// The station of a cell that ended so or failed; behind one that failed the next begins from rest.
+fn ended(
+    rig_name: &str,
+    chain: &Chain,
+    cell: &Cell,
+    outcome: Result<Outcome, Error>,
+) -> Result<Station, Error> {
+    match lanes::or_failed(outcome)? {
+        Some(outcome) => station(rig_name, cell, &outcome),
+        None => Ok(Station {
+            row: Row::failed(rig_name, &cell.params, cell.frequency_hz),
+            points: Vec::new(),
+            settled: false,
+            start: cell.start,
+            end: chain.rest,
+        }),
+    }
+}
+
 /// What a cell's outcome is in a diagram.
 fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Error> {
     let params = &cell.params;
@@ -257,17 +296,13 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
     let from = outcome.strobes.len().saturating_sub(repeats);
     Ok(Station {
         row: Row {
-            rig: rig_name.to_owned(),
-            gap_mm: tidy(params.gap_m * 1e3),
-            frequency_hz: tidy(cell.frequency_hz),
-            frequency_ratio: tidy(cell.frequency_hz / params.natural_frequency_hz()),
             impacts: outcome.regime.impacts(),
             periods: outcome.regime.periods(),
             regime: outcome.regime,
             force_ratio: outcome.force_n / params.weight_n(),
             force_n: outcome.force_n,
-            approach_speed_m_per_s: None,
-            contact_time_ms: None,
+            failed: false,
+            ..Row::failed(rig_name, params, cell.frequency_hz)
         },
         points: outcome.strobes[from..].iter().map(point).collect(),
         settled: outcome.settled_after.is_some(),
@@ -282,18 +317,22 @@ pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
     for diagram in diagrams {
         let weight = diagram.params.weight_n();
         for station in &diagram.stations {
-            rows.extend(station.points.iter().map(|p| PointRow {
+            let row = |p: Option<&Point>| PointRow {
                 gap_mm: diagram.gap_mm,
                 direction: diagram.direction.name(),
                 frequency_hz: station.row.frequency_hz,
                 frequency_ratio: station.row.frequency_ratio,
-                regime: station.row.regime,
-                displacement_mm: p.displacement_mm,
-                relative_velocity_m_per_s: p.velocity_m_per_s,
-                force_n: p.force_n,
-                force_ratio: p.force_n / weight,
-                contacts: p.contacts,
-            }));
+                regime: station.row.outcome(),
+                displacement_mm: p.map(|p| p.displacement_mm),
+                relative_velocity_m_per_s: p.map(|p| p.velocity_m_per_s),
+                force_n: p.map(|p| p.force_n),
+                force_ratio: p.map(|p| p.force_n / weight),
+                contacts: p.map(|p| p.contacts),
+            };
+            rows.extend(station.points.iter().map(|p| row(Some(p))));
+            if station.row.failed {
+                rows.push(row(None));
+            }
         }
     }
     rows

@@ -279,4 +279,6 @@ pub fn beside(measured: &Measured, fit: &Fit) -> Vec<Vec<[f64; 3]>> {
 }
 
 #[cfg(test)]
+mod release_test;
+#[cfg(test)]
 mod tests;

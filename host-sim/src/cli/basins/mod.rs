@@ -114,6 +114,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         found.push(find(engine, point, &query, &progress)?);
     }
     progress.finish();
+    let failed: usize = found.iter().map(|one| one.summary.failed).sum();
+    if failed > 0 {
+        output.note(&format!(
+            "note: from {failed} starts of the grid the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed, and they count as no impact"
+        ));
+    }
     write(output, &found)?;
     answer(output, &found)
 }

@@ -89,6 +89,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let (rows, others) = rayon::join(|| run(args.direction), || other.map(run).transpose());
     let (rows, others) = (rows?, others?);
     progress.finish();
+    note_failed(output, rows.iter().chain(others.iter().flatten()));
     let error = measured.as_ref().map(|m| m.error(&rows));
     if let Some(dir) = &output.out {
         let figure = figure(
@@ -121,6 +122,20 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     Ok(())
 }
 
+/// Says how many rows failed.
+fn note_failed<'a>(output: &OutputArgs, rows: impl Iterator<Item = &'a Row>) {
+    let (mut failed, mut all) = (0, 0);
+    for row in rows {
+        all += 1;
+        failed += usize::from(row.failed);
+    }
+    if failed > 0 {
+        output.note(&format!(
+            "note: in {failed} of {all} runs the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed"
+        ));
+    }
+}
+
 fn describe(error: &MeasuredError) -> String {
     if error.points_compared == 0 {
         return "measured: no point lies inside the simulated range".to_owned();
@@ -144,8 +159,7 @@ fn text(rows: &[Row]) -> String {
             "{:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}  {}\n",
             row.frequency_hz,
             row.frequency_ratio,
-            // A regime ignores the width of its column; a string does not.
-            row.regime.to_string(),
+            row.outcome().to_string(),
             row.force_ratio,
             row.force_n,
             row.approach_speed_m_per_s
@@ -160,6 +174,7 @@ fn text(rows: &[Row]) -> String {
     }
     let curve = rows
         .iter()
+        .filter(|r| !r.failed)
         .map(|r| (r.frequency_hz, r.force_ratio))
         .collect();
     text.push('\n');

@@ -11,11 +11,10 @@ use crate::pictures::regimes::regime_points;
 use crate::progress::Progress;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
-use numerics::row::{Row, regime_as_text};
+use numerics::row::{Outcome, Row};
 use numerics::sweep::{Direction, over};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
-use shared::model::regime::Regime;
 
 /// Values at most: each is a simulation and a rig.
 const MOST: usize = 100_000;
@@ -32,12 +31,11 @@ struct OverRow<'a> {
     gap_mm: f64,
     frequency_hz: f64,
     frequency_ratio: f64,
-    impacts: u16,
+    impacts: Option<u16>,
     periods: Option<u8>,
-    #[serde(serialize_with = "regime_as_text")]
-    regime: Regime,
-    force_ratio: f64,
-    force_n: f64,
+    regime: Outcome,
+    force_ratio: Option<f64>,
+    force_n: Option<f64>,
     approach_speed_m_per_s: Option<f64>,
     contact_time_ms: Option<f64>,
     #[serde(skip)]
@@ -46,6 +44,7 @@ struct OverRow<'a> {
 
 impl<'a> OverRow<'a> {
     fn new(parameter: &'a str, value: f64, row: &'a Row) -> Self {
+        let known = |x: f64| (!row.failed).then_some(x);
         Self {
             parameter,
             value,
@@ -53,11 +52,11 @@ impl<'a> OverRow<'a> {
             gap_mm: row.gap_mm,
             frequency_hz: row.frequency_hz,
             frequency_ratio: row.frequency_ratio,
-            impacts: row.impacts,
+            impacts: (!row.failed).then_some(row.impacts),
             periods: row.periods,
-            regime: row.regime,
-            force_ratio: row.force_ratio,
-            force_n: row.force_n,
+            regime: row.outcome(),
+            force_ratio: known(row.force_ratio),
+            force_n: known(row.force_n),
             approach_speed_m_per_s: row.approach_speed_m_per_s,
             contact_time_ms: row.contact_time_ms,
             row,
@@ -114,6 +113,7 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
     let progress = Progress::new("values", runs.len() as u64, output.quiet);
     let rows = over(&runs, engine, args.direction, plan, &progress)?;
     progress.finish();
+    super::note_failed(output, rows.iter());
     let rows: Vec<OverRow<'_>> = rows
         .iter()
         .zip(&asked.values.list)
@@ -156,8 +156,7 @@ fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
             "{value:>28} {:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}\n",
             row.frequency_hz,
             row.frequency_ratio,
-            // A regime ignores the width of its column; a string does not.
-            row.regime.to_string(),
+            row.outcome().to_string(),
             row.force_ratio,
             row.force_n
         );
@@ -183,7 +182,8 @@ fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
         true => format!("log10 of {}", asked.key),
         false => asked.key.clone(),
     };
-    let curve = rows.iter().map(|r| (along(r.value), r.row.force_ratio));
+    let known = rows.iter().filter(|r| !r.row.failed);
+    let curve = known.map(|r| (along(r.value), r.row.force_ratio));
     text + &Chart::new(axis, "force over weight")
         .series("force", curve.collect())
         .render()

@@ -125,11 +125,24 @@ impl<'a> Shape<'a> {
         self.laws() + COMMON + if self.ringing.is_some() { RINGING } else { 0 }
     }
 
+    /// The sensor's gain at a point. Gain and release make up for each other: only their product is seen. Where the
+    /// release is sought, the coordinate is therefore the gain at the release first given, which keeps the product while
+    /// the release moves: else the search ends on the long way along the valley, wherever its first steps led.
+    fn gain(&self, x: &[f64]) -> f64 {
+        let own = x[self.laws() + GAIN];
+        match self.release_m(x) {
+            Some(release_m) if self.settings.seek_release => {
+                own * self.settings.release_m / release_m
+            }
+            _ => own,
+        }
+    }
+
     /// The sensor at a point.
     pub fn sensor(&self, x: &[f64]) -> Sensor {
         let own = &x[self.laws()..];
         Sensor {
-            gain: own[GAIN],
+            gain: self.gain(x),
             offset_n: own[OFFSET],
             filter_s: own[FILTER] * self.measured.sample_s,
             filter_damping: own[DAMPING],

@@ -14,8 +14,8 @@ const FILTER_DAMPING_DEVIATION: f64 = 0.1;
 const SLOWEST_SHARE: f64 = 0.2;
 
 impl Shape<'_> {
-    /// What is known beforehand: coordinate, value, deviation.
-    fn priors(&self) -> [(usize, f64, f64); 4] {
+    /// What is known beforehand: value at `x`, expected, deviation.
+    fn priors(&self, x: &[f64]) -> [(f64, f64, f64); 4] {
         let laws = self.laws();
         // In a clean record the zero is known to rounding.
         let zero = self
@@ -23,10 +23,10 @@ impl Shape<'_> {
             .offset_deviation_n
             .max(1e-3 * self.deviation_n);
         [
-            (laws + RELEASE, 1.0, self.release_deviation()),
-            (laws + GAIN, 1.0, self.gain_deviation()),
-            (laws + OFFSET, 0.0, zero),
-            (laws + DAMPING, FRAC_1_SQRT_2, FILTER_DAMPING_DEVIATION),
+            (x[laws + RELEASE], 1.0, self.release_deviation()),
+            (self.gain(x), 1.0, self.gain_deviation()),
+            (x[laws + OFFSET], 0.0, zero),
+            (x[laws + DAMPING], FRAC_1_SQRT_2, FILTER_DAMPING_DEVIATION),
         ]
     }
 
@@ -38,8 +38,8 @@ impl Shape<'_> {
             all.extend(forces.iter().zip(shown).map(|(f, s)| (s - f) * per));
         }
         all.extend(
-            self.priors()
-                .map(|(k, mean, deviation)| (x[k] - mean) / deviation),
+            self.priors(x)
+                .map(|(value, mean, deviation)| (value - mean) / deviation),
         );
         DVector::from_vec(all)
     }
