@@ -161,6 +161,7 @@ impl ControlUnderTest for FixedFrequency {
             basin: shared::control::Basin::Unknown,
             reseeks: 0,
             overruns: 0,
+            events_dropped: 0,
         }
     }
 
