@@ -3,6 +3,8 @@
 
 mod check;
 
+pub use check::check_shaker;
+
 use core::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};

@@ -26,7 +26,8 @@ mod app {
     use shared::{
         control::{BootInfo, Command, Lockstep, Mode, SettingsState, State},
         io::{Frame, Output},
-        model::params::WIRES,
+        model::cart::{ASSUMED_SHAKER, CartDrive},
+        model::params::{RigParams, WIRES},
         settings::{Settings, TICK_RATE_HZ},
     };
 
@@ -52,7 +53,11 @@ mod app {
 
     #[init]
     fn init(context: init::Context) -> (Shared, Local) {
-        let settings = Settings::for_rig(&WIRES);
+        // The model's cart does not recoil; the forecast's does, since that is the one that needs more.
+        let settings = Settings::for_rig(&RigParams {
+            cart: CartDrive::Loop(ASSUMED_SHAKER),
+            ..WIRES
+        });
         let boot = BootInfo {
             settings: SettingsState::Model,
             ..BootInfo::STORED

@@ -9,6 +9,10 @@
 
 use std::f64::consts::TAU;
 
+use shared::model::cart::{CartDrive, LoopParams};
+use shared::model::params::RigParams;
+use shared::settings::check_shaker;
+
 use super::motor::{Motor, MotorParams};
 
 /// A shaker.
@@ -36,6 +40,24 @@ pub struct ShakerParams {
     pub reversed: bool,
     /// An armature that is not rigidly joined to the cart.
     pub armature: Option<ArmatureParams>,
+}
+
+impl ShakerParams {
+    /// What a controller of `rig` is told of this shaker: its position loop, or nothing if the controller's settings do not
+    /// take such a loop.
+    pub fn believed_by(&self, rig: &RigParams) -> CartDrive {
+        let cart = CartDrive::Loop(LoopParams {
+            frequency_hz: self.loop_hz,
+            damping_ratio: self.loop_damping_ratio,
+            feed_forward: self.feed_forward,
+            max_force_n: self.force_n.min(1e9),
+        });
+        let told = RigParams { cart, ..*rig };
+        match check_shaker(&told) {
+            Ok(()) => cart,
+            Err(_) => CartDrive::Prescribed,
+        }
+    }
 }
 
 /// An armature with a mode of its own: the shaker's force acts on it, the position loop measures it, and a spring with a

@@ -163,6 +163,7 @@ impl ControlUnderTest for FixedFrequency {
             basin: shared::control::Basin::Unknown,
             reseeks: 0,
             overruns: 0,
+            events_dropped: 0,
         }
     }
 

@@ -167,7 +167,7 @@ pub fn to_toml(settings: &Settings) -> String {
     for section in SECTIONS {
         text.push_str(&format!("\n[{section}]\n"));
         match section {
-            "rig" => text.push_str(&rigfile::lines(&settings.rig)),
+            "rig" => text.push_str(&rigfile::lines_onto_any(&settings.rig)),
             "drive" => {
                 let kind = kind_name(settings.drive.kind);
                 text.push_str(&format!("kind = \"{kind}\"  # shaker or motor\n"));
@@ -357,24 +357,89 @@ fn kind_name(kind: DriveKind) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::model::params::{BEAM_150, PRESETS, WIRES};
+    use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+    use shared::model::params::{BEAM_150, PRESETS, RigParams, WIRES};
 
     #[test]
     fn what_is_written_reads_back_the_same_onto_any_base() {
         let base = Settings::for_rig(&BEAM_150);
+        let held = CartDrive::Loop(ASSUMED_SHAKER);
         for (name, rig) in PRESETS {
-            let mut settings = Settings::for_rig(&rig);
-            settings.operator.acknowledge = true;
-            settings.interlock.relay = true;
-            settings.calibration.hammer = Calibration {
-                day: 20_260_229,
-                uncertainty_percent: 0.5,
-            };
-            let text = to_toml(&settings);
-            // The support of the file replaces the support of the base.
-            let onto_its_kind = Settings { rig, ..base };
-            assert_eq!(overlay(&onto_its_kind, &text).unwrap(), settings, "{name}");
+            for (cart, other) in [(CartDrive::Prescribed, held), (held, CartDrive::Prescribed)] {
+                let mut settings = Settings::for_rig(&RigParams { cart, ..rig });
+                settings.operator.acknowledge = true;
+                settings.interlock.relay = true;
+                settings.calibration.hammer = Calibration {
+                    day: 20_260_229,
+                    uncertainty_percent: 0.5,
+                };
+                let text = to_toml(&settings);
+                // The support of the file replaces the support of the base, and its shaker the base's.
+                let rig = RigParams { cart: other, ..rig };
+                let onto_its_kind = Settings { rig, ..base };
+                assert_eq!(overlay(&onto_its_kind, &text).unwrap(), settings, "{name}");
+            }
         }
+    }
+
+    #[test]
+    fn a_shaker_is_given_changed_and_taken_away_and_an_absurd_one_refused() {
+        let base = Settings::for_rig(&WIRES);
+        let with = |base: &Settings, lines: &str| overlay(base, &format!("[rig]\n{lines}\n"));
+        let held = with(&base, "shaker_loop_hz = 35").unwrap();
+        let wanted = LoopParams {
+            frequency_hz: 35.0,
+            ..ASSUMED_SHAKER
+        };
+        assert_eq!(held.rig.cart, CartDrive::Loop(wanted));
+        let damped = with(&held, "shaker_damping_ratio = 0.5\ncart_mass_kg = 7").unwrap();
+        let wanted = LoopParams {
+            damping_ratio: 0.5,
+            ..wanted
+        };
+        assert_eq!(damped.rig.cart, CartDrive::Loop(wanted));
+        let without = with(
+            &damped,
+            "shaker_loop_hz = \"prescribed\"\ncart_mass_kg = 5.38",
+        )
+        .unwrap();
+        assert_eq!(without, base);
+        let complaint = |lines: &str| with(&held, lines).unwrap_err().to_string();
+        for (lines, line) in [
+            (
+                "shaker_loop_hz = 0.1",
+                "shaker_loop_hz is 0.1, must be 1 to 500 for the controller",
+            ),
+            (
+                "shaker_loop_hz = 1000",
+                "shaker_loop_hz is 1000, must be 1 to 500",
+            ),
+            (
+                "shaker_loop_hz = nan",
+                "shaker_loop_hz is NaN, must be a number from",
+            ),
+            ("shaker_loop_hz = \"stiff\"", "must be a number"),
+            (
+                "shaker_damping_ratio = 0",
+                "shaker_damping_ratio is 0, must be 0.05 to 5",
+            ),
+            (
+                "shaker_damping_ratio = 10",
+                "shaker_damping_ratio is 10, must be 0.05 to 5",
+            ),
+            (
+                "cart_mass_kg = 0.001",
+                "cart_mass_kg is 0.001, must be at least a fifth of mass_kg",
+            ),
+        ] {
+            let found = complaint(lines);
+            assert!(found.contains(line), "{found}");
+        }
+        let orphan = with(&base, "shaker_damping_ratio = 0.5").unwrap_err();
+        assert!(
+            orphan.to_string().contains("needs shaker_loop_hz"),
+            "{orphan}"
+        );
     }
 
     #[test]

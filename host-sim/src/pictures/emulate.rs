@@ -360,6 +360,7 @@ mod tests {
             basin: Basin::Unknown,
             reseeks: 0,
             overruns: 0,
+            events_dropped: 0,
         }
     }
 

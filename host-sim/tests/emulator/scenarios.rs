@@ -8,6 +8,7 @@ use emulator::run::run;
 use emulator::scenario::{BUILTIN, load, parse};
 use emulator::under_test::FixedFrequency;
 use emulator::verdict::{Best, judge_by};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
 use shared::model::params::{BEAM_150, WIRES};
 
 use crate::support::TICK_S;
@@ -21,6 +22,47 @@ fn every_built_in_scenario_reads_and_says_what_it_is_for() {
         assert_eq!(scenario.name, name);
         assert!(scenario.description.len() > 20, "{name}");
     }
+}
+
+#[test]
+fn the_controller_is_told_the_shaker_that_its_forecast_can_follow() {
+    let told = |more: &str| {
+        let scenario = parse("mine", &format!("{SHORT}{more}"), "mine.toml").unwrap();
+        scenario.settings.rig.cart
+    };
+    let usual = CartDrive::Loop(ASSUMED_SHAKER);
+    assert_eq!(told(""), usual);
+    let soft = LoopParams {
+        frequency_hz: 35.0,
+        damping_ratio: 0.5,
+        feed_forward: 0.9,
+        max_force_n: 150.0,
+    };
+    let shaker =
+        "[shaker]\nloop_hz = 35.0\nloop_damping_ratio = 0.5\nfeed_forward = 0.9\nforce_n = 150.0\n";
+    assert_eq!(told(shaker), CartDrive::Loop(soft));
+    let believed = "[believed]\npreset = \"wires\"\n";
+    assert_eq!(told(&format!("{shaker}{believed}")), CartDrive::Loop(soft));
+    // What it believes may differ.
+    let other = told(&format!("{shaker}{believed}shaker_loop_hz = 50.0"));
+    assert_eq!(other, usual);
+    let none = told(&format!(
+        "{shaker}{believed}shaker_loop_hz = \"prescribed\""
+    ));
+    assert_eq!(none, CartDrive::Prescribed);
+    // No shaker, or one whose loop the settings do not take.
+    assert_eq!(told("[shaker]\nprescribed = true"), CartDrive::Prescribed);
+    assert_eq!(
+        told("[shaker]\nloop_damping_ratio = 8.0"),
+        CartDrive::Prescribed
+    );
+    assert_eq!(told("[motor]"), CartDrive::Prescribed);
+    let rig = "duration_s = 3.0\n[true_rig]\npreset = \"wires\"\nshaker_loop_hz = 50.0";
+    let line = parse("mine", rig, "mine.toml").unwrap_err().to_string();
+    assert!(
+        line.contains("shaker_loop_hz does not belong here"),
+        "{line}"
+    );
 }
 
 #[test]

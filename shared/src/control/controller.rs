@@ -320,6 +320,7 @@ impl Controller {
             basin: self.seen.basin.basin(),
             reseeks: self.life.reseeks,
             overruns: self.life.overruns,
+            events_dropped: self.life.events.dropped(),
         }
     }
 

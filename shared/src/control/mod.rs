@@ -185,6 +185,8 @@ pub struct Status {
     pub reseeks: u16,
     /// Overruns of the control task.
     pub overruns: u32,
+    /// Events that nobody took in time, and that are lost.
+    pub events_dropped: u16,
 }
 
 /// Why the board last started.

@@ -138,8 +138,8 @@ mod tests {
             impulse_n_s: 0.031,
             approach_m_per_s: 0.08,
             onset_turns: 0.4,
-            trace: -0.3,
-            determinant: 0.1,
+            multiplier: 0.3,
+            doubling_test: 0.9,
         };
         let target = Target {
             frequency_hz: 3.6,

@@ -1,8 +1,9 @@
 //! The rig as its own pulses and flights show it to be.
 
+use crate::model::cart::CartDrive;
 use crate::model::params::RigParams;
 use crate::sense::identification::{Estimates, Identification};
-use crate::settings::Settings;
+use crate::settings::{DriveKind, Settings};
 
 /// Drive periods between two comparisons of the rig with its estimates.
 const COMPARE_PERIODS: u16 = 32;
@@ -36,10 +37,15 @@ pub(super) struct RigEstimate {
 impl RigEstimate {
     /// The rig of `settings`, nothing identified yet.
     pub fn new(settings: &Settings) -> Self {
+        let mut rig = settings.rig;
+        if settings.drive.kind == DriveKind::Motor {
+            // A crank holds the cart, not a shaker's loop.
+            rig.cart = CartDrive::Prescribed;
+        }
         Self {
             identification: Identification::new(settings),
-            set: settings.rig,
-            believed: settings.rig,
+            set: rig,
+            believed: rig,
             periods: 0,
         }
     }
@@ -104,6 +110,7 @@ fn estimated(set: &RigParams, believed: &RigParams, found: &Estimates) -> RigPar
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::cart::ASSUMED_SHAKER;
     use crate::model::params::WIRES;
     use crate::sense::identification::Estimate;
 
@@ -143,6 +150,20 @@ mod tests {
             ),
         );
         assert_eq!(unsure, WIRES);
+    }
+
+    #[test]
+    fn a_motor_s_cart_does_not_recoil_and_a_shaker_s_keeps_its_loop() {
+        let rig = RigParams {
+            cart: CartDrive::Loop(ASSUMED_SHAKER),
+            ..WIRES
+        };
+        let mut settings = Settings::for_rig(&rig);
+        assert_eq!(*RigEstimate::new(&settings).rig(), rig);
+        let found = found(Some((1.9, 1e-4)), Some((2e-4, 1e-6)));
+        assert_eq!(estimated(&rig, &rig, &found).cart, rig.cart);
+        settings.drive.kind = DriveKind::Motor;
+        assert_eq!(*RigEstimate::new(&settings).rig(), WIRES);
     }
 
     #[test]

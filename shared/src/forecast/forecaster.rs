@@ -4,8 +4,8 @@
 //! the rows before. A second pass, downwards, looks for orbits that rest does not lead to, from the row
 //! above. Then the strongest stretch of stable 1/1 is followed to its ends, and its strongest orbit found.
 
-use super::march::ForecastModel;
-use super::refine::{Known, Peak, RangeEnd, on_line};
+use super::march::{ForecastModel, Section};
+use super::refine::{Known, Peak, RangeEnd, between, on_line};
 use super::settle::{Settle, Settled};
 use super::shoot::{Progress, Shoot, Solution};
 use super::stable_range::StableRange;
@@ -22,7 +22,7 @@ enum Run {
     /// From rest at a frequency, to be set up in the next slice.
     ToSettle(f32),
     /// Shooting at a frequency from a guess, to be set up in the next slice.
-    ToShoot(f32, [f32; 2]),
+    ToShoot(f32, Section),
     Settle(Settle),
     Shoot(Shoot, f32),
 }
@@ -47,14 +47,22 @@ pub(super) enum Stage {
     Entry,
 }
 
+/// What remains of a request beside its model.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    id: u32,
+    range_hz: (f32, f32),
+    rows: u8,
+}
+
 /// Computes a [`Forecast`] in slices of bounded work.
 #[derive(Clone, Debug)]
 pub struct Forecaster {
-    request: Option<ForecastRequest>,
+    asked: Option<Asked>,
     pub(super) model: Option<ForecastModel>,
     pub(super) forecast: Forecast,
     /// Section points of the rows' orbits, where there is one.
-    sections: [[f32; 2]; MAX_ROWS],
+    sections: [Section; MAX_ROWS],
     settled: Option<Settled>,
     pub(super) stable_range: StableRange,
     pub(super) stage: Stage,
@@ -71,10 +79,10 @@ impl Forecaster {
     /// A forecaster without a request.
     pub fn new() -> Self {
         Self {
-            request: None,
+            asked: None,
             model: None,
             forecast: Forecast::default(),
-            sections: [[0.0; 2]; MAX_ROWS],
+            sections: [[0.0; 4]; MAX_ROWS],
             settled: None,
             stable_range: StableRange::default(),
             stage: Stage::Done,
@@ -85,7 +93,11 @@ impl Forecaster {
     /// Starts on `request` and abandons any other. An invalid request (a rig out of range, an empty frequency
     /// range) is answered with no rows and no target.
     pub fn start(&mut self, request: &ForecastRequest) {
-        self.request = Some(*request);
+        self.asked = Some(Asked {
+            id: request.id,
+            range_hz: request.range_hz,
+            rows: request.rows,
+        });
         self.forecast.id = request.id;
         self.forecast.rows.clear();
         self.forecast.target = None;
@@ -102,12 +114,12 @@ impl Forecaster {
 
     /// The request being worked on, or answered last.
     pub fn request_id(&self) -> Option<u32> {
-        self.request.as_ref().map(|request| request.id)
+        self.asked.as_ref().map(|request| request.id)
     }
 
     /// The forecast, if it is done.
     pub fn result(&self) -> Option<&Forecast> {
-        let done = matches!(self.stage, Stage::Done) && self.request.is_some();
+        let done = matches!(self.stage, Stage::Done) && self.asked.is_some();
         done.then_some(&self.forecast)
     }
 
@@ -136,7 +148,11 @@ impl Forecaster {
             }
             Run::Shoot(run, hz) => {
                 let hz = *hz;
-                match run.step() {
+                let progress = match &self.model {
+                    Some(model) => run.step(model),
+                    None => Progress::Lost,
+                };
+                match progress {
                     Progress::Working => {}
                     Progress::Found(solution) => self.shot(hz, Some(solution)),
                     Progress::Lost => self.shot(hz, None),
@@ -147,12 +163,12 @@ impl Forecaster {
     }
 
     fn rows(&self) -> usize {
-        let asked = self.request.as_ref().map_or(0, |r| usize::from(r.rows));
+        let asked = self.asked.as_ref().map_or(0, |r| usize::from(r.rows));
         asked.clamp(2, MAX_ROWS)
     }
 
     pub(super) fn row_hz(&self, row: usize) -> f32 {
-        let (low, high) = self.request.as_ref().map_or((0.0, 0.0), |r| r.range_hz);
+        let (low, high) = self.asked.as_ref().map_or((0.0, 0.0), |r| r.range_hz);
         let last = self.rows() - 1;
         if row >= last {
             return high;
@@ -188,7 +204,7 @@ impl Forecaster {
         self.run = Run::ToSettle(hz);
     }
 
-    pub(super) fn shoot_at(&mut self, hz: f32, guess: [f32; 2]) {
+    pub(super) fn shoot_at(&mut self, hz: f32, guess: Section) {
         self.run = Run::ToShoot(hz, guess);
     }
 
@@ -235,7 +251,7 @@ impl Forecaster {
 
     /// The guesses on the way up: what rest settled to if that is 1/1; the rows before; the middle of a
     /// doubled orbit.
-    fn upward_guess(&self, row: usize, n: u8, hz: f32) -> Option<[f32; 2]> {
+    fn upward_guess(&self, row: usize, n: u8, hz: f32) -> Option<Section> {
         let settled = self.settled?;
         let before = row.checked_sub(1).and_then(|row| self.known(row));
         match n {
@@ -249,9 +265,8 @@ impl Forecaster {
                 })
             }
             _ => {
-                let ([q0, v0], [q1, v1]) = (settled.before, settled.section);
                 let doubled = settled.regime.is(2, 2);
-                doubled.then_some([0.5 * (q0 + q1), 0.5 * (v0 + v1)])
+                doubled.then(|| between(settled.before, settled.section, 0.5))
             }
         }
     }
@@ -349,7 +364,7 @@ impl Forecaster {
         };
         let omega = core::f32::consts::TAU * self.row_hz(row);
         let scale = model.rig.coordinate_scale();
-        let ([q0, v0], [q1, v1]) = (settled.section, solution.section);
+        let ([q0, v0, ..], [q1, v1, ..]) = (settled.section, solution.section);
         libm::fabsf(q1 - q0) < NEAR_THE_ORBIT * scale
             && libm::fabsf(v1 - v0) < NEAR_THE_ORBIT * scale * omega
     }

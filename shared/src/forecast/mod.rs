@@ -7,6 +7,7 @@
 
 mod forecaster;
 pub mod march;
+pub mod monodromy;
 pub mod refine;
 pub mod settle;
 pub mod shoot;
@@ -62,26 +63,16 @@ pub struct Orbit {
     pub approach_m_per_s: f32,
     /// Drive phase at onset, turns.
     pub onset_turns: f32,
-    /// Trace and determinant of the monodromy matrix of the return map over one period.
-    pub trace: f32,
-    /// Determinant.
-    pub determinant: f32,
+    /// Largest modulus of the Floquet multipliers, the eigenvalues of the return map's derivative over one period.
+    pub multiplier: f32,
+    /// The characteristic polynomial at −1: zero where the period doubles, positive before.
+    pub doubling_test: f32,
 }
 
 impl Orbit {
-    /// Largest modulus of the two Floquet multipliers, the roots of μ² − trace μ + determinant.
-    pub fn multiplier(&self) -> f32 {
-        let quarter = 0.25 * self.trace * self.trace - self.determinant;
-        if quarter < 0.0 {
-            libm::sqrtf(self.determinant)
-        } else {
-            0.5 * libm::fabsf(self.trace) + libm::sqrtf(quarter)
-        }
-    }
-
     /// Whether it attracts.
     pub fn is_stable(&self) -> bool {
-        self.multiplier() < 1.0
+        self.multiplier < 1.0
     }
 }
 
@@ -179,7 +170,7 @@ impl Digest {
         self.number(orbit.impulse_n_s);
         self.number(orbit.approach_m_per_s);
         self.number(orbit.onset_turns);
-        self.number(orbit.trace);
-        self.number(orbit.determinant);
+        self.number(orbit.multiplier);
+        self.number(orbit.doubling_test);
     }
 }

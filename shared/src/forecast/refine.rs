@@ -2,6 +2,7 @@
 //!
 //! Both searches give the frequency of the next orbit, and take the orbit found there.
 
+use super::march::Section;
 use super::shoot::Solution;
 
 /// An orbit and its frequency.
@@ -14,10 +15,9 @@ pub struct Known {
 }
 
 impl Known {
-    /// 1 + trace + determinant: the characteristic polynomial at −1, zero where the period doubles and
-    /// positive before.
+    /// [`super::Orbit::doubling_test`].
     fn at_minus_one(&self) -> f32 {
-        1.0 + self.solution.orbit.trace + self.solution.orbit.determinant
+        self.solution.orbit.doubling_test
     }
 
     fn force(&self) -> f32 {
@@ -26,12 +26,17 @@ impl Known {
 }
 
 /// The section point at `hz` on the line through two orbits, beyond them too.
-pub fn on_line(a: &Known, b: &Known, hz: f32) -> [f32; 2] {
+pub fn on_line(a: &Known, b: &Known, hz: f32) -> Section {
     let span = b.hz - a.hz;
     let share = if span == 0.0 { 0.0 } else { (hz - a.hz) / span };
-    let [q0, v0] = a.solution.section;
-    let [q1, v1] = b.solution.section;
-    [q0 + share * (q1 - q0), v0 + share * (v1 - v0)]
+    between(a.solution.section, b.solution.section, share)
+}
+
+/// The section point at a `share` of the way from `a` to `b`.
+pub fn between(a: Section, b: Section, share: f32) -> Section {
+    let ([q0, v0, e0, w0], [q1, v1, e1, w1]) = (a, b);
+    let at = |from: f32, to: f32| from + share * (to - from);
+    [at(q0, q1), at(v0, v1), at(e0, e1), at(w0, w1)]
 }
 
 /// Whether two neighbouring orbits are of one branch: their forces differ little.
@@ -108,7 +113,7 @@ impl RangeEnd {
     }
 
     /// A guess of the section at `hz`.
-    pub fn guess(&self, hz: f32) -> [f32; 2] {
+    pub fn guess(&self, hz: f32) -> Section {
         match (&self.beyond, &self.behind) {
             (Some((beyond, _)), _) => on_line(&self.inside, beyond, hz),
             (None, Some(behind)) => on_line(behind, &self.inside, hz),
@@ -241,7 +246,7 @@ impl Peak {
     }
 
     /// A guess of the section at `hz`.
-    pub fn guess(&self, hz: f32) -> [f32; 2] {
+    pub fn guess(&self, hz: f32) -> Section {
         if hz < self.top.hz {
             on_line(&self.low, &self.top, hz)
         } else {

@@ -1,7 +1,7 @@
 //! The regime reached from rest at a frequency: the march until the section repeats, or until its budget of
 //! steps is spent.
 
-use super::march::{ForecastModel, March, MarchStep, Setup};
+use super::march::{ForecastModel, March, MarchStep, Section, Setup};
 use crate::model::regime::{Detector, Regime};
 use crate::model::scalar::Real;
 
@@ -15,7 +15,7 @@ const MOST_PERIODS: u16 = 74;
 /// Repetitions of n periods are believed after 2n + this many strobes.
 const CONFIRMATIONS: u32 = 4;
 
-/// Steps at most; a period of chatter takes some hundreds.
+/// Steps at most, with a prescribed cart; a period of chatter takes some hundreds.
 const MOST_STEPS: u32 = 9000;
 
 /// The result.
@@ -26,9 +26,9 @@ pub struct Settled {
     /// Largest force in it, N.
     pub force_n: f32,
     /// The section at the end.
-    pub section: [f32; 2],
+    pub section: Section,
     /// The section one period before.
-    pub before: [f32; 2],
+    pub before: Section,
 }
 
 /// The run.
@@ -39,15 +39,15 @@ pub struct Settle {
     periods: u16,
     steps: u32,
     force_n: f32,
-    before: [f32; 2],
-    last: [f32; 2],
+    before: Section,
+    last: Section,
 }
 
 impl Settle {
     /// From rest. `None` if no drive can run at that frequency.
     pub fn new(model: &ForecastModel, frequency_hz: f32) -> Option<Self> {
         let setup = Setup::new(model, frequency_hz)?;
-        let rest = [setup.rig.rest(), 0.0];
+        let rest = [setup.rig.rest(), 0.0, 0.0, 0.0];
         Some(Self {
             march: March::new(&setup, rest),
             detector: detector(&setup),
@@ -66,14 +66,16 @@ impl Settle {
         if period_ended && self.close() {
             return Some(self.finding());
         }
-        (self.steps >= MOST_STEPS).then(|| self.finding())
+        let most =
+            MOST_STEPS + u32::from(MOST_PERIODS) * u32::from(self.march.setup().ringing_steps);
+        (self.steps >= most).then(|| self.finding())
     }
 
     /// A period has ended: whether that was the last one.
     fn close(&mut self) -> bool {
         let period = self.march.close_period();
         (self.before, self.last) = (self.last, self.march.section());
-        let [q, v] = self.last;
+        let [q, v, ..] = self.last;
         if !(q.is_finite() && v.is_finite()) {
             return true;
         }
@@ -94,7 +96,7 @@ impl Settle {
     }
 
     fn finding(&self) -> Settled {
-        let [q, v] = self.last;
+        let [q, v, ..] = self.last;
         let finite = q.is_finite() && v.is_finite() && self.force_n.is_finite();
         Settled {
             regime: if finite {
@@ -110,6 +112,6 @@ impl Settle {
 }
 
 fn detector(setup: &Setup) -> Detector<f32> {
-    let [displacement, velocity] = setup.units;
+    let [displacement, velocity, ..] = setup.units;
     Detector::new(displacement, velocity)
 }

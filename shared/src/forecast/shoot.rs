@@ -2,7 +2,8 @@
 //! monodromy matrix that the [`Variation`] carries along.
 
 use super::Orbit;
-use super::march::{ForecastModel, March, MarchStep, Setup};
+use super::march::{ForecastModel, March, MarchStep, Section, Setup};
+use super::monodromy::Monodromy;
 use super::variation::Variation;
 use crate::model::contacts::Period;
 use crate::model::drive::TURN;
@@ -20,7 +21,7 @@ const LONGEST_STEP: f32 = 3.0;
 /// Onsets in a period after which the iteration gives up.
 const MOST_ONSETS: u16 = 6;
 
-/// Steps in a period after which the iteration gives up.
+/// Steps in a period after which the iteration gives up, with a prescribed cart.
 const MOST_STEPS: u16 = 600;
 
 /// A section point farther out than this (in A0 and A0 Ω), or deeper inside the surface (in A0), belongs to
@@ -31,8 +32,8 @@ const DEEP: f32 = 0.2;
 /// A fixed point of the return map over one period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Coordinate and rate on the section.
-    pub section: [f32; 2],
+    /// Where it lies on the section.
+    pub section: Section,
     /// Onsets in the period.
     pub onsets: u16,
     /// The orbit through it.
@@ -65,10 +66,9 @@ pub enum Progress {
 /// The iteration, a Runge–Kutta step at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Shoot {
-    setup: Setup,
     march: March,
     variation: Variation,
-    start: [f32; 2],
+    start: Section,
     iteration: u8,
     steps: u16,
     /// A step of the march that the derivative has not followed yet.
@@ -77,12 +77,11 @@ pub struct Shoot {
 
 impl Shoot {
     /// Starts at `guess`. `None` if no drive can run at that frequency.
-    pub fn new(model: &ForecastModel, frequency_hz: f32, guess: [f32; 2]) -> Option<Self> {
+    pub fn new(model: &ForecastModel, frequency_hz: f32, guess: Section) -> Option<Self> {
         let setup = Setup::new(model, frequency_hz)?;
         Some(Self {
-            march: March::new(&setup, guess),
-            variation: Variation::new(model, &setup, guess),
-            setup,
+            march: March::with_lead(&setup, guess),
+            variation: Variation::new(&model.tangent, &setup, guess),
             start: guess,
             iteration: 0,
             steps: 0,
@@ -90,8 +89,8 @@ impl Shoot {
         })
     }
 
-    /// One step of the march, or of the derivative that follows it.
-    pub fn step(&mut self) -> Progress {
+    /// One step of the march, or of the derivative that follows it. `model` is that of the start.
+    pub fn step(&mut self, model: &ForecastModel) -> Progress {
         let Some(stretch) = self.ahead.take() else {
             if self.steps == 0 && !self.plausible() {
                 return Progress::Lost;
@@ -100,10 +99,11 @@ impl Shoot {
             self.steps = self.steps.saturating_add(1);
             return Progress::Working;
         };
-        self.variation.follow(&stretch);
+        self.variation
+            .follow(&model.tangent, self.march.setup(), &stretch);
         if stretch.period_ended {
-            self.close()
-        } else if self.steps >= MOST_STEPS {
+            self.close(model)
+        } else if self.steps >= MOST_STEPS.saturating_add(self.march.setup().ringing_steps) {
             Progress::Lost
         } else {
             Progress::Working
@@ -111,37 +111,26 @@ impl Shoot {
     }
 
     fn plausible(&self) -> bool {
-        let [q, v] = self.start;
-        let rig = &self.setup.rig;
-        let [a, b] = self.setup.units;
-        // Comparisons with NaN are false.
-        libm::fabsf(q / a) < FAR
-            && libm::fabsf(v / b) < FAR
+        let [q, v, ..] = self.start;
+        let rig = &self.march.setup().rig;
+        largest(in_units(self.start, self.march.setup().units)) < FAR
             && rig.kinematics(q, v).delta < DEEP * rig.amplitude()
     }
 
     /// A period has ended: the next guess, or the end.
-    fn close(&mut self) -> Progress {
+    fn close(&mut self, model: &ForecastModel) -> Progress {
         let period = self.march.close_period();
-        let ([q0, v0], [q1, v1]) = (self.start, self.march.section());
-        let [a, b] = self.setup.units;
-        let miss = [(q1 - q0) / a, (v1 - v0) / b];
-        let [[m00, m01], [m10, m11]] = self.variation.monodromy();
-        let (trace, determinant) = (m00 + m11, m00 * m11 - m01 * m10);
-        if !(trace.is_finite() && determinant.is_finite()) || period.onsets > MOST_ONSETS {
+        let units = self.march.setup().units;
+        let miss = in_units(along(self.start, -1.0, self.march.section()), units).map(|x| -x);
+        let monodromy = self.variation.monodromy(self.march.setup());
+        if !monodromy.is_finite() || period.onsets > MOST_ONSETS {
             return Progress::Lost;
         }
         if largest(miss) < CLOSURE {
-            return self.found(&period, trace, determinant);
+            return self.found(&period, &monodromy);
         }
         self.iteration += 1;
-        // (I − M) step = miss.
-        let (c00, c01, c10, c11) = (1.0 - m00, -m01, -m10, 1.0 - m11);
-        let det = c00 * c11 - c01 * c10;
-        let step = [
-            (c11 * miss[0] - c01 * miss[1]) / det,
-            (c00 * miss[1] - c10 * miss[0]) / det,
-        ];
+        let step = monodromy.newton_step(miss);
         let length = largest(step);
         if !length.is_finite() || self.iteration >= ITERATIONS {
             return Progress::Lost;
@@ -151,14 +140,16 @@ impl Shoot {
         } else {
             1.0
         };
-        self.start = [q0 + damping * step[0] * a, v0 + damping * step[1] * b];
+        let ([s, t, x, y], [a, b, c, d]) = (step, units);
+        self.start = along(self.start, damping, [s * a, t * b, x * c, y * d]);
         self.steps = 0;
-        self.march = March::new(&self.setup, self.start);
-        self.variation.restart(self.start);
+        let setup = *self.march.setup();
+        self.march = March::with_lead(&setup, self.start);
+        self.variation.restart(&model.tangent, self.start);
         Progress::Working
     }
 
-    fn found(&self, period: &Period<f32>, trace: f32, determinant: f32) -> Progress {
+    fn found(&self, period: &Period<f32>, monodromy: &Monodromy) -> Progress {
         let latest = self.march.latest_contact();
         let Some((onset, approach)) = latest.onset else {
             // A fixed point without contact.
@@ -168,11 +159,12 @@ impl Shoot {
             force_n: period.peak_force,
             impulse_n_s: latest.impulse_n_s,
             approach_m_per_s: approach,
-            onset_turns: onset.phase as f32 * (1.0 / TURN) as f32,
-            trace,
-            determinant,
+            onset_turns: onset.phase as f32 * (1.0 / TURN) as f32 + self.march.lead_turns(),
+            multiplier: monodromy.multiplier(),
+            doubling_test: monodromy.doubling_test(),
         };
-        if !(orbit.force_n.is_finite() && orbit.impulse_n_s.is_finite()) {
+        let numbers = [orbit.force_n, orbit.impulse_n_s, orbit.onset_turns];
+        if !numbers.into_iter().all(f32::is_finite) {
             return Progress::Lost;
         }
         Progress::Found(Solution {
@@ -183,8 +175,18 @@ impl Shoot {
     }
 }
 
-fn largest([a, b]: [f32; 2]) -> f32 {
-    let (a, b) = (libm::fabsf(a), libm::fabsf(b));
-    // NaN must come out as such: neither comparison holds for it.
-    if a > b || a.is_nan() { a } else { b }
+/// The largest magnitude; NaN if a number is none.
+fn largest(x: Section) -> f32 {
+    let sizes = x.map(libm::fabsf).into_iter();
+    // No comparison with NaN holds: once it is the largest, it stays so.
+    sizes.fold(0.0, |most, x| if x > most || x.is_nan() { x } else { most })
+}
+
+/// `from` + `by` · `step`.
+fn along([q, v, e, w]: Section, by: f32, [dq, dv, de, dw]: Section) -> Section {
+    [q + by * dq, v + by * dv, e + by * de, w + by * dw]
+}
+
+fn in_units([q, v, e, w]: Section, [a, b, c, d]: Section) -> Section {
+    [q / a, v / b, e / c, w / d]
 }

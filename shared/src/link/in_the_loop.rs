@@ -108,7 +108,8 @@ mod tests {
     use crate::control::State;
     use crate::fault::{Fault, Origin, Record};
     use crate::io::{AdcCode, DacCode};
-    use crate::model::params::PRESETS;
+    use crate::model::cart::{ASSUMED_SHAKER, CartDrive};
+    use crate::model::params::{PRESETS, RigParams};
     use crate::model::regime::Regime;
 
     fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
@@ -126,7 +127,10 @@ mod tests {
     fn the_longest_messages_fit() {
         for (_, rig) in PRESETS {
             there_and_back(&ExchangeRequest::Begin {
-                settings: Settings::for_rig(&rig),
+                settings: Settings::for_rig(&RigParams {
+                    cart: CartDrive::Loop(ASSUMED_SHAKER),
+                    ..rig
+                }),
                 boot: BootInfo::STORED,
             });
         }
@@ -171,6 +175,7 @@ mod tests {
                 basin: crate::control::Basin::Impact,
                 reseeks: u16::MAX,
                 overruns: u32::MAX,
+                events_dropped: u16::MAX,
             },
             events: core::iter::repeat_n(event, MAX_EVENTS).collect(),
             delivered: true,

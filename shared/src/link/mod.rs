@@ -69,7 +69,7 @@ pub use recording::{BlockNotes, GivenCommand, MAX_GIVEN, RecordedBlock, Recordin
 pub use session::{Boot, Device, SESSION_S, Session};
 
 /// Changes when an existing message does.
-pub const PROTOCOL_VERSION: u16 = 3;
+pub const PROTOCOL_VERSION: u16 = 4;
 
 /// Bits per second on the board's serial port, 8 data bits, no parity, 1 stop bit. Divides without a
 /// remainder on both ends of a NUCLEO-F446RE's virtual port (45 MHz / 20 and 36 MHz / 16), and carries a

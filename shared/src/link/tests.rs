@@ -31,6 +31,7 @@ fn longest_status() -> Status {
         basin: Basin::NoImpact,
         reseeks: u16::MAX,
         overruns: LONG,
+        events_dropped: u16::MAX,
         ..idle(0)
     }
 }
@@ -60,6 +61,7 @@ fn idle(tick: u32) -> Status {
         basin: Basin::Unknown,
         reseeks: 0,
         overruns: 0,
+        events_dropped: 0,
     }
 }
 
@@ -69,8 +71,8 @@ fn forecast(rows: usize) -> Forecast {
         impulse_n_s: 0.03,
         approach_m_per_s: 0.08,
         onset_turns: 0.2,
-        trace: -0.4,
-        determinant: 0.1,
+        multiplier: 0.3,
+        doubling_test: 0.9,
     };
     let row = |i| Row {
         frequency_hz: i as f32,

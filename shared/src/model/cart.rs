@@ -48,6 +48,18 @@ pub struct LoopParams {
     pub max_force_n: f64,
 }
 
+impl LoopParams {
+    /// The larger of the moduli of the roots of s² + 2 ζ ω s + ω², in units of ω: above 1 if the loop is overdamped.
+    pub fn swiftness(&self) -> f64 {
+        let damping = self.damping_ratio;
+        if damping > 1.0 {
+            damping + libm::sqrt(damping * damping - 1.0)
+        } else {
+            1.0
+        }
+    }
+}
+
 /// The shaker that is assumed where none is given: a laboratory shaker of 200 N. The chapter does not describe its own.
 pub const ASSUMED_SHAKER: LoopParams = LoopParams {
     frequency_hz: 50.0,
@@ -90,6 +102,16 @@ impl<R: Real> Cart<R> {
             damping: R::from_f64(2.0 * held.damping_ratio * mass * omega),
             forward: R::from_f64(held.feed_forward * mass),
         })
+    }
+
+    /// The same cart in other numbers.
+    pub fn map<S: Real>(&self, number: impl Fn(R) -> S) -> Cart<S> {
+        Cart {
+            mass: number(self.mass),
+            stiffness: number(self.stiffness),
+            damping: number(self.damping),
+            forward: number(self.forward),
+        }
     }
 
     /// The accelerations of both bodies: the hammer at `at` with rate `v` under the contact force `force` (N), the cart

@@ -222,6 +222,14 @@ impl<R: Real> Drive<R> {
         }
     }
 
+    /// sin(phase) and cos(phase) a `fraction` (0 to 1) of a tick ahead of the last tick.
+    #[inline]
+    pub fn sin_cos_ahead(&self, fraction: R) -> (R, R) {
+        let by = Rotor::new(fraction * self.angle);
+        let cos = self.cos.hi - (self.sin.hi * by.sin + self.cos.hi * by.versin - self.cos.lo);
+        (self.sin_after(&by), cos)
+    }
+
     /// The instant a `fraction` (0 to 1) of a tick ahead of the last tick.
     #[inline]
     pub fn stamp_ahead(&self, fraction: R) -> Stamp {

@@ -60,8 +60,7 @@ pub struct RigParams {
     pub gap_m: f64,
     /// The contact law.
     pub contact: Law<f64>,
-    /// What moves the cart. The controller does not know it: it is neither stored nor sent.
-    #[serde(skip)]
+    /// What moves the cart.
     pub cart: CartDrive,
 }
 

@@ -137,6 +137,7 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         let span = Span {
             drive: &self.drive,
             drive_acceleration: self.drive_acceleration,
+            cart: None,
             from,
             to,
         };

@@ -2,7 +2,8 @@
 
 use super::{Calibration, Detection, DriveSettings, Limits, Settings, Trips};
 use crate::io::{DAC_REACH, HIGH_RAIL, LOW_RAIL};
-use crate::model::params::ParamError;
+use crate::model::cart::CartDrive;
+use crate::model::params::{ParamError, RigParams};
 
 impl Settings {
     /// Whether these settings can be run with.
@@ -11,6 +12,7 @@ impl Settings {
     /// If a setting is out of range: the first such, named with its unit.
     pub fn check(&self) -> Result<(), ParamError> {
         self.rig.check()?;
+        check_shaker(&self.rig)?;
         self.check_sensors()?;
         self.check_calibrations()?;
         self.check_drive()?;
@@ -237,6 +239,45 @@ impl Settings {
     }
 }
 
+/// Whether the controller can make forecasts of `rig` with its shaker. Those allowed are narrower than the model's: the steps
+/// of a forecast must follow the loop, and its ringing must die away within some drive periods.
+///
+/// # Errors
+/// If a value of the shaker is out of range: the first such.
+pub fn check_shaker(rig: &RigParams) -> Result<(), ParamError> {
+    let CartDrive::Loop(held) = &rig.cart else {
+        return Ok(());
+    };
+    let (slowest_hz, fastest_hz) = LOOP_HZ;
+    let (hz, damping) = (held.frequency_hz, held.damping_ratio);
+    let error = |key, value, must_be| {
+        Err(ParamError {
+            key,
+            value,
+            must_be,
+        })
+    };
+    if !(LOOP_DAMPING.0..=LOOP_DAMPING.1).contains(&damping) {
+        let must_be = "0.05 to 5 for the controller";
+        return error("shaker_damping_ratio", damping, must_be);
+    }
+    if !(hz >= slowest_hz && hz * held.swiftness() <= fastest_hz) {
+        let must_be = "1 to 500 for the controller, or \"prescribed\"; with a damping ratio z above 1 at most 500/(z + sqrt(z^2 - 1))";
+        return error("shaker_loop_hz", hz, must_be);
+    }
+    if rig.cart_mass_kg < LIGHTEST_CART * rig.mass_kg {
+        let must_be = "at least a fifth of mass_kg where shaker_loop_hz is given";
+        return error("cart_mass_kg", rig.cart_mass_kg, must_be);
+    }
+    Ok(())
+}
+
+/// Slowest position loop, and fastest root of one, Hz.
+const LOOP_HZ: (f64, f64) = (1.0, 500.0);
+/// Its damping ratios.
+const LOOP_DAMPING: (f64, f64) = (0.05, 5.0);
+/// Least mass of a cart that recoils, in hammers.
+const LIGHTEST_CART: f64 = 0.2;
 /// A force wanted is at least this many times the force of detection.
 const SEEN: f32 = 1.5;
 /// Share of a sensor's range that a trip level may use: the rest is for its offset.
@@ -288,6 +329,7 @@ fn out_of_range(key: &'static str, value: f32, must_be: &'static str) -> ParamEr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::cart::{ASSUMED_SHAKER, LoopParams};
     use crate::model::params::PRESETS;
 
     #[test]
@@ -308,6 +350,57 @@ mod tests {
         let mut settings = Settings::for_rig(&PRESETS[0].1);
         settings.rig.mass_kg = -1.0;
         assert!(settings.check().unwrap_err().key.starts_with("mass"));
+    }
+
+    #[test]
+    fn a_shaker_that_no_forecast_can_follow_is_refused_by_name() {
+        let refused = |change: fn(&mut RigParams, &mut LoopParams)| {
+            let (mut rig, mut held) = (PRESETS[0].1, ASSUMED_SHAKER);
+            change(&mut rig, &mut held);
+            rig.cart = CartDrive::Loop(held);
+            Settings::for_rig(&rig).check().err().map(|e| e.key)
+        };
+        assert_eq!(refused(|_, _| ()), None);
+        assert_eq!(refused(|rig, _| rig.cart_mass_kg = 1e3), None);
+        assert_eq!(refused(|_, held| held.feed_forward = 0.0), None);
+        for hz in [0.1, 0.99, 500.1, 0.0, -50.0, f64::INFINITY, f64::NAN] {
+            let (mut rig, held) = (PRESETS[0].1, ASSUMED_SHAKER);
+            rig.cart = CartDrive::Loop(LoopParams {
+                frequency_hz: hz,
+                ..held
+            });
+            let error = Settings::for_rig(&rig).check().unwrap_err();
+            assert_eq!(error.key, "shaker_loop_hz", "{hz}");
+        }
+        let (damping, loop_hz) = (Some("shaker_damping_ratio"), Some("shaker_loop_hz"));
+        assert_eq!(refused(|_, held| held.damping_ratio = 0.0), damping);
+        assert_eq!(refused(|_, held| held.damping_ratio = 10.0), damping);
+        assert_eq!(refused(|_, held| held.damping_ratio = f64::NAN), damping);
+        // The fast root of 50 Hz with 5 lies at 495 Hz, that of 51 Hz at 505 Hz.
+        let strongly_damped = |hz| {
+            let mut rig = PRESETS[0].1;
+            rig.cart = CartDrive::Loop(LoopParams {
+                frequency_hz: hz,
+                damping_ratio: 5.0,
+                ..ASSUMED_SHAKER
+            });
+            check_shaker(&rig).err().map(|e| e.key)
+        };
+        assert_eq!(
+            (strongly_damped(50.0), strongly_damped(51.0)),
+            (None, loop_hz)
+        );
+        assert_eq!(
+            refused(|rig, _| rig.cart_mass_kg = 1e-3),
+            Some("cart_mass_kg")
+        );
+        assert_eq!(
+            refused(|rig, _| rig.cart_mass_kg = f64::NAN),
+            Some("cart_mass_kg")
+        );
+        let feed = Some("shaker_feed_forward");
+        assert_eq!(refused(|_, held| held.feed_forward = f64::NAN), feed);
+        assert_eq!(refused(|_, held| held.feed_forward = -0.1), feed);
     }
 
     #[test]

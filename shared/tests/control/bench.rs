@@ -15,8 +15,8 @@ pub fn forecast(id: u32) -> Forecast {
         impulse_n_s: 0.031,
         approach_m_per_s: 0.08,
         onset_turns: 0.4,
-        trace: -0.3,
-        determinant: 0.1,
+        multiplier: 0.3,
+        doubling_test: 0.9,
     };
     let rows = [2.0, 3.0, 4.0, 5.0].map(|frequency_hz| Row {
         frequency_hz,

@@ -1,7 +1,9 @@
 //! Who must be there: the program that steers over the link, the person at the board, and whoever sent the settings. The
 //! real controller behind the real end of the link.
 
-use shared::control::{BootInfo, Command, Mode, Refused, ResetCause, SettingsState, State, Status};
+use shared::control::{
+    BootInfo, Command, EVENT_CAPACITY, Mode, Refused, ResetCause, SettingsState, State, Status,
+};
 use shared::fault::{Fault, Record};
 use shared::forecast::Forecast;
 use shared::link::{
@@ -453,4 +455,28 @@ fn new_settings_do_not_clear_a_fault_whose_cause_stands() {
     let cleared = board.command(Command::ClearFault);
     assert_eq!(cleared, refused(Refused::StillFaulty));
     assert_eq!(board.fault(), Some(Fault::EmergencyStop));
+}
+
+#[test]
+fn events_that_nobody_took_are_counted_over_the_link() {
+    let mut board = Board::with(|_| ());
+    let lost = |board: &mut Board| match board.ask(ToBoard::GetStatus) {
+        Answer::Status(status) => status.events_dropped,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(lost(&mut board), 0);
+    // Each start and each stop is an event; nobody takes them.
+    for _ in 0..20 {
+        let controller = &mut board.rig.bench.controller;
+        controller.command(Command::Start(Mode::Manual)).unwrap();
+        controller.command(Command::Stop).unwrap();
+    }
+    let taken = std::iter::from_fn(|| board.rig.bench.controller.take_event()).count();
+    let dropped = usize::from(lost(&mut board));
+    assert!(
+        taken == EVENT_CAPACITY && dropped >= 40 - taken,
+        "{taken} {dropped}"
+    );
+    // Taking those that are left brings the others not back.
+    assert_eq!(usize::from(lost(&mut board)), dropped);
 }

@@ -350,6 +350,9 @@ mod app {
         }
         own.steps = own.steps.wrapping_add(1);
         if own.steps.is_multiple_of(100) {
+            if status.events_dropped > 0 {
+                defmt::warn!("{=u16} events were lost", status.events_dropped);
+            }
             let [last, longest] = &CYCLES;
             defmt::info!(
                 "{=str} {=f32} Hz, peak {=f32} N, cycles per block: last {=u32}, longest {=u32}, stack {=usize} B",

@@ -52,6 +52,7 @@ pub(super) const STATUS: Channel = Channel {
         ("basin", "string", "Where the last disturbance ended"),
         ("reseeks", "integer", "Times the regime was sought again"),
         ("overruns", "integer", "Overruns of the control task"),
+        ("events_dropped", "integer", "Events that are lost"),
     ],
 };
 

@@ -4,14 +4,17 @@
 use files::columns::{Field, Kind, Packing};
 
 /// The version of the columns. 1 called the impulse `impulse_ns`; from 3 on every byte is under a check sum; from 4 on
-/// there is the episode.
-pub(super) const VERSION: u32 = 4;
+/// there is the episode, from 5 on the events that were dropped, and settings with the shaker's loop.
+pub(super) const VERSION: u32 = 5;
 
 /// The first version whose bytes are under check sums.
 pub(super) const CHECKED: u32 = 3;
 
-/// The first version with the episode, the last column.
+/// The first version with the episode.
 const WITH_EPISODE: u32 = 4;
+
+/// The first version with the events that were dropped, the last column.
+const WITH_EVENTS_DROPPED: u32 = 5;
 
 /// The value of the key `format`, before the version's number.
 pub(super) const FORMAT: &str = "vibro-impact run ";
@@ -88,6 +91,7 @@ columns! {
     Reseeks "reseeks" Long Block;
     Overruns "overruns" Long Block;
     Episode "episode" Text Block;
+    EventsDropped "events_dropped" Long Block;
 }
 
 impl Col {
@@ -105,6 +109,8 @@ pub(super) fn fields(version: u32) -> Vec<Field> {
     }
     if version < WITH_EPISODE {
         fields.truncate(Col::Episode as usize);
+    } else if version < WITH_EVENTS_DROPPED {
+        fields.truncate(Col::EventsDropped as usize);
     }
     fields
 }

@@ -46,8 +46,9 @@ impl fmt::Display for Cell {
     }
 }
 
-/// The columns of a status, in the order of [`cells`]; the state comes first. Logs of versions before 4 lack the last.
-pub(super) const STATUS: [Col; 21] = [
+/// The columns of a status, in the order of [`cells`]; the state comes first. Logs of versions before 5 lack the last,
+/// those before 4 the one before it too.
+pub(super) const STATUS: [Col; 22] = [
     Col::State,
     Col::StatusTick,
     Col::Fault,
@@ -69,6 +70,7 @@ pub(super) const STATUS: [Col; 21] = [
     Col::Reseeks,
     Col::Overruns,
     Col::Episode,
+    Col::EventsDropped,
 ];
 
 /// The names of the cells of a status, with units, as the log's columns are called.
@@ -113,6 +115,7 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         basin,
         reseeks,
         overruns,
+        events_dropped,
     } = *status;
     let text = |name: String| Cell::Text(Cow::Owned(name));
     let of_fault =
@@ -139,5 +142,6 @@ pub fn cells(status: &Status) -> [Cell; STATUS.len()] {
         Cell::Int(i64::from(reseeks)),
         Cell::Int(i64::from(overruns)),
         of_fault(&|record| text(episode(record.episode))),
+        Cell::Int(i64::from(events_dropped)),
     ]
 }

@@ -58,6 +58,7 @@ fn status(k: usize) -> Status {
         basin: Basin::Impact,
         reseeks: 2,
         overruns: u32::MAX,
+        events_dropped: u16::MAX,
     }
 }
 
@@ -149,11 +150,14 @@ fn what_is_written_is_read_bit_for_bit() {
 
 #[test]
 fn the_episode_names_all_its_faults() {
-    let last = |k: usize| cells(&status(k)).last().cloned();
-    assert_eq!(last(20), Some(Cell::Null));
+    let at = names().iter().position(|name| *name == "episode").unwrap();
+    let episode = |k: usize| cells(&status(k))[at].clone();
+    assert_eq!(episode(20), Cell::Null);
     let both = Cell::Text("over-force sensor-open".into());
-    assert_eq!(last(21), Some(both));
-    assert_eq!(names().last(), Some(&"episode"));
+    assert_eq!(episode(21), both);
+    // Lost events come after it.
+    assert_eq!(names().last(), Some(&"events_dropped"));
+    assert_eq!(cells(&status(21)).last(), Some(&Cell::Int(65_535)));
 }
 
 #[test]
@@ -293,14 +297,14 @@ fn a_log_of_the_first_version_is_read_with_its_own_name_of_the_impulse() {
     let mut reader = Reader::open(dir.path().join("other.parquet")).unwrap();
     for k in 0..40 {
         let mut logged = as_logged(k);
-        // Its status is that of today but for the episode.
+        // Its status is that of today but for the episode and the events that were dropped.
         if let Some(cells) = &mut logged.status {
-            cells.pop();
+            cells.truncate(cells.len() - 2);
         }
         assert_eq!(reader.block().unwrap().unwrap(), logged, "block {k}");
     }
     // Neither version takes the other's columns.
-    for (version, columns) in [(1, 2), (2, 1), (3, 4), (4, 3)] {
+    for (version, columns) in [(1, 2), (2, 1), (3, 4), (4, 3), (4, 5), (5, 4)] {
         let line = read_all(&as_version(version, columns, &path)).unwrap_err();
         assert!(line.to_string().contains("its columns"), "{line}");
     }
@@ -311,13 +315,13 @@ fn another_version_is_named() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("run.parquet");
     write(&path, 4);
-    for version in [0, 5, u32::MAX] {
+    for version in [0, 6, u32::MAX] {
         let line = read_all(&as_version(version, 2, &path))
             .unwrap_err()
             .to_string();
         let named = format!("a log of version {version}, written by host-sim ");
         assert!(line.contains(&named), "{line}");
-        assert!(line.contains("reads versions 1 to 4"), "{line}");
+        assert!(line.contains("reads versions 1 to 5"), "{line}");
     }
 }
 

@@ -131,10 +131,15 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
     check(&file).map_err(|e| e.at(place))?;
     let expect = expect(&file.expect).map_err(|e| e.at(format!("{place}, [expect]")))?;
     let (true_rig, plain) = true_rig(file.true_rig, place)?;
-    let believed = match file.believed {
-        Some(keys) => rigfile::from_keys(keys, &format!("{place}, [believed]"))?,
-        None => plain,
+    let prescribed = file.shaker.prescribed.unwrap_or(false);
+    let shaker = shaker(&file.shaker).map_err(|e| e.at(format!("{place}, [shaker]")))?;
+    let (mut believed, told) = match file.believed {
+        Some(keys) => rigfile::believed_from_keys(keys, &format!("{place}, [believed]"))?,
+        None => (plain, false),
     };
+    if !told && !prescribed && file.motor.is_none() {
+        believed.cart = shaker.believed_by(&believed);
+    }
     let kind = match file.motor {
         Some(_) => DriveKind::Motor,
         None => DriveKind::Shaker,
@@ -154,7 +159,6 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         .transpose()
         .map_err(|e| e.at(format!("{place}, [motor]")))?;
     let mounting = mounting(&file.cart).map_err(|e| e.at(format!("{place}, [cart]")))?;
-    let prescribed = file.shaker.prescribed.unwrap_or(false);
     one_drive(prescribed, motor.is_some(), &mounting).map_err(|e| e.at(place))?;
     let mut events = Vec::new();
     for (i, mut table) in file.sensors.defects.clone().into_iter().enumerate() {
@@ -186,7 +190,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         clock_ppm: file.clock_ppm,
         true_rig,
         settings,
-        shaker: shaker(&file.shaker).map_err(|e| e.at(format!("{place}, [shaker]")))?,
+        shaker,
         prescribed,
         motor,
         mounting,

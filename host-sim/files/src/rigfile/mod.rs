@@ -22,7 +22,7 @@ use keys::NoRig;
 pub use keys::{KEYS, nearest};
 pub use table::Table;
 pub use table::as_number;
-use table::{from_table, overlay, to_table};
+use table::{PRESCRIBED, from_table, overlay, to_table};
 pub use uncertainty::{WIDTHS, Width};
 
 /// The rig called `name`, or in the TOML file of that path, with `settings` (`key=value`) on top.
@@ -100,18 +100,29 @@ fn with_shaker(params: RigParams) -> RigParams {
 pub fn with_table(params: &RigParams, changes: toml::Table) -> Result<RigParams, UserError> {
     let mut table = to_table(params);
     overlay(&mut table, changes.into_iter().collect())?;
-    Ok(without_shaker(from_table(&table)?)?)
+    Ok(from_table(&table)?)
 }
 
-/// The rig, if no shaker was given with it: where it is told elsewhere, or nobody uses it.
+/// The rig, if no shaker was given with it: where it is told elsewhere.
 fn without_shaker(params: RigParams) -> Result<RigParams, NoRig> {
     match params.cart {
         CartDrive::Prescribed => Ok(params),
         CartDrive::Loop(_) => {
-            let line = "shaker_loop_hz belongs in a rig file for the analyses; leave it out here";
+            let line = "shaker_loop_hz does not belong here: [shaker] has the true shaker, [believed] what the controller knows of it";
             Err(NoRig::new("shaker_loop_hz", line.to_owned()))
         }
     }
+}
+
+/// The lines of a rig file with which it reads back the same onto any other: they say also that there is no shaker.
+pub fn lines_onto_any(params: &RigParams) -> String {
+    let mut lines = lines(params);
+    if !params.cart.recoils() {
+        lines.push_str(&format!(
+            "shaker_loop_hz = \"{PRESCRIBED}\"  # the cart does not recoil\n"
+        ));
+    }
+    lines
 }
 
 /// The lines of a rig file: every parameter with its meaning.
@@ -213,6 +224,17 @@ fn line_of_key(text: &str, key: &str) -> Option<usize> {
 pub fn from_keys(changes: Table, place: &str) -> Result<RigParams, UserError> {
     let rig = parameters(changes, |preset| preset).and_then(without_shaker);
     rig.map_err(|e| UserError::from(e).at(place))
+}
+
+/// What the controller believes: the same, and a shaker may be among the keys. The second says whether there was a word of it.
+///
+/// # Errors
+/// As [`from_keys`].
+pub fn believed_from_keys(changes: Table, place: &str) -> Result<(RigParams, bool), UserError> {
+    let told = changes.contains_key("shaker_loop_hz");
+    let rig = parameters(changes, |preset| preset);
+    let rig = rig.map_err(|e| UserError::from(e).at(place))?;
+    Ok((rig, told))
 }
 
 /// The rig of `changes`; `from` makes of a preset what they are laid over.

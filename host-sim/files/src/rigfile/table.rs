@@ -9,6 +9,9 @@ use toml::Value;
 
 use super::keys::{KEYS, NoRig, nearest};
 
+/// In place of `shaker_loop_hz`: no loop, also over a rig that has one.
+pub(super) const PRESCRIBED: &str = "prescribed";
+
 /// Keys and values of a rig.
 pub type Table = BTreeMap<String, Value>;
 
@@ -227,6 +230,10 @@ fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {
 
 /// The shaker, if its position loop is given; what is left out of it is the assumed one's.
 fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
+    if table.get("shaker_loop_hz").and_then(Value::as_str) == Some(PRESCRIBED) {
+        table.retain(|key, _| !key.starts_with("shaker_"));
+        return Ok(CartDrive::Prescribed);
+    }
     let frequency = optional(table, "shaker_loop_hz")?;
     let damping = optional(table, "shaker_damping_ratio")?;
     let forward = optional(table, "shaker_feed_forward")?;

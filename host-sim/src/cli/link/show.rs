@@ -36,6 +36,9 @@ pub fn line(status: &Status) -> String {
         let names: Vec<_> = status.limits.names().collect();
         text.push_str(&format!("  limited: {}", names.join(", ")));
     }
+    if status.events_dropped > 0 {
+        text.push_str(&format!("  events lost: {}", status.events_dropped));
+    }
     if let Some(record) = &status.fault {
         text.push_str(&format!("  fault: {}", fault(record)));
     }
@@ -195,7 +198,7 @@ pub fn forecast(
             regime: row.regime.to_string(),
             force_n: row.force_n,
             orbit_force_n: row.orbit.map(|orbit| orbit.force_n),
-            orbit_multiplier: row.orbit.map(|orbit| orbit.multiplier()),
+            orbit_multiplier: row.orbit.map(|orbit| orbit.multiplier),
             stable: row.orbit.map(|orbit| orbit.is_stable()),
         })
         .collect();

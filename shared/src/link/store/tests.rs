@@ -299,9 +299,9 @@ fn a_power_cut_never_makes_an_older_copy_the_settings_stored_last() {
 
 #[test]
 fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones() {
-    let other_layout = {
+    let of_layout = |layout: u16| {
         let (mut image, end) = image_of(&settings(2), 2).unwrap();
-        image[4] = (LAYOUT + 1) as u8;
+        image[4..6].copy_from_slice(&layout.to_le_bytes());
         let check = check_of(&image[..12], &image[PAYLOAD_AT..end]);
         image[12..16].copy_from_slice(&check.to_le_bytes());
         image
@@ -309,7 +309,8 @@ fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones
     let mut bad = settings(2);
     bad.trips.force_n = f32::NAN;
     let out_of_range = image_of(&bad, 2).unwrap().0;
-    for image in [other_layout, out_of_range] {
+    let others = [LAYOUT - 1, LAYOUT + 1].map(of_layout);
+    for image in others.into_iter().chain([out_of_range]) {
         let mut store = Store::new(Flash::<4>::new(), SLOTS);
         store.save(&settings(1)).unwrap();
         store.flash.bytes[SLOT..SLOT + IMAGE_BYTES].copy_from_slice(&image);

@@ -1,6 +1,7 @@
 //! Every message fits, and the first answer can be read by every version.
 
 use super::*;
+use crate::model::cart::{ASSUMED_SHAKER, CartDrive};
 
 #[test]
 fn the_first_answer_keeps_its_bytes_for_ever() {
@@ -64,7 +65,11 @@ fn longest_answers() -> Vec<Answer> {
     ];
     for (_, rig) in PRESETS {
         for (_, contact) in LAWS {
-            let mut rig = crate::model::params::RigParams { contact, ..rig };
+            let mut rig = crate::model::params::RigParams {
+                contact,
+                cart: CartDrive::Loop(ASSUMED_SHAKER),
+                ..rig
+            };
             if let crate::model::params::SupportParams::Beams {
                 cubic_stiffness_n_per_m3,
                 ..

@@ -1,9 +1,9 @@
 //! The switch model with the step split where the switch falls.
 
-use super::{Span, State, Stepper, fine, piece, runge_kutta};
+use super::{Span, State, Stepper, fine, piece, recoil, runge_kutta};
 use crate::model::contact::Law;
 use crate::model::contacts::Ledger;
-use crate::model::rig::{Mode, Rig};
+use crate::model::rig::{Kinematics, Mode, Rig};
 use crate::model::scalar::Real;
 
 /// Switches located in one part of a tick; a third waits for the next part.
@@ -98,10 +98,14 @@ impl Corrected {
         part: (R, R),
     ) -> super::Moved<R> {
         let approach = state.approach;
-        runge_kutta(rig, span, state, part, |at| match state.mode {
+        let force = |at: &Kinematics<R>| match state.mode {
             Mode::Flight => R::ZERO,
             Mode::Contact => rig.force(at, approach),
-        })
+        };
+        match span.cart {
+            None => runge_kutta(rig, span, state, part, force),
+            Some(cart) => recoil::runge_kutta(rig, cart, span, state, part, force),
+        }
     }
 
     /// The indicator and δ̇ at a state.
@@ -278,6 +282,7 @@ mod tests {
         let span = Span {
             drive: &drive,
             drive_acceleration: -30.0 / drive.sin_ahead(0.5),
+            cart: None,
             from: 0.0,
             to: 1.0,
         };

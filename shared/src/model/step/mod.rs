@@ -12,6 +12,7 @@
 mod banded;
 mod corrected;
 mod fine;
+mod recoil;
 mod smoothed;
 
 pub use banded::Banded;
@@ -20,6 +21,7 @@ pub use corrected::{Corrected, MAX_ITERATIONS, MAX_SWITCHES};
 pub use fine::MAX_PIECES;
 pub use smoothed::Smoothed;
 
+use crate::model::cart::Cart;
 use crate::model::contacts::{Ledger, Piece};
 use crate::model::drive::{Drive, Stamp};
 use crate::model::rig::{Kinematics, Mode, Rig};
@@ -36,6 +38,8 @@ pub struct State<R> {
     pub mode: Mode,
     /// δ̇⁻, penetration rate at the last onset, m/s.
     pub approach: R,
+    /// Deviation of the cart from its course, m, and its rate, m/s; 0 with a prescribed cart.
+    pub cart: [R; 2],
 }
 
 impl<R: Real> State<R> {
@@ -53,6 +57,7 @@ impl<R: Real> State<R> {
             v: Compensated::new(v),
             mode,
             approach,
+            cart: [R::ZERO; 2],
         }
     }
 
@@ -69,6 +74,8 @@ pub struct Span<'a, R> {
     pub drive: &'a Drive<R>,
     /// A0 Ω², m/s².
     pub drive_acceleration: R,
+    /// The cart, if it recoils ([`Corrected`] alone knows one that does).
+    pub cart: Option<&'a Cart<R>>,
     /// Where the part begins, 0 to 1.
     pub from: R,
     /// Where it ends, 0 to 1.
@@ -85,6 +92,26 @@ impl<R: Real> Span<'_, R> {
             self.drive.sin_ahead(fraction)
         };
         self.drive_acceleration * sin
+    }
+
+    /// q̈ and ë at a state under the contact force `force` (N) and the inertial acceleration `course` (m/s²) of the course.
+    #[inline]
+    pub(crate) fn accelerations(
+        &self,
+        rig: &Rig<R>,
+        at: &Kinematics<R>,
+        state: &State<R>,
+        force: R,
+        course: R,
+    ) -> (R, R) {
+        let v = state.v.hi;
+        match self.cart {
+            None => (rig.acceleration(at, v, course, force), R::ZERO),
+            Some(cart) => {
+                let both = cart.both(rig, at, v, force, course, state.cart);
+                (both.acceleration, both.deviation)
+            }
+        }
     }
 
     #[inline]
@@ -155,11 +182,12 @@ fn runge_kutta<R: Real>(
 
 /// Force and its rate at a state, N and N/s.
 #[inline]
-fn force_and_rate<R: Real>(rig: &Rig<R>, state: &State<R>, drive: R) -> (R, R) {
+fn force_and_rate<R: Real>(rig: &Rig<R>, span: &Span<R>, state: &State<R>, at: R) -> (R, R) {
+    let course = span.inertial(at);
     let v = state.v.hi;
     let at = rig.kinematics(state.q.hi, v);
     let force = rig.force(&at, state.approach);
-    let acceleration = rig.acceleration(&at, v, drive, force);
+    let (acceleration, _) = span.accelerations(rig, &at, state, force, course);
     let (by_delta, by_rate) = rig.law().gradient(at.delta, at.rate, state.approach);
     let rate_of_rate = rig.penetration_acceleration(&at, v, acceleration);
     (force, by_delta * at.rate + by_rate * rate_of_rate)
@@ -174,8 +202,8 @@ pub(crate) fn piece<R: Real>(
     before: &State<R>,
     moved: &Moved<R>,
 ) -> Piece<R> {
-    let (f0, r0) = force_and_rate(rig, before, span.inertial(from));
-    let (f1, r1) = force_and_rate(rig, &moved.state, span.inertial(to));
+    let (f0, r0) = force_and_rate(rig, span, before, from);
+    let (f1, r1) = force_and_rate(rig, span, &moved.state, to);
     Piece {
         span_s: (to - from) * span.drive.tick_s(),
         force: (f0, f1),
@@ -207,7 +235,7 @@ fn record_at_end<R: Real>(
         (Mode::Flight, true) => {
             state.mode = Mode::Contact;
             ledger.onset(stamp, at.rate);
-            let (force, rate) = force_and_rate(rig, state, span.inertial(span.to));
+            let (force, rate) = force_and_rate(rig, span, state, span.to);
             ledger.add(&Piece {
                 span_s: R::ZERO,
                 force: (force, force),

@@ -67,6 +67,7 @@ fn error_in_flight(tick_s: f64) -> (f64, f64) {
     let span = Span {
         drive: &drive,
         drive_acceleration: params.amplitude_m * drive_omega * drive_omega,
+        cart: None,
         from: 0.25,
         to: 1.0,
     };
@@ -102,6 +103,7 @@ fn balances_in_contact(tick_s: f64) -> [(f64, f64); 2] {
     let span = Span {
         drive: &drive,
         drive_acceleration: 0.0,
+        cart: None,
         from: 0.0,
         to: 1.0,
     };
@@ -142,6 +144,7 @@ fn what_rounding_dropped_from_the_rate_still_moves_the_hammer() {
     let span = Span {
         drive: &drive,
         drive_acceleration: 0.0,
+        cart: None,
         from: 0.0,
         to: 1.0,
     };
@@ -162,6 +165,7 @@ fn a_hammer_at_rest_stays_there() {
             let span = Span {
                 drive: &drive,
                 drive_acceleration: 0.0,
+                cart: None,
                 from: 0.0,
                 to: 1.0,
             };
@@ -205,6 +209,7 @@ fn contact_of(
         let span = Span {
             drive: &drive,
             drive_acceleration: 0.0,
+            cart: None,
             from: 0.0,
             to: 1.0,
         };
