@@ -1,0 +1,19 @@
+//! An executable model of the NUCLEO-F446RE: the very image that is flashed runs in it.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`core`] | the processor: instructions, exceptions, interrupts, its own registers |
+//! | [`parts`] | the peripherals, one file each |
+//! | [`memory`], [`bus`] | where all of them are; what happens by itself |
+//! | [`machine`] | the board as a whole: power, resets, time |
+//! | [`image`] | the program and its names |
+//!
+//! It is strict: whatever the manual forbids, and whatever is not modelled, ends the run with address, instruction
+//! and source line. docs/board-machine.md says what is modelled and what a run proves.
+
+pub mod bus;
+pub mod core;
+pub mod image;
+pub mod machine;
+pub mod memory;
+pub mod parts;
