@@ -7,6 +7,7 @@
 //! | [`memory`], [`bus`] | where all of them are; what happens by itself |
 //! | [`machine`] | the board as a whole: power, resets, time |
 //! | [`image`] | the program and its names |
+//! | [`rig`] | the board in a closed loop with the emulator's plant, and the link's wire |
 //!
 //! It is strict: whatever the manual forbids, and whatever is not modelled, ends the run with address, instruction
 //! and source line. docs/board-machine.md says what is modelled and what a run proves.
@@ -17,3 +18,4 @@ pub mod image;
 pub mod machine;
 pub mod memory;
 pub mod parts;
+pub mod rig;

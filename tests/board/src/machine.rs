@@ -341,6 +341,11 @@ impl Machine {
         self.attend();
     }
 
+    /// Whether the last run ended at a sampling tick.
+    pub fn take_pause(&mut self) -> bool {
+        std::mem::take(&mut self.pause)
+    }
+
     /// Whether it stands still for good.
     pub fn is_halted(&self) -> bool {
         self.halted
@@ -533,6 +538,28 @@ impl Machine {
             }
         }
         self.execute(&op)
+    }
+
+    /// Switches the floating point on, as a program does.
+    pub fn enable_float(&mut self) {
+        self.system.switch_float_on();
+    }
+
+    /// Lays half words into the flash, for tests.
+    pub fn place_code(&mut self, address: u32, code: &[u16]) {
+        let at = (address - FLASH) as usize;
+        for (i, half) in code.iter().enumerate() {
+            self.flash[at + 2 * i..at + 2 * i + 2].copy_from_slice(&half.to_le_bytes());
+        }
+        self.forget(at..at + 2 * code.len());
+    }
+
+    /// One instruction, without exceptions: for tests.
+    ///
+    /// # Errors
+    /// It faults, or breaks a rule.
+    pub fn one(&mut self) -> Try {
+        self.step()
     }
 
     fn fetch_elsewhere(&self, pc: u32) -> Trap {

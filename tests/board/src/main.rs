@@ -1,30 +1,51 @@
 //! Runs the board's image in the model.
 
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use board::rig::{Rig, Wire, wired};
+use emulator::log::Reader;
+use emulator::scenario::load;
+use host_sim::link::client::Client;
+use host_sim::link::recording::record;
+use host_sim::progress::Progress;
+use host_sim::replay::replay;
+use shared::control::{Command, Mode};
+use shared::link::Act;
+
 fn main() {
-    let path = std::env::args().nth(1).expect("path");
-    let image = board::image::Image::read(std::path::Path::new(&path)).unwrap();
-    let mut pins = [[board::parts::gpio::Outside::Open; 16]; 8];
-    pins[2][13] = board::parts::gpio::Outside::High;
-    pins[1][5] = board::parts::gpio::Outside::Low;
-    let around = board::machine::Around {
-        hse: board::parts::rcc::External::Running,
-        pins,
-        supply_v: 3.3,
-        lsi_hz: 32_000,
-        options: 0x0fff_aaed,
-        baud: 2_250_000,
-    };
-    let mut m = board::machine::Machine::power_up(image, around, 1);
-    m.codes = [2048; 19];
-    m.codes[17] = board::memory::VREFINT_CODE;
+    let path = PathBuf::from(std::env::args().nth(1).expect("path"));
+    let seconds: f64 = std::env::args().nth(2).map_or(2.0, |s| s.parse().unwrap());
+    let scenario = load("field").unwrap();
+    let rig = Rig::power_up(&path, &scenario, wired()).unwrap();
+    let rig = Rc::new(RefCell::new(rig));
     let t = std::time::Instant::now();
-    let end = board::parts::UNITS_PER_S;
-    while m.now < end {
-        if let Err(stop) = m.run_until(end) {
-            println!("{stop}");
-            break;
-        }
+    let run = || -> Result<(), Box<dyn std::error::Error>> {
+        rig.borrow_mut().advance(100_000)?;
+        let mut client = Client::new(Wire(rig.clone()), "the board");
+        let hello = client.hello()?;
+        println!("{hello:?}");
+        client.open_session(false)?;
+        client.steer(Act::SetSettings(scenario.settings))?;
+        client.command(Command::ClearFault)?;
+        let log = std::env::temp_dir().join("board-log");
+        let log = record(
+            &mut client,
+            &hello,
+            &log,
+            (seconds * 20_000.0) as u64,
+            Some(Command::Start(Mode::Automatic)),
+        )?;
+        println!("{:?}", client.status()?);
+        let mut reader = Reader::open(&log)?;
+        println!("{:?}", replay(&mut reader, &Progress::new("", 1, true))?);
+        Ok(())
+    };
+    if let Err(e) = run() {
+        println!("{e}");
     }
+    let m = &rig.borrow().machine;
     let e = t.elapsed().as_secs_f64();
     println!(
         "{} ms, {} instr, {:.1} M/s, {} ticks",
@@ -33,9 +54,6 @@ fn main() {
         m.instructions as f64 / e / 1e6,
         m.ticks
     );
-    for c in m.changes.iter().take(30) {
-        println!("{:.3} ms {:?}", c.0 as f64 / 720e3, c.1);
-    }
     for (i, n) in m.entered.iter().enumerate().filter(|x| *x.1 > 0) {
         println!("exception {i}: {n}");
     }

@@ -73,6 +73,11 @@ impl System {
         self.access & 0x00f0_0000 == 0x00f0_0000
     }
 
+    /// Switches it on.
+    pub fn switch_float_on(&mut self) {
+        self.access = 0x00f0_0000;
+    }
+
     /// Whether its use is noted by itself.
     #[inline(always)]
     pub fn automatic_state(&self) -> bool {

@@ -17,6 +17,11 @@ impl Dac {
         (self.control >> (16 * channel) & 1 == 1).then_some(self.output[channel] as u16)
     }
 
+    /// The code that is about to be, or is, at channel 0's output.
+    pub fn holding_code(&self) -> u16 {
+        self.holding[0] as u16
+    }
+
     /// When a code written moves on to the output: a cycle of APB1 later.
     pub fn next(&self) -> u64 {
         self.moves_at.unwrap_or(NEVER)
