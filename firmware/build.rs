@@ -2,16 +2,15 @@
 
 use std::{env, error::Error, fs, path::PathBuf};
 
-/// Feature and memory layout of what can be built; one at a time.
+/// Feature of what can be built, and the board whose memory it is laid out for (its folder); one at a time.
 const LAYOUTS: [(&str, &str); 3] = [
-    ("BOARD_NUCLEO", "nucleo.x"),
-    ("BOARD_QEMU", "qemu.x"),
-    ("CHECK_PANIC_FREE", "qemu.x"),
+    ("BOARD_NUCLEO", "nucleo"),
+    ("BOARD_QEMU", "qemu"),
+    ("CHECK_PANIC_FREE", "qemu"),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=build.rs");
-    println!("cargo:rerun-if-changed=boards");
     println!("cargo:rerun-if-changed=../memory.x");
 
     // On the host there is only the library, and nothing to lay out.
@@ -21,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let chosen =
         |(feature, _): &(&str, &str)| env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
     let mut layouts = LAYOUTS.into_iter().filter(chosen);
-    let Some((feature, layout)) = layouts.next() else {
+    let Some((feature, board)) = layouts.next() else {
         return Ok(());
     };
     if layouts.next().is_some() {
@@ -29,7 +28,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let out = PathBuf::from(env::var("OUT_DIR")?);
-    fs::copy(format!("boards/{layout}"), out.join("board.x"))?;
+    let memory = format!("src/hardware/{board}/memory.x");
+    println!("cargo:rerun-if-changed={memory}");
+    fs::copy(memory, out.join("board.x"))?;
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");

@@ -145,7 +145,7 @@ fn differs(block: &Logged, outputs: Option<&[Output]>, twin: &Lockstep) -> Optio
 mod tests {
     use std::path::Path;
 
-    use shared::control::{Command, Mode, ResetCause, SettingsState};
+    use shared::control::{Command, Mode, ResetCause, SettingsState, Unfit};
     use shared::io::{AdcCode, Frame};
     use shared::model::params::PRESETS;
 
@@ -200,6 +200,7 @@ mod tests {
                         reset: ResetCause::Watchdog,
                         record: None,
                         settings: SettingsState::Stored,
+                        unfit: Unfit::NONE,
                     },
                 )],
                 2550 => vec![Input::Command(Command::ClearFault)],

@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::control::Unfit;
 use crate::crc_32::CRC_32;
 
 /// A fault. The number is part of the link's protocol and of the stored record: it never changes.
@@ -45,11 +46,13 @@ pub enum Fault {
     Crash = 16,
     /// The cart moves although the drive is off.
     NotOff = 17,
+    /// The board itself is not fit to drive a rig: clock, supply or reference ([`crate::control::Unfit`]).
+    BoardUnfit = 18,
 }
 
 impl Fault {
     /// Every fault, in the order of its number.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::EmergencyStop,
         Self::OverForce,
         Self::OverTravel,
@@ -67,6 +70,7 @@ impl Fault {
         Self::BrownOut,
         Self::Crash,
         Self::NotOff,
+        Self::BoardUnfit,
     ];
 
     /// The stable number.
@@ -100,6 +104,7 @@ impl Fault {
             Self::BrownOut => "brown-out",
             Self::Crash => "crash",
             Self::NotOff => "not-off",
+            Self::BoardUnfit => "board-unfit",
         }
     }
 }
@@ -226,6 +231,12 @@ impl Record {
 
     /// A crash. Nothing else is known when it is written.
     pub const CRASH: Self = Self::new(Fault::Crash, Origin::System, 0, 0.0, 0.0);
+
+    /// A board that is not fit to drive; its value is the sum of the reasons ([`Unfit::bits`]).
+    pub fn unfit(why: Unfit) -> Self {
+        let value = f32::from(why.bits());
+        Self::new(Fault::BoardUnfit, Origin::System, 0, value, 0.0)
+    }
 
     /// Whether the drive stays off until the episode is cleared by hand.
     pub fn latches(&self) -> bool {

@@ -22,6 +22,10 @@ impl DacCode {
     pub const MIDDLE: Self = Self(2048);
 }
 
+/// Furthest set-point from the middle, codes: a 12-bit DAC behind its own buffer gives 0.2 V to 3.1 V of 3.3 V, and clips
+/// beyond. A code further out would be a cart that does not follow, and nothing would say so.
+pub const DAC_REACH: u16 = 1790;
+
 impl Default for DacCode {
     fn default() -> Self {
         Self::MIDDLE

@@ -96,6 +96,36 @@ pub struct OperatorSettings {
     pub acknowledge: bool,
 }
 
+/// Which of the power stage's reports are wired to the board; one that is not is not looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Interlock {
+    /// A mirror contact of the relay that the enable holds.
+    pub relay: bool,
+    /// The power stage's "ready".
+    pub ready: bool,
+}
+
+/// When a sensor was calibrated and how well. It changes nothing that the controller does: it is kept with the values it is
+/// about, so that nobody measures by a calibration that nobody knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// The day, as year · 10,000 + month · 100 + day; 0: never.
+    pub day: u32,
+    /// Expanded uncertainty (k = 2) of a reading, of full scale, %; 0: not known.
+    pub uncertainty_percent: f32,
+}
+
+/// Those of the three sensors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Calibrations {
+    /// Force.
+    pub force: Calibration,
+    /// Hammer displacement.
+    pub hammer: Calibration,
+    /// Cart displacement.
+    pub cart: Calibration,
+}
+
 /// What the controller aims at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Aim {
@@ -130,6 +160,10 @@ pub struct Settings {
     pub operator: OperatorSettings,
     /// What it aims at.
     pub aim: Aim,
+    /// What the power stage reports.
+    pub interlock: Interlock,
+    /// When and how well the sensors were calibrated.
+    pub calibration: Calibrations,
 }
 
 /// Peak force of a strong 1/1 at a gap of 0.0 mm in units of A0 ω √(ki m): 96 N on the wires of Tables
@@ -189,6 +223,8 @@ impl Settings {
             },
             operator: OperatorSettings::default(),
             aim: Aim::default(),
+            interlock: Interlock::default(),
+            calibration: Calibrations::default(),
         }
     }
 }

@@ -11,6 +11,10 @@ use crate::{
 /// The part, as probe-rs calls it.
 const CHIP: &str = "STM32F446RETx";
 
+/// The traps that probe-rs otherwise sets stay in the part until power-off, over every reset: a processor fault would halt
+/// it with the drive's enable as it was, and a reset would halt it before the program.
+const NO_TRAPS: [&str; 2] = ["--no-catch-reset", "--no-catch-hardfault"];
+
 /// What to install where probe-rs is missing.
 fn advice() -> String {
     "no probe-rs here, which talks to the board's debugger; type: cargo install --locked probe-rs-tools\n\
@@ -26,6 +30,7 @@ pub fn run() -> Outcome {
     flash
         .current_dir(command::root())
         .args(["run", "--chip", CHIP])
+        .args(NO_TRAPS)
         .arg(firmware::image("nucleo"));
     command::run_attended(&mut flash)
 }
@@ -35,10 +40,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_runner_and_this_name_the_same_chip() {
+    fn the_runner_and_this_name_the_same_chip_and_set_no_trap() {
         let config = command::root().join(".cargo/config.toml");
         let config = std::fs::read_to_string(config).unwrap();
-        assert!(config.contains(&format!("probe-rs run --chip {CHIP}")));
+        let traps = NO_TRAPS.join(" ");
+        assert!(config.contains(&format!(
+            "runner = \"probe-rs run --chip {CHIP} {traps}\"\n"
+        )));
         assert!(advice().contains("cargo install --locked probe-rs-tools\n"));
     }
 }

@@ -1,7 +1,7 @@
 //! The controller in this process.
 
 use shared::control::{
-    BootInfo, Command, Event, Lockstep, Refused, ResetCause, SettingsState, Status,
+    BootInfo, Command, Event, Lockstep, Refused, ResetCause, SettingsState, Status, Unfit,
 };
 use shared::fault::{Persisted, Record};
 use shared::io::{Frame, Output};
@@ -37,7 +37,10 @@ impl Local {
 
 /// What a controller finds when it starts after `cause`, given the `memory` that survives resets but not power-on.
 pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
-    let power_on = matches!(cause, Reset::PowerOn | Reset::CorruptSettings);
+    let power_on = matches!(
+        cause,
+        Reset::PowerOn | Reset::CorruptSettings | Reset::Unfit
+    );
     // A crash writes its record itself, before the program starts anew.
     let left = memory.record().filter(|_| !power_on);
     let record = if cause == Reset::Crash {
@@ -47,7 +50,7 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
     };
     BootInfo {
         reset: match cause {
-            Reset::PowerOn | Reset::CorruptSettings => ResetCause::PowerOn,
+            Reset::PowerOn | Reset::CorruptSettings | Reset::Unfit => ResetCause::PowerOn,
             Reset::Watchdog => ResetCause::Watchdog,
             Reset::BrownOut => ResetCause::BrownOut,
             Reset::Crash => ResetCause::Software,
@@ -58,6 +61,7 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
         } else {
             SettingsState::Stored
         },
+        unfit: Unfit::CLOCK.when(cause == Reset::Unfit),
     }
 }
 

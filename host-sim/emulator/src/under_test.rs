@@ -23,6 +23,8 @@ pub enum Reset {
     Crash,
     /// Power came on, and the stored settings were found damaged.
     CorruptSettings,
+    /// Power came on without the crystal's clock.
+    Unfit,
 }
 
 /// A controller under test. Every call is a message with plain data either way.

@@ -1,19 +1,34 @@
 //! The controller's settings as a TOML file: units in the keys, and only what differs need be named.
 
-use shared::settings::{DriveKind, Settings};
+use shared::settings::{Calibration, DriveKind, Settings};
 use toml::{Table, Value};
 
 use files::UserError;
 use files::rigfile::{self, nearest};
 
 /// Every number: section, key, meaning.
-const NUMBERS: [(&str, &str, &str); 24] = [
+const NUMBERS: [(&str, &str, &str); 27] = [
     ("force", "zero_code", "ADC code at 0 N"),
     ("force", "n_per_code", "newtons per ADC code"),
+    (
+        "force",
+        "uncertainty_percent",
+        "of the calibration, of full scale (k = 2); 0: not known",
+    ),
     ("hammer", "zero_code", "ADC code at rest"),
     ("hammer", "m_per_code", "metres per ADC code"),
+    (
+        "hammer",
+        "uncertainty_percent",
+        "of the calibration, of full scale (k = 2); 0: not known",
+    ),
     ("cart", "zero_code", "ADC code at rest"),
     ("cart", "m_per_code", "metres per ADC code"),
+    (
+        "cart",
+        "uncertainty_percent",
+        "of the calibration, of full scale (k = 2); 0: not known",
+    ),
     ("drive", "m_per_code", "cart metres per DAC code"),
     ("drive", "frequency_slew_hz_per_s", "fastest change"),
     ("drive", "amplitude_slew_m_per_s", "fastest change"),
@@ -43,7 +58,17 @@ const NUMBERS: [(&str, &str, &str); 24] = [
 ];
 
 /// Every switch: section, key, meaning.
-const SWITCHES: [(&str, &str, &str); 3] = [
+const SWITCHES: [(&str, &str, &str); 5] = [
+    (
+        "interlock",
+        "relay",
+        "the mirror contact of the enable's relay is wired to D8",
+    ),
+    (
+        "interlock",
+        "ready",
+        "the power stage's \"ready\" is wired to D6",
+    ),
     (
         "operator",
         "heartbeat",
@@ -61,7 +86,7 @@ const SWITCHES: [(&str, &str, &str); 3] = [
     ),
 ];
 
-const SECTIONS: [&str; 10] = [
+const SECTIONS: [&str; 11] = [
     "rig",
     "force",
     "hammer",
@@ -72,6 +97,7 @@ const SECTIONS: [&str; 10] = [
     "detection",
     "operator",
     "aim",
+    "interlock",
 ];
 
 fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'a mut f32> {
@@ -86,6 +112,8 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         detection,
         operator: _,
         aim,
+        interlock: _,
+        calibration,
     } = settings;
     Some(match (section, key) {
         ("force", "zero_code") => &mut force.zero_code,
@@ -94,6 +122,9 @@ fn number<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         ("hammer", "m_per_code") => &mut hammer.unit_per_code,
         ("cart", "zero_code") => &mut cart.zero_code,
         ("cart", "m_per_code") => &mut cart.unit_per_code,
+        ("force", "uncertainty_percent") => &mut calibration.force.uncertainty_percent,
+        ("hammer", "uncertainty_percent") => &mut calibration.hammer.uncertainty_percent,
+        ("cart", "uncertainty_percent") => &mut calibration.cart.uncertainty_percent,
         ("drive", "m_per_code") => &mut drive.m_per_code,
         ("drive", "frequency_slew_hz_per_s") => &mut drive.frequency_slew_hz_per_s,
         ("drive", "amplitude_slew_m_per_s") => &mut drive.amplitude_slew_m_per_s,
@@ -121,6 +152,8 @@ fn switch<'a>(settings: &'a mut Settings, section: &str, key: &str) -> Option<&'
         ("operator", "heartbeat") => Some(&mut settings.operator.heartbeat),
         ("operator", "acknowledge") => Some(&mut settings.operator.acknowledge),
         ("aim", "power") => Some(&mut settings.aim.power),
+        ("interlock", "relay") => Some(&mut settings.interlock.relay),
+        ("interlock", "ready") => Some(&mut settings.interlock.ready),
         _ => None,
     }
 }
@@ -140,6 +173,12 @@ pub fn to_toml(settings: &Settings) -> String {
                 text.push_str(&format!("kind = \"{kind}\"  # shaker or motor\n"));
             }
             _ => {}
+        }
+        if let Some(calibration) = calibration(&mut settings, section) {
+            let day = day_text(calibration.day);
+            text.push_str(&format!(
+                "calibrated = \"{day}\"  # the day of the calibration, or never\n"
+            ));
         }
         for (_, key, meaning) in SWITCHES.iter().filter(|(s, _, _)| *s == section) {
             if let Some(value) = switch(&mut settings, section, key) {
@@ -234,18 +273,31 @@ fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Resu
         })?;
         return Ok(());
     }
+    if let (Some(place), "calibrated") = (calibration(settings, section), key) {
+        place.day = value.as_str().and_then(day).ok_or_else(|| {
+            UserError::new(format!(
+                "{section}.calibrated is {value}, must be a day such as \"2026-11-23\", or \"never\""
+            ))
+        })?;
+        return Ok(());
+    }
     if let Some(place) = switch(settings, section, key) {
         *place = value.as_bool().ok_or_else(|| {
             UserError::new(format!("{section}.{key} is {value}, must be true or false"))
         })?;
         return Ok(());
     }
+    let mut known = *settings;
     let Some(place) = number(settings, section, key) else {
         let keys = NUMBERS.iter().filter(|(s, _, _)| *s == section);
         let keys = keys.map(|(_, key, _)| *key);
         let switches = SWITCHES.iter().filter(|(s, _, _)| *s == section);
         let ratio = (section == "aim").then_some("force_ratio");
-        let keys = keys.chain(switches.map(|(_, key, _)| *key)).chain(ratio);
+        let calibrated = calibration(&mut known, section).map(|_| "calibrated");
+        let keys = keys
+            .chain(switches.map(|(_, key, _)| *key))
+            .chain(ratio)
+            .chain(calibrated);
         let hint = nearest(key, keys);
         return Err(UserError::new(format!(
             "there is no setting {section}.{key}{hint}; `host-sim link PORT get` prints them all"
@@ -253,6 +305,46 @@ fn set(settings: &mut Settings, section: &str, key: &str, value: &Value) -> Resu
     };
     *place = a_number(section, key, value)? as f32;
     Ok(())
+}
+
+/// The calibration that a sensor's section is about.
+fn calibration<'a>(settings: &'a mut Settings, section: &str) -> Option<&'a mut Calibration> {
+    let all = &mut settings.calibration;
+    match section {
+        "force" => Some(&mut all.force),
+        "hammer" => Some(&mut all.hammer),
+        "cart" => Some(&mut all.cart),
+        _ => None,
+    }
+}
+
+/// A day as its number: of "2026-11-23", 20261123. Whether there is such a day is checked with all settings.
+fn day(text: &str) -> Option<u32> {
+    if text == "never" {
+        return Some(0);
+    }
+    let numbers: Vec<u32> = text
+        .split('-')
+        .map(|part| part.parse().ok())
+        .collect::<Option<_>>()?;
+    match numbers[..] {
+        [year, month @ 0..100, date @ 0..100] if year < 10_000 => {
+            Some(year * 10_000 + month * 100 + date)
+        }
+        _ => None,
+    }
+}
+
+fn day_text(day: u32) -> String {
+    match day {
+        0 => "never".into(),
+        _ => format!(
+            "{:04}-{:02}-{:02}",
+            day / 10_000,
+            day / 100 % 100,
+            day % 100
+        ),
+    }
 }
 
 fn kind_name(kind: DriveKind) -> &'static str {
@@ -273,6 +365,11 @@ mod tests {
         for (name, rig) in PRESETS {
             let mut settings = Settings::for_rig(&rig);
             settings.operator.acknowledge = true;
+            settings.interlock.relay = true;
+            settings.calibration.hammer = Calibration {
+                day: 20_260_229,
+                uncertainty_percent: 0.5,
+            };
             let text = to_toml(&settings);
             // The support of the file replaces the support of the base.
             let onto_its_kind = Settings { rig, ..base };
@@ -312,6 +409,11 @@ mod tests {
         assert!(complaint("[trips\n").contains("line 1"));
         let new = overlay(&base, "[operator]\nheartbeat = true\n").unwrap();
         assert!(new.operator.heartbeat && !new.operator.acknowledge);
+        let dated = overlay(&base, "[force]\ncalibrated = \"2026-11-23\"\n").unwrap();
+        assert_eq!(dated.calibration.force.day, 20_261_123);
+        assert!(complaint("[force]\ncalibrated = 2026\n").contains("must be a day"));
+        assert!(complaint("[force]\ncalibrated = \"2026-13-01\"\n").contains("must be a day"));
+        assert!(complaint("[cart]\ncalibratd = 1\n").contains("did you mean 'calibrated'"));
         assert!(complaint("[operator]\nheartbeat = 1\n").contains("must be true or false"));
         assert!(complaint("[operator]\nheart = true\n").contains("did you mean 'heartbeat'"));
     }

@@ -71,3 +71,13 @@ scenarios! {
     sudden_softening: "sudden-softening",
     sudden_gap: "sudden-gap",
 }
+
+/// The filters that docs/wiring.md builds: the same for all three sensors, 4.9 kHz.
+#[test]
+fn the_wiring_pages_filters_hold_as_well() {
+    let mut scenario = load("field").unwrap();
+    scenario.sensors.force_filter_hz = 4_900.0;
+    scenario.sensors.displacement_filter_hz = 4_900.0;
+    let verdict = verdict(&scenario);
+    assert_eq!(verdict.verdict, "pass", "{:?}", verdict.why);
+}

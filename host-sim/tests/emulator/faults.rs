@@ -8,7 +8,7 @@ use shared::fault::Fault;
 use crate::builtin::verdict;
 
 /// The scenarios run here: each fault has one of its name.
-pub fn names() -> [&'static str; 17] {
+pub fn names() -> [&'static str; 18] {
     Fault::ALL.map(Fault::name)
 }
 
@@ -288,6 +288,11 @@ fn brown_out() {
 #[test]
 fn crash() {
     born_faulty("crash");
+}
+
+#[test]
+fn board_unfit() {
+    born_faulty("board-unfit");
 }
 
 #[test]

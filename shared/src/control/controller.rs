@@ -154,6 +154,10 @@ impl Controller {
         } else if let Some(record) = boot.record {
             self.life.push(EventKind::Fault(record));
         }
+        if !boot.unfit.is_none() {
+            let value = f32::from(boot.unfit.bits());
+            self.note(Trip::system(Fault::BoardUnfit, value));
+        }
         if self.life.faults.record.is_some_and(|r| r.latches()) {
             self.change(Phase::Fault);
         }

@@ -68,6 +68,8 @@ pub(super) struct Faults {
     seen_clean: bool,
     /// The settings in use are not known to be this rig's ([`super::SettingsState::can_drive`]).
     settings_corrupt: bool,
+    /// The board is not fit to drive: that lasts until it is started again.
+    unfit: bool,
 }
 
 impl Faults {
@@ -76,6 +78,7 @@ impl Faults {
         Self {
             record: boot.record,
             settings_corrupt: !boot.settings.can_drive(),
+            unfit: !boot.unfit.is_none(),
             ..Self::default()
         }
     }
@@ -132,7 +135,7 @@ impl Faults {
 
     /// Whether every cause has gone.
     pub fn can_be_cleared(&self) -> bool {
-        self.seen_clean && self.standing.is_empty() && !self.settings_corrupt
+        self.seen_clean && self.standing.is_empty() && !self.settings_corrupt && !self.unfit
     }
 
     /// Whether a link that is heard again ends the episode: it is of a link timeout alone, and nothing else stands.
@@ -142,6 +145,7 @@ impl Faults {
             && self.seen_clean
             && self.standing.without(Fault::LinkTimeout).is_empty()
             && !self.settings_corrupt
+            && !self.unfit
     }
 
     /// The episode is over.

@@ -41,6 +41,7 @@ mod supervise;
 #[cfg(test)]
 mod test_rig;
 mod trim;
+mod unfit;
 
 pub use controller::Controller;
 pub use event::{EVENT_CAPACITY, Event, EventKind, Events};
@@ -48,6 +49,7 @@ pub use guard::{OPEN_TICKS, OVER_FORCE_TICKS, OVER_TRAVEL_TICKS, SATURATED_TICKS
 pub use limits::ActiveLimits;
 pub use lockstep::{Exchanged, Lockstep};
 pub use plausibility::{BAD_PERIODS, BAD_PULSES, FAR_PULSES};
+pub use unfit::Unfit;
 
 use serde::{Deserialize, Serialize};
 
@@ -234,6 +236,8 @@ pub struct BootInfo {
     pub record: Option<Record>,
     /// Where the settings come from.
     pub settings: SettingsState,
+    /// Why the board is not fit to drive a rig. It stays so until it is started again.
+    pub unfit: Unfit,
 }
 
 impl BootInfo {
@@ -242,5 +246,6 @@ impl BootInfo {
         reset: ResetCause::PowerOn,
         record: None,
         settings: SettingsState::Stored,
+        unfit: Unfit::NONE,
     };
 }

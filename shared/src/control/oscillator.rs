@@ -1,6 +1,6 @@
 //! The numeric oscillator behind the drive: phase-continuous, with slew-limited frequency and amplitude.
 
-use crate::io::{DacCode, Output};
+use crate::io::{DAC_REACH, DacCode, Output};
 use crate::model::drive::{Drive, DriveError};
 use crate::settings::{DriveKind, DriveSettings, TICK_S};
 
@@ -122,7 +122,8 @@ impl Oscillator {
             DriveKind::Motor => DacCode::MIDDLE,
             DriveKind::Shaker => {
                 let codes = self.amplitude_m * self.drive.sin() * self.codes_per_m;
-                let code = libm::floorf(codes + 2048.5).clamp(0.0, 4095.0);
+                let reach = f32::from(DAC_REACH);
+                let code = libm::floorf(codes.clamp(-reach, reach) + 2048.5);
                 DacCode(code as u16)
             }
         };
@@ -163,6 +164,31 @@ mod tests {
     use super::*;
     use crate::model::params::WIRES;
     use crate::settings::Settings;
+
+    #[test]
+    fn the_largest_amplitude_allowed_stays_within_what_the_dac_gives() {
+        let mut settings = Settings::for_rig(&WIRES);
+        let most_m = f32::from(DAC_REACH) * settings.drive.m_per_code;
+        settings.trips.travel_m = settings.limits.travel_m;
+        settings.limits.amplitude_m = 0.9999 * most_m;
+        settings.trips.cart_m = 1.0001 * most_m;
+        assert_eq!(settings.check(), Ok(()));
+        settings.limits.amplitude_m = 1.001 * most_m;
+        settings.trips.cart_m = 1.002 * most_m;
+        assert_eq!(settings.check().unwrap_err().key, "limits.amplitude_m");
+        // And whatever is commanded, the codes keep within it.
+        let mut oscillator = Oscillator::new(&settings.drive, 3.0).unwrap();
+        oscillator.aim_amplitude(1.2 * most_m);
+        let mut furthest = (2048, 2048);
+        for _ in 0..20_000 {
+            oscillator.slew(10);
+            for _ in 0..10 {
+                let code = oscillator.next().dac.0;
+                furthest = (furthest.0.min(code), furthest.1.max(code));
+            }
+        }
+        assert_eq!(furthest, (2048 - DAC_REACH, 2048 + DAC_REACH));
+    }
 
     #[test]
     fn set_points_have_no_step_while_frequency_and_amplitude_move() {

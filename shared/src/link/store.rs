@@ -49,7 +49,7 @@ use crate::crc_32::CRC_32;
 use crate::settings::Settings;
 
 /// Layout of the payload: changes whenever [`Settings`] does.
-pub const LAYOUT: u16 = 2;
+pub const LAYOUT: u16 = 3;
 
 /// Bytes of a slot that are used.
 pub const IMAGE_BYTES: usize = 512;

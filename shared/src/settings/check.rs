@@ -1,7 +1,7 @@
 //! The ranges of the settings.
 
-use super::{Detection, DriveSettings, Limits, Settings, Trips};
-use crate::io::{HIGH_RAIL, LOW_RAIL};
+use super::{Calibration, Detection, DriveSettings, Limits, Settings, Trips};
+use crate::io::{DAC_REACH, HIGH_RAIL, LOW_RAIL};
 use crate::model::params::ParamError;
 
 impl Settings {
@@ -12,6 +12,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), ParamError> {
         self.rig.check()?;
         self.check_sensors()?;
+        self.check_calibrations()?;
         self.check_drive()?;
         self.check_limits()?;
         self.check_trips()?;
@@ -58,6 +59,50 @@ impl Settings {
         ])
     }
 
+    fn check_calibrations(&self) -> Result<(), ParamError> {
+        for (
+            day_key,
+            share_key,
+            Calibration {
+                day,
+                uncertainty_percent: share,
+            },
+        ) in [
+            (
+                "force.calibrated",
+                "force.uncertainty_percent",
+                self.calibration.force,
+            ),
+            (
+                "hammer.calibrated",
+                "hammer.uncertainty_percent",
+                self.calibration.hammer,
+            ),
+            (
+                "cart.calibrated",
+                "cart.uncertainty_percent",
+                self.calibration.cart,
+            ),
+        ] {
+            let (year, month, date) = (day / 10_000, day / 100 % 100, day % 100);
+            let dated = (2000..2100).contains(&year)
+                && (1..=12).contains(&month)
+                && (1..=31).contains(&date);
+            if day != 0 && !dated {
+                let must_be = "a day of this century, such as \"2026-11-23\", or \"never\"";
+                return Err(ParamError {
+                    key: day_key,
+                    value: f64::from(day),
+                    must_be,
+                });
+            }
+            if !(0.0..=100.0).contains(&share) {
+                return Err(out_of_range(share_key, share, "0 (not known) to 100"));
+            }
+        }
+        Ok(())
+    }
+
     fn check_drive(&self) -> Result<(), ParamError> {
         let DriveSettings {
             m_per_code,
@@ -86,7 +131,10 @@ impl Settings {
             max_frequency_hz: max_hz,
             amplitude_m,
         } = self.limits;
-        let amplitudes = (self.rig.amplitude_m as f32, 2047.0 * self.drive.m_per_code);
+        let amplitudes = (
+            self.rig.amplitude_m as f32,
+            f32::from(DAC_REACH) * self.drive.m_per_code,
+        );
         let from_min = "from limits.min_frequency_hz to 500";
         let reach = "from the rig's amplitude to what the DAC reaches";
         all_within(&[

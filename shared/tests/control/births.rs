@@ -1,7 +1,7 @@
 //! What the controller makes of why and with what the board started.
 
 use shared::control::{
-    BootInfo, Command, Controller, Mode, Refused, ResetCause, SettingsState, State,
+    BootInfo, Command, Controller, Mode, Refused, ResetCause, SettingsState, State, Unfit,
 };
 use shared::fault::{Fault, Record};
 use shared::io::{AdcCode, Frame, Output};
@@ -34,7 +34,7 @@ fn why_the_board_started_is_taken_account_of() {
     let kept = |reset, record| BootInfo {
         reset,
         record,
-        settings: SettingsState::Stored,
+        ..BootInfo::STORED
     };
     assert_eq!(born(BootInfo::STORED), (State::Idle, None));
     let after = |cause| born(kept(cause, Some(record)));
@@ -95,4 +95,47 @@ fn after_damaged_settings_nothing_runs_until_new_ones_are_sent() {
     };
     controller.block(&[quiet; 10], &mut [Output::SAFE; 10]);
     assert_eq!(controller.command(clear), Ok(()));
+}
+
+#[test]
+fn a_board_that_is_not_fit_drives_nothing_until_it_is_started_fit() {
+    let settings = Settings::for_rig(&WIRES);
+    let quiet = Frame {
+        force: AdcCode(600),
+        hammer: AdcCode(2048),
+        cart: AdcCode(2048),
+        emergency: false,
+    };
+    let unfit = BootInfo {
+        unfit: Unfit::CLOCK.and(Unfit::REFERENCE),
+        ..BootInfo::STORED
+    };
+    let mut controller = Controller::new(&settings, &unfit).unwrap();
+    controller.block(&[quiet; 10], &mut [Output::SAFE; 10]);
+    let record = *controller.fault().unwrap();
+    assert_eq!((record.fault, record.value), (Fault::BoardUnfit, 9.0));
+    // Neither clearing nor new settings help.
+    let clear = Command::ClearFault;
+    assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
+    controller.replace_settings(&settings).unwrap();
+    controller.block(&[quiet; 10], &mut [Output::SAFE; 10]);
+    assert_eq!(controller.command(clear), Err(Refused::StillFaulty));
+    assert!(controller.command(Command::Start(Mode::Manual)).is_err());
+    // Without settings both are in the episode, and the settings are named.
+    let neither = BootInfo {
+        settings: SettingsState::Missing,
+        ..unfit
+    };
+    let neither = Controller::new(&settings, &neither).unwrap();
+    let both = [Fault::CorruptSettings, Fault::BoardUnfit];
+    assert_eq!(episode(&neither), both);
+    // Fit again after a reset: the record is still there, and can be cleared.
+    let again = BootInfo {
+        record: Some(record),
+        ..BootInfo::STORED
+    };
+    let mut again = Controller::new(&settings, &again).unwrap();
+    assert_eq!(again.state(), State::Fault);
+    again.block(&[quiet; 10], &mut [Output::SAFE; 10]);
+    assert_eq!(again.command(clear), Ok(()));
 }

@@ -59,16 +59,21 @@ pub struct BlockMonitor {
 }
 
 impl BlockMonitor {
-    /// Starts with the first interrupt; `None` if the timer cannot be set.
-    pub fn new(timer: pac::TIM7, rcc: &mut Rcc) -> Option<Self> {
-        let mut timer = timer.counter_hz(rcc);
-        timer.start(1_000.Hz()).ok()?;
-        timer.listen(Event::Update);
-        Some(Self {
-            timer,
+    /// At rest until [`Self::start`].
+    pub fn new(timer: pac::TIM7, rcc: &mut Rcc) -> Self {
+        Self {
+            timer: timer.counter_hz(rcc),
             seen: 0,
             missed: 0,
-        })
+        }
+    }
+
+    /// Starts checking, to be called after the sampling has started and last of all: before the first block there is
+    /// none to miss. False if the timer cannot be set.
+    pub fn start(&mut self) -> bool {
+        let started = self.timer.start(1_000.Hz()).is_ok();
+        self.timer.listen(Event::Update);
+        started
     }
 
     /// Serves the interrupt. Two blocks are due between two interrupts; none, twice in a row, is a stall.

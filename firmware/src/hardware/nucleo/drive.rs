@@ -1,4 +1,9 @@
-//! The drive's enable line, and the emergency stop that takes it away.
+//! The drive's enable line, and what takes it away.
+//!
+//! The enable is a train of pulses: the control task turns the line over once per block, 1 kHz with the drive on, and the
+//! line is low with the drive off. Outside, a charge pump holds a relay as long as pulses come (docs/wiring.md). So
+//! whatever stops the control task drops the drive, with the line stuck at either level: a halted processor, a dead clock,
+//! a task that hangs, a pin that is shorted. What finds trouble sooner pulls the line low.
 //!
 //! The chain itself switches the drive off in hardware (docs/wiring.md). In addition, its opening interrupts every
 //! task and pulls the enable low at once. The line stays low until the controller has seen the open chain in its
@@ -16,6 +21,8 @@ use stm32f4xx_hal::{
 
 use super::retained;
 
+/// The drive is enabled.
+static DRIVING: AtomicBool = AtomicBool::new(false);
 /// Set where the enable was taken away without the controller, until the controller has switched off, too.
 static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
 
@@ -39,10 +46,18 @@ pub fn take_away() {
     disable();
 }
 
+/// Whether the drive is enabled.
+#[inline]
+pub fn is_driving() -> bool {
+    DRIVING.load(Ordering::Relaxed)
+}
+
 /// The enable line. Only its owner can raise it: bench mode never gets it.
 pub struct Enable {
     pin: PA8<Output>,
     on: bool,
+    /// The line's level in the block that was.
+    high: bool,
 }
 
 impl Enable {
@@ -50,13 +65,18 @@ impl Enable {
     pub fn new(mut pin: PA8<Output>) -> Self {
         pin.set_low();
         retained::note_drive(false);
-        Self { pin, on: false }
+        Self {
+            pin,
+            on: false,
+            high: false,
+        }
     }
 
-    /// Applies the controller's output. `reported`: whether the controller has been given the open chain.
+    /// Applies the controller's output, once per block. `reported`: whether the controller has been given the open chain.
     #[inline]
     pub fn apply(&mut self, on: bool, reported: bool) {
-        if on {
+        self.high = on && !self.high;
+        if self.high {
             // No interrupt may come between reading the flag and raising the line.
             cortex_m::interrupt::free(|_| {
                 if !TAKEN_AWAY.load(Ordering::Acquire) {
@@ -65,12 +85,13 @@ impl Enable {
             });
         } else {
             self.pin.set_low();
-            if reported {
+            if reported && !on {
                 TAKEN_AWAY.store(false, Ordering::Release);
             }
         }
         if on != self.on {
             self.on = on;
+            DRIVING.store(on, Ordering::Relaxed);
             retained::note_drive(on);
         }
     }

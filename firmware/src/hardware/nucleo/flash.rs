@@ -5,7 +5,7 @@
 //! | 1 | 0x0800 4000 | 16 KiB |
 //! | 2 | 0x0800 8000 | 16 KiB |
 //!
-//! The program's vectors lie in sector 0 and its code from sector 3 on (boards/nucleo.x), so that flashing a
+//! The program's vectors lie in sector 0 and its code from sector 3 on (memory.x), so that flashing a
 //! new program leaves the settings alone, and erasing settings takes the shortest time the part has.
 //!
 //! The part has one flash bank: while it is erased or written, the processor waits at its next fetch, interrupts
@@ -36,6 +36,20 @@ const FIRST_SECTOR: u8 = 1;
 /// Bytes of a sector.
 const SECTOR: u32 = 0x4000;
 
+/// EOP, OPERR, WRPERR, PGAERR, PGPERR, PGSERR and RDERR of FLASH_SR.
+const ERRORS: u32 = 0x1f3;
+
+/// Empties the data cache of the flash accelerator, which an erasure leaves as it was (RM0390, "Adaptive real-time
+/// memory accelerator"): what is read next would be what was there before. It can be emptied only while it is off.
+fn forget_cached_data() {
+    // SAFETY: a cache that is off or empty changes no value that is read.
+    let flash = unsafe { &*pac::FLASH::ptr() };
+    flash.acr().modify(|_, w| w.dcen().clear_bit());
+    flash.acr().modify(|_, w| w.dcrst().set_bit());
+    flash.acr().modify(|_, w| w.dcrst().clear_bit());
+    flash.acr().modify(|_, w| w.dcen().set_bit());
+}
+
 unsafe extern "C" {
     /// Where the linker leaves room; [`OFFSET`] must agree with it.
     static __settings_start: u8;
@@ -48,6 +62,13 @@ struct SettingsFlash(LockedFlash);
 impl SettingsFlash {
     fn new(flash: pac::FLASH) -> Self {
         Self(LockedFlash::new(flash))
+    }
+
+    /// Clears the error flags of whatever went before: the HAL takes any that is set for an error of its own operation, and
+    /// one old error would fail every later save.
+    fn forget_errors(&mut self) {
+        // SAFETY: ones clear these flags and nothing else; no operation is under way.
+        unsafe { (*pac::FLASH::ptr()).sr().write(|w| w.bits(ERRORS)) };
     }
 
     /// Whether the linker leaves these sectors free.
@@ -90,17 +111,20 @@ impl NorFlash for SettingsFlash {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
         check_erase(self, from, to)?;
+        self.forget_errors();
         for sector in from / SECTOR..to / SECTOR {
             self.0
                 .unlocked()
                 .erase(FIRST_SECTOR + sector as u8)
                 .map_err(|_| NorFlashErrorKind::Other)?;
+            forget_cached_data();
         }
         Ok(())
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         check_write(self, offset, bytes.len())?;
+        self.forget_errors();
         self.0
             .unlocked()
             .program((OFFSET + offset) as usize, bytes.iter())
@@ -117,7 +141,7 @@ impl Store {
         let flash = SettingsFlash::new(flash);
         assert!(
             flash.agrees_with_linker(),
-            "boards/nucleo.x leaves other sectors free than are written to"
+            "memory.x leaves other sectors free than are written to"
         );
         Self(store::Store::new(flash, [0..SECTOR, SECTOR..2 * SECTOR]))
     }

@@ -7,8 +7,10 @@
 //! | PB0 | A3 | cart displacement | – |
 //! | PA4 | A2 | shaker's set-point (DAC) | 1.65 V, the middle |
 //! | PC7 | D9 | motor drive's frequency, duty cycle | low |
-//! | PA8 | D7 | drive enable, active high | low |
+//! | PA8 | D7 | drive enable: pulses of 1 kHz | low |
 //! | PB5 | D4 | emergency-stop chain, closed to ground | high: open |
+//! | PA9 | D8 | the enable's relay has dropped, closed to ground | – |
+//! | PB10 | D6 | the power stage is ready, closed to ground | – |
 //! | PA10 | D2 | bench strap, to ground for bench mode | – |
 //! | PC13 | – | user button B1, pressed low | – |
 //! | PA5 | – | user LED LD2 | any |
@@ -20,45 +22,49 @@
 //!
 //! | priority | interrupt | what |
 //! |---|---|---|
+//! | above all | NMI | the clock has died ([`clock`]): outputs safe, record, reset |
 //! | highest | EXTI9_5 | emergency stop: enable low, a few stores |
+//! | highest | PVD | the supply drops ([`supply`]): outputs safe, record, reset |
 //! | highest | TIM7, 1 kHz | [`block_monitor`]: enable low if blocks are missing |
 //! | next | DMA2_STREAM0, 2 kHz | the control task |
 //! | below | TIM6_DAC, 1 kHz | the link |
 
 pub mod block_monitor;
+mod clock;
+mod debug;
 pub mod drive;
 mod flash;
+pub mod log;
 mod report;
 mod reset;
 pub mod retained;
 mod sampling;
 mod serial;
 mod set_points;
+mod supply;
 mod watchdog;
 mod wiring;
 
 use defmt_rtt as _;
+use shared::control::Unfit;
 use stm32f4xx_hal::{
-    gpio::{Input, Output, PA5, PC13, PinState},
+    gpio::{Input, Output, PA5, PA9, PB10, PC13, PinState},
     pac,
     prelude::*,
-    rcc::Config,
     timer::{CounterHz, Event, Flag},
 };
 
+use crate::interlock::Inputs;
+pub use debug::clear_traps;
 pub use flash::Store;
-pub use report::{report_fault, report_panic};
+pub use report::{report_fault, report_panic, unfit as report_unfit};
 pub use reset::flags as reset_flags;
 pub use sampling::Sampler;
 pub use serial::Serial;
 pub use set_points::SetPoints;
+pub use supply::dropped as supply_dropped;
 pub use watchdog::Watchdog;
 
-/// The processor's clock. 180 MHz is the most the part allows; the timers' 90 MHz divide by the tick rate
-/// without remainder (4500).
-pub const SYSCLK_MHZ: u32 = 180;
-/// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
-const HSE_MHZ: u32 = 8;
 /// Rate of the link task, Hz.
 const LINK_RATE_HZ: u32 = 1_000;
 
@@ -90,17 +96,22 @@ pub struct Board {
     pub bench_asked: bool,
     /// Sensors or the emergency-stop chain are wired.
     pub wired: bool,
-    /// The watchdog, not started yet.
-    pub watchdog: WatchdogParts,
+    /// What the power stage and the enable's relay report.
+    pub reports: Reports,
+    /// The watchdog, running.
+    pub watchdog: Watchdog,
+    /// Why this board is not fit to drive a rig.
+    pub unfit: Unfit,
 }
 
 impl Board {
-    /// Takes the hardware into use. The drive enable is the first thing to be driven, before the clocks
-    /// change. `None` if a timer cannot be set to its rate, which the clocks above rule out.
+    /// Takes the hardware into use. The drive enable is the first thing to be driven, and the watchdog runs before the
+    /// clocks change. `None` if a timer cannot be set to its rate, which the clocks above rule out.
     pub fn new(device: pac::Peripherals) -> Option<Self> {
         let mut rcc = device.RCC.constrain();
         let gpioa = device.GPIOA.split(&mut rcc);
         let enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
+        let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let chain = gpiob.pb5.into_pull_up_input();
@@ -116,10 +127,8 @@ impl Board {
         let wired = sensors_wired || chain.is_low();
         let bench_asked = strap.is_low() || button.is_low();
 
-        let clocks = Config::hse(HSE_MHZ.MHz())
-            .bypass_hse_oscillator()
-            .sysclk(SYSCLK_MHZ.MHz());
-        let mut rcc = rcc.freeze(clocks);
+        let (mut rcc, crystal) = clock::start(rcc);
+        watchdog.feed();
         let mut exti = device.EXTI;
         let mut syscfg = device.SYSCFG.constrain(&mut rcc);
         // A debugger that halts the processor also halts the set-points.
@@ -135,13 +144,21 @@ impl Board {
             (gpioa.pa4.into_analog(), gpioc.pc7),
             &mut rcc,
         );
+        let mut sampler = Sampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc);
+        let unfit = supply::watch(&device.PWR, &device.FLASH, &exti)
+            .and(Unfit::CLOCK.when(!crystal))
+            .and(Unfit::REFERENCE.when(!sampler.reference_is_good()));
+        let reports = Reports {
+            dropped: gpioa.pa9.into_pull_up_input(),
+            ready: gpiob.pb10.into_pull_up_input(),
+        };
         let wire = (gpioa.pa2.into_alternate(), gpioa.pa3.into_alternate());
         Some(Self {
-            sampler: Sampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc),
+            sampler,
             set_points,
             enable: drive::Enable::new(enable),
             chain: drive::Chain::new(chain, &mut syscfg, &mut exti),
-            block_monitor: block_monitor::BlockMonitor::new(device.TIM7, &mut rcc)?,
+            block_monitor: block_monitor::BlockMonitor::new(device.TIM7, &mut rcc),
             serial: Serial::new(device.USART2, device.DMA1, wire, &mut rcc),
             link_timer: LinkTimer::new(device.TIM6.counter_hz(&mut rcc))?,
             store: Store::new(device.FLASH),
@@ -149,24 +166,27 @@ impl Board {
             button: ButtonPin(button),
             bench_asked,
             wired,
-            watchdog: WatchdogParts {
-                iwdg: device.IWDG,
-                debug: device.DBGMCU,
-            },
+            reports,
+            watchdog,
+            unfit,
         })
     }
 }
 
-/// The watchdog, not started yet.
-pub struct WatchdogParts {
-    iwdg: pac::IWDG,
-    debug: pac::DBGMCU,
+/// What the power stage and the enable's relay report, closed to ground, pulled up where nothing is wired.
+pub struct Reports {
+    dropped: PA9<Input>,
+    ready: PB10<Input>,
 }
 
-impl WatchdogParts {
-    /// Starts it.
-    pub fn start(self) -> Watchdog {
-        Watchdog::start(self.iwdg, &self.debug)
+impl Reports {
+    /// Their levels.
+    #[inline]
+    pub fn read(&self) -> Inputs {
+        Inputs {
+            dropped: self.dropped.is_low(),
+            ready: self.ready.is_low(),
+        }
     }
 }
 

@@ -5,7 +5,9 @@ use core::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use super::retained;
+use shared::control::Unfit;
+
+use super::{retained, watchdog};
 use crate::hardware::fault::ProcessorFault;
 
 /// Whether a panic or fault is being reported.
@@ -36,15 +38,24 @@ pub fn report_fault(fault: &ProcessorFault) -> ! {
     end()
 }
 
-/// A breakpoint for the debugger, if one is attached, and then standstill; else a reset, after which the
-/// controller starts in Fault with the retained record.
+/// Retains why the board is not fit to drive any more, logs it and ends this run; the outputs are safe.
+pub fn unfit(why: Unfit) -> ! {
+    if !REPORTING.swap(true, Ordering::Relaxed) {
+        retained::note_unfit(why);
+        defmt::error!("not fit to drive, reasons {=u8}", why.bits());
+    }
+    end()
+}
+
+/// Time for a debugger to fetch the last lines of the log, processor cycles: 20 ms at 180 MHz, a
+/// quarter of a second on the power-up clock.
+const FETCHING_CYCLES: u32 = 3_600_000;
+
+/// A reset, after which the controller starts in Fault with the retained record. There is no breakpoint for a debugger: a
+/// processor that stands still watches over nothing.
 fn end() -> ! {
     cortex_m::interrupt::disable();
-    if cortex_m::peripheral::DCB::is_debugger_attached() {
-        cortex_m::asm::bkpt();
-        loop {
-            cortex_m::asm::nop();
-        }
-    }
+    watchdog::feed();
+    cortex_m::asm::delay(FETCHING_CYCLES);
     cortex_m::peripheral::SCB::sys_reset()
 }

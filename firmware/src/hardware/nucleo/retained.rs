@@ -11,6 +11,7 @@
 
 use core::{cell::UnsafeCell, mem::MaybeUninit};
 
+use shared::control::Unfit;
 use shared::fault::{Persisted, Record};
 
 /// The drive was enabled.
@@ -105,4 +106,11 @@ pub fn note_crash(address: Option<u32>, status: u32) {
     };
     // SAFETY: the place is valid for writes.
     unsafe { (&raw mut (*words()).crash).write_volatile(crash) };
+}
+
+/// Retains why the board is not fit to drive.
+pub fn note_unfit(why: Unfit) {
+    // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
+    let before = unsafe { (&raw const (*words()).record).read_volatile() };
+    keep(Some(&Record::unfit(why).after(before.record())));
 }

@@ -11,6 +11,11 @@
 //! | one channel | 68 cycles, 3.0 µs | sampling + 12 cycles of conversion |
 //! | scan | 9.1 µs of the tick's 50 µs | so hammer and cart lag force by 3.0 and 6.0 µs |
 //!
+//! Once a second the part's own reference is read as an injected conversion (21.9 µs), started by the control task when
+//! the block's last scan has ended: it ends before the next scan begins, or delays that one scan by so much.
+//!
+//! Why not at 80 kHz, with a decimating filter: docs/wiring.md.
+//!
 //! Sources: RM0390, "Analog-to-digital converter" and "DMA request mapping" (stream 0, channel 0: ADC1).
 #![allow(unsafe_code)]
 
@@ -26,14 +31,25 @@ use stm32f4xx_hal::{
     gpio::{Analog, PA0, PA1, PB0},
     pac,
     rcc::{Enable, Rcc},
+    signature::VrefCal,
 };
 
 use crate::BLOCK_TICKS;
+use crate::reference;
 
 /// Force, hammer, cart.
 const CHANNELS: usize = 3;
 /// Samples of both halves.
 const SAMPLES: u16 = (2 * BLOCK_TICKS * CHANNELS) as u16;
+
+/// The ADC's input from the part's own reference, and its sampling time: 480 cycles are 21 µs where it needs 10.
+const REFERENCE: (u8, u8) = (17, 7);
+/// JEOC and JSTRT of ADC_SR.
+const INJECTED: u32 = 0b1100;
+/// Blocks between two readings of the reference: a second.
+const REFERENCE_BLOCKS: u16 = 2_000;
+/// Looks at a reading at the start; one takes 22 µs.
+const LOOKS: u32 = 100_000;
 
 /// Frames as the DMA writes them.
 type Ring = [[[u16; CHANNELS]; BLOCK_TICKS]; 2];
@@ -78,6 +94,9 @@ pub struct Sampler {
     timer: pac::TIM2,
     dma: pac::DMA2,
     _adc: Adc<pac::ADC1>,
+    watch: reference::Watch,
+    /// Blocks since the last reading of the reference was started.
+    since: u16,
 }
 
 impl Sampler {
@@ -101,6 +120,18 @@ impl Sampler {
         adc.configure_channel(&pins.0, Sequence::One, SampleTime::Cycles_56);
         adc.configure_channel(&pins.1, Sequence::Two, SampleTime::Cycles_56);
         adc.configure_channel(&pins.2, Sequence::Three, SampleTime::Cycles_56);
+
+        adc.enable_temperature_and_vref();
+        let (channel, sampling) = REFERENCE;
+        // SAFETY: the pointer to registers that `adc` owns, which is here.
+        let registers = unsafe { &*pac::ADC1::ptr() };
+        // SAFETY: a sampling time of three bits, and a channel that is there; one injected conversion, the fourth place's.
+        unsafe {
+            registers.smpr1().modify(|_, w| w.smp17().bits(sampling));
+            registers
+                .jsqr()
+                .write(|w| w.jl().bits(0).jsq4().bits(channel));
+        }
 
         let stream = dma.st(0);
         let from = adc.data_register_address();
@@ -136,7 +167,35 @@ impl Sampler {
             timer,
             dma,
             _adc: adc,
+            watch: reference::Watch::default(),
+            // Past the block in which a reading is fetched.
+            since: 1,
         }
+    }
+
+    /// Whether VDDA is good at the start, before anything samples.
+    pub fn reference_is_good(&mut self) -> bool {
+        // The reference has had its 12 µs to start since `new`.
+        cortex_m::asm::delay(18_000);
+        start_reference();
+        let code = (0..LOOKS).find_map(|_| take_reference());
+        code.is_some_and(|code| reference::is_good(VrefCal::get().read(), code))
+    }
+
+    /// Reads the reference now and then; to be called once per block, first of all. Whether it is lost.
+    #[inline]
+    pub fn reference_is_lost(&mut self) -> bool {
+        self.since = self.since.saturating_add(1);
+        if self.since >= REFERENCE_BLOCKS {
+            self.since = 0;
+            start_reference();
+        }
+        if self.since != 1 {
+            return false;
+        }
+        // A block later. A reading that did not come is a bad one.
+        let code = take_reference().unwrap_or(0);
+        self.watch.is_lost(VrefCal::get().read(), code)
     }
 
     /// Starts ticking. Sampling and playing begin at the same update and stay in step.
@@ -191,5 +250,26 @@ impl Sampler {
     pub fn overrun(&self) -> bool {
         let flags = self.dma.lisr().read();
         flags.htif0().bit() || flags.tcif0().bit()
+    }
+}
+
+/// Starts an injected conversion of the part's own reference.
+fn start_reference() {
+    // SAFETY: sets one bit; the control task alone changes this register once the sampling runs.
+    let adc = unsafe { &*pac::ADC1::ptr() };
+    adc.cr2().modify(|_, w| w.jswstart().set_bit());
+}
+
+/// Its result, if it has ended.
+fn take_reference() -> Option<u16> {
+    // SAFETY: reads, and a store of ones that changes nothing but the two flags of the injected conversion.
+    unsafe {
+        let adc = &*pac::ADC1::ptr();
+        let ended = adc.sr().read().jeoc().bit();
+        if !ended {
+            return None;
+        }
+        adc.sr().write(|w| w.bits(0x3f & !INJECTED));
+        Some(adc.jdr1().read().bits() as u16 & 0xfff)
     }
 }

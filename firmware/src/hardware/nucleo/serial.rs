@@ -2,19 +2,20 @@
 //!
 //! | quantity | value | why |
 //! |---|---|---|
-//! | rate | [`BAUD`], 2.25 Mbaud | carries a recording of every tick ([`shared::link::BAUD`]) |
-//! | rate's error | none | 45 MHz / 20; the debugger's side divides evenly, too |
+//! | rate | 2.25 Mbaud, or 921,600 | [`crate::wire`]: the one that the computer uses |
+//! | rate's error | none, or 0.4 % | 45 MHz / 20, or / 49 |
+//! | sent at once | [`CHUNK`], 1024 bytes | 4.6 ms of the wire ([`crate::wire`]) |
 //! | receive ring | 1024 bytes | 4.5 ms of the wire; the link task looks every millisecond |
 //!
 //! What arrives while the ring is full overwrites what was not read; the frame's check then fails and the loss is
-//! counted. A send while the wire is busy is refused: nothing waits here.
+//! counted. While the wire is busy nothing is sent: nothing waits here.
 //!
 //! Sources: RM0390, "DMA request mapping" (DMA1 channel 4: stream 5 USART2_RX, stream 6 USART2_TX).
 #![allow(unsafe_code)]
 
 use core::cell::UnsafeCell;
 
-use shared::link::BAUD;
+use crate::wire::{CHUNK, RATES};
 use stm32f4xx_hal::{
     gpio::{Alternate, PA2, PA3},
     pac,
@@ -23,8 +24,6 @@ use stm32f4xx_hal::{
 
 /// Bytes of the receive ring.
 const RECEIVE: usize = 1024;
-/// Bytes sent at once at most.
-pub const SEND: usize = 1024;
 
 /// Bytes the DMA touches.
 struct Shared<const N: usize>(UnsafeCell<[u8; N]>);
@@ -34,13 +33,15 @@ struct Shared<const N: usize>(UnsafeCell<[u8; N]>);
 unsafe impl<const N: usize> Sync for Shared<N> {}
 
 static RECEIVED: Shared<RECEIVE> = Shared(UnsafeCell::new([0; RECEIVE]));
-static SENDING: Shared<SEND> = Shared(UnsafeCell::new([0; SEND]));
+static SENDING: Shared<CHUNK> = Shared(UnsafeCell::new([0; CHUNK]));
 
 /// The wire.
 pub struct Serial {
-    _usart: pac::USART2,
+    usart: pac::USART2,
     dma: pac::DMA1,
     read: usize,
+    /// What the rates divide, Hz.
+    clock_hz: u32,
 }
 
 /// Both pins of the wire.
@@ -54,11 +55,11 @@ impl Serial {
         pac::USART2::reset(rcc);
         pac::DMA1::enable(rcc);
 
-        let divider = (rcc.clocks.pclk1().raw() + BAUD / 2) / BAUD;
+        let clock_hz = rcc.clocks.pclk1().raw();
         let data = usart.dr().as_ptr() as u32;
         // SAFETY: a divider of 16 bits; the address of the data register and of static buffers of that many bytes.
         unsafe {
-            usart.brr().write(|w| w.bits(divider as u16));
+            usart.brr().write(|w| w.bits(divider(clock_hz, RATES[0])));
             let receive = dma.st(5);
             receive.par().write(|w| w.bits(data));
             receive.m0ar().write(|w| w.bits(RECEIVED.0.get() as u32));
@@ -88,9 +89,10 @@ impl Serial {
             .cr1()
             .write(|w| w.ue().set_bit().re().set_bit().te().set_bit());
         Self {
-            _usart: usart,
+            usart,
             dma,
             read: 0,
+            clock_hz,
         }
     }
 
@@ -114,17 +116,37 @@ impl Serial {
         self.dma.st(6).cr().read().en().is_disabled()
     }
 
-    /// Sends bytes (at most [`SEND`]); `false`, and nothing sent, if the wire is busy or they are too many.
-    pub fn send(&mut self, bytes: &[u8]) -> bool {
-        if !self.is_ready() || bytes.len() > SEND {
-            return false;
+    /// Whether bytes have come since the last call that were none: no stop bit where one must be, or noise.
+    pub fn take_errors(&mut self) -> bool {
+        let flags = self.usart.sr().read();
+        let failed = flags.fe().bit() || flags.nf().bit() || flags.ore().bit();
+        if failed {
+            // Reading the data after the flags clears them.
+            let _ = self.usart.dr().read();
         }
-        if bytes.is_empty() {
-            return true;
+        failed
+    }
+
+    /// Goes on at another rate. What is on the wire is lost.
+    pub fn set_rate(&mut self, baud: u32) {
+        self.usart.cr1().modify(|_, w| w.ue().clear_bit());
+        // SAFETY: a divider of 16 bits.
+        self.usart
+            .brr()
+            .write(|w| unsafe { w.bits(divider(self.clock_hz, baud)) });
+        self.usart.cr1().modify(|_, w| w.ue().set_bit());
+    }
+
+    /// Sends what `fill` puts into the buffer ([`CHUNK`] bytes) and counts; does nothing while the wire is busy.
+    pub fn send(&mut self, fill: impl FnOnce(&mut [u8]) -> usize) {
+        if !self.is_ready() {
+            return;
         }
-        for (i, byte) in bytes.iter().enumerate() {
-            // SAFETY: within the buffer, and the DMA is not sending.
-            unsafe { SENDING.0.get().cast::<u8>().add(i).write_volatile(*byte) };
+        // SAFETY: the DMA is not sending, and there is one `Serial`, borrowed mutably here.
+        let buffer = unsafe { &mut *SENDING.0.get() };
+        let count = fill(buffer).min(CHUNK);
+        if count == 0 {
+            return;
         }
         // The flags of the last sending must be clear before the next.
         self.dma.hifcr().write(|w| {
@@ -133,11 +155,13 @@ impl Serial {
         });
         let stream = self.dma.st(6);
         // SAFETY: a count within the buffer.
-        stream
-            .ndtr()
-            .write(|w| unsafe { w.bits(bytes.len() as u32) });
+        stream.ndtr().write(|w| unsafe { w.bits(count as u32) });
         cortex_m::asm::dmb();
         stream.cr().modify(|_, w| w.en().enabled());
-        true
     }
+}
+
+/// Divider of the clock for a rate, rounded.
+fn divider(clock_hz: u32, baud: u32) -> u16 {
+    ((clock_hz + baud / 2) / baud) as u16
 }

@@ -4,10 +4,13 @@
 //! The codes lie in a ring of two halves like the samples', filled and played in step with it: codes worked
 //! out from half h while the other half is being sampled are played when h is sampled again. From a sample
 //! to its set-point it is 20 ticks: 10 to gather the block, 10 to work on it. The DMA writes the
-//! DAC's register some 0.1 µs after the update, whatever the processor does.
+//! DAC's register some 0.1 µs after the update, whatever the processor does. It fetches each code one update ahead: the
+//! first of a half with the last update of the other half, 491 µs after the interrupt that asks for it (the block's last
+//! scan took 9 µs).
 //!
 //! The DAC's second output would be PA5, which drives the board's LED; so there is one. Its buffer is on:
-//! 0.2 V to 3.1 V into 5 kΩ or more.
+//! 0.2 V to 3.1 V into 5 kΩ or more; the controller keeps within ([`shared::io::DAC_REACH`]). With the drive off the
+//! code goes to the middle at a steady speed ([`crate::ramp`]).
 //!
 //! Duty cycle: 0 to 100 % stands for 0 to [`FULL_SCALE_HZ`], at 5 kHz in 18,000 steps of 0.003 Hz. A
 //! low-pass of 50 Hz makes a voltage of it.
@@ -29,6 +32,7 @@ use stm32f4xx_hal::{
 
 use super::sampling::Half;
 use crate::BLOCK_TICKS;
+use crate::ramp::Ramp;
 
 /// Frequency set-point at a duty cycle of 100 %, Hz.
 pub const FULL_SCALE_HZ: f32 = 50.0;
@@ -50,6 +54,7 @@ pub struct SetPoints {
     _pwm: PwmHzManager<pac::TIM3>,
     frequency: PwmChannel<pac::TIM3, 1>,
     full_duty: f32,
+    ramp: Ramp,
 }
 
 impl SetPoints {
@@ -100,14 +105,19 @@ impl SetPoints {
             _pin: pin,
             _pwm: pwm,
             full_duty: f32::from(frequency.get_max_duty()),
+            ramp: Ramp::default(),
             frequency,
         }
     }
 
-    /// Lays a block's set-points into the half that is played next.
+    /// Lays a block's set-points into the half that is played next. Whether that was in time: if not, the DMA has begun with
+    /// that half and played some of the old codes.
     #[inline]
-    pub fn play(&mut self, half: Half, outputs: &[Output; BLOCK_TICKS]) {
-        let codes = outputs.map(|output| output.dac.0.min(4095));
+    pub fn play(&mut self, half: Half, outputs: &[Output; BLOCK_TICKS]) -> bool {
+        let mut codes = [0; BLOCK_TICKS];
+        for (code, output) in codes.iter_mut().zip(outputs) {
+            *code = self.ramp.step(output);
+        }
         // SAFETY: one of the ring's two halves; the DMA reads the other one now.
         unsafe {
             RING.0
@@ -119,6 +129,12 @@ impl SetPoints {
         let frequency_hz = outputs.last().map_or(0.0, |output| output.frequency_hz);
         let share = (frequency_hz / FULL_SCALE_HZ).clamp(0.0, 1.0);
         self.frequency.set_duty((share * self.full_duty) as u16);
+
+        // The count of codes still to be played, of both halves; it begins anew with the last.
+        // SAFETY: a read without side effect.
+        let left = unsafe { (*pac::DMA1::ptr()).st(1).ndtr().read().bits() } as usize;
+        let in_first = left > BLOCK_TICKS || left == 0;
+        in_first != (half.index() == 0)
     }
 }
 

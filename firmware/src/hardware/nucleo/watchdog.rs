@@ -5,7 +5,12 @@
 //! stall of the processor: one sector of settings being erased, 0.8 s at most (DS10693, "Flash memory
 //! programming"), and half a kilobyte being written after it, 0.05 s at most.
 //!
-//! A hung program does not leave the drive on for that long: [`super::block_monitor`] takes the enable away within 2 ms.
+//! It starts before the clock does, right after the enable is driven low: whatever the start waits for, it ends.
+//!
+//! A hung program does not leave the drive on for that long: [`super::block_monitor`] takes the enable away within 2 ms,
+//! and the enable is a train of pulses that ends with the control task ([`super::drive`]).
+
+#![allow(unsafe_code)]
 
 use stm32f4xx_hal::{pac, prelude::*, watchdog::IndependentWatchdog};
 
@@ -16,10 +21,11 @@ pub const PERIOD_MS: u32 = 2_000;
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Starts it; nothing but a reset stops it. It stands still while a debugger halts the processor.
+    /// Starts it; nothing but a reset stops it. It goes on while a debugger halts the processor: a board
+    /// that was left halted resets.
     pub fn start(iwdg: pac::IWDG, debug: &pac::DBGMCU) -> Self {
         let mut watchdog = IndependentWatchdog::new(iwdg);
-        watchdog.stop_on_debug(debug, true);
+        watchdog.stop_on_debug(debug, false);
         watchdog.start(PERIOD_MS.millis());
         Self(watchdog)
     }
@@ -28,4 +34,12 @@ impl Watchdog {
     pub fn feed(&mut self) {
         self.0.feed();
     }
+}
+
+/// Starts its period anew, from anywhere, so that the last lines of the log can be fetched before a reset.
+pub fn feed() {
+    /// The key that reloads the counter (RM0390, "Key register (IWDG_KR)").
+    const RELOAD: u16 = 0xaaaa;
+    // SAFETY: a single store to a write-only register.
+    unsafe { (*pac::IWDG::ptr()).kr().write(|w| w.key().bits(RELOAD)) };
 }

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use shared::control::{
-    ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, SettingsState, State, Status,
+    ActiveLimits, Basin, BootInfo, Command, Mode, ResetCause, SettingsState, State, Status, Unfit,
 };
 use shared::fault::{Fault, Origin, Record};
 use shared::io::{AdcCode, DacCode, Frame, Output};
@@ -28,6 +28,7 @@ fn header() -> Header {
             reset: ResetCause::Watchdog,
             record: status(21).fault,
             settings: SettingsState::Damaged,
+            unfit: Unfit::REFERENCE,
         },
         block_ticks: BLOCK as u32,
         scenario: Some("name = \"a test\"\n".into()),

@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 35] = scenarios![
+pub const BUILTIN: [(&str, &str); 36] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
@@ -44,4 +44,5 @@ pub const BUILTIN: [(&str, &str); 35] = scenarios![
     "brown-out",
     "crash",
     "not-off",
+    "board-unfit",
 ];

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use shared::control::{SettingsState, Status};
+use shared::control::{SettingsState, Status, Unfit};
 use shared::fault::{Fault, Record};
 use shared::link::{Answer, BoardState, ForecastPage, FromBoard, Hello, ToBoard};
 use shared::settings::TICK_RATE_HZ;
@@ -49,8 +49,13 @@ fn fault(record: &Record) -> String {
     } else {
         format!(", with {}", others.join(", "))
     };
+    let mut why = String::new();
+    if record.fault == Fault::BoardUnfit {
+        let reasons: Vec<_> = Unfit::from_bits(record.value as u8).reasons().collect();
+        why = format!(": {}", reasons.join("; "));
+    }
     format!(
-        "{} {} (value {:.4}, at tick {}, {:.3} Hz){others}",
+        "{} {}{why} (value {:.4}, at tick {}, {:.3} Hz){others}",
         record.fault.code(),
         record.fault.name(),
         record.value,

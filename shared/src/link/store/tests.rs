@@ -301,7 +301,7 @@ fn a_power_cut_never_makes_an_older_copy_the_settings_stored_last() {
 fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones() {
     let other_layout = {
         let (mut image, end) = image_of(&settings(2), 2).unwrap();
-        image[4] = 3;
+        image[4] = (LAYOUT + 1) as u8;
         let check = check_of(&image[..12], &image[PAYLOAD_AT..end]);
         image[12..16].copy_from_slice(&check.to_le_bytes());
         image

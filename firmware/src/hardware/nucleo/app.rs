@@ -2,9 +2,10 @@
 //!
 //! | task | priority | runs | deadline |
 //! |---|---|---|---|
+//! | `supply` | 4 | when the supply drops | the same as `emergency`; does not return with the drive on |
 //! | `emergency` | 4 | when the emergency-stop chain opens | none later than itself: a few stores |
 //! | `watch_blocks` | 4 | 1 kHz | the same |
-//! | `control` | 3 | each block of 10 ticks, 2 kHz; retains a fault's record | 500 µs |
+//! | `control` | 3 | each block of 10 ticks, 2 kHz; retains a fault's record | 491 µs |
 //! | `link` | 2 | 1 kHz | 1 ms; what comes later is sent later |
 //! | `supervise` | 1 | 100 Hz | 10 ms; the watchdog is not fed without it |
 //! | `idle` | 0 | always | none; the forecast takes what time is left |
@@ -26,21 +27,26 @@ mod app {
         bench::Bench,
         button::{self, Button},
         hardware::nucleo::{Board, Store, block_monitor, drive, retained},
-        hardware::{nucleo, stack},
+        hardware::{
+            nucleo::{self, log},
+            stack,
+        },
+        interlock::Interlock,
         led::{LedPattern, Shown},
         link_device::BoardLink,
         liveness::{Liveness, Progress},
         record_keeper::RecordKeeper,
         recorder::Recorder,
+        wire::RateFinder,
     };
     use shared::{
-        control::{BootInfo, Controller, SettingsState},
+        control::{BootInfo, Controller, SettingsState, Unfit},
         forecast::{Forecast, Forecaster},
         io::{Frame, Output},
         link::Session,
         link::store::Loaded,
         model::params::WIRES,
-        settings::Settings,
+        settings::{Interlock as Wired, Settings},
     };
 
     /// Bytes waiting for the wire at most.
@@ -68,8 +74,11 @@ mod app {
         bench: Option<Bench>,
         outputs: [Output; BLOCK_TICKS],
         keeper: RecordKeeper,
+        reports: nucleo::Reports,
+        interlock: Interlock,
         block_monitor: block_monitor::BlockMonitor,
         serial: nucleo::Serial,
+        rate: RateFinder,
         link_timer: nucleo::LinkTimer,
         session: Session<QUEUE>,
         store: Store,
@@ -91,6 +100,7 @@ mod app {
 
     #[init]
     fn init(mut context: init::Context) -> (Shared, Local) {
+        nucleo::clear_traps(&mut context.core.DCB);
         let flags = nucleo::reset_flags(&context.device.RCC);
         let left = retained::take();
         let Some(board) = Board::new(context.device) else {
@@ -114,20 +124,21 @@ mod app {
             reset: flags.cause(left.driving),
             record: left.record,
             settings: state,
+            // Bench mode drives nothing.
+            unfit: board.unfit.when(!bench),
         };
         let Ok(controller) = Controller::new(&settings, &boot) else {
             panic!("settings that passed their check are refused");
         };
-        log_start(&boot, left.crash, bench, board.bench_asked);
+        log::start(&boot, left.crash, bench, board.bench_asked);
+        log::unfit(board.unfit);
 
-        let mut sampler = board.sampler;
-        sampler.start();
         let supervisor = Supervisor {
             led: board.led,
             button: Button::new(board.button.is_pressed()),
             pin: board.button,
             pattern: LedPattern::default(),
-            watchdog: board.watchdog.start(),
+            watchdog: board.watchdog,
             liveness: Liveness::default(),
             bench,
             steps: 0,
@@ -136,39 +147,56 @@ mod app {
             recorder: Recorder::new(controller),
             forecast: Forecast::default(),
         };
-        let local = Local {
-            sampler,
+        let mut local = Local {
+            sampler: board.sampler,
             set_points: board.set_points,
             chain: board.chain,
             enable: (!bench).then_some(board.enable),
             bench: bench.then(|| Bench::new(&settings)),
             outputs: [Output::SAFE; BLOCK_TICKS],
             keeper: RecordKeeper::new(boot.record),
+            reports: board.reports,
+            interlock: Interlock::default(),
             block_monitor: board.block_monitor,
             serial: board.serial,
+            rate: RateFinder::default(),
             link_timer: board.link_timer,
             session: Session::new(),
             store,
             supervisor,
             forecaster: Forecaster::new(),
         };
+        // Last of all, and the guard after the sampling: until the first block there is none to miss.
+        local.sampler.start();
+        if !local.block_monitor.start() {
+            panic!("a timer cannot be set to its rate");
+        }
         (shared, local)
     }
 
     /// A block: what was sampled in the last 10 ticks in, the set-points of the 10 after the next out.
     ///
-    /// Deadline: 500 µs after the interrupt, when the next block is complete and these set-points are due. A
-    /// block that ends later has overrun: what it writes late is played half old, half new, the next block starts
-    /// at once, and the overrun is reported to the controller; more than one in five and it trips. If two blocks were due, the older is
+    /// Deadline: the set-points 491 µs after the interrupt, when the DMA fetches the first of them; the rest 500 µs, when
+    /// the next block is complete. A block that ends later has overrun: what it writes late is played half old, half new,
+    /// the next block starts at once, and the overrun is reported to the controller; more than one in five and it trips. If two blocks were due, the older is
     /// lost. If none is served for 2 ms, `watch_blocks` takes the enable away.
     #[task(binds = DMA2_STREAM0, priority = 3, shared = [recorder],
-        local = [sampler, set_points, chain, enable, bench, outputs, keeper])]
+        local = [sampler, set_points, chain, enable, bench, outputs, keeper, reports, interlock,
+            wired: Wired = Wired { relay: false, ready: false }])]
     fn control(mut context: control::Context) {
         let began = DWT::cycle_count();
         let local = context.local;
         let outputs: &mut [Output; BLOCK_TICKS] = local.outputs;
         let arrived = local.sampler.arrived();
-        let tripped = local.chain.tripped();
+        let enabled = drive::is_driving();
+        let against = local
+            .interlock
+            .contradicts(enabled, local.reports.read(), *local.wired);
+        let tripped = local.chain.tripped() || (against && local.enable.is_some());
+        if local.sampler.reference_is_lost() && enabled {
+            nucleo::make_outputs_safe();
+            nucleo::report_unfit(Unfit::REFERENCE);
+        }
         let mut frames = [Frame::default(); BLOCK_TICKS];
         match local.bench {
             Some(bench) => bench.block(outputs, &mut frames),
@@ -181,9 +209,10 @@ mod app {
                 recorder.note_overrun();
             }
             recorder.block((!stale).then_some(&frames), outputs);
+            *local.wired = recorder.controller().settings().interlock;
             recorder.controller().fault().copied()
         });
-        local.set_points.play(arrived.half, outputs);
+        let in_time = local.set_points.play(arrived.half, outputs) || block_monitor::is_paused();
         if let Some(enable) = local.enable {
             enable.apply(outputs.iter().all(|output| output.enable), tripped);
         }
@@ -195,7 +224,7 @@ mod app {
         let [last, longest] = &CYCLES;
         last.store(cycles, Ordering::Relaxed);
         longest.fetch_max(cycles, Ordering::Relaxed);
-        if local.sampler.overrun() {
+        if local.sampler.overrun() || !in_time {
             context.shared.recorder.lock(Recorder::note_overrun);
         }
     }
@@ -208,6 +237,12 @@ mod app {
         drive::acknowledge();
     }
 
+    /// The supply drops.
+    #[task(binds = PVD, priority = 4)]
+    fn supply(_: supply::Context) {
+        nucleo::supply_dropped();
+    }
+
     /// Checks that blocks are being served.
     #[task(binds = TIM7, priority = 4, local = [block_monitor])]
     fn watch_blocks(context: watch_blocks::Context) {
@@ -216,7 +251,7 @@ mod app {
 
     /// Serves the link, and every tenth time calls the supervisor.
     #[task(binds = TIM6_DAC, priority = 2, shared = [recorder, forecast],
-        local = [serial, link_timer, session, store, turns: u32 = 0, boot: u32 = 0])]
+        local = [serial, rate, link_timer, session, store, turns: u32 = 0, boot: u32 = 0])]
     fn link(mut context: link::Context) {
         let local = context.local;
         local.link_timer.acknowledge();
@@ -249,10 +284,12 @@ mod app {
             boot: *local.boot,
         };
         local.session.poll(&mut device);
-        if local.serial.is_ready() {
-            let mut bytes = [0; 256];
-            let count = local.session.queue().drain(&mut bytes);
-            local.serial.send(bytes.get(..count).unwrap_or(&[]));
+        local
+            .serial
+            .send(|bytes| local.session.queue().drain(bytes));
+        let good = local.session.counters().good;
+        if let Some(baud) = local.rate.turn(local.serial.take_errors(), good) {
+            local.serial.set_rate(baud);
         }
         LINKS.fetch_add(1, Ordering::Relaxed);
         *local.turns = local.turns.wrapping_add(1);
@@ -277,7 +314,7 @@ mod app {
                 .recorder
                 .lock(|recorder| recorder.command(command))
             {
-                defmt::warn!("button: refused, {}", defmt::Debug2Format(&why));
+                log::refused(why);
             }
         }
         let shown = Shown {
@@ -299,14 +336,14 @@ mod app {
             .recorder
             .lock(|recorder| recorder.taking().take_event())
         {
-            defmt::info!("{}", defmt::Debug2Format(&event.kind));
+            log::event(&event.kind);
         }
         own.steps = own.steps.wrapping_add(1);
         if own.steps.is_multiple_of(100) {
             let [last, longest] = &CYCLES;
             defmt::info!(
-                "{} {=f32} Hz, peak {=f32} N, cycles per block: last {=u32}, longest {=u32}, stack {=usize} B",
-                defmt::Debug2Format(&status.state),
+                "{=str} {=f32} Hz, peak {=f32} N, cycles per block: last {=u32}, longest {=u32}, stack {=usize} B",
+                log::state_name(status.state),
                 status.frequency_hz,
                 status.peak_n,
                 last.load(Ordering::Relaxed),
@@ -334,39 +371,6 @@ mod app {
                 recorder.lock(|recorder| recorder.deliver(result));
             }
             IDLES.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-
-    fn log_start(boot: &BootInfo, crash: Option<retained::Crash>, bench: bool, asked: bool) {
-        defmt::info!("started: {}", defmt::Debug2Format(&boot.reset));
-        if let Some(record) = boot.record {
-            defmt::warn!("fault before the reset: {}", defmt::Debug2Format(&record));
-        }
-        if let Some(crash) = crash {
-            defmt::warn!(
-                "crashed at {=u32:#010x}, CFSR {=u32:#x}",
-                crash.address,
-                crash.status
-            );
-        }
-        match boot.settings {
-            SettingsState::Stored | SettingsState::Model => {}
-            SettingsState::Missing => defmt::error!(
-                "no settings were ever stored; starts are refused until those of this rig are sent"
-            ),
-            SettingsState::Damaged => defmt::error!(
-                "the stored settings are damaged; starts are refused until those of this rig are sent"
-            ),
-            SettingsState::OlderCopy => defmt::error!(
-                "the newest settings are damaged; starts are refused until the older copy in use is confirmed or others are sent"
-            ),
-        }
-        match (bench, asked) {
-            (true, _) => {
-                defmt::info!("bench mode: the model replaces the rig, the drive stays off")
-            }
-            (false, true) => defmt::warn!("bench mode refused: something is wired to the inputs"),
-            _ => {}
         }
     }
 }

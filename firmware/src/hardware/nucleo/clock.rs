@@ -1,0 +1,68 @@
+//! The clock, and what happens without it.
+//!
+//! The debugger's part of the board feeds its crystal's 8 MHz into OSC_IN (HSE, bypassed). It is there as long as that
+//! part has power. So it is waited for only so long; without it the board runs from its own RC oscillator (HSI, 1 % at
+//! room temperature) and drives nothing: 1 % of frequency is more than the lock's whole range of error.
+//!
+//! A clock that dies while the program runs is found by the clock security system (RM0390, "Clock security system (CSS)"):
+//! it switches to HSI and raises the NMI, within a few periods. The NMI comes above everything, makes the outputs safe and
+//! resets the board, which then starts without the crystal's clock.
+#![allow(unsafe_code)]
+
+use shared::control::Unfit;
+use stm32f4xx_hal::{
+    pac,
+    prelude::*,
+    rcc::{Config, Rcc},
+};
+
+use super::report;
+
+/// The processor's clock. 180 MHz is the most the part allows; the timers' 90 MHz divide by the tick rate
+/// without remainder (4500).
+pub const SYSCLK_MHZ: u32 = 180;
+/// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
+const HSE_MHZ: u32 = 8;
+/// Looks at the crystal's clock before it is given up, one per millisecond. The debugger's part needs some 0.1 s to start
+/// (believed, not measured); the watchdog's shortest period is 1.36 s.
+const LOOKS: u32 = 500;
+/// A millisecond of the power-up clock, 16 MHz, in processor cycles.
+const MILLISECOND: u32 = 16_000;
+
+/// Starts the clock; whether it is the crystal's.
+pub fn start(rcc: Rcc) -> (Rcc, bool) {
+    let crystal = wait_for_crystal(&rcc);
+    let source = if crystal {
+        Config::hse(HSE_MHZ.MHz()).bypass_hse_oscillator()
+    } else {
+        Config::hsi()
+    };
+    let rcc = rcc.freeze(source.sysclk(SYSCLK_MHZ.MHz()));
+    if crystal {
+        rcc.cr().modify(|_, w| w.csson().set_bit());
+    }
+    (rcc, crystal)
+}
+
+/// Whether the crystal's clock has come in time; if not, its input is off again.
+fn wait_for_crystal(rcc: &Rcc) -> bool {
+    rcc.cr().modify(|_, w| w.hsebyp().bypassed());
+    rcc.cr().modify(|_, w| w.hseon().set_bit());
+    for _ in 0..LOOKS {
+        if rcc.cr().read().hserdy().bit_is_set() {
+            return true;
+        }
+        cortex_m::asm::delay(MILLISECOND);
+    }
+    rcc.cr().modify(|_, w| w.hseon().clear_bit());
+    false
+}
+
+/// The clock has died. Nothing else raises an NMI on this part.
+#[unsafe(no_mangle)]
+extern "C" fn NonMaskableInt() -> ! {
+    super::make_outputs_safe();
+    // SAFETY: a store that clears one flag; unless it is cleared, the NMI comes back.
+    unsafe { (*pac::RCC::ptr()).cir().write(|w| w.cssc().set_bit()) };
+    report::unfit(Unfit::CLOCK)
+}
