@@ -47,7 +47,8 @@ def instructions(path):
 def skipped(first, second):
     """What differs for reasons that are known: exceptions, hints, special registers, exclusives, and IT alone."""
     if first >> 11 < 0b11101:
-        return (first >> 8 in (0xBE, 0xBF, 0xDF, 0xDE) or first & 0xFFE8 == 0xB660 or first >> 8 == 0x47)
+        return (first >> 8 in (0xBE, 0xBF, 0xDF, 0xDE) or first & 0xFFE8 == 0xB660 or first >> 8 == 0x47
+                or first & 0xFD87 == 0x4487)
     if first & 0xFF80 == 0xF380 and second & 0xD000 == 0x8000:
         return True
     if first & 0xFFE0 == 0xE840 or first & 0xFFE0 == 0xE8C0 and second & 0xF0 not in (0x00, 0x10):
@@ -71,6 +72,7 @@ def machine():
     uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
     uc.ctl_set_cpu_model(UC_CPU_ARM_CORTEX_M4)
     uc.mem_map(FLASH, 0x80000)
+    uc.mem_map(0, 0x80000)
     uc.mem_map(RAM, SIZE)
     uc.mem_write(RAM, PATTERN)
     uc.reg_write(UC_ARM_REG_FPEXC, 0x40000000)
@@ -80,6 +82,7 @@ def machine():
 def unicorn(uc, first, second, given):
     regs, status, singles, fpscr = given
     uc.mem_write(AT, struct.pack("<4H", first, second, 0xBF00, 0xBF00))
+    uc.mem_write(AT - FLASH, struct.pack("<4H", first, second, 0xBF00, 0xBF00))
     uc.ctl_remove_cache(AT, AT + 8)
     for register, value in zip(REGS, regs):
         uc.reg_write(register, value)

@@ -153,7 +153,7 @@ impl Machine {
             }
             Part::Iwdg => p.watchdog.write(w),
             Part::Usart2 => p.usart.write(w, p.clocks.pclk1),
-            Part::Pwr => p.pwr.write(w),
+            Part::Pwr => p.pwr.write(w).map(|()| self.settle_pins()),
             Part::Dac => p.dac.write(w, p.clocks.pclk1),
             Part::Adc => p.adc.write(w, &p.clocks.clone()),
             Part::Syscfg => p.exti.write_syscfg(w).map(|()| self.settle_pins()),
@@ -433,6 +433,14 @@ impl Machine {
     }
 
     pub(crate) fn flash_done(&mut self, work: Option<Work>) {
+        if self.cuts.is_some() {
+            let whole = self.flash.clone();
+            self.break_off(work.clone());
+            let broken = std::mem::replace(&mut self.flash, whole);
+            self.cuts
+                .iter_mut()
+                .for_each(|cuts| cuts.push(broken.clone()));
+        }
         let range = match work {
             Some(Work::Program(at, bytes)) => {
                 // Zeros can be written, ones not.
@@ -493,6 +501,7 @@ impl Machine {
                 .is_some_and(|gpio| gpio.level(line));
             self.parts.exti.level(line, high);
         }
+        self.parts.exti.level(16, self.parts.pwr.is_low());
         self.note(Change::Enable(self.parts.gpio[0].driven(8)));
         self.note(Change::Led(self.parts.gpio[0].driven(5)));
     }

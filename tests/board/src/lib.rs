@@ -7,15 +7,19 @@
 //! | [`memory`], [`bus`] | where all of them are; what happens by itself |
 //! | [`machine`] | the board as a whole: power, resets, time |
 //! | [`image`] | the program and its names |
+//! | [`checks`] | what runs in it |
 //! | [`rig`] | the board in a closed loop with the emulator's plant, and the link's wire |
 //!
 //! It is strict: whatever the manual forbids, and whatever is not modelled, ends the run with address, instruction
 //! and source line. docs/board-machine.md says what is modelled and what a run proves.
 
 pub mod bus;
+pub mod checks;
 pub mod core;
 pub mod image;
 pub mod machine;
 pub mod memory;
 pub mod parts;
 pub mod rig;
+#[cfg(test)]
+mod tests;

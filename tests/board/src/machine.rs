@@ -139,6 +139,8 @@ pub struct Machine {
     attention: bool,
     reset_asked: bool,
     halted: bool,
+    /// The flash as a power cut in the middle of each operation would leave it, while somebody wants that.
+    pub(crate) cuts: Option<Vec<Vec<u8>>>,
     /// What happened at the edge: when, and what.
     pub changes: Vec<(u64, Change)>,
     last: [Option<Change>; 4],
@@ -214,6 +216,7 @@ impl Machine {
             attention: false,
             reset_asked: false,
             halted: false,
+            cuts: None,
             changes: Vec::new(),
             last: [None; 4],
             entered: [0; 113],
@@ -259,8 +262,29 @@ impl Machine {
         self.note(Change::Duty(None));
     }
 
+    /// Other contents of the flash, and a reset.
+    pub fn set_flash(&mut self, bytes: &[u8]) {
+        self.flash.copy_from_slice(bytes);
+        self.ops.fill(Op::NOT_DECODED);
+        self.reset(cause::POWER_ON | cause::BROWN_OUT | cause::PIN);
+    }
+
+    /// Writes a register from outside, as a debugger does.
+    ///
+    /// # Errors
+    /// A rule of the peripheral is broken.
+    pub fn poke(&mut self, address: u32, value: u32) -> Result<(), Stop> {
+        self.write_part(address, value, u32::MAX)
+            .map_err(|trap| self.stop(format!("{trap:?}")))
+    }
+
+    /// Halts the processor from outside, as a debugger does.
+    pub fn stand_still(&mut self) {
+        self.halt("from outside");
+    }
+
     /// Half of what was under way is done: bits that were to change are what they may be.
-    fn break_off(&mut self, work: Option<crate::parts::flash::Work>) {
+    pub(crate) fn break_off(&mut self, work: Option<crate::parts::flash::Work>) {
         use crate::parts::flash::{SECTORS, Work};
         match work {
             Some(Work::Program(at, bytes)) => {
@@ -362,6 +386,20 @@ impl Machine {
     pub fn set_pin(&mut self, port: usize, pin: usize, outside: Outside) {
         self.around.pins[port][pin] = outside;
         self.parts.gpio[port].outside[pin] = outside;
+        self.settle_pins();
+        self.settle_lines();
+    }
+
+    /// The supply changes: the voltage detector and the brown-out reset see it.
+    pub fn set_supply(&mut self, supply_v: f64) {
+        self.around.supply_v = supply_v;
+        self.parts.pwr.supply_v = supply_v;
+        // Brown-out levels 3 to 0, falling (DS10693, table 22).
+        let threshold = [2.83, 2.54, 2.24, 1.7][(self.around.options >> 2 & 3) as usize];
+        if supply_v < threshold {
+            self.reset(cause::BROWN_OUT | cause::PIN);
+            return;
+        }
         self.settle_pins();
         self.settle_lines();
     }
@@ -562,6 +600,11 @@ impl Machine {
         self.step()
     }
 
+    /// Whether a store has failed behind its instruction's back.
+    pub fn take_late_fault(&mut self) -> bool {
+        std::mem::take(&mut self.late_fault)
+    }
+
     fn fetch_elsewhere(&self, pc: u32) -> Trap {
         if self.is_memory(pc) {
             return Trap::stop(format!("code in RAM at {pc:#010x} is not modelled"));
@@ -590,6 +633,11 @@ impl Machine {
         };
         self.ops[index] = op;
         op
+    }
+
+    /// Where the program is: source file and line.
+    pub fn place(&self) -> String {
+        self.image.place_of(self.cpu.pc)
     }
 
     /// The run ends at the instruction in work.

@@ -1,60 +1,57 @@
-//! Runs the board's image in the model.
+//! Runs the board's image in the model: `board ELF [--short] [--seconds S] [WORDS]`. `cargo xtask board` builds the image
+//! and starts this. WORDS: only the checks whose name has them in it. The exit code is 1 if a check fails.
 
-use std::cell::RefCell;
-use std::path::PathBuf;
-use std::rc::Rc;
+use std::process::ExitCode;
 
-use board::rig::{Rig, Wire, wired};
-use emulator::log::Reader;
-use emulator::scenario::load;
-use host_sim::link::client::Client;
-use host_sim::link::recording::record;
-use host_sim::progress::Progress;
-use host_sim::replay::replay;
-use shared::control::{Command, Mode};
-use shared::link::Act;
+use board::checks::{Setup, run};
+use board::rig::LEVEL_3;
 
-fn main() {
-    let path = PathBuf::from(std::env::args().nth(1).expect("path"));
-    let seconds: f64 = std::env::args().nth(2).map_or(2.0, |s| s.parse().unwrap());
-    let scenario = load("field").unwrap();
-    let rig = Rig::power_up(&path, &scenario, wired()).unwrap();
-    let rig = Rc::new(RefCell::new(rig));
-    let t = std::time::Instant::now();
-    let run = || -> Result<(), Box<dyn std::error::Error>> {
-        rig.borrow_mut().advance(100_000)?;
-        let mut client = Client::new(Wire(rig.clone()), "the board");
-        let hello = client.hello()?;
-        println!("{hello:?}");
-        client.open_session(false)?;
-        client.steer(Act::SetSettings(scenario.settings))?;
-        client.command(Command::ClearFault)?;
-        let log = std::env::temp_dir().join("board-log");
-        let log = record(
-            &mut client,
-            &hello,
-            &log,
-            (seconds * 20_000.0) as u64,
-            Some(Command::Start(Mode::Automatic)),
-        )?;
-        println!("{:?}", client.status()?);
-        let mut reader = Reader::open(&log)?;
-        println!("{:?}", replay(&mut reader, &Progress::new("", 1, true))?);
-        Ok(())
+const USAGE: &str = "board ELF [--short] [--seconds S] [WORDS]";
+
+fn parse(words: &[String]) -> Result<(Setup, String), String> {
+    let mut setup = Setup {
+        elf: std::path::PathBuf::new(),
+        seconds: 60.0,
+        every: 7,
+        options: LEVEL_3,
     };
-    if let Err(e) = run() {
-        println!("{e}");
+    let mut wanted = Vec::new();
+    let mut rest = words.iter();
+    setup.elf = rest.next().ok_or(USAGE)?.into();
+    while let Some(word) = rest.next() {
+        match word.as_str() {
+            "--short" => {
+                setup.seconds = 2.0;
+                setup.every = 101;
+            }
+            "--seconds" => {
+                let seconds = rest
+                    .next()
+                    .and_then(|s| s.parse().ok())
+                    .filter(|s| (0.1..=3600.0).contains(s));
+                setup.seconds = seconds.ok_or("--seconds wants a number from 0.1 to 3600")?;
+            }
+            other if other.starts_with('-') => return Err(format!("no option {other}: {USAGE}")),
+            other => wanted.push(other),
+        }
     }
-    let m = &rig.borrow().machine;
-    let e = t.elapsed().as_secs_f64();
-    println!(
-        "{} ms, {} instr, {:.1} M/s, {} ticks",
-        m.now / 720_000,
-        m.instructions,
-        m.instructions as f64 / e / 1e6,
-        m.ticks
-    );
-    for (i, n) in m.entered.iter().enumerate().filter(|x| *x.1 > 0) {
-        println!("exception {i}: {n}");
+    Ok((setup, wanted.join(" ")))
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let (setup, wanted) = match parse(&words) {
+        Ok(parsed) => parsed,
+        Err(message) => {
+            eprintln!("error: {message}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(&setup, &wanted) {
+        0 => ExitCode::SUCCESS,
+        failed => {
+            eprintln!("error: {failed} check(s) failed");
+            ExitCode::FAILURE
+        }
     }
 }

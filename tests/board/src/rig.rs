@@ -12,15 +12,23 @@ use std::rc::Rc;
 use emulator::scenario::Scenario;
 use emulator::schedule::{Doing, Due, schedule};
 use emulator::world::World;
-use shared::io::{DacCode, Output};
+use shared::io::{DacCode, Frame, Output};
 use shared::link::BAUD;
 
 use crate::image::Image;
-use crate::machine::{Around, Machine, Stop};
+use crate::machine::{Around, Change, Machine, Stop};
 use crate::memory::VREFINT_CODE;
 use crate::parts::UNITS_PER_US;
 use crate::parts::gpio::Outside;
 use crate::parts::rcc::External;
+
+/// How long the power stage's enable outlives the last rising edge of PA8 (docs/wiring.md, U1): 2.1 ms.
+pub const PULSE_HOLD: u64 = 2_100 * UNITS_PER_US;
+
+/// Option bytes with the brown-out reset at level 3: BOR_LEV 00 (RM0390, 3.8.7).
+pub const LEVEL_3: u32 = 0x0fff_aae1;
+/// As the part is delivered: BOR_LEV 11, off.
+pub const DELIVERED: u32 = 0x0fff_aaed;
 
 /// Ports by letter.
 pub mod port {
@@ -54,7 +62,7 @@ pub fn wired() -> Around {
         pins,
         supply_v: 3.3,
         lsi_hz: 32_000,
-        options: 0x0fff_aaed,
+        options: LEVEL_3,
         baud: u64::from(BAUD),
     }
 }
@@ -66,11 +74,16 @@ pub struct Rig {
     /// The plant.
     pub world: World,
     due: Peekable<std::vec::IntoIter<Due>>,
+    /// When PA8 last rose, and how many changes have been looked at.
+    rose: Option<u64>,
+    seen: usize,
     output: Output,
     /// Ticks of the plant.
     pub tick: u64,
     /// Codes at PA4, tick by tick.
     pub played: Vec<u16>,
+    /// What the ADC was given, tick by tick.
+    pub sampled: Vec<Frame>,
     /// What ended the run, if something did.
     pub stopped: Option<Stop>,
 }
@@ -87,9 +100,12 @@ impl Rig {
             machine,
             world: World::new(scenario).map_err(|e| e.to_string())?,
             due: schedule(scenario).into_iter().peekable(),
+            rose: None,
+            seen: 0,
             output: Output::SAFE,
             tick: 0,
             played: Vec::new(),
+            sampled: Vec::new(),
             stopped: None,
         })
     }
@@ -120,6 +136,7 @@ impl Rig {
         self.world.drift();
         let frame = self.world.tick(&self.output);
         self.tick += 1;
+        self.sampled.push(frame);
         let codes = &mut self.machine.codes;
         codes[FORCE] = frame.force.0;
         codes[HAMMER] = frame.hammer.0;
@@ -137,8 +154,20 @@ impl Rig {
         self.output = Output {
             dac: DacCode(code),
             frequency_hz: (self.machine.parts.tim[1].duty(2).unwrap_or(0.0) * FULL_SCALE_HZ) as f32,
-            enable: self.machine.enabled(),
+            enable: self.is_driven(),
         };
+    }
+
+    /// Whether the pulses at PA8 hold the power stage's enable.
+    pub fn is_driven(&mut self) -> bool {
+        for (at, change) in &self.machine.changes[self.seen..] {
+            if *change == Change::Enable(Some(true)) {
+                self.rose = Some(*at);
+            }
+        }
+        self.seen = self.machine.changes.len();
+        self.rose
+            .is_some_and(|at| self.machine.now < at + PULSE_HOLD)
     }
 
     /// What the scenario does to the rig; what it does to the controller comes by the link.

@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let image = Image::of_code(RAM + 0x1_0000, &[], &[0xbf00; 4]);
     let mut machine = Machine::power_up(image, wired(), 1);
     machine.known.fill(1);
+    machine.flash.fill(0);
     for (i, byte) in machine.ram.iter_mut().enumerate() {
         *byte = pattern(i);
     }
@@ -40,9 +41,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         machine.cpu.control = 4;
         machine.cpu.sleeping = false;
         machine.cpu.pc = AT;
+        machine.take_late_fault();
         match machine.one() {
             Err(Trap::Fault(fault)) => writeln!(out, "fault {fault:?}")?,
             Err(Trap::Stop(why)) => writeln!(out, "stop {why}")?,
+            Ok(()) if machine.take_late_fault() => writeln!(out, "fault late")?,
             Ok(()) => {
                 write!(out, "ok")?;
                 let cpu = &machine.cpu;

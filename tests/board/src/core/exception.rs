@@ -247,9 +247,6 @@ impl Machine {
 
     /// The processor faults: at the instruction that [`super::Cpu::pc`] names.
     pub(crate) fn raise(&mut self, fault: Fault) -> Try {
-        if std::env::var("DBG").is_ok() {
-            eprintln!("{fault:?} {}", self.stop(""));
-        }
         let (number, bits) = match fault {
             Fault::Bus(address) => {
                 self.system.bus_address = address;

@@ -1,10 +1,13 @@
 //! ADC1 (RM0390, chapter 13): regular sequences of up to 16, started by software or by a timer's edge, with DMA.
-//! Not modelled: injected channels, the analogue watchdog, discontinuous and dual modes, interrupts but the line of
+//! One injected conversion by software, which interrupts a regular one or
+//! delays it. Not modelled: more injected ones, the analogue watchdog, discontinuous and dual modes, interrupts but the line of
 //! EOC and overrun, anything analogue.
 
 use super::{Access, Clocks, NEVER, UNITS_PER_US, Write};
 
 const EOC: u32 = 1 << 1;
+const JEOC: u32 = 1 << 2;
+const JSTRT: u32 = 1 << 3;
 const STRT: u32 = 1 << 4;
 const OVR: u32 = 1 << 5;
 const STABILISING: u64 = 3 * UNITS_PER_US;
@@ -17,6 +20,10 @@ pub struct Adc {
     sampling: [u32; 2],
     sequence: [u32; 3],
     common: u32,
+    injected_sequence: u32,
+    injected_data: u32,
+    /// When the injected conversion under way ends.
+    injected: Option<u64>,
     data: u32,
     unread: bool,
     on_at: u64,
@@ -77,8 +84,38 @@ impl Adc {
             return Ok(());
         }
         self.status |= STRT;
-        self.step = Some((0, now + self.duration(self.channel(0), clocks)));
+        // Behind an injected conversion under way.
+        let from = self.injected.map_or(now, |end| end.max(now));
+        self.step = Some((0, from + self.duration(self.channel(0), clocks)));
         Ok(())
+    }
+
+    /// The one injected conversion, which goes before a regular one.
+    fn inject(&mut self, now: u64, clocks: &Clocks) -> Access {
+        if self.injected_sequence >> 20 & 3 != 0 {
+            return Err("more than one injected conversion is not modelled".into());
+        }
+        if self.injected.is_some() {
+            return Err("an injected conversion is started while one is under way".into());
+        }
+        if self.control[1] & 1 == 0 {
+            return Ok(());
+        }
+        let time = self.duration(self.injected_channel(), clocks);
+        self.status |= JSTRT;
+        self.injected = Some(now + time);
+        if let Some((place, _)) = self.step {
+            // The regular conversion is broken off and made anew (13.3.9).
+            self.step = Some((
+                place,
+                now + time + self.duration(self.channel(place), clocks),
+            ));
+        }
+        Ok(())
+    }
+
+    fn injected_channel(&self) -> usize {
+        (self.injected_sequence >> 15 & 31) as usize
     }
 
     /// A timer's edge; true if a sequence begins.
@@ -97,12 +134,18 @@ impl Adc {
 
     /// When the conversion under way ends.
     pub fn next(&self) -> u64 {
-        self.step.map_or(NEVER, |(_, at)| at)
+        let regular = self.step.map_or(NEVER, |(_, at)| at);
+        regular.min(self.injected.unwrap_or(NEVER))
     }
 
     /// Ends it: `code` is what is measured at a channel. True if a DMA request is made.
     pub fn run(&mut self, now: u64, clocks: &Clocks, code: impl Fn(usize) -> u16) -> bool {
-        let Some((place, _)) = self.step else {
+        if self.injected.is_some_and(|at| at <= now) {
+            self.injected = None;
+            self.injected_data = u32::from(code(self.injected_channel()));
+            self.status |= JEOC;
+        }
+        let Some((place, _)) = self.step.filter(|(_, at)| *at <= now) else {
             return false;
         };
         let dma = self.control[1] & 1 << 8 != 0;
@@ -160,6 +203,8 @@ impl Adc {
             0x04 | 0x08 => self.control[offset as usize / 4 - 1],
             0x0c | 0x10 => self.sampling[offset as usize / 4 - 3],
             0x2c..=0x34 => self.sequence[offset as usize / 4 - 11],
+            0x38 => self.injected_sequence,
+            0x3c => self.injected_data,
             0x4c => self.take(),
             0x300 => self.status,
             0x304 => self.common,
@@ -182,15 +227,21 @@ impl Adc {
             }
             0x08 => {
                 let new = w.over(self.control[1], 0x7f7f_0f03)?;
-                if new & 0x007f_0000 != 0 {
-                    return Err("ADC_CR2: injected conversions are not modelled".into());
+                if new & 0x003f_0000 != 0 {
+                    return Err(
+                        "ADC_CR2: injected conversions by a trigger are not modelled".into(),
+                    );
                 }
                 if new & !self.control[1] & 1 == 1 {
                     self.on_at = w.now;
                 }
-                self.control[1] = new & !(1 << 30);
+                self.control[1] = new & !(1 << 30 | 1 << 22);
                 if new & 1 == 0 {
                     self.step = None;
+                    self.injected = None;
+                }
+                if new >> 22 & 1 == 1 {
+                    self.inject(w.now, clocks)?;
                 }
                 if new >> 30 & 1 == 1 {
                     self.start(w.now, clocks)?;
@@ -203,6 +254,7 @@ impl Adc {
                 let slot = &mut self.sequence[w.offset as usize / 4 - 11];
                 *slot = w.over(*slot, 0x3fff_ffff)?;
             }
+            0x38 => self.injected_sequence = w.over(self.injected_sequence, 0x003f_ffff)?,
             0x304 => self.common = w.over(self.common, 0x00c3_ef1f)?,
             _ => return Err("is not modelled".into()),
         }

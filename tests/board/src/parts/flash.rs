@@ -102,7 +102,7 @@ impl Flash {
                 self.access = new;
             }
             0x04 => self.unlock(w.ones())?,
-            0x0c => self.status &= !w.over(0, 0xf3)?,
+            0x0c => self.status &= !w.over(0, 0x1f3)?,
             0x10 => self.control(w)?,
             _ => return Err("is not modelled".into()),
         }

@@ -44,7 +44,7 @@ impl Pwr {
     /// Whether the supply is below the voltage detector's threshold (DS10693, table 22: falling edges).
     pub fn is_low(&self) -> bool {
         let threshold =
-            [2.04, 2.24, 2.35, 2.55, 2.65, 2.74, 2.83, 2.93][(self.cr >> 5 & 7) as usize];
+            [2.04, 2.19, 2.35, 2.51, 2.66, 2.82, 2.93, 3.03][(self.cr >> 5 & 7) as usize];
         self.cr & 0x10 != 0 && self.supply_v < threshold
     }
 

@@ -1,0 +1,123 @@
+//! Faults by their electrical cause, with the drive on: how long PA8 goes on, and what the board says after it.
+
+use shared::control::State;
+
+use super::session::Bench;
+use super::{Found, Setup, must};
+use crate::machine::Change;
+use crate::parts::gpio::Outside;
+use crate::parts::rcc::External;
+use crate::rig::port;
+
+/// Does something to a board that drives; PA8 must be low for good within `limit_us`, and the board in Fault after
+/// `wait_ms`.
+fn strike(
+    setup: &Setup,
+    limit_us: f64,
+    wait_ms: u64,
+    strike: impl Fn(&mut Bench) -> Result<(), Box<dyn std::error::Error>>,
+) -> Found {
+    let mut bench = Bench::driving(setup)?;
+    let from = bench.now();
+    strike(&mut bench)?;
+    bench.advance_ms(wait_ms)?;
+    let gone = bench.enable_gone_us(from)?;
+    must(gone <= limit_us, || {
+        format!("PA8 was last high {gone:.1} µs after the cause; {limit_us} are allowed")
+    })?;
+    let resets = bench
+        .changes_since(from)
+        .iter()
+        .filter(|(_, c)| matches!(c, Change::Reset(_)))
+        .count();
+    let status = bench.must_be(State::Fault)?;
+    let fault = status
+        .fault
+        .map_or_else(String::new, |record| format!("{:?}", record.fault));
+    let text = format!(
+        "PA8 low for good {gone:.1} µs after it, {resets} reset(s), then in Fault: {fault}"
+    );
+    Ok((text, bench.now()))
+}
+
+/// PB5 rises.
+pub fn chain(setup: &Setup) -> Found {
+    strike(setup, 5.0, 50, |bench| {
+        let rig = &mut bench.rig.borrow_mut();
+        let tick_s = 50e-6;
+        let now_s = rig.world.plant().time_s();
+        rig.world.set_emergency(true, now_s + tick_s / 2.0);
+        rig.machine.set_pin(port::B, 5, Outside::High);
+        Ok(())
+    })
+}
+
+/// TIM2 stands: no samples, no interrupts of the control task.
+pub fn samples_stop(setup: &Setup) -> Found {
+    strike(setup, 3_100.0, 100, |bench| {
+        bench.rig.borrow_mut().machine.poke(0x4000_0000, 0)?;
+        Ok(())
+    })
+}
+
+/// The debugger's clock ends.
+pub fn clock_dies(setup: &Setup) -> Found {
+    strike(setup, 20.0, 1500, |bench| {
+        Ok(bench.rig.borrow_mut().machine.set_hse(External::Missing)?)
+    })
+}
+
+/// The supply falls below the voltage detector's level, and comes back.
+pub fn supply_sags(setup: &Setup) -> Found {
+    strike(setup, 10.0, 400, |bench| {
+        let rig = &mut bench.rig.borrow_mut();
+        rig.machine.set_supply(2.88);
+        rig.advance(2_000)?;
+        rig.machine.set_supply(3.3);
+        Ok(())
+    })
+}
+
+/// The stack pointer at the bottom of RAM: the next call or interrupt leaves it.
+pub fn stack_overflow(setup: &Setup) -> Found {
+    strike(setup, 600.0, 400, |bench| {
+        bench.rig.borrow_mut().machine.cpu.r[13] = crate::memory::RAM + 8;
+        Ok(())
+    })
+}
+
+/// The program goes on where nothing is.
+pub fn bad_address(setup: &Setup) -> Found {
+    strike(setup, 20.0, 400, |bench| {
+        bench.rig.borrow_mut().machine.cpu.pc = 0x0900_0000;
+        Ok(())
+    })
+}
+
+/// A debugger halts the processor and goes away: the pulses end at once, the watchdog resets the board.
+pub fn halted(setup: &Setup) -> Found {
+    let mut bench = Bench::driving(setup)?;
+    let from = bench.now();
+    bench.rig.borrow_mut().machine.stand_still();
+    bench.advance_ms(10)?;
+    let driven = bench.rig.borrow_mut().is_driven();
+    must(!driven, || {
+        "the pulses hold the enable 10 ms after the processor was halted".into()
+    })?;
+    bench.advance_ms(4_000)?;
+    let reset = bench
+        .changes_since(from)
+        .iter()
+        .find(|(_, c)| matches!(c, Change::Reset(_)))
+        .map(|(at, _)| *at);
+    let reset = reset.ok_or("no reset within 4 s")?;
+    let status = bench.must_be(State::Fault)?;
+    let fault = status
+        .fault
+        .map_or_else(String::new, |record| format!("{:?}", record.fault));
+    let seconds = (reset - from) as f64 / crate::parts::UNITS_PER_S as f64;
+    Ok((
+        format!("the watchdog resets after {seconds:.2} s, then in Fault: {fault}"),
+        bench.now(),
+    ))
+}
