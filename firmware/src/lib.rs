@@ -9,6 +9,7 @@
 extern crate std;
 
 pub mod bench;
+pub mod brown_out;
 pub mod button;
 #[cfg(feature = "_board")]
 pub mod hardware;

@@ -23,11 +23,12 @@ use super::report;
 pub const SYSCLK_MHZ: u32 = 180;
 /// The debugger on the board feeds its 8 MHz into the OSC_IN pin.
 const HSE_MHZ: u32 = 8;
-/// Looks at the crystal's clock before it is given up, one per millisecond. The debugger's part needs some 0.1 s to start
-/// (believed, not measured); the watchdog's shortest period is 1.36 s.
+/// Looks at the crystal's clock before it is given up, one per millisecond at most: 0.38 to 0.5 s. The debugger's part needs
+/// some 0.1 s to start (believed, not measured); the watchdog's shortest period is 1.36 s.
 const LOOKS: u32 = 500;
-/// A millisecond of the power-up clock, 16 MHz, in processor cycles.
-const MILLISECOND: u32 = 16_000;
+/// Between two looks: [`cortex_m::asm::delay`] takes 3 to 4 cycles for each that it is told on this processor, so 0.75 to
+/// 1 ms of the power-up clock, 16 MHz. (With 16,000 the watchdog reset the board before it gave up.)
+const MILLISECOND: u32 = 4_000;
 
 /// Starts the clock; whether it is the crystal's.
 pub fn start(rcc: Rcc) -> (Rcc, bool) {

@@ -47,15 +47,15 @@ pub fn unfit(why: Unfit) -> ! {
     end()
 }
 
-/// Time for a debugger to fetch the last lines of the log, processor cycles: 20 ms at 180 MHz, a
+/// Time for a debugger to fetch the last lines of the log, in turns of 3 to 4 cycles: 20 ms at 180 MHz, a
 /// quarter of a second on the power-up clock.
-const FETCHING_CYCLES: u32 = 3_600_000;
+const FETCHING: u32 = 1_000_000;
 
 /// A reset, after which the controller starts in Fault with the retained record. There is no breakpoint for a debugger: a
 /// processor that stands still watches over nothing.
 fn end() -> ! {
     cortex_m::interrupt::disable();
     watchdog::feed();
-    cortex_m::asm::delay(FETCHING_CYCLES);
+    cortex_m::asm::delay(FETCHING);
     cortex_m::peripheral::SCB::sys_reset()
 }

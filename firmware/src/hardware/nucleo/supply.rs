@@ -15,13 +15,14 @@ use shared::control::Unfit;
 use stm32f4xx_hal::pac;
 
 use super::{drive, report};
+use crate::brown_out;
 
 /// PLS of PWR_CR: 3.03 V rising, 2.93 V falling.
 const LEVEL: u8 = 6;
 /// The detector's line of EXTI.
 const LINE: u32 = 1 << 16;
-/// What the detector is given to settle, processor cycles: 1 ms at 180 MHz.
-const SETTLING: u32 = 180_000;
+/// What the detector is given to settle, in turns of 3 to 4 cycles: 1 ms at 180 MHz.
+const SETTLING: u32 = 50_000;
 
 /// Starts the detector. Its interface needs its clock, which the HAL has switched on for the over-drive.
 pub fn watch(pwr: &pac::PWR, flash: &pac::FLASH, exti: &pac::EXTI) -> Unfit {
@@ -34,7 +35,7 @@ pub fn watch(pwr: &pac::PWR, flash: &pac::FLASH, exti: &pac::EXTI) -> Unfit {
     acknowledge();
     exti.imr().modify(|_, w| w.mr16().set_bit());
 
-    let level = flash.optcr().read().bor_lev().is_bor_level3();
+    let level = brown_out::is_level_3(flash.optcr().read().bits());
     Unfit::SUPPLY
         .when(low)
         .and(Unfit::BROWN_OUT_LEVEL.when(!level))

@@ -8,9 +8,9 @@ use stm32f4xx_hal::gpio::{Input, PA0, PA1, PB0, Pin, Pull};
 
 use super::sampling::SensorPins;
 
-/// How long a pin is left to follow, in processor cycles before the clocks are set up (16 MHz): 1 ms, twenty
+/// How long a pin is left to follow, in turns of 3 to 4 cycles before the clocks are set up (16 MHz): 1 ms, twenty
 /// times 40 kΩ · 1 nF.
-const SETTLING_CYCLES: u32 = 16_000;
+const SETTLING: u32 = 5_000;
 
 /// Probes the three pins, then makes them analogue. True if a voltage holds any of them.
 pub fn probe(pins: (PA0<Input>, PA1<Input>, PB0<Input>)) -> (SensorPins, bool) {
@@ -30,7 +30,7 @@ pub fn probe(pins: (PA0<Input>, PA1<Input>, PB0<Input>)) -> (SensorPins, bool) {
 fn held<const P: char, const N: u8>(pin: &mut Pin<P, N, Input>) -> bool {
     let mut under = |pull| {
         pin.set_internal_resistor(pull);
-        cortex_m::asm::delay(SETTLING_CYCLES);
+        cortex_m::asm::delay(SETTLING);
         pin.is_high()
     };
     let (up, down) = (under(Pull::Up), under(Pull::Down));

@@ -243,3 +243,17 @@ fn pages(port: &mut Port) -> Result<Pages, UserError> {
         page += 1;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_that_is_not_fit_says_why() {
+        let record = Record::unfit(Unfit::CLOCK.and(Unfit::SUPPLY));
+        let shown = fault(&record);
+        let why = "18 board-unfit: the crystal's clock is missing or died; the supply is too low";
+        assert!(shown.starts_with(why), "{shown}");
+        assert!(!fault(&Record::CRASH).contains(':'));
+    }
+}
