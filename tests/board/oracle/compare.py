@@ -12,7 +12,7 @@ import struct
 import subprocess
 import sys
 
-from unicorn import UC_ARCH_ARM, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn import UC_ARCH_ARM, UC_MODE_MCLASS, UC_MODE_THUMB, UC_PROT_EXEC, UC_PROT_READ, Uc, UcError
 from unicorn.arm_const import *
 
 FLASH, RAM, SIZE = 0x08000000, 0x20000000, 0x20000
@@ -71,8 +71,8 @@ def state(rng):
 def machine():
     uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
     uc.ctl_set_cpu_model(UC_CPU_ARM_CORTEX_M4)
-    uc.mem_map(FLASH, 0x80000)
-    uc.mem_map(0, 0x80000)
+    uc.mem_map(FLASH, 0x80000, UC_PROT_READ | UC_PROT_EXEC)
+    uc.mem_map(0, 0x80000, UC_PROT_READ | UC_PROT_EXEC)
     uc.mem_map(RAM, SIZE)
     uc.mem_write(RAM, PATTERN)
     uc.reg_write(UC_ARM_REG_FPEXC, 0x40000000)

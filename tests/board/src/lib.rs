@@ -4,8 +4,9 @@
 //! |---|---|
 //! | [`core`] | the processor: instructions, exceptions, interrupts, its own registers |
 //! | [`parts`] | the peripherals, one file each |
-//! | [`memory`], [`bus`] | where all of them are; what happens by itself |
-//! | [`machine`] | the board as a whole: power, resets, time |
+//! | [`memory`], [`bus`] | where all of them are |
+//! | [`events`], [`run`] | what happens by itself; instructions and time |
+//! | [`machine`], [`outside`] | the board as a whole, power and resets; what the world does to it |
 //! | [`image`] | the program and its names |
 //! | [`checks`] | what runs in it |
 //! | [`rig`] | the board in a closed loop with the emulator's plant, and the link's wire |
@@ -16,10 +17,13 @@
 pub mod bus;
 pub mod checks;
 pub mod core;
+pub mod events;
 pub mod image;
 pub mod machine;
 pub mod memory;
+pub mod outside;
 pub mod parts;
 pub mod rig;
+pub mod run;
 #[cfg(test)]
 mod tests;

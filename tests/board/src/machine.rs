@@ -1,9 +1,9 @@
 //! The whole board: processor, memory, peripherals, time.
 
+use crate::core::Cpu;
 use crate::core::nvic::Nvic;
-use crate::core::op::{Kind, Op};
+use crate::core::op::Op;
 use crate::core::system::System;
-use crate::core::{Cpu, Fault, Trap, Try, decode16, decode32};
 use crate::image::Image;
 use crate::memory::{FLASH, RAM_SIZE};
 use crate::parts::adc::Adc;
@@ -120,7 +120,7 @@ pub struct Machine {
     pub ram: Vec<u8>,
     /// Which of them were written since power-up.
     pub known: Vec<u8>,
-    ops: Vec<Op>,
+    pub(crate) ops: Vec<Op>,
     /// Time, in units of 1/720 MHz.
     pub now: u64,
     /// Units per cycle of the processor.
@@ -136,9 +136,9 @@ pub struct Machine {
     pub(crate) next_event: u64,
     pub(crate) pause: bool,
     pub(crate) late_fault: bool,
-    attention: bool,
-    reset_asked: bool,
-    halted: bool,
+    pub(crate) attention: bool,
+    pub(crate) reset_asked: bool,
+    pub(crate) halted: bool,
     /// The flash as a power cut in the middle of each operation would leave it, while somebody wants that.
     pub(crate) cuts: Option<Vec<Vec<u8>>>,
     /// What happened at the edge: when, and what.
@@ -262,27 +262,6 @@ impl Machine {
         self.note(Change::Duty(None));
     }
 
-    /// Other contents of the flash, and a reset.
-    pub fn set_flash(&mut self, bytes: &[u8]) {
-        self.flash.copy_from_slice(bytes);
-        self.ops.fill(Op::NOT_DECODED);
-        self.reset(cause::POWER_ON | cause::BROWN_OUT | cause::PIN);
-    }
-
-    /// Writes a register from outside, as a debugger does.
-    ///
-    /// # Errors
-    /// A rule of the peripheral is broken.
-    pub fn poke(&mut self, address: u32, value: u32) -> Result<(), Stop> {
-        self.write_part(address, value, u32::MAX)
-            .map_err(|trap| self.stop(format!("{trap:?}")))
-    }
-
-    /// Halts the processor from outside, as a debugger does.
-    pub fn stand_still(&mut self) {
-        self.halt("from outside");
-    }
-
     /// Half of what was under way is done: bits that were to change are what they may be.
     pub(crate) fn break_off(&mut self, work: Option<crate::parts::flash::Work>) {
         use crate::parts::flash::{SECTORS, Work};
@@ -380,259 +359,6 @@ impl Machine {
             self.entered[number] += 1;
             self.lowest_stack = self.lowest_stack.min(self.cpu.r[13]);
         }
-    }
-
-    /// The world changes a pin.
-    pub fn set_pin(&mut self, port: usize, pin: usize, outside: Outside) {
-        self.around.pins[port][pin] = outside;
-        self.parts.gpio[port].outside[pin] = outside;
-        self.settle_pins();
-        self.settle_lines();
-    }
-
-    /// The supply changes: the voltage detector and the brown-out reset see it.
-    pub fn set_supply(&mut self, supply_v: f64) {
-        self.around.supply_v = supply_v;
-        self.parts.pwr.supply_v = supply_v;
-        // Brown-out levels 3 to 0, falling (DS10693, table 22).
-        let threshold = [2.83, 2.54, 2.24, 1.7][(self.around.options >> 2 & 3) as usize];
-        if supply_v < threshold {
-            self.reset(cause::BROWN_OUT | cause::PIN);
-            return;
-        }
-        self.settle_pins();
-        self.settle_lines();
-    }
-
-    /// The world changes the HSE's pin.
-    ///
-    /// # Errors
-    /// The clocks break a rule.
-    pub fn set_hse(&mut self, external: External) -> Result<(), Stop> {
-        self.around.hse = external;
-        self.parts.rcc.set_external(external);
-        self.clocks_changed().map_err(|why| self.stop(why))?;
-        self.settle_lines();
-        self.reschedule();
-        Ok(())
-    }
-
-    /// The link's other end sends bytes.
-    pub fn send(&mut self, bytes: &[u8]) {
-        self.parts.usart.arrive(bytes, self.now);
-        self.reschedule();
-    }
-
-    /// Time goes on to `to`, with what happens on the way.
-    fn wait_until(&mut self, to: u64) -> Try {
-        while self.now < to {
-            let next = self.next_event.clamp(self.now, to);
-            self.cycles += (next - self.now) / u64::from(self.unit);
-            self.now = next.max(self.now);
-            let before = self.parts.flash.operations;
-            self.happen()?;
-            if self.next_event <= self.now || before != self.parts.flash.operations {
-                break;
-            }
-            if self.attention && to == u64::MAX {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// Stands until the flash is free.
-    pub(crate) fn wait_for_flash(&mut self) -> Try {
-        while let Some((_, until)) = self.parts.flash.work {
-            self.wait_until(until)?;
-        }
-        Ok(())
-    }
-
-    /// Nothing is executed until something happens, or until `end`; gives the time that passes.
-    fn idle_until(&mut self, end: u64) -> u64 {
-        let by = self.next_event.min(end).saturating_sub(self.now);
-        self.cycles += by / u64::from(self.unit);
-        self.now += by;
-        by
-    }
-
-    /// What is to be looked at between instructions.
-    fn look(&mut self, end: u64) -> Try {
-        self.attention = false;
-        if self.reset_asked {
-            self.reset(cause::SOFTWARE | cause::PIN);
-        }
-        if self.late_fault {
-            self.late_fault = false;
-            self.raise(Fault::BusLate)?;
-        }
-        if self.halted {
-            self.attention = true;
-            let by = self.idle_until(end);
-            if self.parts.dbgmcu.freezes_watchdog() {
-                self.parts.watchdog.freeze(by);
-            }
-            if self.parts.dbgmcu.freezes_tim2() {
-                self.parts.tim[0].freeze(by);
-            }
-            self.reschedule();
-            return Ok(());
-        }
-        if self.cpu.sleeping {
-            if self.wakes() {
-                self.cpu.sleeping = false;
-            } else {
-                self.attention = true;
-                self.idle_until(end);
-                return Ok(());
-            }
-        }
-        if self.nvic.changed {
-            self.nvic.changed = false;
-            if let Some(number) = self.due() {
-                self.enter_exception(number)?;
-                // The stack and the vector came by the bus; something may be due at once.
-                self.nvic.changed = true;
-                self.attention = true;
-            }
-        }
-        Ok(())
-    }
-
-    /// Runs until `end`, or until a sampling tick begins.
-    ///
-    /// # Errors
-    /// A rule of the machine is broken.
-    pub fn run_until(&mut self, end: u64) -> Result<(), Stop> {
-        self.pause = false;
-        while self.now < end && !self.pause {
-            if let Err(trap) = self.turn(end) {
-                return Err(match trap {
-                    Trap::Stop(why) => self.stop(*why),
-                    Trap::Fault(fault) => {
-                        self.stop(format!("a fault that was not handled: {fault:?}"))
-                    }
-                });
-            }
-        }
-        Ok(())
-    }
-
-    #[inline(always)]
-    fn turn(&mut self, end: u64) -> Try {
-        if self.now >= self.next_event {
-            self.happen()?;
-        }
-        if self.attention {
-            self.look(end)?;
-            if self.halted || self.cpu.sleeping {
-                return Ok(());
-            }
-        }
-        let pc = self.cpu.pc;
-        match self.step() {
-            Err(Trap::Fault(fault)) => {
-                if !matches!(fault, Fault::State | Fault::Return) {
-                    self.cpu.pc = pc;
-                    self.cpu.it = self.cpu.it_now;
-                }
-                self.raise(fault)
-            }
-            other => other,
-        }
-    }
-
-    /// One instruction.
-    #[inline(always)]
-    pub(crate) fn step(&mut self) -> Try {
-        let pc = self.cpu.pc;
-        let index = (pc.wrapping_sub(FLASH) >> 1) as usize;
-        let Some(op) = self.ops.get(index).copied() else {
-            return Err(self.fetch_elsewhere(pc));
-        };
-        if self.parts.flash.work.is_some() {
-            return self.wait_for_flash();
-        }
-        let op = if op.kind == Kind::NotDecoded {
-            self.decode(index, pc)
-        } else {
-            op
-        };
-        self.cpu.r[15] = pc.wrapping_add(4);
-        self.cpu.pc = pc.wrapping_add(u32::from(op.len));
-        self.instructions += 1;
-        self.spend(u32::from(op.cost));
-        let it = self.cpu.it;
-        self.cpu.it_now = it;
-        if it != 0 {
-            self.cpu.it = if it & 7 == 0 {
-                0
-            } else {
-                it & 0xe0 | it << 1 & 0x1f
-            };
-            if !self.cpu.holds(it >> 4) {
-                return Ok(());
-            }
-        }
-        self.execute(&op)
-    }
-
-    /// Switches the floating point on, as a program does.
-    pub fn enable_float(&mut self) {
-        self.system.switch_float_on();
-    }
-
-    /// Lays half words into the flash, for tests.
-    pub fn place_code(&mut self, address: u32, code: &[u16]) {
-        let at = (address - FLASH) as usize;
-        for (i, half) in code.iter().enumerate() {
-            self.flash[at + 2 * i..at + 2 * i + 2].copy_from_slice(&half.to_le_bytes());
-        }
-        self.forget(at..at + 2 * code.len());
-    }
-
-    /// One instruction, without exceptions: for tests.
-    ///
-    /// # Errors
-    /// It faults, or breaks a rule.
-    pub fn one(&mut self) -> Try {
-        self.step()
-    }
-
-    /// Whether a store has failed behind its instruction's back.
-    pub fn take_late_fault(&mut self) -> bool {
-        std::mem::take(&mut self.late_fault)
-    }
-
-    fn fetch_elsewhere(&self, pc: u32) -> Trap {
-        if self.is_memory(pc) {
-            return Trap::stop(format!("code in RAM at {pc:#010x} is not modelled"));
-        }
-        match pc >> 29 {
-            // Peripherals and the processor's own space: code may not be there.
-            2 | 5 | 7 => Trap::Fault(Fault::Fetch),
-            _ => Trap::Fault(Fault::BusFetch),
-        }
-    }
-
-    fn half(&self, pc: u32) -> u32 {
-        let at = pc.wrapping_sub(FLASH) as usize;
-        self.flash
-            .get(at..at + 2)
-            .map_or(0, |b| u32::from(b[0]) | u32::from(b[1]) << 8)
-    }
-
-    #[cold]
-    fn decode(&mut self, index: usize, pc: u32) -> Op {
-        let first = self.half(pc);
-        let op = if first >> 11 >= 0b11101 {
-            decode32::decode(pc, first, self.half(pc.wrapping_add(2)))
-        } else {
-            decode16::decode(pc, first)
-        };
-        self.ops[index] = op;
-        op
     }
 
     /// Where the program is: source file and line.

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let line = line?;
         let words = line.split(' ').map(|word| u32::from_str_radix(word, 16));
         let words: Vec<u32> = words.collect::<Result<_, _>>()?;
-        machine.place_code(AT, &[words[0] as u16, words[1] as u16]);
+        machine.place_code(AT, &[words[0] as u16, words[1] as u16, 0xbf00, 0xbf00]);
         machine.cpu.r[..15].copy_from_slice(&words[2..17]);
         machine.cpu.set_xpsr(words[17] & 0xf800_0000);
         machine.cpu.s.copy_from_slice(&words[18..50]);

@@ -1,6 +1,7 @@
 //! Faults by their electrical cause, with the drive on: how long PA8 goes on, and what the board says after it.
 
 use shared::control::State;
+use shared::fault::Fault;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -9,12 +10,13 @@ use crate::parts::gpio::Outside;
 use crate::parts::rcc::External;
 use crate::rig::port;
 
-/// Does something to a board that drives; PA8 must be low for good within `limit_us`, and the board in Fault after
-/// `wait_ms`.
+/// Does something to a board that drives; PA8 must be low for good within `limit_us`, and the fault after `wait_ms`
+/// the one that is wanted.
 fn strike(
     setup: &Setup,
     limit_us: f64,
     wait_ms: u64,
+    wanted: Option<Fault>,
     strike: impl Fn(&mut Bench) -> Result<(), Box<dyn std::error::Error>>,
 ) -> Found {
     let mut bench = Bench::driving(setup)?;
@@ -30,19 +32,22 @@ fn strike(
         .iter()
         .filter(|(_, c)| matches!(c, Change::Reset(_)))
         .count();
-    let status = bench.must_be(State::Fault)?;
-    let fault = status
-        .fault
-        .map_or_else(String::new, |record| format!("{:?}", record.fault));
+    let status = bench.status()?;
+    let fault = status.fault.map(|record| record.fault);
+    must(fault == wanted, || {
+        format!("then {fault:?} in {:?}, not {wanted:?}", status.state)
+    })?;
+    let fault = fault.map_or_else(|| "no fault".into(), |fault| format!("{fault:?}"));
     let text = format!(
-        "PA8 low for good {gone:.1} µs after it, {resets} reset(s), then in Fault: {fault}"
+        "PA8 low for good {gone:.1} µs after it ({limit_us} allowed), {resets} reset(s), then {:?}: {fault}",
+        status.state
     );
     Ok((text, bench.now()))
 }
 
 /// PB5 rises.
 pub fn chain(setup: &Setup) -> Found {
-    strike(setup, 5.0, 50, |bench| {
+    strike(setup, 5.0, 50, Some(Fault::EmergencyStop), |bench| {
         let rig = &mut bench.rig.borrow_mut();
         let tick_s = 50e-6;
         let now_s = rig.world.plant().time_s();
@@ -52,9 +57,9 @@ pub fn chain(setup: &Setup) -> Found {
     })
 }
 
-/// TIM2 stands: no samples, no interrupts of the control task.
+/// TIM2 stands: no samples, so the control task, which would say so, does not run either: the block monitor alone acts.
 pub fn samples_stop(setup: &Setup) -> Found {
-    strike(setup, 3_100.0, 100, |bench| {
+    strike(setup, 3_100.0, 100, None, |bench| {
         bench.rig.borrow_mut().machine.poke(0x4000_0000, 0)?;
         Ok(())
     })
@@ -62,14 +67,14 @@ pub fn samples_stop(setup: &Setup) -> Found {
 
 /// The debugger's clock ends.
 pub fn clock_dies(setup: &Setup) -> Found {
-    strike(setup, 20.0, 1500, |bench| {
+    strike(setup, 20.0, 1500, Some(Fault::BoardUnfit), |bench| {
         Ok(bench.rig.borrow_mut().machine.set_hse(External::Missing)?)
     })
 }
 
 /// The supply falls below the voltage detector's level, and comes back.
 pub fn supply_sags(setup: &Setup) -> Found {
-    strike(setup, 10.0, 400, |bench| {
+    strike(setup, 10.0, 400, Some(Fault::BoardUnfit), |bench| {
         let rig = &mut bench.rig.borrow_mut();
         rig.machine.set_supply(2.88);
         rig.advance(2_000)?;
@@ -80,7 +85,7 @@ pub fn supply_sags(setup: &Setup) -> Found {
 
 /// The stack pointer at the bottom of RAM: the next call or interrupt leaves it.
 pub fn stack_overflow(setup: &Setup) -> Found {
-    strike(setup, 600.0, 400, |bench| {
+    strike(setup, 600.0, 400, Some(Fault::Crash), |bench| {
         bench.rig.borrow_mut().machine.cpu.r[13] = crate::memory::RAM + 8;
         Ok(())
     })
@@ -88,7 +93,7 @@ pub fn stack_overflow(setup: &Setup) -> Found {
 
 /// The program goes on where nothing is.
 pub fn bad_address(setup: &Setup) -> Found {
-    strike(setup, 20.0, 400, |bench| {
+    strike(setup, 20.0, 400, Some(Fault::Crash), |bench| {
         bench.rig.borrow_mut().machine.cpu.pc = 0x0900_0000;
         Ok(())
     })

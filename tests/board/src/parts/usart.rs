@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_byte_takes_ten_bits_and_two_in_a_row_are_lost_unread() {
         let mut usart = Usart::new(2_250_000);
-        let mut write = |usart: &mut Usart, offset, value| {
+        let write = |usart: &mut Usart, offset, value| {
             usart.write(
                 Write {
                     offset,
