@@ -116,13 +116,17 @@ def main():
     for (first, second), (regs, status, singles, fpscr) in todo:
         lines.append(" ".join(f"{w:x}" for w in [first, second, *regs, status, *singles, fpscr]))
     theirs = subprocess.run([program], input="\n".join(lines) + "\n", capture_output=True, text=True, check=True)
-    uc, different, faults, shown = machine(), 0, 0, {}
+    uc, different, faults, known, shown = machine(), 0, 0, 0, {}
     for (pair, given), answer in zip(todo, theirs.stdout.splitlines()):
         expected = unicorn(uc, *pair, given)
         said = answer.split(" ")
         if expected is None or said[0] != "ok":
             faults += 1
             if (expected is None) == (said[0] != "ok"):
+                continue
+            # Unicorn looks at the target of a branch at once, and takes multiple transfers at any address.
+            if said[0] == "ok" and not FLASH <= int(said[16], 16) < FLASH + 0x80000 or said[1:] == ["Unaligned"]:
+                known += 1
                 continue
             expected = expected or ["fault"]
         if said[1:] != expected:
@@ -133,7 +137,7 @@ def main():
                 names = [f"r{i}" for i in range(15)] + ["pc", "status"] + [f"s{i}" for i in range(32)] + ["fpscr"]
                 parts = [f"{n}: {a} for {b}" for n, a, b in zip(names, said[1:], expected) if a != b]
                 print(f"{pair[0]:04x} {pair[1]:04x}: {said[0]} {parts or (said[:3], expected[:1], said[50:], expected[49:])}")
-    print(f"{len(code)} instructions, {len(todo)} cases, {faults} faults in both or one, {different} differ")
+    print(f"{len(code)} instructions, {len(todo)} cases, {faults} faults, {known} known differences, {different} differ")
     return 1 if different else 0
 
 

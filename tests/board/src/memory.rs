@@ -65,7 +65,7 @@ impl Machine {
     pub(crate) fn load<const W: usize>(&mut self, address: u32) -> Try<u32> {
         let at = address.wrapping_sub(RAM) as usize;
         if at < RAM_SIZE && at + W <= RAM_SIZE {
-            if W > 1 && address as usize % W != 0 {
+            if W > 1 && !(address as usize).is_multiple_of(W) {
                 self.check_unaligned()?;
             }
             if self.known[at..at + W].contains(&0) {
@@ -75,7 +75,7 @@ impl Machine {
         }
         let at = address.wrapping_sub(FLASH) as usize;
         if at < FLASH_SIZE && at + W <= FLASH_SIZE {
-            if W > 1 && address as usize % W != 0 {
+            if W > 1 && !(address as usize).is_multiple_of(W) {
                 self.check_unaligned()?;
             }
             return self.load_flash(at, W);
@@ -133,7 +133,7 @@ impl Machine {
                 Ok(word >> (offset >> 2 & 31) & 1)
             }
             4 | 5 => {
-                if address as usize % width != 0 {
+                if !(address as usize).is_multiple_of(width) {
                     return Err(Trap::Fault(Fault::Unaligned));
                 }
                 Ok(self.read_part(address & !3)? >> shift & mask)
@@ -154,7 +154,7 @@ impl Machine {
     pub(crate) fn store<const W: usize>(&mut self, address: u32, value: u32) -> Try {
         let at = address.wrapping_sub(RAM) as usize;
         if at < RAM_SIZE && at + W <= RAM_SIZE {
-            if W > 1 && address as usize % W != 0 {
+            if W > 1 && !(address as usize).is_multiple_of(W) {
                 self.check_unaligned()?;
             }
             self.ram[at..at + W].copy_from_slice(&value.to_le_bytes()[..W]);
@@ -199,7 +199,7 @@ impl Machine {
                 )
             }
             4 | 5 => {
-                if address as usize % width != 0 {
+                if !(address as usize).is_multiple_of(width) {
                     return Err(Trap::Fault(Fault::Unaligned));
                 }
                 self.write_part(address & !3, (value & mask) << shift, mask << shift)

@@ -47,7 +47,7 @@ fn many(a: u32, b: u32) -> Op {
     op(kind)
         .regs(0, n, 0)
         .imm(b)
-        .ra(before | back * mode::WRITE_BACK)
+        .ra(before | (back * mode::WRITE_BACK))
         .cost(1 + b.count_ones())
 }
 
@@ -80,7 +80,7 @@ fn pair_or_table(a: u32, b: u32) -> Op {
         .regs(t, n, 0)
         .s(t2)
         .imm(imm)
-        .ra(p * mode::BEFORE | w * mode::WRITE_BACK)
+        .ra((p * mode::BEFORE) | (w * mode::WRITE_BACK))
         .cost(3)
 }
 
@@ -283,7 +283,7 @@ fn single(pc: u32, a: u32, b: u32) -> Op {
             _ => op(indexed)
                 .regs(t, n, 0)
                 .imm(offset)
-                .ra(p * mode::BEFORE | mode::WRITE_BACK)
+                .ra((p * mode::BEFORE) | mode::WRITE_BACK)
                 .s(width)
                 .cost(cost + if to_pc { 2 } else { 0 }),
         };

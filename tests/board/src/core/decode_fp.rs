@@ -106,7 +106,7 @@ fn transfer(a: u32, b: u32) -> Op {
 
 /// The first single of a double.
 fn double_register(low: u32, high: u32) -> u32 {
-    (high * 16 + low) * 2 & 31
+    ((high * 16 + low) * 2) & 31
 }
 
 /// Loads and stores, and moves of two registers.
@@ -160,6 +160,6 @@ fn memory(a: u32, b: u32) -> Op {
     op(kind)
         .regs(d, n, 0)
         .imm(words)
-        .ra(before | w * mode::WRITE_BACK)
+        .ra(before | (w * mode::WRITE_BACK))
         .cost(1 + words)
 }

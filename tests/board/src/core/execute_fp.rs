@@ -141,12 +141,12 @@ impl Machine {
             Kind::VmovFromCore => self.cpu.s[d] = self.cpu.r[n],
             Kind::VmovPair | Kind::VmovPairDouble => {
                 if op.imm == 1 {
-                    let (low, high) = (self.cpu.s[m], self.cpu.s[m + 1 & 31]);
+                    let (low, high) = (self.cpu.s[m], self.cpu.s[(m + 1) & 31]);
                     self.cpu.set(op.rd, low);
                     self.cpu.set(op.rn, high);
                 } else {
                     self.cpu.s[m] = self.cpu.r[d];
-                    self.cpu.s[m + 1 & 31] = self.cpu.r[n];
+                    self.cpu.s[(m + 1) & 31] = self.cpu.r[n];
                 }
             }
             Kind::Vmrs if op.rd == 15 => self.cpu.set_float_flags(),
@@ -190,7 +190,7 @@ impl Machine {
         }
         for i in 0..count {
             let address = start.wrapping_add(4 * i as u32);
-            let register = usize::from(op.rd) + i & 31;
+            let register = (usize::from(op.rd) + i) & 31;
             if load {
                 self.cpu.s[register] = self.load::<4>(address)?;
             } else {

@@ -65,7 +65,7 @@ pub enum Fault {
 }
 
 /// Registers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Cpu {
     /// General registers; 13 is the stack pointer in use, 15 the address of the instruction and 4 more.
     pub r: [u32; 16],
@@ -109,34 +109,6 @@ pub struct Cpu {
     pub sleeping: bool,
     /// An event is noted.
     pub event: bool,
-}
-
-impl Default for Cpu {
-    fn default() -> Self {
-        Self {
-            r: [0; 16],
-            other_sp: 0,
-            pc: 0,
-            n: false,
-            z: false,
-            c: false,
-            v: false,
-            q: false,
-            ge: 0,
-            it: 0,
-            it_now: 0,
-            ipsr: 0,
-            control: 0,
-            primask: false,
-            faultmask: false,
-            basepri: 0,
-            s: [0; 32],
-            fpscr: 0,
-            exclusive: false,
-            sleeping: false,
-            event: false,
-        }
-    }
 }
 
 impl Cpu {

@@ -117,11 +117,12 @@ impl Usart {
     }
 
     fn begin(&mut self, now: u64, cycle: u32) {
-        if self.shifting.is_none() && self.is_on(3) {
-            if let Some(byte) = self.waiting.take() {
-                self.shifting = Some((byte, now + self.byte_time(cycle)));
-                self.status |= TXE;
-            }
+        if self.shifting.is_none()
+            && self.is_on(3)
+            && let Some(byte) = self.waiting.take()
+        {
+            self.shifting = Some((byte, now + self.byte_time(cycle)));
+            self.status |= TXE;
         }
     }
 
