@@ -202,7 +202,7 @@ mod app {
             Some(bench) => bench.block(outputs, &mut frames),
             None => frames = local.sampler.take(arrived.half, tripped),
         }
-        let stale = block_monitor::take_stale() || arrived.failed;
+        let stale = block_monitor::take_stale() || arrived.failed || !arrived.any;
         let late = arrived.lost && !block_monitor::is_paused();
         let record = context.shared.recorder.lock(|recorder| {
             if late {
@@ -212,13 +212,23 @@ mod app {
             *local.wired = recorder.controller().settings().interlock;
             recorder.controller().fault().copied()
         });
-        let in_time = local.set_points.play(arrived.half, outputs) || block_monitor::is_paused();
+        let in_time = if arrived.any {
+            local.set_points.play(arrived.half, outputs) || block_monitor::is_paused()
+        } else {
+            // Whichever of them is played: nothing tells.
+            for half in nucleo::HALVES {
+                local.set_points.play(half, outputs);
+            }
+            true
+        };
         if let Some(enable) = local.enable {
             enable.apply(outputs.iter().all(|output| output.enable), tripped);
         }
         // The drive is off; a reset from here on finds the fault.
         local.keeper.after_block(record.as_ref(), retained::keep);
-        block_monitor::block_served();
+        if arrived.any {
+            block_monitor::block_served();
+        }
 
         let cycles = DWT::cycle_count().wrapping_sub(began);
         let [last, longest] = &CYCLES;

@@ -3,6 +3,7 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::{
     pac,
     prelude::*,
@@ -91,6 +92,9 @@ impl BlockMonitor {
         if self.missed >= 2 {
             drive::take_away();
             ACTED.store(true, Ordering::Relaxed);
+            // If it was the samples that stopped, the controller learns it: a block without samples, which does not count as
+            // served. The watchdog resets a board that stays so.
+            NVIC::pend(pac::Interrupt::DMA2_STREAM0);
         }
     }
 }

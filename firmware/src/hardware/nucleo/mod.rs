@@ -59,7 +59,7 @@ pub use debug::clear_traps;
 pub use flash::Store;
 pub use report::{report_fault, report_panic, unfit as report_unfit};
 pub use reset::flags as reset_flags;
-pub use sampling::Sampler;
+pub use sampling::{HALVES, Sampler};
 pub use serial::Serial;
 pub use set_points::SetPoints;
 pub use supply::dropped as supply_dropped;

@@ -66,6 +66,9 @@ static RING: Shared = Shared(UnsafeCell::new([[[0; CHANNELS]; BLOCK_TICKS]; 2]))
 /// Pins of the three sensors.
 pub type SensorPins = (PA0<Analog>, PA1<Analog>, PB0<Analog>);
 
+/// Both halves.
+pub const HALVES: [Half; 2] = [Half(0), Half(1)];
+
 /// One half of the ring: which of the two the DMA has just filled. The set-points worked out from it go
 /// into the same half of theirs ([`super::set_points`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +84,8 @@ impl Half {
 /// The block of an interrupt.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrived {
+    /// Whether a block has come; else the guard asks for the controller's reaction to none.
+    pub any: bool,
     /// The half that is complete.
     pub half: Half,
     /// Whether the block before it was never taken: the control task came a whole block late.
@@ -216,6 +221,7 @@ impl Sampler {
         // The count of remaining transfers shows which half is being written now; the other is complete.
         let left = self.dma.st(0).ndtr().read().bits() as u16;
         Arrived {
+            any: half || full,
             half: Half(usize::from(left > SAMPLES / 2)),
             lost: half && full,
             failed,
