@@ -24,6 +24,15 @@ impl Machine {
             .map_err(|trap| self.stop(format!("{trap:?}")))
     }
 
+    /// Reads a register from outside, as a debugger does.
+    ///
+    /// # Errors
+    /// A rule of the peripheral is broken.
+    pub fn peek(&mut self, address: u32) -> Result<u32, Stop> {
+        self.read_part(address)
+            .map_err(|trap| self.stop(format!("{trap:?}")))
+    }
+
     /// Halts the processor from outside, as a debugger does.
     pub fn stand_still(&mut self) {
         self.halt("from outside");

@@ -57,12 +57,46 @@ pub fn chain(setup: &Setup) -> Found {
     })
 }
 
-/// TIM2 stands: no samples, so the control task, which would say so, does not run either: the block monitor alone acts.
+/// TIM2 stands: no samples, and no interrupt of the control task; the block monitor acts.
 pub fn samples_stop(setup: &Setup) -> Found {
-    strike(setup, 3_100.0, 100, None, |bench| {
+    strike(setup, 3_100.0, 100, Some(Fault::StaleSamples), |bench| {
         bench.rig.borrow_mut().machine.poke(0x4000_0000, 0)?;
         Ok(())
     })
+}
+
+/// The samples' DMA stream is switched off; the converter then overruns.
+pub fn stream_stops(setup: &Setup) -> Found {
+    const CONTROL: u32 = 0x4002_6410;
+    strike(setup, 3_100.0, 100, Some(Fault::StaleSamples), |bench| {
+        let machine = &mut bench.rig.borrow_mut().machine;
+        let value = machine.peek(CONTROL)?;
+        Ok(machine.poke(CONTROL, value & !1)?)
+    })
+}
+
+/// A debugger is attached and has left its traps in the part, at HardFault and at the other vectors; then a load from
+/// nowhere. The program must have cleared them: halted at the fault, it could not make the outputs safe.
+pub fn traps(setup: &Setup) -> Found {
+    const TRAPS: u32 = 0x7f0;
+    let mut bench = Bench::driving_with(setup, Some(TRAPS))?;
+    let from = bench.now();
+    bench.rig.borrow_mut().machine.cpu.pc = 0x0900_0000;
+    bench.advance_ms(5)?;
+    let gone = bench.enable_gone_us(from)?;
+    must(gone <= 20.0, || {
+        format!("PA8 was last high {gone:.1} µs after the fault")
+    })?;
+    let at = bench.changes_since(from);
+    let halt = at.iter().find_map(|(_, change)| match change {
+        Change::Halt(why) => Some(*why),
+        _ => None,
+    });
+    let text = format!(
+        "PA8 low for good {gone:.1} µs after it, then halted by: {}",
+        halt.unwrap_or("nothing")
+    );
+    Ok((text, bench.now()))
 }
 
 /// The debugger's clock ends.

@@ -32,7 +32,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 14] = [
+const ALL: [Check; 16] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -41,6 +41,8 @@ const ALL: [Check; 14] = [
     ("closed loop", closed::field),
     ("the emergency chain opens", faults::chain),
     ("the samples stop", faults::samples_stop),
+    ("the samples' stream stops", faults::stream_stops),
+    ("a debugger's traps", faults::traps),
     ("the clock dies", faults::clock_dies),
     ("the supply sags", faults::supply_sags),
     ("a stack overflow", faults::stack_overflow),

@@ -43,11 +43,18 @@ impl Bench {
 
     /// A wired board with the scenario's settings, idle.
     pub fn idle(setup: &Setup) -> Outcome<(Self, Hello)> {
+        Self::idle_with(setup, None)
+    }
+
+    fn idle_with(setup: &Setup, traps: Option<u32>) -> Outcome<(Self, Hello)> {
         let around = Around {
             options: setup.options,
             ..wired()
         };
         let mut bench = Self::power_up(setup, around)?;
+        if traps.is_some() {
+            bench.rig.borrow_mut().machine.system.attach(traps);
+        }
         bench.advance_ms(100)?;
         let hello = bench.client.hello()?;
         bench.client.open_session(false)?;
@@ -64,7 +71,12 @@ impl Bench {
 
     /// The same, started: the pulses at PA8 have come.
     pub fn driving(setup: &Setup) -> Outcome<Self> {
-        let (mut bench, _) = Self::idle(setup)?;
+        Self::driving_with(setup, None)
+    }
+
+    /// The same with a debugger attached, and these traps (DEMCR) left in the part.
+    pub fn driving_with(setup: &Setup, traps: Option<u32>) -> Outcome<Self> {
+        let (mut bench, _) = Self::idle_with(setup, traps)?;
         bench.client.command(Command::Start(Mode::Automatic))?;
         for _ in 0..MOST_START_MS / 5 {
             bench.advance_ms(5)?;

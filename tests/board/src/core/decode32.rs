@@ -339,6 +339,9 @@ fn register(a: u32, b: u32) -> Op {
 fn multiply(a: u32, b: u32) -> Op {
     let (n, t, d, m) = (a & 15, b >> 12, b >> 8 & 15, b & 15);
     let (op1, op2) = (a >> 4 & 7, b >> 4 & 3);
+    if b >> 6 & 3 != 0 {
+        return undefined(a, b);
+    }
     let with = |kind, imm| op(kind).regs(d, n, m).ra(t).imm(imm);
     match (op1, op2) {
         (0, 0) if t == 15 => op(Kind::Mul).regs(d, n, m),
