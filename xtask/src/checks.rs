@@ -77,6 +77,9 @@ const FIRMWARE: &[Step] = &[
         let run = |plan| pil::run(plan, &Build::Tested);
         silent(pil::Plan::checks().iter().try_for_each(run))
     }),
+    ("image in the model of the board", || {
+        silent(crate::board::run(crate::board::SHORT, &Build::Tested))
+    }),
 ];
 
 fn silent(outcome: Outcome) -> Outcome<String> {

@@ -1,4 +1,4 @@
-//! The program `host-sim`, built.
+//! The desktop's programs, built: `host-sim`, and `board`, the model of the board.
 
 use std::path::PathBuf;
 
@@ -17,30 +17,32 @@ pub enum Build {
 }
 
 impl Build {
-    fn words(&self) -> &'static [&'static str] {
+    fn words<'a>(&self, name: &'a str) -> [&'a str; 3] {
         match self {
-            Self::Alone => &["build", "--package", "host-sim"],
-            Self::Tested => &["test", "--workspace", "--no-run"],
+            Self::Alone => ["build", "--package", name],
+            Self::Tested => ["test", "--workspace", "--no-run"],
         }
     }
 }
 
-/// Builds the program; where it is.
-pub fn program(build: &Build) -> Outcome<PathBuf> {
+/// Builds the program of that name; where it is.
+pub fn program(name: &str, build: &Build) -> Outcome<PathBuf> {
     let mut command = cargo();
-    command.args(build.words());
+    command.args(build.words(name));
     command.args(["--message-format", "json-render-diagnostics"]);
     let messages = run_tee(&mut command, false)?;
-    let path = messages.iter().find_map(|message| executable(message));
-    path.ok_or_else(|| "cargo names no program host-sim".into())
+    let path = messages
+        .iter()
+        .find_map(|message| executable(name, message));
+    path.ok_or_else(|| format!("cargo names no program {name}").into())
 }
 
-/// The path in Cargo's message about the program `host-sim`; none in other messages, the one about its unit tests among
+/// The path in Cargo's message about the program; none in other messages, the one about its unit tests among
 /// them.
-fn executable(message: &str) -> Option<PathBuf> {
+fn executable(name: &str, message: &str) -> Option<PathBuf> {
     let ours = [
         r#""kind":["bin"]"#,
-        r#""name":"host-sim""#,
+        &format!(r#""name":"{name}""#),
         r#""test":false}"#,
     ];
     if !ours.iter().all(|part| message.contains(part)) {
@@ -61,7 +63,7 @@ mod tests {
                 r#"{{"reason":"compiler-artifact","target":{{"kind":["{kind}"],"crate_types":["{kind}"],"name":"host-sim","test":true}},"profile":{{"opt_level":"2","test":{test}}},"filenames":[],"executable":{executable},"fresh":true}}"#
             )
         };
-        let found = |kind, test, path| executable(&message(kind, test, path));
+        let found = |kind, test, path| executable("host-sim", &message(kind, test, path));
         assert_eq!(
             found("bin", false, r#""/t/host-sim""#),
             Some("/t/host-sim".into())

@@ -6,6 +6,7 @@
 //! cargo xtask firmware      builds the firmware
 //! cargo xtask qemu          runs it in QEMU
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
+//! cargo xtask board         runs the board's image in a model of the board, in a closed loop and through its faults
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
@@ -13,6 +14,7 @@
 //! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
 //! ```
 
+mod board;
 mod budgets;
 mod checks;
 mod command;
@@ -52,6 +54,9 @@ cargo xtask COMMAND
                               run the firmware's image under QEMU in a closed loop with the emulator's plant,
                               and compare its every output with the desktop's, bit for bit
                               (default: the field scenario, once, as long as it is)
+  board [--short] [--seconds S] [WORDS]
+                              run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
+                              the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
@@ -71,6 +76,7 @@ enum Job {
     Firmware(Vec<Board>),
     Qemu,
     Pil(pil::Plan),
+    Board(Vec<String>),
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
@@ -92,6 +98,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
             .ok_or_else(|| format!("no board `{name}`: choose nucleo or qemu")),
         ["qemu"] => Ok(Job::Qemu),
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
+        ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
@@ -119,6 +126,10 @@ fn run(job: Job) -> Outcome {
         }
         Job::Qemu => drop(qemu::run()?),
         Job::Pil(plan) => pil::run(&plan, &desktop::Build::Alone)?,
+        Job::Board(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            board::run(&words, &desktop::Build::Alone)?;
+        }
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Msrv => drop(msrv::run()?),
         Job::OldestRust => println!("{}", msrv::OLDEST),
@@ -166,6 +177,7 @@ mod tests {
             "firmware",
             "qemu",
             "pil",
+            "board",
             "bench-ticks",
             "size",
             "first-answer",

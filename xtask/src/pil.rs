@@ -136,7 +136,7 @@ impl Drop for Pipes {
 /// Builds both halves and runs them.
 pub fn run(plan: &Plan, build: &Build) -> Outcome {
     firmware::build(Board::Qemu)?;
-    let program = desktop::program(build)?;
+    let program = desktop::program("host-sim", build)?;
     let pipes = Pipes::new()?;
     let arguments = format!(
         "enable=on,target=native,arg=pil,arg={},arg={}",

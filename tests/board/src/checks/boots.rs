@@ -1,0 +1,184 @@
+//! The board starts, in every way.
+
+use shared::control::State;
+use shared::fault::Fault;
+
+use super::session::Bench;
+use super::{Found, Setup, must};
+use crate::core::nvic::FIRST;
+use crate::machine::{Around, Change};
+use crate::parts::gpio::Outside;
+use crate::parts::rcc::External;
+use crate::parts::{UNITS_PER_S, UNITS_PER_US, interrupt};
+use crate::rig::{DELIVERED, LEVEL_3, port, wired};
+
+/// The control task's interrupt: the end of a half of the samples.
+const CONTROL: usize = FIRST + interrupt::DMA2[0];
+/// The block monitor's and the link's.
+const MONITOR: usize = FIRST + interrupt::TIM7;
+const LINK: usize = FIRST + interrupt::TIM6;
+
+/// Power on, all as it should be: clocks, rates, pins.
+pub fn cold(setup: &Setup) -> Found {
+    let mut bench = Bench::power_up(setup, around(setup))?;
+    bench.advance_ms(150)?;
+    let before = [CONTROL, MONITOR, LINK].map(|n| bench.entered(n));
+    bench.advance_ms(100)?;
+    let per_100_ms = [0, 1, 2].map(|i| bench.entered([CONTROL, MONITOR, LINK][i]) - before[i]);
+    must(per_100_ms == [200, 100, 100], || {
+        format!("control, monitor and link ran {per_100_ms:?} times in 100 ms, not 200, 100, 100")
+    })?;
+    let hclk = bench.rig.borrow().machine.parts.rcc.hclk_hz()?;
+    must(hclk == 180_000_000, || format!("HCLK is {hclk} Hz"))?;
+    let changes = bench.changes_since(0);
+    must(
+        !changes.contains(&(0, Change::Enable(Some(true)))),
+        String::new,
+    )?;
+    let rose = changes
+        .iter()
+        .any(|(_, change)| *change == Change::Enable(Some(true)));
+    must(!rose, || "PA8 was high without a start".into())?;
+    let first = |wanted: Change| {
+        changes
+            .iter()
+            .find(|(_, c)| *c == wanted)
+            .map_or(0.0, |(at, _)| *at as f64 / 720e3)
+    };
+    let early = bench.rig.borrow().machine.parts.adc.early;
+    let text = format!(
+        "PA8 driven low after {:.1} ms, PA4 at the middle after {:.1} ms, 180 MHz; 2 kHz, 1 kHz, 1 kHz exactly; \
+         {early} conversion(s) within 3 µs of ADON",
+        first(Change::Enable(Some(false))),
+        first(Change::Dac(Some(2048)))
+    );
+    Ok((text, bench.now()))
+}
+
+fn refuses_to_drive(bench: &mut Bench, why: &str) -> Result<String, Box<dyn std::error::Error>> {
+    let status = bench.must_be(State::Fault)?;
+    let fault = status
+        .fault
+        .map_or_else(String::new, |record| format!("{:?}", record.fault));
+    let rose = bench
+        .changes_since(0)
+        .iter()
+        .any(|(_, change)| *change == Change::Enable(Some(true)));
+    must(!rose, || format!("{why}: PA8 was high"))?;
+    Ok(fault)
+}
+
+/// The debugger's clock never comes.
+pub fn without_crystal(setup: &Setup) -> Found {
+    let mut around = around(setup);
+    around.hse = External::Missing;
+    let mut bench = Bench::power_up(setup, around)?;
+    // Until the watchdog may end the wait, with an LSI at its fastest: 47 kHz make 1.36 s of 2 s (DS10693, 6.3.9).
+    bench.advance_ms(5_000)?;
+    let changes = bench.changes_since(0);
+    let resets = changes
+        .iter()
+        .filter(|(_, change)| matches!(change, Change::Reset(_)))
+        .count();
+    let at = changes
+        .iter()
+        .find(|(_, change)| *change == Change::Dac(Some(2048)))
+        .map_or(0, |(at, _)| *at);
+    let waited = format!(
+        "{resets} start(s), outputs on after {:.2} s",
+        at as f64 / UNITS_PER_S as f64
+    );
+    must(resets == 1, || {
+        format!("{waited}: the watchdog ends the wait for the clock")
+    })?;
+    let fault = refuses_to_drive(&mut bench, "without the clock")?;
+    let hclk = bench.rig.borrow().machine.parts.rcc.hclk_hz()?;
+    Ok((
+        format!(
+            "{waited}; runs from HSI at {} MHz, in Fault: {fault}",
+            hclk / 1_000_000
+        ),
+        bench.now(),
+    ))
+}
+
+/// It comes 0.2 s late.
+pub fn late_crystal(setup: &Setup) -> Found {
+    let mut around = around(setup);
+    around.hse = External::From(UNITS_PER_S / 5);
+    let mut bench = Bench::power_up(setup, around)?;
+    bench.advance_ms(600)?;
+    let started = bench
+        .changes_since(0)
+        .iter()
+        .find(|(_, c)| *c == Change::Dac(Some(2048)))
+        .map(|(at, _)| *at);
+    let started = started.ok_or("the set-point's output did not come on")?;
+    bench.status()?;
+    let text = format!(
+        "waits for it, PA4 at the middle after {:.0} ms",
+        started as f64 / UNITS_PER_US as f64 / 1e3
+    );
+    Ok((text, bench.now()))
+}
+
+/// Bench mode: nothing wired, button held.
+pub fn button_held(setup: &Setup) -> Found {
+    let mut around = around(setup);
+    for (port, pin) in [(port::A, 0), (port::A, 1), (port::B, 0), (port::B, 5)] {
+        around.pins[port][pin] = Outside::Open;
+    }
+    around.pins[port::C][13] = Outside::Low;
+    let mut bench = Bench::power_up(setup, around)?;
+    bench.advance_ms(300)?;
+    bench
+        .rig
+        .borrow_mut()
+        .machine
+        .set_pin(port::C, 13, Outside::High);
+    let status = bench.must_be(State::Idle)?;
+    must(status.fault.is_none(), || {
+        format!("a fault in bench mode: {:?}", status.fault)
+    })?;
+    Ok((
+        "the model replaces the rig, idle without stored settings".into(),
+        bench.now(),
+    ))
+}
+
+/// Whether the program takes a board with these option bytes for fit.
+pub fn fit(setup: &Setup) -> Result<bool, Box<dyn std::error::Error>> {
+    let mut bench = Bench::power_up(setup, around(setup))?;
+    bench.advance_ms(100)?;
+    let status = bench.status()?;
+    Ok(!status
+        .fault
+        .is_some_and(|record| record.episode.contains(Fault::BoardUnfit)))
+}
+
+/// Option bytes with the brown-out reset at level 3 and off: the program must tell them apart.
+pub fn brown_out_off(setup: &Setup) -> Found {
+    let with = |options| {
+        fit(&Setup {
+            options,
+            ..setup.clone()
+        })
+    };
+    let (on, off) = (with(LEVEL_3)?, with(DELIVERED)?);
+    let text = match (on, off) {
+        (true, false) => "refused; level 3 is accepted",
+        (false, true) if setup.options == DELIVERED => {
+            "KNOWN: accepted, and level 3 is refused (docs/board-machine.md)"
+        }
+        _ => return Err(format!("level 3 accepted: {on}, off accepted: {off}").into()),
+    };
+    Ok((text.into(), UNITS_PER_S / 5))
+}
+
+/// A wired board with those option bytes.
+fn around(setup: &Setup) -> Around {
+    Around {
+        options: setup.options,
+        ..wired()
+    }
+}

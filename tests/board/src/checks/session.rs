@@ -1,0 +1,163 @@
+//! A rig with its link, brought to where a check begins.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use emulator::scenario::{Scenario, load};
+use host_sim::link::client::Client;
+use shared::control::{Command, Mode, State, Status};
+use shared::link::{Act, Hello};
+
+use super::Setup;
+use crate::machine::{Around, Change};
+use crate::parts::UNITS_PER_US;
+use crate::rig::{Rig, Wire, wired};
+
+/// The longest that a start is given until the drive comes on, ms.
+const MOST_START_MS: u64 = 8_000;
+
+type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+/// The rig, and the desktop's end of its link.
+pub struct Bench {
+    /// The rig.
+    pub rig: Rc<RefCell<Rig>>,
+    /// The desktop's end.
+    pub client: Client<Wire>,
+    /// The scenario of the plant.
+    pub scenario: Scenario,
+}
+
+impl Bench {
+    /// Power comes on with `around`, and nothing else.
+    pub fn power_up(setup: &Setup, around: Around) -> Outcome<Self> {
+        let scenario = load("field")?;
+        let rig = Rc::new(RefCell::new(Rig::power_up(&setup.elf, &scenario, around)?));
+        let client = Client::new(Wire(rig.clone()), "the model's link");
+        Ok(Self {
+            rig,
+            client,
+            scenario,
+        })
+    }
+
+    /// A wired board with the scenario's settings, idle.
+    pub fn idle(setup: &Setup) -> Outcome<(Self, Hello)> {
+        Self::idle_with(setup, None)
+    }
+
+    fn idle_with(setup: &Setup, traps: Option<u32>) -> Outcome<(Self, Hello)> {
+        let around = Around {
+            options: setup.options,
+            ..wired()
+        };
+        let mut bench = Self::power_up(setup, around)?;
+        if traps.is_some() {
+            bench.rig.borrow_mut().machine.system.attach(traps);
+        }
+        bench.advance_ms(100)?;
+        let hello = bench.client.hello()?;
+        bench.client.open_session(false)?;
+        bench
+            .client
+            .steer(Act::SetSettings(bench.scenario.settings))?;
+        let status = bench.client.status()?;
+        bench
+            .client
+            .command(Command::ClearFault)
+            .map_err(|e| format!("{e}: {:?}", status.fault))?;
+        Ok((bench, hello))
+    }
+
+    /// The same, started: the pulses at PA8 have come.
+    pub fn driving(setup: &Setup) -> Outcome<Self> {
+        Self::driving_with(setup, None)
+    }
+
+    /// The same with a debugger attached, and these traps (DEMCR) left in the part.
+    pub fn driving_with(setup: &Setup, traps: Option<u32>) -> Outcome<Self> {
+        let (mut bench, _) = Self::idle_with(setup, traps)?;
+        bench.client.command(Command::Start(Mode::Automatic))?;
+        for _ in 0..MOST_START_MS / 5 {
+            bench.advance_ms(5)?;
+            if bench.rig.borrow_mut().is_driven() {
+                bench.advance_ms(20)?;
+                // In the middle of a pulse.
+                while !bench.rig.borrow().machine.enabled() {
+                    bench.rig.borrow_mut().advance(20)?;
+                }
+                return Ok(bench);
+            }
+        }
+        let status = bench.status()?;
+        Err(format!(
+            "the drive did not come on within {MOST_START_MS} ms of the start: {:?}",
+            status.state
+        )
+        .into())
+    }
+
+    /// Time goes on.
+    pub fn advance_ms(&mut self, ms: u64) -> Outcome {
+        Ok(self.rig.borrow_mut().advance(1000 * ms)?)
+    }
+
+    /// Now.
+    pub fn now(&self) -> u64 {
+        self.rig.borrow().machine.now
+    }
+
+    /// What the controller says; the board must have started.
+    pub fn status(&mut self) -> Outcome<Status> {
+        self.client.hello()?;
+        Ok(self.client.status()?)
+    }
+
+    /// The controller's state must be this.
+    pub fn must_be(&mut self, state: State) -> Outcome<Status> {
+        let status = self.status()?;
+        if status.state != state {
+            return Err(format!(
+                "the controller is in {:?}, not in {state:?}: {:?}",
+                status.state, status.fault
+            )
+            .into());
+        }
+        Ok(status)
+    }
+
+    /// What changed at the edge since `from`.
+    pub fn changes_since(&self, from: u64) -> Vec<(u64, Change)> {
+        let rig = self.rig.borrow();
+        rig.machine
+            .changes
+            .iter()
+            .filter(|(at, _)| *at >= from)
+            .copied()
+            .collect()
+    }
+
+    /// How long after `from` PA8 last rose or was high, in µs; an error if it is high now.
+    pub fn enable_gone_us(&self, from: u64) -> Outcome<f64> {
+        let rig = self.rig.borrow();
+        if rig.machine.enabled() {
+            return Err("PA8 is still high".into());
+        }
+        let mut last = from;
+        let mut high = false;
+        for (at, change) in &rig.machine.changes {
+            if let Change::Enable(level) = change {
+                if high && *at >= from {
+                    last = *at;
+                }
+                high = *level == Some(true);
+            }
+        }
+        Ok((last - from) as f64 / UNITS_PER_US as f64)
+    }
+
+    /// Starts of an exception since power-up.
+    pub fn entered(&self, number: usize) -> u64 {
+        self.rig.borrow().machine.entered[number]
+    }
+}

@@ -1,0 +1,222 @@
+//! Loads and stores, and what changes the processor's own state.
+
+use super::op::{Kind, Op, mode, width};
+use super::{Fault, Trap, Try};
+use crate::machine::Machine;
+
+impl Machine {
+    #[inline(always)]
+    fn base(&self, op: &Op) -> u32 {
+        self.cpu.r[usize::from(op.rn & 15)]
+    }
+
+    /// Address of a register offset.
+    #[inline(always)]
+    fn indexed(&self, op: &Op) -> u32 {
+        self.base(op)
+            .wrapping_add(self.cpu.r[usize::from(op.rm & 15)] << op.imm)
+    }
+
+    /// Address of a constant offset.
+    #[inline(always)]
+    fn offset(&self, op: &Op) -> u32 {
+        self.base(op).wrapping_add(op.imm)
+    }
+
+    fn load_as(&mut self, how: u32, address: u32) -> Try<u32> {
+        Ok(match how {
+            width::WORD => self.load::<4>(address)?,
+            width::BYTE => self.load::<1>(address)?,
+            width::HALF => self.load::<2>(address)?,
+            width::SIGNED_BYTE => self.load::<1>(address)? as i8 as u32,
+            _ => self.load::<2>(address)? as i16 as u32,
+        })
+    }
+
+    fn store_as(&mut self, how: u32, address: u32, value: u32) -> Try {
+        match how {
+            width::WORD => self.store::<4>(address, value),
+            width::BYTE => self.store::<1>(address, value),
+            _ => self.store::<2>(address, value),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn execute_memory(&mut self, op: &Op) -> Try {
+        let value = |machine: &Self| machine.cpu.r[usize::from(op.rd & 15)];
+        let loaded = match op.kind {
+            Kind::Ldr => self.load::<4>(self.offset(op))?,
+            Kind::Ldrb => self.load::<1>(self.offset(op))?,
+            Kind::Ldrh => self.load::<2>(self.offset(op))?,
+            Kind::Ldrsb => self.load::<1>(self.offset(op))? as i8 as u32,
+            Kind::Ldrsh => self.load::<2>(self.offset(op))? as i16 as u32,
+            Kind::LdrR => self.load::<4>(self.indexed(op))?,
+            Kind::LdrbR => self.load::<1>(self.indexed(op))?,
+            Kind::LdrhR => self.load::<2>(self.indexed(op))?,
+            Kind::LdrsbR => self.load::<1>(self.indexed(op))? as i8 as u32,
+            Kind::LdrshR => self.load::<2>(self.indexed(op))? as i16 as u32,
+            Kind::LdrLiteral => self.load_as(u32::from(op.s), op.imm)?,
+            Kind::Str => return self.store::<4>(self.offset(op), value(self)),
+            Kind::Strb => return self.store::<1>(self.offset(op), value(self)),
+            Kind::Strh => return self.store::<2>(self.offset(op), value(self)),
+            Kind::StrR => return self.store::<4>(self.indexed(op), value(self)),
+            Kind::StrbR => return self.store::<1>(self.indexed(op), value(self)),
+            Kind::StrhR => return self.store::<2>(self.indexed(op), value(self)),
+            Kind::LoadMany => return self.load_many(op),
+            Kind::StoreMany => return self.store_many(op),
+            _ => return self.execute_rare(op),
+        };
+        if op.rd == 15 {
+            return self.interwork(loaded);
+        }
+        self.cpu.set(op.rd, loaded);
+        Ok(())
+    }
+
+    fn load_many(&mut self, op: &Op) -> Try {
+        let base = self.base(op);
+        let size = 4 * op.imm.count_ones();
+        let down = op.ra & mode::BEFORE as u8 != 0;
+        let start = if down { base.wrapping_sub(size) } else { base };
+        if start & 3 != 0 {
+            return Err(Trap::Fault(Fault::Unaligned));
+        }
+        let mut values = [0; 16];
+        let mut address = start;
+        for (i, slot) in values.iter_mut().enumerate() {
+            if op.imm >> i & 1 == 1 {
+                *slot = self.load::<4>(address)?;
+                address = address.wrapping_add(4);
+            }
+        }
+        if op.ra & mode::WRITE_BACK as u8 != 0 {
+            self.cpu.set(op.rn, if down { start } else { address });
+        }
+        for (i, value) in values.iter().enumerate().take(15) {
+            if op.imm >> i & 1 == 1 {
+                self.cpu.set(i as u8, *value);
+            }
+        }
+        if op.imm >> 15 & 1 == 1 {
+            return self.interwork(values[15]);
+        }
+        Ok(())
+    }
+
+    fn store_many(&mut self, op: &Op) -> Try {
+        let base = self.base(op);
+        let size = 4 * op.imm.count_ones();
+        let down = op.ra & mode::BEFORE as u8 != 0;
+        let start = if down { base.wrapping_sub(size) } else { base };
+        if start & 3 != 0 {
+            return Err(Trap::Fault(Fault::Unaligned));
+        }
+        let mut address = start;
+        for i in 0..15 {
+            if op.imm >> i & 1 == 1 {
+                self.store::<4>(address, self.cpu.r[i])?;
+                address = address.wrapping_add(4);
+            }
+        }
+        if op.ra & mode::WRITE_BACK as u8 != 0 {
+            self.cpu.set(op.rn, if down { start } else { address });
+        }
+        Ok(())
+    }
+
+    fn execute_rare(&mut self, op: &Op) -> Try {
+        let base = self.base(op);
+        let moved = base.wrapping_add(op.imm);
+        let address = if op.ra & mode::BEFORE as u8 != 0 {
+            moved
+        } else {
+            base
+        };
+        let back = op.ra & mode::WRITE_BACK as u8 != 0;
+        let must_align = |a: u32, size: u32| {
+            if a & (size - 1) == 0 {
+                Ok(())
+            } else {
+                Err(Trap::Fault(Fault::Unaligned))
+            }
+        };
+        match op.kind {
+            Kind::LoadIndexed => {
+                let loaded = self.load_as(u32::from(op.s), address)?;
+                if back {
+                    self.cpu.set(op.rn, moved);
+                }
+                if op.rd == 15 {
+                    return self.interwork(loaded);
+                }
+                self.cpu.set(op.rd, loaded);
+            }
+            Kind::StoreIndexed => {
+                self.store_as(u32::from(op.s), address, self.cpu.r[usize::from(op.rd)])?;
+                if back {
+                    self.cpu.set(op.rn, moved);
+                }
+            }
+            Kind::LoadPair => {
+                let address = if op.rn == 15 { address & !3 } else { address };
+                must_align(address, 4)?;
+                let first = self.load::<4>(address)?;
+                let second = self.load::<4>(address.wrapping_add(4))?;
+                if back {
+                    self.cpu.set(op.rn, moved);
+                }
+                self.cpu.set(op.rd, first);
+                self.cpu.set(op.s, second);
+            }
+            Kind::StorePair => {
+                must_align(address, 4)?;
+                self.store::<4>(address, self.cpu.r[usize::from(op.rd)])?;
+                self.store::<4>(address.wrapping_add(4), self.cpu.r[usize::from(op.s)])?;
+                if back {
+                    self.cpu.set(op.rn, moved);
+                }
+            }
+            Kind::LoadExclusive => {
+                let size = [4, 1, 2][usize::from(op.s)];
+                must_align(moved, size)?;
+                let loaded = self.load_as(u32::from(op.s), moved)?;
+                self.cpu.exclusive = true;
+                self.cpu.set(op.rd, loaded);
+            }
+            Kind::StoreExclusive => {
+                let size = [4, 1, 2][usize::from(op.s)];
+                must_align(moved, size)?;
+                let free = std::mem::take(&mut self.cpu.exclusive);
+                if free {
+                    self.store_as(u32::from(op.s), moved, self.cpu.r[usize::from(op.rd)])?;
+                }
+                self.cpu.set(op.rm, u32::from(!free));
+            }
+            Kind::ClearExclusive => self.cpu.exclusive = false,
+            Kind::TableByte | Kind::TableHalf => {
+                let index = self.cpu.r[usize::from(op.rm)];
+                let entry = if op.kind == Kind::TableByte {
+                    self.load::<1>(base.wrapping_add(index))?
+                } else {
+                    self.load::<2>(base.wrapping_add(index << 1))?
+                };
+                self.cpu.pc = self.cpu.r[15].wrapping_add(2 * entry);
+            }
+            Kind::Barrier => {}
+            Kind::Mrs => self.read_special(op),
+            Kind::Msr => self.write_special(op),
+            Kind::Cps => self.change_masks(op),
+            Kind::Svc => self.pend_exception(11),
+            Kind::Breakpoint => return self.breakpoint(),
+            Kind::WaitInterrupt => self.cpu.sleeping = true,
+            Kind::WaitEvent => {
+                if !std::mem::take(&mut self.cpu.event) {
+                    self.cpu.sleeping = true;
+                }
+            }
+            Kind::SendEvent => self.cpu.event = true,
+            _ => return self.execute_float(op),
+        }
+        Ok(())
+    }
+}

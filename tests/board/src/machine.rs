@@ -1,0 +1,389 @@
+//! The whole board: processor, memory, peripherals, time.
+
+use crate::core::Cpu;
+use crate::core::nvic::Nvic;
+use crate::core::op::Op;
+use crate::core::system::System;
+use crate::image::Image;
+use crate::memory::{FLASH, RAM_SIZE};
+use crate::parts::adc::Adc;
+use crate::parts::dac::Dac;
+use crate::parts::dbgmcu::Dbgmcu;
+use crate::parts::dma::Dma;
+use crate::parts::exti::Exti;
+use crate::parts::flash::{Flash, SIZE as FLASH_SIZE};
+use crate::parts::gpio::{Gpio, Outside};
+use crate::parts::pwr::Pwr;
+use crate::parts::rcc::{External, Rcc, cause};
+use crate::parts::timer::Timer;
+use crate::parts::usart::Usart;
+use crate::parts::watchdog::Watchdog;
+use crate::parts::{Clocks, NEVER, UNITS_PER_US};
+
+/// Something that changed at the board's edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// The enable line, PA8; `None`: not driven.
+    Enable(Option<bool>),
+    /// The code at PA4; `None`: the converter is off.
+    Dac(Option<u16>),
+    /// The LED, PA5.
+    Led(Option<bool>),
+    /// The motor's duty cycle at PC7.
+    Duty(Option<f64>),
+    /// A reset, with the flags that it leaves.
+    Reset(u32),
+    /// The processor halts for the debugger.
+    Halt(&'static str),
+    /// The processor has locked up.
+    LockUp,
+}
+
+/// The peripherals.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub struct Parts {
+    pub clocks: Clocks,
+    pub rcc: Rcc,
+    pub pwr: Pwr,
+    pub flash: Flash,
+    pub gpio: [Gpio; 8],
+    pub exti: Exti,
+    pub tim: [Timer; 4],
+    pub adc: Adc,
+    pub dma: [Dma; 2],
+    pub dac: Dac,
+    pub usart: Usart,
+    pub watchdog: Watchdog,
+    pub dbgmcu: Dbgmcu,
+}
+
+/// What stays the same over a reset: what is around the part.
+#[derive(Clone, Copy, Debug)]
+pub struct Around {
+    /// What the HSE's pin is given.
+    pub hse: External,
+    /// What is outside the pins of ports A to H.
+    pub pins: [[Outside; 16]; 8],
+    /// Supply, V.
+    pub supply_v: f64,
+    /// The watchdog's clock, Hz.
+    pub lsi_hz: u64,
+    /// Option bytes.
+    pub options: u32,
+    /// Rate of the link's other end.
+    pub baud: u64,
+}
+
+/// Why a run ended before its time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// The rule that was broken.
+    pub why: String,
+    /// The instruction's address, the instruction, and where in the source.
+    pub address: u32,
+    /// Half words of the instruction and what it is.
+    pub instruction: String,
+    /// Source file and line, or "unknown".
+    pub place: String,
+}
+
+impl std::fmt::Display for Stop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}\n  at {:#010x}: {}\n  in {}",
+            self.why, self.address, self.instruction, self.place
+        )
+    }
+}
+
+impl std::error::Error for Stop {}
+
+/// The machine.
+pub struct Machine {
+    /// Registers.
+    pub cpu: Cpu,
+    /// Interrupt controller.
+    pub nvic: Nvic,
+    /// The processor's own registers.
+    pub system: System,
+    /// Peripherals.
+    pub parts: Parts,
+    /// What is around the part.
+    pub around: Around,
+    /// Names and places of the program.
+    pub image: Image,
+    /// Bytes of the flash.
+    pub flash: Vec<u8>,
+    /// Bytes of the RAM.
+    pub ram: Vec<u8>,
+    /// Which of them were written since power-up.
+    pub known: Vec<u8>,
+    pub(crate) ops: Vec<Op>,
+    /// Time, in units of 1/720 MHz.
+    pub now: u64,
+    /// Units per cycle of the processor.
+    pub unit: u32,
+    /// Cycles of the processor since power-up, by the static table.
+    pub cycles: u64,
+    /// Instructions since power-up.
+    pub instructions: u64,
+    /// Sampling ticks since power-up.
+    pub ticks: u64,
+    /// Codes that the ADC's channels measure.
+    pub codes: [u16; 19],
+    pub(crate) next_event: u64,
+    pub(crate) pause: bool,
+    pub(crate) late_fault: bool,
+    pub(crate) attention: bool,
+    pub(crate) reset_asked: bool,
+    pub(crate) halted: bool,
+    /// The flash as a power cut in the middle of each operation would leave it, while somebody wants that.
+    pub(crate) cuts: Option<Vec<Vec<u8>>>,
+    /// What happened at the edge: when, and what.
+    pub changes: Vec<(u64, Change)>,
+    last: [Option<Change>; 4],
+    /// Times that each exception was entered.
+    pub entered: [u64; 113],
+    /// Lowest stack pointer seen at an exception's entry.
+    pub lowest_stack: u32,
+}
+
+/// HSI: all clocks at 16 MHz.
+const AFTER_RESET: Clocks = Clocks {
+    hclk: 45,
+    pclk1: 45,
+    pclk2: 45,
+    timclk1: 45,
+};
+
+fn parts(flags: u32, around: &Around) -> Parts {
+    Parts {
+        clocks: AFTER_RESET,
+        rcc: Rcc::new(flags, around.hse),
+        pwr: Pwr::new(around.supply_v),
+        flash: Flash::new(around.options),
+        gpio: std::array::from_fn(|port| Gpio::new(port, around.pins[port])),
+        exti: Exti::default(),
+        tim: [
+            Timer::new(false, true),
+            Timer::new(false, false),
+            Timer::new(true, false),
+            Timer::new(true, false),
+        ],
+        adc: Adc::default(),
+        dma: [Dma::new(1), Dma::new(2)],
+        dac: Dac::default(),
+        usart: Usart::new(around.baud),
+        watchdog: Watchdog::new(around.lsi_hz),
+        dbgmcu: Dbgmcu::default(),
+    }
+}
+
+impl Machine {
+    /// Power comes on: the image in flash, RAM random but the same for each `seed`.
+    pub fn power_up(image: Image, around: Around, seed: u64) -> Self {
+        let mut flash = vec![0xff; FLASH_SIZE];
+        image.place(&mut flash);
+        let mut state = seed | 1;
+        let random = std::iter::from_fn(move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            Some((state >> 56) as u8)
+        });
+        let mut machine = Self {
+            cpu: Cpu::default(),
+            nvic: Nvic::default(),
+            system: System::reset(None),
+            parts: parts(0, &around),
+            around,
+            image,
+            flash,
+            ram: random.take(RAM_SIZE).collect(),
+            known: vec![0; RAM_SIZE],
+            ops: vec![Op::NOT_DECODED; FLASH_SIZE / 2],
+            now: 0,
+            unit: AFTER_RESET.hclk,
+            cycles: 0,
+            instructions: 0,
+            ticks: 0,
+            codes: [0; 19],
+            next_event: NEVER,
+            pause: false,
+            late_fault: false,
+            attention: false,
+            reset_asked: false,
+            halted: false,
+            cuts: None,
+            changes: Vec::new(),
+            last: [None; 4],
+            entered: [0; 113],
+            lowest_stack: u32::MAX,
+        };
+        machine.reset(cause::POWER_ON | cause::BROWN_OUT | cause::PIN);
+        machine
+    }
+
+    /// A reset: RAM and flash stay, flags are added to those not cleared yet.
+    pub fn reset(&mut self, flags: u32) {
+        let before = self.parts.rcc.read(0x74, self.now).unwrap_or(0) & 0xfe00_0000;
+        // An operation of the flash under way is broken off.
+        let broken = self.parts.flash.end();
+        self.break_off(broken);
+        let debug = std::mem::take(&mut self.parts.dbgmcu);
+        self.parts = parts(before | flags, &self.around);
+        self.parts.dbgmcu = debug;
+        self.unit = AFTER_RESET.hclk;
+        self.cpu = Cpu::default();
+        self.nvic = Nvic::default();
+        self.system = System::reset(Some(&self.system));
+        self.reset_asked = false;
+        self.late_fault = false;
+        self.halted = false;
+        let word = |flash: &[u8], at: usize| {
+            u32::from_le_bytes(flash[at..at + 4].try_into().unwrap_or_default())
+        };
+        self.cpu.r[13] = word(&self.flash, 0) & !3;
+        self.cpu.r[14] = u32::MAX;
+        self.cpu.pc = word(&self.flash, 4) & !1;
+        self.note(Change::Reset(before | flags));
+        self.settle_pins();
+        self.changes_dac_off();
+        if self.system.catches_reset() {
+            self.halt("the reset, which the debugger catches");
+        }
+        self.reschedule();
+    }
+
+    fn changes_dac_off(&mut self) {
+        self.note(Change::Dac(None));
+        self.note(Change::Duty(None));
+    }
+
+    /// Half of what was under way is done: bits that were to change are what they may be.
+    pub(crate) fn break_off(&mut self, work: Option<crate::parts::flash::Work>) {
+        use crate::parts::flash::{SECTORS, Work};
+        match work {
+            Some(Work::Program(at, bytes)) => {
+                for (i, byte) in bytes.iter().enumerate() {
+                    // Every other bit that was to be cleared is.
+                    self.flash[at as usize + i] &= byte | 0x55;
+                }
+                self.forget(at as usize..at as usize + bytes.len());
+            }
+            Some(Work::Erase(sector)) => {
+                let range = SECTORS[sector] as usize..SECTORS[sector + 1] as usize;
+                let middle = range.start.midpoint(range.end);
+                self.flash[range.start..middle].fill(0xff);
+                self.forget(range);
+            }
+            None => {}
+        }
+    }
+
+    /// Decoded instructions of these bytes are decoded anew.
+    pub(crate) fn forget(&mut self, range: std::ops::Range<usize>) {
+        self.ops[range.start / 2..range.end / 2].fill(Op::NOT_DECODED);
+    }
+
+    /// Writes down a change at the edge, unless it is none.
+    pub(crate) fn note(&mut self, change: Change) {
+        let slot = match change {
+            Change::Enable(_) => 0,
+            Change::Dac(_) => 1,
+            Change::Led(_) => 2,
+            Change::Duty(_) => 3,
+            _ => {
+                self.changes.push((self.now, change));
+                return;
+            }
+        };
+        if self.last[slot] != Some(change) {
+            self.last[slot] = Some(change);
+            self.changes.push((self.now, change));
+        }
+    }
+
+    /// The enable line now: high?
+    pub fn enabled(&self) -> bool {
+        self.parts.gpio[0].driven(8) == Some(true)
+    }
+
+    /// Cycles pass.
+    #[inline(always)]
+    pub(crate) fn spend(&mut self, cycles: u32) {
+        self.cycles += u64::from(cycles);
+        self.now += u64::from(cycles) * u64::from(self.unit);
+    }
+
+    /// Something wants to be looked at before the next instruction.
+    #[inline(always)]
+    pub(crate) fn attend(&mut self) {
+        self.attention = true;
+    }
+
+    /// The program asks for a reset.
+    pub(crate) fn request_reset(&mut self) {
+        self.reset_asked = true;
+        self.attend();
+    }
+
+    /// Stands still for the debugger.
+    pub(crate) fn halt(&mut self, why: &'static str) {
+        self.halted = true;
+        self.note(Change::Halt(why));
+        self.attend();
+    }
+
+    /// The processor can do nothing more until a reset.
+    pub(crate) fn lock_up(&mut self) {
+        self.halted = true;
+        self.note(Change::LockUp);
+        self.attend();
+    }
+
+    /// Whether the last run ended at a sampling tick.
+    pub fn take_pause(&mut self) -> bool {
+        std::mem::take(&mut self.pause)
+    }
+
+    /// Whether it stands still for good.
+    pub fn is_halted(&self) -> bool {
+        self.halted
+    }
+
+    pub(crate) fn observe_exception(&mut self, number: usize, begins: bool) {
+        if begins {
+            self.entered[number] += 1;
+            self.lowest_stack = self.lowest_stack.min(self.cpu.r[13]);
+        }
+    }
+
+    /// Where the program is: source file and line.
+    pub fn place(&self) -> String {
+        self.image.place_of(self.cpu.pc)
+    }
+
+    /// The run ends at the instruction in work.
+    pub(crate) fn stop(&self, why: impl Into<String>) -> Stop {
+        let address = self.cpu.r[15].wrapping_sub(4);
+        let op = self.ops.get((address.wrapping_sub(FLASH) >> 1) as usize);
+        let halves = format!(
+            "{:04x} {:04x}",
+            self.half(address),
+            self.half(address.wrapping_add(2))
+        );
+        Stop {
+            why: format!(
+                "{} (at {:.3} ms)",
+                why.into(),
+                self.now as f64 / UNITS_PER_US as f64 / 1e3
+            ),
+            address,
+            instruction: op.map_or(halves.clone(), |op| format!("{halves}, {:?}", op.kind)),
+            place: self.image.place_of(address),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Runs the board's image in the model: `board ELF [--short] [--seconds S] [WORDS]`. `cargo xtask board` builds the image
+//! and starts this. WORDS: only the checks whose name has them in it. The exit code is 1 if a check fails.
+
+use std::process::ExitCode;
+
+use board::checks::{Setup, run};
+use board::rig::LEVEL_3;
+
+const USAGE: &str = "board ELF [--short] [--seconds S] [WORDS]";
+
+fn parse(words: &[String]) -> Result<(Setup, String), String> {
+    let mut setup = Setup {
+        elf: std::path::PathBuf::new(),
+        seconds: 60.0,
+        every: 7,
+        options: LEVEL_3,
+    };
+    let mut wanted = Vec::new();
+    let mut rest = words.iter();
+    setup.elf = rest.next().ok_or(USAGE)?.into();
+    while let Some(word) = rest.next() {
+        match word.as_str() {
+            "--short" => {
+                setup.seconds = 2.0;
+                setup.every = 101;
+            }
+            "--seconds" => {
+                let seconds = rest
+                    .next()
+                    .and_then(|s| s.parse().ok())
+                    .filter(|s| (0.1..=3600.0).contains(s));
+                setup.seconds = seconds.ok_or("--seconds wants a number from 0.1 to 3600")?;
+            }
+            other if other.starts_with('-') => return Err(format!("no option {other}: {USAGE}")),
+            other => wanted.push(other),
+        }
+    }
+    Ok((setup, wanted.join(" ")))
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let (setup, wanted) = match parse(&words) {
+        Ok(parsed) => parsed,
+        Err(message) => {
+            eprintln!("error: {message}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(&setup, &wanted) {
+        0 => ExitCode::SUCCESS,
+        failed => {
+            eprintln!("error: {failed} check(s) failed");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! ADC1 (RM0390, chapter 13): regular sequences of up to 16, started by software or by a timer's edge, with DMA.
+//! One injected conversion by software, which interrupts a regular one or
+//! delays it. Not modelled: more injected ones, the analogue watchdog, discontinuous and dual modes, interrupts but the line of
+//! EOC and overrun, anything analogue.
+
+use super::{Access, Clocks, NEVER, UNITS_PER_US, Write};
+
+const EOC: u32 = 1 << 1;
+const JEOC: u32 = 1 << 2;
+const JSTRT: u32 = 1 << 3;
+const STRT: u32 = 1 << 4;
+const OVR: u32 = 1 << 5;
+const STABILISING: u64 = 3 * UNITS_PER_US;
+
+/// The block.
+#[derive(Clone, Debug, Default)]
+pub struct Adc {
+    status: u32,
+    control: [u32; 2],
+    sampling: [u32; 2],
+    sequence: [u32; 3],
+    common: u32,
+    injected_sequence: u32,
+    injected_data: u32,
+    /// When the injected conversion under way ends.
+    injected: Option<u64>,
+    data: u32,
+    unread: bool,
+    on_at: u64,
+    /// The place in the sequence under way, and when its conversion ends.
+    step: Option<(usize, u64)>,
+    /// Conversions begun within 3 µs of ADON (13.3.6): what they give is not to be used.
+    pub early: u32,
+    too_early: bool,
+    /// Triggers that found a sequence still under way.
+    pub missed: u32,
+}
+
+/// The sources of a regular conversion (13.13.3): TIM2's trigger output is number 6.
+pub const TIM2_TRGO: u32 = 6;
+
+impl Adc {
+    fn length(&self) -> usize {
+        if self.control[0] & 1 << 8 == 0 {
+            1
+        } else {
+            (self.sequence[0] >> 20 & 15) as usize + 1
+        }
+    }
+
+    fn channel(&self, place: usize) -> usize {
+        (self.sequence[2 - place / 6] >> (5 * (place % 6)) & 31) as usize
+    }
+
+    /// Units of time of one conversion.
+    fn duration(&self, channel: usize, clocks: &Clocks) -> u64 {
+        let (register, place) = if channel < 10 {
+            (1, channel)
+        } else {
+            (0, channel - 10)
+        };
+        let sampling = [3, 15, 28, 56, 84, 112, 144, 480]
+            [(self.sampling[register] >> (3 * place) & 7) as usize];
+        let bits = [12, 10, 8, 6][(self.control[0] >> 24 & 3) as usize];
+        (sampling + bits) * self.cycle(clocks)
+    }
+
+    fn cycle(&self, clocks: &Clocks) -> u64 {
+        u64::from(clocks.pclk2) * 2 * (u64::from(self.common >> 16 & 3) + 1)
+    }
+
+    fn start(&mut self, now: u64, clocks: &Clocks) -> Access {
+        if self.control[1] & 1 == 0 {
+            return Ok(());
+        }
+        self.too_early = now < self.on_at + STABILISING;
+        self.early += u32::from(self.too_early);
+        // 36 MHz at most (DS10693, 6.3.20): 20 units.
+        if self.cycle(clocks) < 20 {
+            return Err("the ADC's clock is above 36 MHz".into());
+        }
+        if self.step.is_some() {
+            self.missed += 1;
+            return Ok(());
+        }
+        self.status |= STRT;
+        // Behind an injected conversion under way.
+        let from = self.injected.map_or(now, |end| end.max(now));
+        self.step = Some((0, from + self.duration(self.channel(0), clocks)));
+        Ok(())
+    }
+
+    /// The one injected conversion, which goes before a regular one.
+    fn inject(&mut self, now: u64, clocks: &Clocks) -> Access {
+        if self.injected_sequence >> 20 & 3 != 0 {
+            return Err("more than one injected conversion is not modelled".into());
+        }
+        if self.injected.is_some() {
+            return Err("an injected conversion is started while one is under way".into());
+        }
+        if self.control[1] & 1 == 0 {
+            return Ok(());
+        }
+        let time = self.duration(self.injected_channel(), clocks);
+        self.status |= JSTRT;
+        self.injected = Some(now + time);
+        if let Some((place, _)) = self.step {
+            // The regular conversion is broken off and made anew (13.3.9).
+            self.step = Some((
+                place,
+                now + time + self.duration(self.channel(place), clocks),
+            ));
+        }
+        Ok(())
+    }
+
+    fn injected_channel(&self) -> usize {
+        (self.injected_sequence >> 15 & 31) as usize
+    }
+
+    /// A timer's edge; true if a sequence begins.
+    ///
+    /// # Errors
+    /// A rule of the converter is broken.
+    pub fn trigger(&mut self, source: u32, now: u64, clocks: &Clocks) -> Access<bool> {
+        let listens = self.control[1] >> 28 & 1 == 1 && self.control[1] >> 24 & 15 == source;
+        if !listens || self.control[1] & 1 == 0 || self.status & OVR != 0 {
+            return Ok(false);
+        }
+        let before = self.step.is_some();
+        self.start(now, clocks)?;
+        Ok(!before)
+    }
+
+    /// When the conversion under way ends.
+    pub fn next(&self) -> u64 {
+        let regular = self.step.map_or(NEVER, |(_, at)| at);
+        regular.min(self.injected.unwrap_or(NEVER))
+    }
+
+    /// Ends it: `code` is what is measured at a channel. True if a DMA request is made.
+    pub fn run(&mut self, now: u64, clocks: &Clocks, code: impl Fn(usize) -> u16) -> bool {
+        if self.injected.is_some_and(|at| at <= now) {
+            self.injected = None;
+            self.injected_data = u32::from(code(self.injected_channel()));
+            self.status |= JEOC;
+        }
+        let Some((place, _)) = self.step.filter(|(_, at)| *at <= now) else {
+            return false;
+        };
+        let dma = self.control[1] & 1 << 8 != 0;
+        if self.unread && (dma || self.control[1] & 1 << 10 != 0) {
+            self.status |= OVR;
+            self.step = None;
+            return false;
+        }
+        self.data = u32::from(if self.too_early {
+            0x0aa
+        } else {
+            code(self.channel(place))
+        });
+        if self.control[1] & 1 << 11 != 0 {
+            self.data <<= 4;
+        }
+        self.unread = true;
+        let last = place + 1 == self.length();
+        if last || self.control[1] & 1 << 10 != 0 {
+            self.status |= EOC;
+        }
+        self.step = if last {
+            (self.control[1] & 2 != 0).then(|| (0, now + self.duration(self.channel(0), clocks)))
+        } else {
+            Some((
+                place + 1,
+                now + self.duration(self.channel(place + 1), clocks),
+            ))
+        };
+        dma
+    }
+
+    /// Whether the interrupt's line is high.
+    pub fn interrupts(&self) -> bool {
+        self.status & EOC != 0 && self.control[0] & 1 << 5 != 0
+            || self.status & OVR != 0 && self.control[0] & 1 << 26 != 0
+    }
+
+    /// Whether an overrun has stopped the DMA.
+    pub fn overran(&self) -> bool {
+        self.status & OVR != 0
+    }
+
+    /// The data register, read by the processor or the DMA.
+    pub fn take(&mut self) -> u32 {
+        self.unread = false;
+        self.status &= !EOC;
+        self.data
+    }
+
+    /// Reads.
+    pub fn read(&mut self, offset: u32) -> Access<u32> {
+        Ok(match offset {
+            0x00 => self.status,
+            0x04 | 0x08 => self.control[offset as usize / 4 - 1],
+            0x0c | 0x10 => self.sampling[offset as usize / 4 - 3],
+            0x2c..=0x34 => self.sequence[offset as usize / 4 - 11],
+            0x38 => self.injected_sequence,
+            0x3c => self.injected_data,
+            0x4c => self.take(),
+            0x300 => self.status,
+            0x304 => self.common,
+            _ => return Err("is not modelled".into()),
+        })
+    }
+
+    /// Writes.
+    pub fn write(&mut self, w: Write, clocks: &Clocks) -> Access {
+        match w.offset {
+            0x00 => self.status &= w.value | !w.mask,
+            0x04 => {
+                self.control[0] = w.over(self.control[0], 0x07c0_ffff)?;
+                if self.control[0] & 0x00c0_fe80 & !0x20 != 0 {
+                    return Err(
+                        "ADC_CR1: injected, watchdog or discontinuous modes are not modelled"
+                            .into(),
+                    );
+                }
+            }
+            0x08 => {
+                let new = w.over(self.control[1], 0x7f7f_0f03)?;
+                if new & 0x003f_0000 != 0 {
+                    return Err(
+                        "ADC_CR2: injected conversions by a trigger are not modelled".into(),
+                    );
+                }
+                if new & !self.control[1] & 1 == 1 {
+                    self.on_at = w.now;
+                }
+                self.control[1] = new & !(1 << 30 | 1 << 22);
+                if new & 1 == 0 {
+                    self.step = None;
+                    self.injected = None;
+                }
+                if new >> 22 & 1 == 1 {
+                    self.inject(w.now, clocks)?;
+                }
+                if new >> 30 & 1 == 1 {
+                    self.start(w.now, clocks)?;
+                }
+            }
+            0x0c => self.sampling[0] = w.over(self.sampling[0], 0x07ff_ffff)?,
+            0x10 => self.sampling[1] = w.over(self.sampling[1], 0x3fff_ffff)?,
+            0x2c => self.sequence[0] = w.over(self.sequence[0], 0x00ff_ffff)?,
+            0x30 | 0x34 => {
+                let slot = &mut self.sequence[w.offset as usize / 4 - 11];
+                *slot = w.over(*slot, 0x3fff_ffff)?;
+            }
+            0x38 => self.injected_sequence = w.over(self.injected_sequence, 0x003f_ffff)?,
+            0x304 => self.common = w.over(self.common, 0x00c3_ef1f)?,
+            _ => return Err("is not modelled".into()),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,88 @@
+//! Power control (RM0390, chapter 5): regulator's scale, over-drive and their ready flags, the voltage detector.
+//! Not modelled: the low-power modes, the backup domain.
+
+use super::{Access, UNITS_PER_US, Write};
+
+/// How long the over-drive and its switch take (DS10693, 6.3.5: not given; RM0390 5.1.4 asks to wait for the flag).
+const OVERDRIVE_DELAY: u64 = 40 * UNITS_PER_US;
+const SWITCH_DELAY: u64 = 40 * UNITS_PER_US;
+
+const CR_BITS: u32 = 0x003f_ebff;
+
+/// The block.
+#[derive(Clone, Debug)]
+pub struct Pwr {
+    cr: u32,
+    overdrive_at: u64,
+    switched_at: u64,
+    /// Supply, V.
+    pub supply_v: f64,
+}
+
+impl Pwr {
+    /// After a reset.
+    pub fn new(supply_v: f64) -> Self {
+        Self {
+            cr: 0xc000,
+            overdrive_at: 0,
+            switched_at: 0,
+            supply_v,
+        }
+    }
+
+    /// The highest HCLK that scale and over-drive allow, Hz (RM0390, table 17).
+    pub fn limit_hz(&self, now: u64) -> u64 {
+        let over = self.cr >> 16 & 3 == 3 && now >= self.switched_at;
+        match (self.cr >> 14 & 3, over) {
+            (3, true) => 180_000_000,
+            (3, false) | (2, true) => 168_000_000,
+            (2, false) => 144_000_000,
+            _ => 120_000_000,
+        }
+    }
+
+    /// Whether the supply is below the voltage detector's threshold (DS10693, table 22: falling edges).
+    pub fn is_low(&self) -> bool {
+        let threshold =
+            [2.04, 2.19, 2.35, 2.51, 2.66, 2.82, 2.93, 3.03][(self.cr >> 5 & 7) as usize];
+        self.cr & 0x10 != 0 && self.supply_v < threshold
+    }
+
+    /// Reads.
+    pub fn read(&self, offset: u32, now: u64) -> Access<u32> {
+        match offset {
+            0 => Ok(self.cr),
+            4 => {
+                let over = self.cr >> 16 & 1 == 1 && now >= self.overdrive_at;
+                let switched = self.cr >> 17 & 1 == 1 && now >= self.switched_at;
+                Ok(u32::from(self.is_low()) << 2
+                    | 1 << 14
+                    | u32::from(over) << 16
+                    | u32::from(switched) << 17)
+            }
+            _ => Err("is not modelled".into()),
+        }
+    }
+
+    /// Writes.
+    pub fn write(&mut self, w: Write) -> Access {
+        if w.offset != 0 {
+            return Err("is not modelled".into());
+        }
+        let new = w.over(self.cr, CR_BITS)?;
+        let on = |bit: u32| {
+            new & !self.cr >> bit & 1 == 1 && new >> bit & 1 == 1 && self.cr >> bit & 1 == 0
+        };
+        if on(16) {
+            self.overdrive_at = w.now + OVERDRIVE_DELAY;
+        }
+        if on(17) {
+            if new >> 16 & 1 == 0 || w.now < self.overdrive_at {
+                return Err("ODSWEN before the over-drive is ready (5.1.4)".into());
+            }
+            self.switched_at = w.now + SWITCH_DELAY;
+        }
+        self.cr = new;
+        Ok(())
+    }
+}

@@ -1,0 +1,224 @@
+//! The board in a closed loop with the emulator's plant, and the link's wire between board and desktop.
+//!
+//! At each sampling tick the plant goes on by one tick with what the pins said since the last one (the code at PA4,
+//! the enable at PA8, the duty cycle at PC7), and the ADC's channels get what its sensors read.
+
+use std::cell::RefCell;
+use std::io::{self, ErrorKind, Read, Write};
+use std::iter::Peekable;
+use std::path::Path;
+use std::rc::Rc;
+
+use emulator::scenario::Scenario;
+use emulator::schedule::{Doing, Due, schedule};
+use emulator::world::World;
+use shared::io::{DacCode, Frame, Output};
+use shared::link::BAUD;
+
+use crate::image::Image;
+use crate::machine::{Around, Change, Machine, Stop};
+use crate::memory::VREFINT_CODE;
+use crate::parts::UNITS_PER_US;
+use crate::parts::gpio::Outside;
+use crate::parts::rcc::External;
+
+/// How long the power stage's enable outlives the last rising edge of PA8 (docs/wiring.md, U1): 2.1 ms.
+pub const PULSE_HOLD: u64 = 2_100 * UNITS_PER_US;
+
+/// Option bytes with the brown-out reset at level 3: BOR_LEV 00 (RM0390, 3.8.7).
+pub const LEVEL_3: u32 = 0x0fff_aae1;
+/// As the part is delivered: BOR_LEV 11, off.
+pub const DELIVERED: u32 = 0x0fff_aaed;
+
+/// Ports by letter.
+pub mod port {
+    #![allow(missing_docs)]
+    pub const A: usize = 0;
+    pub const B: usize = 1;
+    pub const C: usize = 2;
+}
+
+/// ADC channels of PA0, PA1, PB0, and of the reference.
+const FORCE: usize = 0;
+const HAMMER: usize = 1;
+const CART: usize = 8;
+const VREFINT: usize = 17;
+
+/// A rig's frequency at a duty cycle of 1, Hz (docs/wiring.md).
+const FULL_SCALE_HZ: f64 = 50.0;
+
+/// A wired board on a healthy supply: chain closed, button up, sensors connected, the debugger's clock there.
+pub fn wired() -> Around {
+    let mut pins = [[Outside::Open; 16]; 8];
+    pins[port::B][5] = Outside::Low;
+    pins[port::C][13] = Outside::High;
+    for (port, pin) in [(port::A, 0), (port::A, 1), (port::B, 0)] {
+        pins[port][pin] = Outside::High;
+    }
+    // The wire's idle level.
+    pins[port::A][3] = Outside::High;
+    Around {
+        hse: External::Running,
+        pins,
+        supply_v: 3.3,
+        lsi_hz: 32_000,
+        options: LEVEL_3,
+        baud: u64::from(BAUD),
+    }
+}
+
+/// The board and the plant.
+pub struct Rig {
+    /// The board.
+    pub machine: Machine,
+    /// The plant.
+    pub world: World,
+    due: Peekable<std::vec::IntoIter<Due>>,
+    /// When PA8 last rose, and how many changes have been looked at.
+    rose: Option<u64>,
+    seen: usize,
+    output: Output,
+    /// Ticks of the plant.
+    pub tick: u64,
+    /// Codes at PA4, tick by tick.
+    pub played: Vec<u16>,
+    /// What the ADC was given, tick by tick.
+    pub sampled: Vec<Frame>,
+    /// What ended the run, if something did.
+    pub stopped: Option<Stop>,
+}
+
+impl Rig {
+    /// Power comes on.
+    ///
+    /// # Errors
+    /// The image cannot be read, or the scenario's rig is invalid.
+    pub fn power_up(elf: &Path, scenario: &Scenario, around: Around) -> Result<Self, String> {
+        let mut machine = Machine::power_up(Image::read(elf)?, around, scenario.seed);
+        machine.codes[VREFINT] = VREFINT_CODE;
+        Ok(Self {
+            machine,
+            world: World::new(scenario).map_err(|e| e.to_string())?,
+            due: schedule(scenario).into_iter().peekable(),
+            rose: None,
+            seen: 0,
+            output: Output::SAFE,
+            tick: 0,
+            played: Vec::new(),
+            sampled: Vec::new(),
+            stopped: None,
+        })
+    }
+
+    /// Goes on for `us` microseconds.
+    ///
+    /// # Errors
+    /// A rule of the machine was broken.
+    pub fn advance(&mut self, us: u64) -> Result<(), Stop> {
+        let end = self.machine.now + us * UNITS_PER_US;
+        while self.machine.now < end {
+            if let Err(stop) = self.machine.run_until(end) {
+                self.stopped = Some(stop.clone());
+                return Err(stop);
+            }
+            if self.machine.take_pause() {
+                self.sample();
+            }
+        }
+        Ok(())
+    }
+
+    /// A sampling tick begins: the plant is where the pins have brought it.
+    fn sample(&mut self) {
+        while let Some(due) = self.due.next_if(|due| due.tick <= self.tick) {
+            self.happen(due.what);
+        }
+        self.world.drift();
+        let frame = self.world.tick(&self.output);
+        self.tick += 1;
+        self.sampled.push(frame);
+        let codes = &mut self.machine.codes;
+        codes[FORCE] = frame.force.0;
+        codes[HAMMER] = frame.hammer.0;
+        codes[CART] = frame.cart.0;
+        let chain = if frame.emergency {
+            Outside::High
+        } else {
+            Outside::Low
+        };
+        if self.machine.around.pins[port::B][5] != chain {
+            self.machine.set_pin(port::B, 5, chain);
+        }
+        let code = self.machine.parts.dac.holding_code();
+        self.played.push(code);
+        self.output = Output {
+            dac: DacCode(code),
+            frequency_hz: (self.machine.parts.tim[1].duty(2).unwrap_or(0.0) * FULL_SCALE_HZ) as f32,
+            enable: self.is_driven(),
+        };
+    }
+
+    /// Whether the pulses at PA8 hold the power stage's enable.
+    pub fn is_driven(&mut self) -> bool {
+        for (at, change) in &self.machine.changes[self.seen..] {
+            if *change == Change::Enable(Some(true)) {
+                self.rose = Some(*at);
+            }
+        }
+        self.seen = self.machine.changes.len();
+        self.rose
+            .is_some_and(|at| self.machine.now < at + PULSE_HOLD)
+    }
+
+    /// What the scenario does to the rig; what it does to the controller comes by the link.
+    fn happen(&mut self, what: Doing) {
+        let world = &mut self.world;
+        match what {
+            Doing::Emergency(open, at_s) => world.set_emergency(open, at_s),
+            Doing::Defects(id, defects) => world.begin_defects(id, &defects),
+            Doing::DefectsOver(id) => world.end_defects(id),
+            Doing::Push(speed) => world.push(speed),
+            Doing::Drift(change, over_s) => world.begin_drift(change, over_s),
+            Doing::Recede(recession) => world.recede(recession),
+            Doing::Stuck(how) => world.set_stuck(how),
+            Doing::Tilt(rad, over_s) => world.begin_tilt(rad, over_s),
+            Doing::Friction(friction) => world.set_friction(friction),
+            Doing::Command(_)
+            | Doing::Link(_)
+            | Doing::Overrun(_)
+            | Doing::Lost(_)
+            | Doing::Reset(_) => {}
+        }
+    }
+}
+
+/// The desktop's end of the wire: to read is to let a millisecond of the rig pass.
+#[derive(Clone)]
+pub struct Wire(pub Rc<RefCell<Rig>>);
+
+impl Read for Wire {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut rig = self.0.borrow_mut();
+        rig.advance(1000)
+            .map_err(|stop| io::Error::other(stop.to_string()))?;
+        let sent = &mut rig.machine.parts.usart.sent;
+        if sent.is_empty() {
+            return Err(ErrorKind::WouldBlock.into());
+        }
+        let count = sent.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&sent[..count]);
+        sent.drain(..count);
+        Ok(count)
+    }
+}
+
+impl Write for Wire {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().machine.send(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,194 @@
+//! Time goes on: instructions, waiting, what is looked at between them.
+
+use crate::core::op::{Kind, Op};
+use crate::core::{Fault, Trap, Try, decode16, decode32};
+use crate::machine::{Machine, Stop};
+use crate::memory::FLASH;
+use crate::parts::rcc::cause;
+
+impl Machine {
+    /// Time goes on to `to`, with what happens on the way.
+    fn wait_until(&mut self, to: u64) -> Try {
+        while self.now < to {
+            let next = self.next_event.clamp(self.now, to);
+            self.cycles += (next - self.now) / u64::from(self.unit);
+            self.now = next.max(self.now);
+            let before = self.parts.flash.operations;
+            self.happen()?;
+            if self.next_event <= self.now || before != self.parts.flash.operations {
+                break;
+            }
+            if self.attention && to == u64::MAX {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Stands until the flash is free.
+    pub(crate) fn wait_for_flash(&mut self) -> Try {
+        while let Some((_, until)) = self.parts.flash.work {
+            self.wait_until(until)?;
+        }
+        Ok(())
+    }
+
+    /// Nothing is executed until something happens, or until `end`; gives the time that passes.
+    fn idle_until(&mut self, end: u64) -> u64 {
+        let by = self.next_event.min(end).saturating_sub(self.now);
+        self.cycles += by / u64::from(self.unit);
+        self.now += by;
+        by
+    }
+
+    /// What is to be looked at between instructions.
+    fn look(&mut self, end: u64) -> Try {
+        self.attention = false;
+        if self.reset_asked {
+            self.reset(cause::SOFTWARE | cause::PIN);
+        }
+        if self.late_fault {
+            self.late_fault = false;
+            self.raise(Fault::BusLate)?;
+        }
+        if self.halted {
+            self.attention = true;
+            let by = self.idle_until(end);
+            if self.parts.dbgmcu.freezes_watchdog() {
+                self.parts.watchdog.freeze(by);
+            }
+            if self.parts.dbgmcu.freezes_tim2() {
+                self.parts.tim[0].freeze(by);
+            }
+            self.reschedule();
+            return Ok(());
+        }
+        if self.cpu.sleeping {
+            if self.wakes() {
+                self.cpu.sleeping = false;
+            } else {
+                self.attention = true;
+                self.idle_until(end);
+                return Ok(());
+            }
+        }
+        if self.nvic.changed {
+            self.nvic.changed = false;
+            if let Some(number) = self.due() {
+                self.enter_exception(number)?;
+                // The stack and the vector came by the bus; something may be due at once.
+                self.nvic.changed = true;
+                self.attention = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs until `end`, or until a sampling tick begins.
+    ///
+    /// # Errors
+    /// A rule of the machine is broken.
+    pub fn run_until(&mut self, end: u64) -> Result<(), Stop> {
+        self.pause = false;
+        while self.now < end && !self.pause {
+            if let Err(trap) = self.turn(end) {
+                return Err(match trap {
+                    Trap::Stop(why) => self.stop(*why),
+                    Trap::Fault(fault) => {
+                        self.stop(format!("a fault that was not handled: {fault:?}"))
+                    }
+                });
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, end: u64) -> Try {
+        if self.now >= self.next_event {
+            self.happen()?;
+        }
+        if self.attention {
+            self.look(end)?;
+            if self.halted || self.cpu.sleeping {
+                return Ok(());
+            }
+        }
+        let pc = self.cpu.pc;
+        match self.step() {
+            Err(Trap::Fault(fault)) => {
+                if !matches!(fault, Fault::State | Fault::Return) {
+                    self.cpu.pc = pc;
+                    self.cpu.it = self.cpu.it_now;
+                }
+                self.raise(fault)
+            }
+            other => other,
+        }
+    }
+
+    /// One instruction.
+    #[inline(always)]
+    pub(crate) fn step(&mut self) -> Try {
+        let pc = self.cpu.pc;
+        let index = (pc.wrapping_sub(FLASH) >> 1) as usize;
+        let Some(op) = self.ops.get(index).copied() else {
+            return Err(self.fetch_elsewhere(pc));
+        };
+        if self.parts.flash.work.is_some() {
+            return self.wait_for_flash();
+        }
+        let op = if op.kind == Kind::NotDecoded {
+            self.decode(index, pc)
+        } else {
+            op
+        };
+        self.cpu.r[15] = pc.wrapping_add(4);
+        self.cpu.pc = pc.wrapping_add(u32::from(op.len));
+        self.instructions += 1;
+        self.spend(u32::from(op.cost));
+        let it = self.cpu.it;
+        self.cpu.it_now = it;
+        if it != 0 {
+            self.cpu.it = if it & 7 == 0 {
+                0
+            } else {
+                it & 0xe0 | it << 1 & 0x1f
+            };
+            if !self.cpu.holds(it >> 4) {
+                return Ok(());
+            }
+        }
+        self.execute(&op)
+    }
+
+    fn fetch_elsewhere(&self, pc: u32) -> Trap {
+        if self.is_memory(pc) {
+            return Trap::stop(format!("code in RAM at {pc:#010x} is not modelled"));
+        }
+        match pc >> 29 {
+            // Peripherals and the processor's own space: code may not be there.
+            2 | 5 | 7 => Trap::Fault(Fault::Fetch),
+            _ => Trap::Fault(Fault::BusFetch),
+        }
+    }
+
+    pub(crate) fn half(&self, pc: u32) -> u32 {
+        let at = pc.wrapping_sub(FLASH) as usize;
+        self.flash
+            .get(at..at + 2)
+            .map_or(0, |b| u32::from(b[0]) | u32::from(b[1]) << 8)
+    }
+
+    #[cold]
+    fn decode(&mut self, index: usize, pc: u32) -> Op {
+        let first = self.half(pc);
+        let op = if first >> 11 >= 0b11101 {
+            decode32::decode(pc, first, self.half(pc.wrapping_add(2)))
+        } else {
+            decode16::decode(pc, first)
+        };
+        self.ops[index] = op;
+        op
+    }
+}
