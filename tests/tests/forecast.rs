@@ -68,8 +68,10 @@ fn multiplier_error(rig: &RigParams) -> (f64, usize, usize) {
         assert_eq!(found.onsets, 1);
         // Where two real multipliers meet, they are as the square root of an error.
         let modulus = exact.multipliers().modulus();
-        let mut error = (f64::from(found.orbit.doubling_test) - exact.doubling_test()).abs();
-        if !matches!(exact.multipliers(), Multipliers::Real(a, b) if (a - b).abs() < 0.02) {
+        // (1 + μ₁)(1 + μ₂) moves by 1 + μ₁ times what μ₂ does.
+        let doubling = f64::from(found.orbit.doubling_test) - exact.doubling_test();
+        let mut error = doubling.abs() / (1.0 + modulus);
+        if !matches!(exact.multipliers(), Multipliers::Real(a, b) if (a - b).abs() < 0.1) {
             error = error.max((f64::from(found.orbit.multiplier) - modulus).abs());
         }
         let force = f64::from(found.orbit.force_n) / exact.force_n - 1.0;
