@@ -53,7 +53,7 @@ fn the_controller_is_told_the_shaker_that_its_forecast_can_follow() {
     // No shaker, or one whose loop the settings do not take.
     assert_eq!(told("[shaker]\nprescribed = true"), CartDrive::Prescribed);
     assert_eq!(
-        told("[shaker]\nloop_damping_ratio = 8.0"),
+        told("[shaker]\nloop_hz = 400.0\nloop_damping_ratio = 2.0"),
         CartDrive::Prescribed
     );
     assert_eq!(told("[motor]"), CartDrive::Prescribed);
