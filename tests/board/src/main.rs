@@ -4,7 +4,6 @@
 use std::process::ExitCode;
 
 use board::checks::{Setup, run};
-use board::rig::LEVEL_3;
 
 const USAGE: &str = "board ELF [--short] [--seconds S] [WORDS]";
 
@@ -12,8 +11,7 @@ fn parse(words: &[String]) -> Result<(Setup, String), String> {
     let mut setup = Setup {
         elf: std::path::PathBuf::new(),
         seconds: 60.0,
-        every: 7,
-        options: LEVEL_3,
+        every: 1,
     };
     let mut wanted = Vec::new();
     let mut rest = words.iter();

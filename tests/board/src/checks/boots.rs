@@ -6,7 +6,7 @@ use shared::fault::Fault;
 use super::session::Bench;
 use super::{Found, Setup, must};
 use crate::core::nvic::FIRST;
-use crate::machine::{Around, Change};
+use crate::machine::Change;
 use crate::parts::gpio::Outside;
 use crate::parts::rcc::External;
 use crate::parts::{UNITS_PER_S, UNITS_PER_US, interrupt};
@@ -20,7 +20,7 @@ const LINK: usize = FIRST + interrupt::TIM6;
 
 /// Power on, all as it should be: clocks, rates, pins.
 pub fn cold(setup: &Setup) -> Found {
-    let mut bench = Bench::power_up(setup, around(setup))?;
+    let mut bench = Bench::power_up(setup, wired())?;
     bench.advance_ms(150)?;
     let before = [CONTROL, MONITOR, LINK].map(|n| bench.entered(n));
     bench.advance_ms(100)?;
@@ -70,7 +70,7 @@ fn refuses_to_drive(bench: &mut Bench, why: &str) -> Result<String, Box<dyn std:
 
 /// The debugger's clock never comes.
 pub fn without_crystal(setup: &Setup) -> Found {
-    let mut around = around(setup);
+    let mut around = wired();
     around.hse = External::Missing;
     let mut bench = Bench::power_up(setup, around)?;
     // Until the watchdog may end the wait, with an LSI at its fastest: 47 kHz make 1.36 s of 2 s (DS10693, 6.3.9).
@@ -104,7 +104,7 @@ pub fn without_crystal(setup: &Setup) -> Found {
 
 /// It comes 0.2 s late.
 pub fn late_crystal(setup: &Setup) -> Found {
-    let mut around = around(setup);
+    let mut around = wired();
     around.hse = External::From(UNITS_PER_S / 5);
     let mut bench = Bench::power_up(setup, around)?;
     bench.advance_ms(600)?;
@@ -124,7 +124,7 @@ pub fn late_crystal(setup: &Setup) -> Found {
 
 /// Bench mode: nothing wired, button held.
 pub fn button_held(setup: &Setup) -> Found {
-    let mut around = around(setup);
+    let mut around = wired();
     for (port, pin) in [(port::A, 0), (port::A, 1), (port::B, 0), (port::B, 5)] {
         around.pins[port][pin] = Outside::Open;
     }
@@ -147,38 +147,20 @@ pub fn button_held(setup: &Setup) -> Found {
 }
 
 /// Whether the program takes a board with these option bytes for fit.
-pub fn fit(setup: &Setup) -> Result<bool, Box<dyn std::error::Error>> {
-    let mut bench = Bench::power_up(setup, around(setup))?;
+fn fit(setup: &Setup, options: u32) -> Result<bool, Box<dyn std::error::Error>> {
+    let mut around = wired();
+    around.options = options;
+    let mut bench = Bench::power_up(setup, around)?;
     bench.advance_ms(100)?;
-    let status = bench.status()?;
-    Ok(!status
-        .fault
-        .is_some_and(|record| record.episode.contains(Fault::BoardUnfit)))
+    let fault = bench.status()?.fault;
+    Ok(!fault.is_some_and(|record| record.episode.contains(Fault::BoardUnfit)))
 }
 
 /// Option bytes with the brown-out reset at level 3 and off: the program must tell them apart.
 pub fn brown_out_off(setup: &Setup) -> Found {
-    let with = |options| {
-        fit(&Setup {
-            options,
-            ..setup.clone()
-        })
-    };
-    let (on, off) = (with(LEVEL_3)?, with(DELIVERED)?);
-    let text = match (on, off) {
-        (true, false) => "refused; level 3 is accepted",
-        (false, true) if setup.options == DELIVERED => {
-            "KNOWN: accepted, and level 3 is refused (docs/board-machine.md)"
-        }
-        _ => return Err(format!("level 3 accepted: {on}, off accepted: {off}").into()),
-    };
-    Ok((text.into(), UNITS_PER_S / 5))
-}
-
-/// A wired board with those option bytes.
-fn around(setup: &Setup) -> Around {
-    Around {
-        options: setup.options,
-        ..wired()
-    }
+    let (on, off) = (fit(setup, LEVEL_3)?, fit(setup, DELIVERED)?);
+    must(on && !off, || {
+        format!("level 3 accepted: {on}, off accepted: {off}")
+    })?;
+    Ok(("refused; level 3 is accepted".into(), UNITS_PER_S / 5))
 }

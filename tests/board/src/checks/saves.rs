@@ -4,7 +4,7 @@ use shared::link::{Act, Answer, ToBoard};
 
 use super::session::Bench;
 use super::{Found, Setup, must};
-use crate::machine::{Around, Machine};
+use crate::machine::Machine;
 use crate::rig::wired;
 
 /// The most operations that a save is expected to take.
@@ -33,13 +33,7 @@ pub fn power_cuts(setup: &Setup) -> Found {
         .step_by(setup.every as usize)
         .chain([&before, &saved])
     {
-        let mut after = Bench::power_up(
-            setup,
-            Around {
-                options: setup.options,
-                ..wired()
-            },
-        )?;
+        let mut after = Bench::power_up(setup, wired())?;
         after.rig.borrow_mut().machine.set_flash(flash);
         after.advance_ms(100)?;
         after.client.hello()?;

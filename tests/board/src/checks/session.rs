@@ -47,11 +47,7 @@ impl Bench {
     }
 
     fn idle_with(setup: &Setup, traps: Option<u32>) -> Outcome<(Self, Hello)> {
-        let around = Around {
-            options: setup.options,
-            ..wired()
-        };
-        let mut bench = Self::power_up(setup, around)?;
+        let mut bench = Self::power_up(setup, wired())?;
         if traps.is_some() {
             bench.rig.borrow_mut().machine.system.attach(traps);
         }
