@@ -190,3 +190,15 @@ fn a_stack_that_leaves_ram_ends_in_the_hard_fault() {
     assert_eq!(machine.entered[3], 1);
     assert!(machine.system.fault_status & 1 << 12 != 0, "STKERR");
 }
+
+#[test]
+fn a_hard_fault_without_room_for_its_frame_runs_all_the_same() {
+    let mut machine = with_handlers(&[(3, &[HANG, NOP])]);
+    run(&mut machine, 5).unwrap();
+    machine.cpu.r[13] = RAM + 8;
+    machine.cpu.pc = 0x0900_0000;
+    run(&mut machine, 5).unwrap();
+    assert_eq!(machine.entered[3], 1);
+    assert!(machine.system.fault_status & 1 << 12 != 0, "STKERR");
+    assert!(!machine.is_halted(), "locked up");
+}

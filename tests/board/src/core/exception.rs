@@ -87,6 +87,11 @@ impl Machine {
         self.cpu.r[14] = if float { link & !0x10 } else { link };
         self.start_handler(number, process)?;
         match stacked {
+            // A HardFault goes on without its frame: it locks up only at a fault of its own.
+            Err(Trap::Fault(_)) if number == HARD_FAULT => {
+                self.system.fault_status |= status::STKERR;
+                Ok(())
+            }
             Err(Trap::Fault(_)) => self.raise(Fault::BusStacking),
             other => other,
         }
