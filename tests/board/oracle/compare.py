@@ -4,7 +4,7 @@
     VENV/bin/python tests/board/oracle/compare.py ONE-INSTRUCTION ELF [CASES [SEED]]
 
 ONE-INSTRUCTION is the program of that name (`cargo build -p board`). The instructions are those of the ELF, each once with
-several states, and as many random ones. Unicorn is under the GPL and is not part of this project: it is asked, not linked.
+several states. Unicorn is under the GPL and is not part of this project: it is asked, not linked.
 """
 
 import random

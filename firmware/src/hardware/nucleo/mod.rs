@@ -17,7 +17,7 @@
 //! | PA2, PA3 | – | link: USART2 through the debugger's serial port | – |
 //!
 //! Between reset and [`Board::new`] all pins float: the drive stage needs a pull-down of its own on its enable
-//! input. The wiring is described in docs/wiring.md. This module has been built and linked, but never run: no
+//! input. The wiring is described in docs/wiring.md. This module has been run in the model of the board (`cargo xtask board`), never on a board: no
 //! such board is attached to the machines that build this project.
 //!
 //! | priority | interrupt | what |
