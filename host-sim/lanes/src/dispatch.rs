@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::constants::{Constants, Kind};
-use super::job::{Job, Model, Tuning, Work};
+use super::job::{Job, Tuning, Work};
 use super::meet::Margins;
 use super::number::{Double, Pair, Single};
 use super::pool::run;
@@ -123,14 +123,11 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
         let op = Run {
             precision: options.precision,
             tuning: options.precision.tuning(),
-            model: Model {
-                beams: kind == Kind::Beams,
-                recoil,
-            },
+            beams: kind == Kind::Beams,
             jobs: &jobs,
             plan,
         };
-        let (mut done, work) = dispatch(options.instructions, op);
+        let (mut done, work) = dispatch(options.instructions, recoil, op);
         tried.work += work;
         let lost: Vec<_> = (0..done.len()).filter(|i| done[*i].is_none()).collect();
         tried.again += lost.len() as u64;
@@ -142,7 +139,7 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
                 jobs: &jobs,
                 ..op
             };
-            let (better, work) = dispatch(options.instructions, finer);
+            let (better, work) = dispatch(options.instructions, recoil, finer);
             tried.work += work;
             for (i, outcome) in lost.into_iter().zip(better) {
                 done[i] = outcome;
@@ -159,31 +156,42 @@ pub fn try_run(options: Options, cells: &[Cell], plan: &CellPlan) -> Tried {
 struct Run<'a> {
     precision: Precision,
     tuning: Tuning,
-    model: Model,
+    beams: bool,
     jobs: &'a [Job],
     plan: &'a CellPlan,
 }
 
-impl WithSimd for Run<'_> {
+/// A run in which the cart recoils, or not.
+struct OfCart<'a, const RECOIL: bool>(Run<'a>);
+
+impl<const RECOIL: bool> WithSimd for OfCart<'_, RECOIL> {
     type Output = (Vec<Option<Outcome>>, Work);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self {
+        let Run {
             precision,
             tuning,
-            model,
+            beams,
             jobs,
             plan,
-        } = self;
+        } = self.0;
         match precision {
-            Precision::Single => run(Pair(Single(simd)), model, jobs, plan, tuning),
-            Precision::Double => run(Pair(Double(simd)), model, jobs, plan, tuning),
+            Precision::Single => run::<_, RECOIL>(Pair(Single(simd)), beams, jobs, plan, tuning),
+            Precision::Double => run::<_, RECOIL>(Pair(Double(simd)), beams, jobs, plan, tuning),
         }
     }
 }
 
-fn dispatch(instructions: Instructions, op: Run<'_>) -> (Vec<Option<Outcome>>, Work) {
+fn dispatch(instructions: Instructions, recoil: bool, op: Run<'_>) -> (Vec<Option<Outcome>>, Work) {
+    if recoil {
+        on(instructions, OfCart::<true>(op))
+    } else {
+        on(instructions, OfCart::<false>(op))
+    }
+}
+
+fn on<O: WithSimd>(instructions: Instructions, op: O) -> O::Output {
     match instructions {
         Instructions::Widest => pulp::Arch::new().dispatch(op),
         #[cfg(target_arch = "x86_64")]

@@ -32,15 +32,6 @@ impl Job {
     }
 }
 
-/// Which equations a set of jobs has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Model {
-    /// Beams; otherwise wires.
-    pub beams: bool,
-    /// A cart that recoils.
-    pub recoil: bool,
-}
-
 /// Step size and event tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::mem;
 
 use super::flight::{At, Field, path};
-use super::job::{Job, Model, Tuning, Work};
+use super::job::{Job, Tuning, Work};
 use super::meet::meet;
 use super::number::{Element, MAX_LANES, Mask, Num, Row, Width};
 use super::reduce::{Record, converged, outcome};
@@ -60,11 +60,12 @@ struct Pool<'a, W: Width> {
     work: Work,
 }
 
-/// Runs `jobs`, all of one kind; none where an event was uncertain.
+/// Runs `jobs`, all of one kind; none where an event was uncertain. With and without a cart that recoils (`RECOIL`) it is
+/// a function of its own: one that does both takes the compiler several times as long.
 #[inline(always)]
-pub fn run<W: Width>(
+pub fn run<W: Width, const RECOIL: bool>(
     w: W,
-    kind: Model,
+    beams: bool,
     jobs: &[Job],
     plan: &CellPlan,
     tuning: Tuning,
@@ -90,14 +91,14 @@ pub fn run<W: Width>(
         pool.work.iterations += 1;
         pool.work.room += W::LANES as u64;
         pool.work.steps += pool.busy as u64;
-        pool.iterate(kind);
+        pool.iterate::<RECOIL>(beams);
     }
     (pool.out, pool.work)
 }
 
 impl<W: Width> Pool<'_, W> {
     #[inline(always)]
-    fn iterate(&mut self, kind: Model) {
+    fn iterate<const RECOIL: bool>(&mut self, beams: bool) {
         let w = self.w;
         let load = |row: &Row<W::E>| Num::load(w, row);
         let rows = &mut *self.rows;
@@ -117,10 +118,10 @@ impl<W: Width> Pool<'_, W> {
         let h = load(&rows.step);
         let turn = Num::splat(w, TAU);
         let zero = Num::splat(w, 0.0);
-        let (path, h, per_step, ring) = if kind.recoil {
+        let (path, h, per_step, ring) = if RECOIL {
             let ring = rows.ring.each_ref().map(load);
             let flown = flight_with_ring(
-                kind.beams,
+                beams,
                 &rows.ringing.map(load),
                 field,
                 at,
@@ -130,7 +131,7 @@ impl<W: Width> Pool<'_, W> {
             );
             (flown.path, flown.h, flown.per_step, Some(flown.ring))
         } else {
-            (path(kind.beams, &field, &at, h), h, field.per_step, None)
+            (path(beams, &field, &at, h), h, field.per_step, None)
         };
         let met = meet(&path, self.tuning.margins);
         let (x, slope) = horner(&path, met.at);
@@ -160,7 +161,7 @@ impl<W: Width> Pool<'_, W> {
         }
         let mut uncertain = met.uncertain;
         if met.hit.any() {
-            uncertain = uncertain | self.touch(kind, met.hit);
+            uncertain = uncertain | self.touch::<RECOIL>(met.hit);
         }
         if uncertain.any() {
             for lane in each(uncertain.bits()) {
@@ -220,7 +221,7 @@ impl<W: Width> Pool<'_, W> {
 
     /// Takes lanes that met the surface through the contact. Returns those in which it was uncertain.
     #[inline(always)]
-    fn touch(&mut self, kind: Model, hit: Mask<W>) -> Mask<W> {
+    fn touch<const RECOIL: bool>(&mut self, hit: Mask<W>) -> Mask<W> {
         self.work.contact_rounds += 1;
         let w = self.w;
         let load = |row: &Row<W::E>| Num::load(w, row);
@@ -232,7 +233,7 @@ impl<W: Width> Pool<'_, W> {
         };
         let (tau, mut v) = (load(&rows.tau), load(&rows.v));
         let mut cart = None;
-        if kind.recoil {
+        if RECOIL {
             let joint = rows.joint.map(load);
             let ring = rows.ring.each_ref().map(load);
             let y = load(&rows.x) + load(&rows.rest);
