@@ -1,6 +1,7 @@
 //! The closed loop: board and plant, recorded over the link, compared with the desktop's controller.
 
 use emulator::log::Reader;
+use files::made_from::MadeFrom;
 use host_sim::link::recording::record;
 use host_sim::progress::Progress;
 use host_sim::replay::replay;
@@ -28,6 +29,7 @@ pub fn field(setup: &Setup) -> Found {
         &mut bench.client,
         &hello,
         &folder.path().join("board"),
+        &MadeFrom::this_program(),
         ticks,
         start,
     )?;
