@@ -15,6 +15,10 @@ pub const CRASH_US: f64 = 20.0;
 /// No block is served.
 pub const NO_BLOCKS_US: f64 = 3_000.0;
 
+/// Where in the block monitor's millisecond the samples stop.
+const PHASES: u64 = 10;
+const PHASE_US: u64 = 97;
+
 type Done = Result<(), Box<dyn std::error::Error>>;
 
 /// What must come of a fault.
@@ -123,10 +127,27 @@ pub fn chain(setup: &Setup) -> Found {
 
 /// TIM2 stands: no samples, and no interrupt of the control task; the block monitor acts.
 pub fn samples_stop(setup: &Setup) -> Found {
-    strike(setup, NO_BLOCKS_US, 100, Fault::StaleSamples, |bench| {
-        bench.rig.borrow_mut().machine.poke(0x4000_0000, 0)?;
-        Ok(())
-    })
+    let strike = Strike {
+        limit_us: NO_BLOCKS_US,
+        wait_ms: 100,
+        wanted: Fault::StaleSamples,
+    };
+    let mut longest = 0.0f64;
+    let mut units = 0;
+    for phase in 0..PHASES {
+        let bench = Bench::driving(setup)?;
+        bench.rig.borrow_mut().advance(phase * PHASE_US)?;
+        let found = struck_from(bench, &strike, |bench| {
+            Ok(bench.rig.borrow_mut().machine.poke(0x4000_0000, 0)?)
+        })?;
+        longest = longest.max(found.gone_us);
+        units += found.units;
+    }
+    let text = format!(
+        "{PHASES} times, {PHASE_US} µs apart: PA8 low for good {longest:.1} µs after it at the latest ({NO_BLOCKS_US} \
+         allowed), then in Fault: StaleSamples"
+    );
+    Ok((text, units))
 }
 
 /// The samples' DMA stream is switched off; the converter then overruns.

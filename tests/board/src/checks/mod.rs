@@ -64,13 +64,14 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 31] = [
+const ALL: [Check; 32] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
     ("boot with the button held", boots::button_held),
     ("boot with the brown-out reset off", boots::brown_out_off),
     ("boot with damaged settings", slots::damaged),
+    ("boot after a brown-out", boots::after_brown_out),
     ("closed loop", closed::field),
     ("recording over a disturbed wire", wire::disturbed),
     ("the emergency chain opens", faults::chain),
@@ -102,8 +103,9 @@ const ALL: [Check; 31] = [
 ];
 
 /// What takes long, and is not in the short form.
-const LONG: [Check; 2] = [
+const LONG: [Check; 3] = [
     ("the clock dies in Hold", hold::clock_dies),
+    ("the set-point after a trip in Hold", hold::way_back),
     ("scenarios with faults", scenarios::with_faults),
 ];
 
