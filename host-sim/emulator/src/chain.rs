@@ -37,7 +37,7 @@ impl InputPin for Pin {
 }
 
 /// The chain.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Chain {
     open: bool,
     pin: NormallyClosed<Pin>,

@@ -42,7 +42,7 @@ pub struct Recession {
 }
 
 /// The world of a scenario.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct World {
     plant: Plant,
     smoother: Smoother,

@@ -68,11 +68,18 @@ pub fn record<P: Read + Write>(
     let done = stream(client, &mut writer, ticks, heartbeat);
     // Whatever happened, the board is left in peace.
     let quiet = client.tell(ToBoard::StreamFrames { on: false });
-    if given.is_some() {
-        client.command(Command::Stop)?;
-    }
+    let stopped = match given {
+        Some(_) => client.command(Command::Stop),
+        None => Ok(()),
+    };
     done?;
     quiet?;
+    // In Fault it has stopped already, and refuses.
+    if let Err(why) = stopped
+        && client.status()?.state != State::Fault
+    {
+        return Err(why);
+    }
     writer.finish()
 }
 

@@ -261,6 +261,9 @@ impl Machine {
         if self.nvic.changed {
             self.attend();
         }
+        if self.profile.is_some() {
+            self.profile_lines();
+        }
     }
 
     /// The pins as they are now: to the external interrupts and to whoever watches.

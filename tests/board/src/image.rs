@@ -125,6 +125,22 @@ impl Image {
             .map(|(address, _)| *address)
     }
 
+    /// The address of the first name that has this in it, as the linker has it.
+    pub fn symbol_of(&self, part: &str) -> Option<u32> {
+        self.symbols
+            .iter()
+            .find(|(_, own)| own.contains(part))
+            .map(|(address, _)| *address)
+    }
+
+    /// Address and size of the object in RAM whose name has this in it.
+    pub fn object(&self, part: &str) -> Option<(u32, u32)> {
+        self.objects
+            .iter()
+            .find(|(_, _, own)| own.contains(part))
+            .map(|(start, size, _)| (*start, *size))
+    }
+
     /// An error if a buffer is not within one object of the program.
     ///
     /// # Errors

@@ -9,6 +9,7 @@
 //! | [`machine`], [`outside`] | the board as a whole, power and resets; what the world does to it |
 //! | [`image`] | the program and its names |
 //! | [`checks`] | what runs in it |
+//! | [`profile`] | what blocks cost and how long interrupts are masked |
 //! | [`rig`] | the board in a closed loop with the emulator's plant, and the link's wire |
 //!
 //! It is strict: whatever the manual forbids, and whatever is not modelled, ends the run with address, instruction
@@ -23,6 +24,7 @@ pub mod machine;
 pub mod memory;
 pub mod outside;
 pub mod parts;
+pub mod profile;
 pub mod rig;
 pub mod run;
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The whole board: processor, memory, peripherals, time.
 
+use std::rc::Rc;
+
 use crate::core::Cpu;
 use crate::core::nvic::Nvic;
 use crate::core::op::Op;
@@ -19,6 +21,7 @@ use crate::parts::timer::Timer;
 use crate::parts::usart::Usart;
 use crate::parts::watchdog::Watchdog;
 use crate::parts::{Clocks, NEVER, UNITS_PER_US};
+use crate::profile::Profile;
 
 /// Something that changed at the board's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +104,7 @@ impl std::fmt::Display for Stop {
 impl std::error::Error for Stop {}
 
 /// The machine.
+#[derive(Clone)]
 pub struct Machine {
     /// Registers.
     pub cpu: Cpu,
@@ -113,7 +117,7 @@ pub struct Machine {
     /// What is around the part.
     pub around: Around,
     /// Names and places of the program.
-    pub image: Image,
+    pub image: Rc<Image>,
     /// Bytes of the flash.
     pub flash: Vec<u8>,
     /// Bytes of the RAM.
@@ -148,6 +152,8 @@ pub struct Machine {
     pub entered: [u64; 113],
     /// Lowest stack pointer seen at an exception's entry.
     pub lowest_stack: u32,
+    /// What it costs, while somebody wants that.
+    pub profile: Option<Box<Profile>>,
 }
 
 /// HSI: all clocks at 16 MHz.
@@ -183,7 +189,7 @@ fn parts(flags: u32, around: &Around) -> Parts {
 
 impl Machine {
     /// Power comes on: the image in flash, RAM random but the same for each `seed`.
-    pub fn power_up(image: Image, around: Around, seed: u64) -> Self {
+    pub fn power_up(image: Rc<Image>, around: Around, seed: u64) -> Self {
         let mut flash = vec![0xff; FLASH_SIZE];
         image.place(&mut flash);
         let mut state = seed | 1;
@@ -221,6 +227,7 @@ impl Machine {
             last: [None; 4],
             entered: [0; 113],
             lowest_stack: u32::MAX,
+            profile: None,
         };
         machine.reset(cause::POWER_ON | cause::BROWN_OUT | cause::PIN);
         machine
@@ -358,6 +365,9 @@ impl Machine {
         if begins {
             self.entered[number] += 1;
             self.lowest_stack = self.lowest_stack.min(self.cpu.r[13]);
+        }
+        if self.profile.is_some() {
+            self.profile_exception(number, begins);
         }
     }
 

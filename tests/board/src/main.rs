@@ -8,19 +8,14 @@ use board::checks::{Setup, run};
 const USAGE: &str = "board ELF [--short] [--seconds S] [WORDS]";
 
 fn parse(words: &[String]) -> Result<(Setup, String), String> {
-    let mut setup = Setup {
-        elf: std::path::PathBuf::new(),
-        seconds: 60.0,
-        every: 1,
-    };
     let mut wanted = Vec::new();
     let mut rest = words.iter();
-    setup.elf = rest.next().ok_or(USAGE)?.into();
+    let mut setup = Setup::new(rest.next().ok_or(USAGE)?.into());
     while let Some(word) = rest.next() {
         match word.as_str() {
             "--short" => {
                 setup.seconds = 2.0;
-                setup.every = 101;
+                setup.short = Some(101);
             }
             "--seconds" => {
                 let seconds = rest

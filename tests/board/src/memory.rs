@@ -109,6 +109,9 @@ impl Machine {
         if self.parts.flash.work.is_some() {
             self.wait_for_flash()?;
         }
+        if let Some(profile) = &mut self.profile {
+            profile.load(at);
+        }
         Ok(number(&self.flash[at..at + width]))
     }
 

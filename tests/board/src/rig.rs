@@ -6,7 +6,6 @@
 use std::cell::RefCell;
 use std::io::{self, ErrorKind, Read, Write};
 use std::iter::Peekable;
-use std::path::Path;
 use std::rc::Rc;
 
 use emulator::scenario::Scenario;
@@ -67,7 +66,26 @@ pub fn wired() -> Around {
     }
 }
 
+/// What disturbs the link's wire: of the bytes towards the desktop one in so many is lost, and one in so many garbled.
+#[derive(Clone, Copy, Debug)]
+pub struct Disturbance {
+    /// One in so many is lost.
+    pub lost: usize,
+    /// One in so many is garbled.
+    pub garbled: usize,
+}
+
+/// What is done to the rig as soon as something holds, once.
+#[derive(Clone, Copy)]
+pub struct Trap {
+    /// What must hold.
+    pub when: fn(&Machine) -> bool,
+    /// What is done.
+    pub then: fn(&mut Rig),
+}
+
 /// The board and the plant.
+#[derive(Clone)]
 pub struct Rig {
     /// The board.
     pub machine: Machine,
@@ -84,6 +102,15 @@ pub struct Rig {
     pub played: Vec<u16>,
     /// What the ADC was given, tick by tick.
     pub sampled: Vec<Frame>,
+    /// Whether `played` and `sampled` are kept.
+    pub keeps: bool,
+    /// Codes that force, hammer and cart read whatever the plant does.
+    pub forced: [Option<u16>; 3],
+    /// What disturbs the wire.
+    pub disturbed: Option<Disturbance>,
+    bytes: usize,
+    /// What is to be done as soon as something holds.
+    pub trap: Option<Trap>,
     /// What ended the run, if something did.
     pub stopped: Option<Stop>,
 }
@@ -92,9 +119,9 @@ impl Rig {
     /// Power comes on.
     ///
     /// # Errors
-    /// The image cannot be read, or the scenario's rig is invalid.
-    pub fn power_up(elf: &Path, scenario: &Scenario, around: Around) -> Result<Self, String> {
-        let mut machine = Machine::power_up(Image::read(elf)?, around, scenario.seed);
+    /// The scenario's rig is invalid.
+    pub fn power_up(image: Rc<Image>, scenario: &Scenario, around: Around) -> Result<Self, String> {
+        let mut machine = Machine::power_up(image, around, scenario.seed);
         machine.codes[VREFINT] = VREFINT_CODE;
         Ok(Self {
             machine,
@@ -106,6 +133,11 @@ impl Rig {
             tick: 0,
             played: Vec::new(),
             sampled: Vec::new(),
+            keeps: true,
+            forced: [None; 3],
+            disturbed: None,
+            bytes: 0,
+            trap: None,
             stopped: None,
         })
     }
@@ -124,8 +156,27 @@ impl Rig {
             if self.machine.take_pause() {
                 self.sample();
             }
+            if let Some(trap) = self.trap.filter(|trap| (trap.when)(&self.machine)) {
+                self.trap = None;
+                (trap.then)(self);
+            }
         }
         Ok(())
+    }
+
+    /// The emergency-stop chain opens.
+    pub fn open_chain(&mut self) {
+        let tick_s = 50e-6;
+        let now_s = self.world.plant().time_s();
+        self.world.set_emergency(true, now_s + tick_s / 2.0);
+        self.machine.set_pin(port::B, 5, Outside::High);
+    }
+
+    /// What changed at the edge is no longer wanted, but for the pulses.
+    pub fn forget_changes(&mut self) {
+        self.is_driven();
+        self.machine.changes.clear();
+        self.seen = 0;
     }
 
     /// A sampling tick begins: the plant is where the pins have brought it.
@@ -136,11 +187,13 @@ impl Rig {
         self.world.drift();
         let frame = self.world.tick(&self.output);
         self.tick += 1;
-        self.sampled.push(frame);
-        let codes = &mut self.machine.codes;
-        codes[FORCE] = frame.force.0;
-        codes[HAMMER] = frame.hammer.0;
-        codes[CART] = frame.cart.0;
+        if self.keeps {
+            self.sampled.push(frame);
+        }
+        let measured = [frame.force.0, frame.hammer.0, frame.cart.0];
+        for (i, channel) in [FORCE, HAMMER, CART].into_iter().enumerate() {
+            self.machine.codes[channel] = self.forced[i].unwrap_or(measured[i]);
+        }
         let chain = if frame.emergency {
             Outside::High
         } else {
@@ -150,7 +203,9 @@ impl Rig {
             self.machine.set_pin(port::B, 5, chain);
         }
         let code = self.machine.parts.dac.holding_code();
-        self.played.push(code);
+        if self.keeps {
+            self.played.push(code);
+        }
         self.output = Output {
             dac: DacCode(code),
             frequency_hz: (self.machine.parts.tim[1].duty(2).unwrap_or(0.0) * FULL_SCALE_HZ) as f32,
@@ -168,6 +223,22 @@ impl Rig {
         self.seen = self.machine.changes.len();
         self.rose
             .is_some_and(|at| self.machine.now < at + PULSE_HOLD)
+    }
+
+    /// What of these bytes arrives.
+    fn disturb(&mut self, sent: Vec<u8>) -> Vec<u8> {
+        let Some(Disturbance { lost, garbled }) = self.disturbed else {
+            return sent;
+        };
+        let mut arrived = Vec::with_capacity(sent.len());
+        for byte in sent {
+            self.bytes += 1;
+            if !self.bytes.is_multiple_of(lost) {
+                let flip = self.bytes.is_multiple_of(garbled);
+                arrived.push(if flip { byte ^ 0x10 } else { byte });
+            }
+        }
+        arrived
     }
 
     /// What the scenario does to the rig; what it does to the controller comes by the link.
@@ -201,13 +272,14 @@ impl Read for Wire {
         let mut rig = self.0.borrow_mut();
         rig.advance(1000)
             .map_err(|stop| io::Error::other(stop.to_string()))?;
-        let sent = &mut rig.machine.parts.usart.sent;
-        if sent.is_empty() {
+        let sent = std::mem::take(&mut rig.machine.parts.usart.sent);
+        let mut arrived = rig.disturb(sent);
+        if arrived.is_empty() {
             return Err(ErrorKind::WouldBlock.into());
         }
-        let count = sent.len().min(buffer.len());
-        buffer[..count].copy_from_slice(&sent[..count]);
-        sent.drain(..count);
+        let count = arrived.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&arrived[..count]);
+        rig.machine.parts.usart.sent = arrived.split_off(count);
         Ok(count)
     }
 }

@@ -18,7 +18,7 @@ impl Machine {
             if self.next_event <= self.now || before != self.parts.flash.operations {
                 break;
             }
-            if self.attention && to == u64::MAX {
+            if self.pause {
                 break;
             }
         }
@@ -108,6 +108,14 @@ impl Machine {
         if self.now >= self.next_event {
             self.happen()?;
         }
+        if let Some((_, until)) = &self.parts.flash.work
+            && !self.reset_asked
+            && !self.halted
+        {
+            // The next fetch waits; the world goes on meanwhile.
+            let until = *until;
+            return self.wait_until(until.min(end));
+        }
         if self.attention {
             self.look(end)?;
             if self.halted || self.cpu.sleeping {
@@ -135,9 +143,6 @@ impl Machine {
         let Some(op) = self.ops.get(index).copied() else {
             return Err(self.fetch_elsewhere(pc));
         };
-        if self.parts.flash.work.is_some() {
-            return self.wait_for_flash();
-        }
         let op = if op.kind == Kind::NotDecoded {
             self.decode(index, pc)
         } else {
@@ -146,6 +151,9 @@ impl Machine {
         self.cpu.r[15] = pc.wrapping_add(4);
         self.cpu.pc = pc.wrapping_add(u32::from(op.len));
         self.instructions += 1;
+        if let Some(profile) = &mut self.profile {
+            profile.fetch(pc, op.len, self.cycles);
+        }
         self.spend(u32::from(op.cost));
         let it = self.cpu.it;
         self.cpu.it_now = it;

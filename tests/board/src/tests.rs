@@ -17,7 +17,8 @@ const RETURN: u16 = 0x4770;
 const NOP: u16 = 0xbf00;
 
 fn machine(vectors: &[(usize, u32)], code: &[u16]) -> Machine {
-    Machine::power_up(Image::of_code(STACK, vectors, code), wired(), 1)
+    let image = Image::of_code(STACK, vectors, code);
+    Machine::power_up(image.into(), wired(), 1)
 }
 
 fn run(machine: &mut Machine, us: u64) -> Result<(), Stop> {

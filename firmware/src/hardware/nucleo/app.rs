@@ -179,7 +179,7 @@ mod app {
     /// Deadline: the set-points 491 µs after the interrupt, when the DMA fetches the first of them; the rest 500 µs, when
     /// the next block is complete. A block that ends later has overrun: what it writes late is played half old, half new,
     /// the next block starts at once, and the overrun is reported to the controller; more than one in five and it trips. If
-    /// two blocks were due, the older is lost. If none is served for 2 ms, `watch_blocks` takes the enable away.
+    /// two blocks were due, the older is lost. If none is served for 2 to 3 ms, `watch_blocks` takes the enable away.
     #[task(binds = DMA2_STREAM0, priority = 3, shared = [recorder],
         local = [sampler, set_points, chain, enable, bench, outputs, keeper, reports, interlock,
             wired: Wired = Wired { relay: false, ready: false }])]

@@ -1,5 +1,5 @@
 //! Checks once per millisecond, above every other task, that blocks are being served. If the control task hangs
-//! or is starved, or the samples stop, the drive's enable is taken away within 2 ms.
+//! or is starved, or the samples stop, the drive's enable is taken away 2 to 3 ms after the last block.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 

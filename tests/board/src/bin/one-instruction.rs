@@ -20,7 +20,7 @@ fn pattern(i: usize) -> u8 {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let image = Image::of_code(RAM + 0x1_0000, &[], &[0xbf00; 4]);
-    let mut machine = Machine::power_up(image, wired(), 1);
+    let mut machine = Machine::power_up(image.into(), wired(), 1);
     machine.known.fill(1);
     machine.flash.fill(0);
     for (i, byte) in machine.ram.iter_mut().enumerate() {

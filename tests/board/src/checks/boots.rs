@@ -57,9 +57,11 @@ pub fn cold(setup: &Setup) -> Found {
 
 fn refuses_to_drive(bench: &mut Bench, why: &str) -> Result<String, Box<dyn std::error::Error>> {
     let status = bench.must_be(State::Fault)?;
-    let fault = status
-        .fault
-        .map_or_else(String::new, |record| format!("{:?}", record.fault));
+    let record = status.fault.ok_or("no record")?;
+    must(record.episode.contains(Fault::BoardUnfit), || {
+        format!("{why}: {record:?}")
+    })?;
+    let fault = format!("{:?}, with BoardUnfit in the episode", record.fault);
     let rose = bench
         .changes_since(0)
         .iter()
@@ -164,4 +166,27 @@ pub fn brown_out_off(setup: &Setup) -> Found {
         format!("level 3 accepted: {on}, off accepted: {off}")
     })?;
     Ok(("refused; level 3 is accepted".into(), UNITS_PER_S / 5))
+}
+
+/// The supply is gone at once while the board drives, and comes back: RAM says so, and the reset's flags.
+pub fn after_brown_out(setup: &Setup) -> Found {
+    let mut bench = Bench::driving(setup)?;
+    let from = bench.now();
+    {
+        let machine = &mut bench.rig.borrow_mut().machine;
+        machine.set_supply(2.0);
+        machine.set_supply(3.3);
+    }
+    bench.advance_ms(100)?;
+    let gone = bench.enable_gone_us(from)?;
+    must(gone == 0.0, || format!("PA8 was high {gone} µs after it"))?;
+    let status = bench.must_be(State::Idle)?;
+    let brown = status
+        .fault
+        .is_some_and(|record| record.fault == Fault::BrownOut);
+    must(brown, || format!("the record: {:?}", status.fault))?;
+    Ok((
+        "Idle, and the record shows BrownOut".into(),
+        bench.now() - from,
+    ))
 }

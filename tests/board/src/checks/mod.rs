@@ -1,25 +1,60 @@
 //! What runs in the machine, and what each run shows.
 
+mod benchmark;
 mod boots;
 mod closed;
 mod faults;
+mod hold;
+mod hung;
+mod pairs;
+mod records;
 mod saves;
+mod scenarios;
+mod sensors;
 mod session;
+mod slots;
+mod wire;
 
+use std::cell::OnceCell;
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::time::Instant;
 
+use crate::image::Image;
 use crate::parts::UNITS_PER_S;
+use crate::rig::Rig;
 
 /// What all checks need.
-#[derive(Clone, Debug)]
 pub struct Setup {
     /// The image.
     pub elf: PathBuf,
-    /// Rig time of the closed loop, s.
+    /// Rig time of the closed loop and of the benchmark, s.
     pub seconds: f64,
-    /// Of the power cuts, one in so many.
-    pub every: u32,
+    /// Without what takes long, and of the power cuts one in so many.
+    pub short: Option<u32>,
+    image: OnceCell<Rc<Image>>,
+    driving: OnceCell<Rig>,
+}
+
+impl Setup {
+    /// All checks of an image.
+    pub fn new(elf: PathBuf) -> Self {
+        Self {
+            elf,
+            seconds: 60.0,
+            short: None,
+            image: OnceCell::new(),
+            driving: OnceCell::new(),
+        }
+    }
+
+    /// The image, read once.
+    fn image(&self) -> Result<Rc<Image>, String> {
+        if self.image.get().is_none() {
+            self.image.set(Rc::new(Image::read(&self.elf)?)).ok();
+        }
+        self.image.get().cloned().ok_or_else(|| "no image".into())
+    }
 }
 
 /// What a check found: a line of figures, and the rig time that it took, units.
@@ -29,14 +64,19 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 16] = [
+const ALL: [Check; 32] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
     ("boot with the button held", boots::button_held),
     ("boot with the brown-out reset off", boots::brown_out_off),
+    ("boot with damaged settings", slots::damaged),
+    ("boot after a brown-out", boots::after_brown_out),
     ("closed loop", closed::field),
+    ("recording over a disturbed wire", wire::disturbed),
     ("the emergency chain opens", faults::chain),
+    ("a sensor at a rail", sensors::rails),
+    ("a sensor's wire open", sensors::open_wires),
     ("the samples stop", faults::samples_stop),
     ("the samples' stream stops", faults::stream_stops),
     ("a debugger's traps", faults::traps),
@@ -44,13 +84,38 @@ const ALL: [Check; 16] = [
     ("the supply sags", faults::supply_sags),
     ("a stack overflow", faults::stack_overflow),
     ("a load from nowhere", faults::bad_address),
+    ("a panic", records::panic),
+    ("the crash's record", records::crash_record),
+    ("a record over a reset", records::record_over_reset),
     ("the processor is halted", faults::halted),
+    ("the program hangs", hung::hung),
+    ("the control task is starved", hung::control_starved),
+    ("the link's task is starved", hung::link_starved),
+    ("two at once: chain and save", pairs::chain_in_a_save),
+    ("two at once: stall and clock", pairs::clock_dies_in_a_stall),
+    (
+        "two at once: clock and supply",
+        pairs::supply_falls_after_the_clock,
+    ),
+    ("two at once: wire and chain", pairs::wire_and_chain),
     ("power cuts in a save", saves::power_cuts),
+    ("benchmark", benchmark::benchmark),
+];
+
+/// What takes long, and is not in the short form.
+const LONG: [Check; 3] = [
+    ("the clock dies in Hold", hold::clock_dies),
+    ("the set-point after a trip in Hold", hold::way_back),
+    ("scenarios with faults", scenarios::with_faults),
 ];
 
 /// Runs all whose name has `wanted` in it; says how many failed.
 pub fn run(setup: &Setup, wanted: &str) -> usize {
-    let chosen = ALL.iter().filter(|(name, _)| name.contains(wanted));
+    let long = LONG.iter().filter(|_| setup.short.is_none());
+    let chosen = ALL
+        .iter()
+        .chain(long)
+        .filter(|(name, _)| name.contains(wanted));
     let mut failed = 0;
     for (name, check) in chosen {
         let began = Instant::now();

@@ -30,7 +30,7 @@ pub fn power_cuts(setup: &Setup) -> Found {
     let mut tried = 0;
     for flash in cuts
         .iter()
-        .step_by(setup.every as usize)
+        .step_by(setup.short.unwrap_or(1) as usize)
         .chain([&before, &saved])
     {
         let mut after = Bench::power_up(setup, wired())?;

@@ -15,6 +15,8 @@ use crate::rig::{Rig, Wire, wired};
 
 /// The longest that a start is given until the drive comes on, ms.
 const MOST_START_MS: u64 = 8_000;
+/// The longest until Hold, s.
+const MOST_SEEK_S: u64 = 240;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -31,23 +33,33 @@ pub struct Bench {
 impl Bench {
     /// Power comes on with `around`, and nothing else.
     pub fn power_up(setup: &Setup, around: Around) -> Outcome<Self> {
-        let scenario = load("field")?;
-        let rig = Rc::new(RefCell::new(Rig::power_up(&setup.elf, &scenario, around)?));
+        Self::power_up_in(setup, load("field")?, around)
+    }
+
+    /// The same in another scenario.
+    pub fn power_up_in(setup: &Setup, scenario: Scenario, around: Around) -> Outcome<Self> {
+        let rig = Rig::power_up(setup.image()?, &scenario, around)?;
+        Ok(Self::of(rig, scenario))
+    }
+
+    fn of(rig: Rig, scenario: Scenario) -> Self {
+        let rig = Rc::new(RefCell::new(rig));
         let client = Client::new(Wire(rig.clone()), "the model's link");
-        Ok(Self {
+        Self {
             rig,
             client,
             scenario,
-        })
+        }
     }
 
     /// A wired board with the scenario's settings, idle.
     pub fn idle(setup: &Setup) -> Outcome<(Self, Hello)> {
-        Self::idle_with(setup, None)
+        Self::power_up(setup, wired())?.prepared(None)
     }
 
-    fn idle_with(setup: &Setup, traps: Option<u32>) -> Outcome<(Self, Hello)> {
-        let mut bench = Self::power_up(setup, wired())?;
+    /// With the scenario's settings, idle; with these traps (DEMCR) of a debugger.
+    pub fn prepared(self, traps: Option<u32>) -> Outcome<(Self, Hello)> {
+        let mut bench = self;
         if traps.is_some() {
             bench.rig.borrow_mut().machine.system.attach(traps);
         }
@@ -65,14 +77,36 @@ impl Bench {
         Ok((bench, hello))
     }
 
-    /// The same, started: the pulses at PA8 have come.
+    /// The same, started: the pulses at PA8 have come. Brought there once, and copied for each check.
     pub fn driving(setup: &Setup) -> Outcome<Self> {
-        Self::driving_with(setup, None)
+        if setup.driving.get().is_none() {
+            let bench = Self::driving_with(setup, None)?;
+            let rig = bench.rig.borrow().clone();
+            setup.driving.set(rig).ok();
+        }
+        let rig = setup.driving.get().ok_or("no board that drives")?;
+        Ok(Self::of(rig.clone(), load("field")?))
+    }
+
+    /// In Hold.
+    pub fn holding(setup: &Setup) -> Outcome<Self> {
+        let mut bench = Self::driving(setup)?;
+        for _ in 0..MOST_SEEK_S {
+            bench.advance_ms(1000)?;
+            if bench.status()?.state == State::Hold {
+                while !bench.rig.borrow().machine.enabled() {
+                    bench.rig.borrow_mut().advance(20)?;
+                }
+                return Ok(bench);
+            }
+        }
+        let state = bench.status()?.state;
+        Err(format!("no Hold within {MOST_SEEK_S} s, but {state:?}").into())
     }
 
     /// The same with a debugger attached, and these traps (DEMCR) left in the part.
     pub fn driving_with(setup: &Setup, traps: Option<u32>) -> Outcome<Self> {
-        let (mut bench, _) = Self::idle_with(setup, traps)?;
+        let (mut bench, _) = Self::power_up(setup, wired())?.prepared(traps)?;
         bench.client.command(Command::Start(Mode::Automatic))?;
         for _ in 0..MOST_START_MS / 5 {
             bench.advance_ms(5)?;

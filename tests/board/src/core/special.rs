@@ -61,6 +61,9 @@ impl Machine {
         }
         self.nvic.changed = true;
         self.attend();
+        if self.profile.is_some() {
+            self.profile_masks();
+        }
     }
 
     /// `cpsie` and `cpsid`.
@@ -74,5 +77,8 @@ impl Machine {
         }
         self.nvic.changed = true;
         self.attend();
+        if self.profile.is_some() {
+            self.profile_masks();
+        }
     }
 }

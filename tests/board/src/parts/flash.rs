@@ -50,6 +50,11 @@ pub struct Flash {
 }
 
 impl Flash {
+    /// Whether a sector is being erased.
+    pub fn is_erasing(&self) -> bool {
+        matches!(self.work, Some((Work::Erase(_), _)))
+    }
+
     /// After a reset.
     pub fn new(options: u32) -> Self {
         Self {

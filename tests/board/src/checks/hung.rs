@@ -1,0 +1,131 @@
+//! Programs that hang or are starved: nothing says that they did, but the pulses and the watchdog.
+
+use shared::control::State;
+use shared::fault::Fault;
+
+use super::session::Bench;
+use super::{Found, Setup, must};
+use crate::core::nvic::FIRST;
+use crate::machine::{Change, Machine};
+use crate::memory::FLASH;
+use crate::parts::{UNITS_PER_S, interrupt, rcc::cause};
+use crate::profile::CONTROL;
+
+/// `b .`, and where nothing else is in flash.
+const HANG: u16 = 0xe7fe;
+const FREE: u32 = FLASH + 0x7_ff00;
+
+/// The longest until the watchdog resets, at the LSI's slowest (docs/flashing.md), s.
+const WATCHDOG_S: f64 = 3.8;
+
+impl Machine {
+    /// The program goes round in one place.
+    fn hang(&mut self) {
+        self.place_code(FREE, &[HANG]);
+        self.cpu.pc = FREE;
+        self.cpu.it = 0;
+    }
+}
+
+/// Goes on until no task is at work and none is masked.
+fn until_idle(bench: &mut Bench) -> Result<(), Box<dyn std::error::Error>> {
+    for _ in 0..10_000 {
+        let cpu = &bench.rig.borrow().machine.cpu;
+        if cpu.ipsr == 0 && cpu.basepri == 0 && !cpu.primask {
+            return Ok(());
+        }
+        bench.rig.borrow_mut().advance(1)?;
+    }
+    Err("the idle loop does not run".into())
+}
+
+/// The watchdog must have reset the board, and the controller must know.
+fn watchdog_acts(bench: &mut Bench, from: u64) -> Result<f64, Box<dyn std::error::Error>> {
+    bench.advance_ms((1e3 * WATCHDOG_S) as u64)?;
+    let reset = bench
+        .changes_since(from)
+        .iter()
+        .find_map(|(at, change)| match change {
+            Change::Reset(flags) => Some((*at, *flags)),
+            _ => None,
+        });
+    let (at, flags) = reset.ok_or_else(|| format!("no reset within {WATCHDOG_S} s"))?;
+    must(flags & cause::WATCHDOG != 0, || {
+        format!("the reset has flags {flags:#010x}, not the watchdog's")
+    })?;
+    let status = bench.must_be(State::Fault)?;
+    let fault = status.fault.map(|record| record.fault);
+    must(fault == Some(Fault::WatchdogReset), || {
+        format!("after the watchdog's reset: {fault:?}")
+    })?;
+    Ok((at - from) as f64 / UNITS_PER_S as f64)
+}
+
+/// Everything is masked, for ever.
+pub fn hung(setup: &Setup) -> Found {
+    let mut bench = Bench::driving(setup)?;
+    let from = bench.now();
+    {
+        let machine = &mut bench.rig.borrow_mut().machine;
+        machine.hang();
+        machine.cpu.primask = true;
+    }
+    bench.advance_ms(3)?;
+    let driven = bench.rig.borrow_mut().is_driven();
+    must(!driven, || {
+        "the pulses hold the enable 3 ms after the program hung".into()
+    })?;
+    let seconds = watchdog_acts(&mut bench, from)?;
+    Ok((
+        format!("no pulses; reset after {seconds:.2} s, then in Fault: WatchdogReset"),
+        bench.now() - from,
+    ))
+}
+
+/// What holds the control task off does not hold off the block monitor.
+pub fn control_starved(setup: &Setup) -> Found {
+    let mut bench = Bench::driving(setup)?;
+    until_idle(&mut bench)?;
+    let from = bench.now();
+    {
+        let machine = &mut bench.rig.borrow_mut().machine;
+        machine.hang();
+        machine.cpu.basepri = machine.nvic.priority[CONTROL];
+    }
+    bench.advance_ms(10)?;
+    let gone = bench.enable_gone_us(from)?;
+    must(gone <= super::faults::NO_BLOCKS_US, || {
+        format!("PA8 was last high {gone:.1} µs after the last block")
+    })?;
+    let seconds = watchdog_acts(&mut bench, from)?;
+    Ok((
+        format!(
+            "PA8 low for good {gone:.1} µs after it ({} allowed), by the block monitor; reset after {seconds:.2} s, then in \
+             Fault: WatchdogReset",
+            super::faults::NO_BLOCKS_US
+        ),
+        bench.now() - from,
+    ))
+}
+
+/// The link's task and what is below it; the control task goes on, and the drive with it, until the watchdog acts.
+pub fn link_starved(setup: &Setup) -> Found {
+    let mut bench = Bench::driving(setup)?;
+    until_idle(&mut bench)?;
+    let from = bench.now();
+    {
+        let machine = &mut bench.rig.borrow_mut().machine;
+        machine.hang();
+        machine.cpu.basepri = machine.nvic.priority[FIRST + interrupt::TIM6];
+    }
+    bench.advance_ms(100)?;
+    let driven = bench.rig.borrow_mut().is_driven();
+    let seconds = watchdog_acts(&mut bench, from)?;
+    let on = if driven { "on" } else { "off" };
+    Ok((
+        format!(
+            "the drive is {on} 0.1 s after it; reset after {seconds:.2} s, then in Fault: WatchdogReset"
+        ),
+        bench.now() - from,
+    ))
+}
