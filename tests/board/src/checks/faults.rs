@@ -228,13 +228,7 @@ pub fn halted(setup: &Setup) -> Found {
     must(!driven, || {
         "the pulses hold the enable 10 ms after the processor was halted".into()
     })?;
-    bench.advance_ms(4_000)?;
-    let reset = bench
-        .changes_since(from)
-        .iter()
-        .find(|(_, c)| matches!(c, Change::Reset(_)))
-        .map(|(at, _)| *at);
-    let reset = reset.ok_or("no reset within 4 s")?;
+    let (reset, _) = bench.until_reset(from, super::hung::WATCHDOG_S)?;
     let status = bench.must_be(State::Fault)?;
     let fault = status
         .fault

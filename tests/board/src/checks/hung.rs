@@ -6,7 +6,7 @@ use shared::fault::Fault;
 use super::session::Bench;
 use super::{Found, Setup, must};
 use crate::core::nvic::FIRST;
-use crate::machine::{Change, Machine};
+use crate::machine::Machine;
 use crate::memory::FLASH;
 use crate::parts::{UNITS_PER_S, interrupt, rcc::cause};
 use crate::profile::CONTROL;
@@ -16,7 +16,7 @@ const HANG: u16 = 0xe7fe;
 const FREE: u32 = FLASH + 0x7_ff00;
 
 /// The longest until the watchdog resets, at the LSI's slowest (docs/flashing.md), s.
-const WATCHDOG_S: f64 = 3.8;
+pub const WATCHDOG_S: f64 = 3.8;
 
 impl Machine {
     /// The program goes round in one place.
@@ -41,15 +41,7 @@ fn until_idle(bench: &mut Bench) -> Result<(), Box<dyn std::error::Error>> {
 
 /// The watchdog must have reset the board, and the controller must know.
 fn watchdog_acts(bench: &mut Bench, from: u64) -> Result<f64, Box<dyn std::error::Error>> {
-    bench.advance_ms((1e3 * WATCHDOG_S) as u64)?;
-    let reset = bench
-        .changes_since(from)
-        .iter()
-        .find_map(|(at, change)| match change {
-            Change::Reset(flags) => Some((*at, *flags)),
-            _ => None,
-        });
-    let (at, flags) = reset.ok_or_else(|| format!("no reset within {WATCHDOG_S} s"))?;
+    let (at, flags) = bench.until_reset(from, WATCHDOG_S)?;
     must(flags & cause::WATCHDOG != 0, || {
         format!("the reset has flags {flags:#010x}, not the watchdog's")
     })?;

@@ -8,6 +8,7 @@ mod hold;
 mod hung;
 mod pairs;
 mod records;
+mod reports;
 mod saves;
 mod scenarios;
 mod sensors;
@@ -64,7 +65,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 32] = [
+const ALL: [Check; 34] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -82,6 +83,8 @@ const ALL: [Check; 32] = [
     ("a debugger's traps", faults::traps),
     ("the clock dies", faults::clock_dies),
     ("the supply sags", faults::supply_sags),
+    ("a report that contradicts", reports::contradict),
+    ("the measuring reference is off", reports::reference),
     ("a stack overflow", faults::stack_overflow),
     ("a load from nowhere", faults::bad_address),
     ("a panic", records::panic),

@@ -101,7 +101,7 @@ pub fn record_over_reset(setup: &Setup) -> Found {
         format!("{:?} at first", before.fault)
     })?;
     bench.rig.borrow_mut().machine.stand_still();
-    bench.advance_ms(3_800)?;
+    bench.until_reset(from, super::hung::WATCHDOG_S)?;
     let after = bench.must_be(State::Fault)?.fault.ok_or("no record")?;
     must(
         (after.fault, after.tick, after.value) == (before.fault, before.tick, before.value)

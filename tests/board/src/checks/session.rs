@@ -167,6 +167,28 @@ impl Bench {
             .collect()
     }
 
+    /// Goes on to the first reset since `from`, and until the program runs again: when it was, and its flags. None within
+    /// so many seconds is an error.
+    pub fn until_reset(&mut self, from: u64, most_s: f64) -> Outcome<(u64, u32)> {
+        for _ in 0..(20.0 * most_s) as u64 {
+            self.advance_ms(50)?;
+            let found = self
+                .changes_since(from)
+                .into_iter()
+                .find_map(|(at, change)| {
+                    let Change::Reset(flags) = change else {
+                        return None;
+                    };
+                    Some((at, flags))
+                });
+            if let Some(found) = found {
+                self.advance_ms(100)?;
+                return Ok(found);
+            }
+        }
+        Err(format!("no reset within {most_s} s").into())
+    }
+
     /// How long after `from` PA8 last rose or was high, in µs; an error if it is high now.
     pub fn enable_gone_us(&self, from: u64) -> Outcome<f64> {
         let rig = self.rig.borrow();

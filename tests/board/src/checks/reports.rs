@@ -1,0 +1,79 @@
+//! What the board watches besides its sensors: the relay, the power stage, its own measuring reference.
+
+use shared::control::{Command, Mode, State};
+use shared::fault::Fault;
+
+use super::faults::{Strike, struck};
+use super::session::Bench;
+use super::{Found, Setup, must};
+use crate::memory::VREFINT_CODE;
+use crate::parts::gpio::Outside;
+use crate::rig::{port, wired};
+
+/// Channel of the reference.
+const VREFINT: usize = 17;
+
+/// The relay has not pulled in so long after the enable, or the stage is not ready (docs/wiring.md), and for how long a
+/// report must contradict the enable, ms.
+const RELAY_MS: f64 = 100.0;
+const READY_MS: f64 = 1_000.0;
+const LASTS_MS: f64 = 10.0;
+
+/// Steps in which the start is waited for, ms.
+const STEP_MS: u64 = 5;
+
+/// A relay that stays dropped, then a power stage that never gets ready, each with its report wired and set.
+pub fn contradict(setup: &Setup) -> Found {
+    let mut text = Vec::new();
+    let mut units = 0;
+    for (name, relay, after_ms) in [
+        ("the relay stays dropped", true, RELAY_MS),
+        ("the stage is not ready", false, READY_MS),
+    ] {
+        let mut around = wired();
+        around.pins[port::A][9] = Outside::Low;
+        let mut bench = Bench::power_up(setup, around)?;
+        bench.scenario.settings.interlock.relay = relay;
+        bench.scenario.settings.interlock.ready = !relay;
+        let (mut bench, _) = bench.prepared(None)?;
+        bench.client.command(Command::Start(Mode::Automatic))?;
+        for _ in 0..1_600 {
+            if bench.rig.borrow_mut().is_driven() {
+                break;
+            }
+            bench.advance_ms(STEP_MS)?;
+        }
+        let from = bench.now();
+        bench.advance_ms(1_100)?;
+        let gone_ms = bench.enable_gone_us(from)? / 1e3;
+        let limit_ms = after_ms + LASTS_MS + 1.0;
+        must(
+            gone_ms <= limit_ms && gone_ms > after_ms - STEP_MS as f64,
+            || format!("{name}: PA8 was last high after {gone_ms:.1} ms of {limit_ms}"),
+        )?;
+        let status = bench.must_be(State::Fault)?;
+        let fault = status.fault.map(|record| record.fault);
+        must(fault == Some(Fault::EmergencyStop), || {
+            format!("{name}: then {fault:?}")
+        })?;
+        text.push(format!("{name}: PA8 low for good after {gone_ms:.0} ms"));
+        units += bench.now();
+    }
+    Ok((text.join(", ") + ", EmergencyStop", units))
+}
+
+/// VDDA falls by 4 %: the reference reads that much higher.
+pub fn reference(setup: &Setup) -> Found {
+    let strike = Strike {
+        // Looked at once a second, three times in a row.
+        limit_us: 4e6,
+        wait_ms: 4_500,
+        wanted: Fault::BoardUnfit,
+    };
+    let found = struck(setup, &strike, |bench| {
+        let codes = &mut bench.rig.borrow_mut().machine.codes;
+        codes[VREFINT] = VREFINT_CODE + VREFINT_CODE / 25;
+        Ok(())
+    })?;
+    Ok((found.text(&strike), found.units))
+}
