@@ -22,8 +22,6 @@ pub struct Board {
     pub flip_link: bool,
     /// The part, as probe-rs calls it; none for a board that nothing is flashed to.
     pub chip: Option<String>,
-    /// Whether its image is linked in `cargo xtask test`; else it is only compiled there.
-    pub tested: bool,
 }
 
 impl Board {
@@ -44,10 +42,7 @@ impl Board {
     fn parse(name: &str, text: &str) -> Result<Self, String> {
         let table: toml::Table = text.parse().map_err(|e| format!("{e}"))?;
         let text = |key: &str| table.get(key).and_then(toml::Value::as_str);
-        let whether = |key: &str| {
-            let value = table.get(key).and_then(toml::Value::as_bool);
-            value.ok_or_else(|| format!("`{key}` must be true or false"))
-        };
+        let flip_link = table.get("flip-link").and_then(toml::Value::as_bool);
         let programs = table.get("programs").and_then(toml::Value::as_array);
         let programs: Option<Vec<String>> = programs
             .filter(|programs| !programs.is_empty())
@@ -56,9 +51,8 @@ impl Board {
             name: name.into(),
             title: text("name").ok_or("`name` is missing")?.into(),
             programs: programs.ok_or("`programs` must be a list of names")?,
-            flip_link: whether("flip-link")?,
+            flip_link: flip_link.ok_or("`flip-link` must be true or false")?,
             chip: text("chip").map(Into::into),
-            tested: whether("tested")?,
         })
     }
 }
@@ -104,7 +98,7 @@ mod tests {
         assert!(named(NUCLEO).unwrap().chip.is_some());
         assert!(named(QEMU).unwrap().chip.is_none());
         let error = named("uno").unwrap_err().to_string();
-        assert!(error.contains("nucleo, qemu"), "{error}");
+        assert!(error.contains("g474, nucleo, qemu"), "{error}");
     }
 
     /// What a board needs beside its folder.
@@ -135,15 +129,14 @@ mod tests {
 
     #[test]
     fn what_a_descriptor_lacks_is_named() {
-        let good = "name = \"A\"\nprograms = [\"a\"]\nflip-link = true\ntested = false\n";
+        let good = "name = \"A\"\nprograms = [\"a\"]\nflip-link = true\n";
         let board = Board::parse("a", good).unwrap();
-        assert!(board.flip_link && !board.tested && board.chip.is_none());
+        assert!(board.flip_link && board.chip.is_none());
         assert_eq!(board.feature(), "board-a");
         for (without, named) in [
             ("name = \"A\"\n", "`name`"),
             ("programs = [\"a\"]\n", "`programs`"),
             ("flip-link = true\n", "`flip-link`"),
-            ("tested = false\n", "`tested`"),
         ] {
             let error = Board::parse("a", &good.replace(without, "")).unwrap_err();
             assert!(error.contains(named), "{error}");

@@ -108,19 +108,14 @@ fn board(board: &Board) -> Outcome<String> {
     Ok(format!("built with {}", tools::toolchain()?.describe()))
 }
 
-/// What is neither flashed nor emulated here must at least compile.
+/// What is neither run in the model of the board nor in QEMU.
 fn other_boards() -> Outcome<String> {
     let mut names = Vec::new();
     for other in boards::all()? {
         if [boards::NUCLEO, boards::QEMU].contains(&other.name.as_str()) {
             continue;
         }
-        if other.tested {
-            board(&other)?;
-        } else {
-            firmware::lint(&other)?;
-            firmware::check(&other)?;
-        }
+        board(&other)?;
         names.push(other.name);
     }
     Ok(names.join(", "))

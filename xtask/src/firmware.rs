@@ -69,12 +69,6 @@ pub fn lint(board: &Board) -> Outcome {
     command::run(cargo.args(["--", "-D", "warnings"]))
 }
 
-/// Compiles a board's programs without linking an image.
-pub fn check(board: &Board) -> Outcome {
-    let mut cargo = tools::toolchain()?.cargo("check");
-    command::run(cargo.args(FIRMWARE).args(["--features", &board.feature()]))
-}
-
 /// Builds the model alone for the microcontroller: it must need nothing else.
 pub fn build_shared() -> Outcome {
     command::run(tools::toolchain()?.cargo("build").args([
