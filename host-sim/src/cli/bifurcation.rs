@@ -157,7 +157,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 fn request(args: &Args) -> Result<DiagramRequest, UserError> {
     let output = &args.output;
     let rig = args.rig.name.load()?;
-    output.doubt(&rig);
+    output.doubt_without_uncertainty(&rig);
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     if args.recorded == 0 || args.recorded > args.cycles {

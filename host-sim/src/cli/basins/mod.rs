@@ -181,7 +181,7 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, BasinsRequest)>, UserError
 /// The operating point that the command line names.
 fn own(args: &Args) -> Result<BasinsRequest, UserError> {
     let mut rig = args.rig.load()?;
-    args.output.doubt(&rig);
+    args.output.doubt_without_uncertainty(&rig);
     if let Some(ratio) = args.gap_ratio {
         let gap_mm = ratio * rig.params.amplitude_m * 1e3;
         rig.params = at_gap(&rig.params, gap_mm, format!("--gap-ratio {ratio}"))?;

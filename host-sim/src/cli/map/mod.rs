@@ -118,6 +118,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         output: args.output.named(stem, rigs(&requests))?,
         ..args.clone()
     };
+    for rig in rigs(&requests) {
+        args.output.doubt_without_uncertainty(rig);
+    }
     let points = args
         .measured
         .as_deref()
