@@ -6,6 +6,13 @@ use super::op::{Kind, Op, shift as kinds};
 use super::{Fault, Trap, Try};
 use crate::machine::Machine;
 
+/// A copy for what is not inlined: so the instruction itself need not lie in memory, from which it would have to be
+/// loaded just after it was stored.
+#[inline(always)]
+fn copy(op: &Op) -> Op {
+    *op
+}
+
 impl Machine {
     /// Does one instruction.
     #[inline(always)]
@@ -125,8 +132,8 @@ impl Machine {
             Kind::StrR => return self.store::<4>(self.indexed(op), self.d(op)),
             Kind::StrbR => return self.store::<1>(self.indexed(op), self.d(op)),
             Kind::StrhR => return self.store::<2>(self.indexed(op), self.d(op)),
-            Kind::LoadMany => return self.load_many(op),
-            Kind::StoreMany => return self.store_many(op),
+            Kind::LoadMany => return self.load_many(&copy(op)),
+            Kind::StoreMany => return self.store_many(&copy(op)),
             Kind::LoadIndexed => return self.load_indexed(op),
             Kind::StoreIndexed => return self.store_indexed(op),
             Kind::LoadPair => return self.load_pair(op),
@@ -184,7 +191,7 @@ impl Machine {
             | Kind::PackBt
             | Kind::PackTb
             | Kind::Parallel
-            | Kind::Saturating => return self.execute_more(op),
+            | Kind::Saturating => return self.execute_more(&copy(op)),
             Kind::LdrLiteral
             | Kind::LoadExclusive
             | Kind::StoreExclusive
@@ -198,8 +205,8 @@ impl Machine {
             | Kind::Breakpoint
             | Kind::WaitInterrupt
             | Kind::WaitEvent
-            | Kind::SendEvent => return self.execute_rare(op),
-            _ => return self.execute_float(op),
+            | Kind::SendEvent => return self.execute_rare(&copy(op)),
+            _ => return self.execute_float(&copy(op)),
         }
         Ok(())
     }
