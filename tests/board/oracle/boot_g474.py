@@ -3,12 +3,13 @@
     python -m venv VENV; VENV/bin/pip install unicorn==2.1.4
     VENV/bin/python tests/board/oracle/boot_g474.py target/thumb/thumbv7em-none-eabihf/firmware/g474 [--all]
 
-The registers are no model of the part: they keep what is written, and a few say that they are ready (`READY`). Accesses
+The registers are no model of the part: they keep what is written, and a few say that they are ready. Accesses
 outside the peripherals' addresses end the run. It shows that the start runs to its end, which values the registers then have
-(held here against the table `EXPECTED`, written from the reference manual and not from the program), that each of the five
-interrupts can be served some hundreds of times, that the link answers, that settings can be saved and are found after a
-reset, and after a power cut at any operation of the flash, that a start is refused because of Fault 18, and that PA8 stays low. Interrupts are called one by one; there
-are no priorities and no time. Flash takes what the manual allows: unlocked, page erased, whole words of 8 bytes. Unicorn is under the GPL and is not part of this project: it is asked, not linked.
+(held against the table `EXPECTED`, which the program's author wrote from memory of the reference manual), that each of the
+five interrupts can be served some hundreds of times, that the link answers, that settings can be saved and are found after a
+reset and after a power cut at any operation of the flash, that a start is refused because of Fault 18, and that PA8 stays
+low. Interrupts are called one by one; there are no priorities and no time. Flash takes what the manual allows: unlocked,
+page erased, whole words of 8 bytes. Unicorn is under the GPL and is not part of this project: it is asked, not linked.
 """
 
 import struct
