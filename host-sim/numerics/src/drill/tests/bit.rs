@@ -68,9 +68,7 @@ fn a_light_bit_is_softer_ground() {
 #[test]
 fn one_blow_is_the_closed_form() {
     let (mass, speed, stiffness) = (0.298, 0.08, 1e9_f64);
-    for (bit_mass, threshold, feed_force) in
-        [(0.596, 25.0, 1.0), (0.4, 10.0, 0.0), (0.8, 25.0, 5.0)]
-    {
+    for (bit_mass, threshold, feed_force) in [(0.596, 25.0, 1.0), (0.4, 10.0, 0.0)] {
         let stiff = Slider {
             stiffness: 1e12,
             damping: 1e7,
