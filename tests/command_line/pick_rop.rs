@@ -93,27 +93,6 @@ fn the_amplitude_is_lowered_where_the_shaker_is_too_weak() {
 }
 
 #[test]
-fn a_bit_is_followed_too() {
-    let line = "--threshold-n 50 --bit-mass-kg 0.3 --cart prescribed --rig beam-170";
-    let picked = answer(&format!("pick --objective rop {line} --nominal"));
-    assert_eq!(number(&picked, "bit_mass_kg"), 0.3);
-    // Beams have one mode there, and the answer says so.
-    assert_eq!(picked["modes"], 1);
-    let ratio = number(&picked, "frequency_ratio");
-    let row = csv_rows(
-        &Folder::new()
-            .run(&format!(
-                "drill {line} --ratio {ratio} --settle 60 --format csv --threshold-percent 0 --ground-stiffness-percent 0"
-            ))
-            .well()
-            .out,
-    );
-    let key = "rate_of_penetration_um_per_s";
-    let apart = number(&picked, key) / number(&row[0], key) - 1.0;
-    assert!(apart.abs() < 1e-6, "{apart}");
-}
-
-#[test]
 fn what_cannot_be_is_refused_in_one_line() {
     assert_refused(
         &Folder::new(),
