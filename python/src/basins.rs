@@ -76,18 +76,14 @@ fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyDict>>
     let rows = cells::rows(basins);
     let found = record(py, &basins.summary())?;
     let window = &basins.query.window;
-    let mut x: Vec<f64> = rows
-        .iter()
-        .take(window.columns)
-        .map(|r| r.displacement_mm)
-        .collect();
-    x.truncate(window.columns);
+    let x = rows.iter().take(window.columns).map(|r| r.displacement_mm);
+    let x: Vec<f64> = x.collect();
     let v = rows
         .iter()
         .step_by(window.columns)
         .map(|r| r.velocity_m_per_s);
-    found.set_item("displacement_mm", x.into_pyarray(py))?;
-    found.set_item("velocity_m_per_s", v.collect::<Vec<_>>().into_pyarray(py))?;
+    found.set_item("start_displacement_mm", x.into_pyarray(py))?;
+    found.set_item("start_velocity_m_per_s", v.collect::<Vec<_>>().into_pyarray(py))?;
     found.set_item("which", basins.which.clone().into_pyarray(py))?;
     let names: Vec<String> = basins
         .attractors

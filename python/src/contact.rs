@@ -204,6 +204,8 @@ pub fn identify<'py>(
     found.set_item("noise_n", measured.noise_n)?;
     found.set_item("offset_n", measured.offset_n)?;
     found.set_item("drift_n_per_s", measured.drift_n_per_s)?;
+    found.set_item("gain_percent", gain_percent)?;
+    found.set_item("release_height_percent", release_height_percent)?;
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
     let best: Option<&Fit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     let ring = best.or(fits.first()).and_then(|fit| fit.ring);

@@ -325,7 +325,7 @@ def merge_map(rig: Rig, tiles: Iterable[bytes], **keywords: Any) -> Map:
 class Basins(Grid):
     """Basins of attraction. Layers have the shape (velocities, displacements).
 
-    Axes: ``velocity_m_per_s`` and ``displacement_mm`` at the start, relative to the cart. Layers: ``impact`` (a contact in
+    Axes: ``start_velocity_m_per_s`` and ``start_displacement_mm``, relative to the cart. Layers: ``impact`` (a contact in
     the recorded cycles), ``attractor`` (its name), ``regime``, ``force_ratio``, ``settled_after_cycles``,
     ``last_contact_cycle``. The other fields are those of ``host-sim basins --format json``: shares with their intervals,
     attractors, entropies.
@@ -337,10 +337,10 @@ class Basins(Grid):
         names = np.array(found.pop("attractor_names"))
         found["attractor"] = names[found.pop("which")]
         found["regime"] = np.array(found["regime"])
-        shape = (len(found["velocity_m_per_s"]), len(found["displacement_mm"]))
+        shape = (len(found["start_velocity_m_per_s"]), len(found["start_displacement_mm"]))
         for name in self._LAYERS:
             found[name] = found[name].reshape(shape)
-        super().__init__(found, ("velocity_m_per_s", "displacement_mm"), self._LAYERS)
+        super().__init__(found, ("start_velocity_m_per_s", "start_displacement_mm"), self._LAYERS)
 
 
 def basins(
