@@ -83,7 +83,10 @@ fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyDict>>
         .step_by(window.columns)
         .map(|r| r.velocity_m_per_s);
     found.set_item("start_displacement_mm", x.into_pyarray(py))?;
-    found.set_item("start_velocity_m_per_s", v.collect::<Vec<_>>().into_pyarray(py))?;
+    found.set_item(
+        "start_velocity_m_per_s",
+        v.collect::<Vec<_>>().into_pyarray(py),
+    )?;
     found.set_item("which", basins.which.clone().into_pyarray(py))?;
     let names: Vec<String> = basins
         .attractors
