@@ -31,7 +31,8 @@ impl Ramp {
         self.code = if output.enable {
             wanted
         } else {
-            wanted.clamp(self.code - STEP, self.code + STEP)
+            // `clamp` would panic if the bounds were the wrong way round; to the compiler they could be.
+            wanted.max(self.code - STEP).min(self.code + STEP)
         };
         self.code as u16
     }

@@ -10,6 +10,7 @@
 //! | [`record`], [`measured`] | records of sensors and measured points, from files |
 //! | [`own_rig`] | a rig file from what a person can measure |
 //! | [`tiles`] | the tiles of an unfinished map, on disk |
+//! | `kept` | the rows of an unfinished answer, on disk |
 //! | [`mod@link`] | a board, or an emulated one, on a serial port |
 //! | [`replay`] | a log through the controller again |
 //! | [`words`] | sentences that put an answer into words |
@@ -18,6 +19,7 @@
 mod chapter;
 pub mod cli;
 pub mod figures;
+mod kept;
 pub mod link;
 pub mod measured;
 pub mod own_rig;

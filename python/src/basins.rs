@@ -12,7 +12,7 @@ use crate::values::record;
 use crate::work::How;
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, grid, displacement_mm, velocity_m_per_s, phase, cycles, recorded, samples, seed, until, engine, precision, tick_us, threads, progress))]
+#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, grid, displacement_mm, velocity_m_per_s, phase, cycles, recorded, samples, seed, until, engine, precision, tick_us, threads, progress))]
 #[allow(
     clippy::too_many_arguments,
     reason = "each is a keyword of the Python function"
@@ -23,6 +23,7 @@ pub fn basins<'py>(
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
+    cart: Option<&str>,
     grid: (usize, usize),
     displacement_mm: Option<[f64; 2]>,
     velocity_m_per_s: Option<[f64; 2]>,
@@ -44,7 +45,7 @@ pub fn basins<'py>(
             "samples is {samples}, must be at most {MOST_SAMPLES}"
         )));
     }
-    let rig = arguments::at(rig, gap_mm, None)?;
+    let rig = arguments::at(rig, gap_mm, cart)?;
     let hz = arguments::one_frequency(&rig, ratio, frequency_hz)?;
     let engine = arguments::engine(engine, precision, tick_us)?;
     let (columns, rows) = grid;

@@ -15,7 +15,7 @@ use crate::values::{columns, object};
 use crate::work::How;
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, direction, cycles, recorded, engine, precision, tick_us, threads, progress))]
+#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, direction, cycles, recorded, engine, precision, tick_us, threads, progress))]
 #[allow(
     clippy::too_many_arguments,
     reason = "each is a keyword of the Python function"
@@ -26,6 +26,7 @@ pub fn bifurcation<'py>(
     ratio: Option<Vec<f64>>,
     frequency_hz: Option<Vec<f64>>,
     gap_mm: Option<Vec<f64>>,
+    cart: Option<&str>,
     direction: &str,
     cycles: u32,
     recorded: u32,
@@ -35,7 +36,7 @@ pub fn bifurcation<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let rig = arguments::at(rig, None, None)?;
+    let rig = arguments::at(rig, None, cart)?;
     let given = arguments::frequencies(&rig, ratio, frequency_hz)?;
     if recorded == 0 || recorded > cycles {
         return Err(wrong(format!(

@@ -66,6 +66,36 @@ fn a_point_is_what_simulate_shows_on_its_section() {
     assert!((here - there).abs() < 1e-3 * 0.89, "{here} {there}");
 }
 
+/// Against the reference: `sweep` carries the state in the same way.
+#[test]
+fn a_cart_that_recoils_is_carried_up_as_sweep_has_it() {
+    let asked = "--gap 2.4 --ratio 1.2:1.5:0.05 --direction up --cart recoil --cycles 160";
+    let found = answer(&format!("bifurcation {asked} --recorded 20"));
+    assert_eq!(found["cart"], "recoil");
+    let folder = Folder::new();
+    let line = format!("bifurcation {asked} --recorded 20 --format csv --quiet");
+    let points = csv_rows(&folder.run(&line).well().out);
+    let line = format!("sweep {asked} --transient 140 --format csv --quiet");
+    let rows = csv_rows(&folder.run(&line).well().out);
+    assert_eq!(rows.len(), 7);
+    for row in &rows {
+        let hz = number(row, "frequency_hz");
+        let here = points.iter().filter(|p| number(p, "frequency_hz") == hz);
+        let here: Vec<_> = here.collect();
+        let force = here
+            .iter()
+            .map(|p| number(p, "force_n"))
+            .fold(0.0, f64::max);
+        assert_eq!(row["regime"], "1/1");
+        assert!(
+            here.iter()
+                .all(|p| p["regime"] == "1/1" && p["cart"] == "recoil")
+        );
+        let off = force / number(row, "force_n") - 1.0;
+        assert!(off.abs() < 1e-3, "{hz} {off}");
+    }
+}
+
 #[test]
 fn out_holds_pictures_tables_and_the_measured_points() {
     let folder = Folder::new().with(

@@ -33,6 +33,25 @@ drive_off_within_ticks = 40
 const TICKS: usize = 40_000;
 
 #[test]
+fn a_shaker_whose_loop_the_settings_do_not_take_is_said() {
+    let fast = STOPPED.replace(
+        "[[events]]\nat_s = 0.1",
+        "[shaker]\nloop_hz = 400.0\nloop_damping_ratio = 2.0\n\n[[events]]\nat_s = 0.1",
+    );
+    let folder = Folder::new()
+        .with("stopped.toml", STOPPED)
+        .with("fast.toml", &fast);
+    let run = |line: &str| folder.run(line).well().out;
+    let said = "shaker loop    not told to the controller";
+    assert!(run("emulate fast.toml --no-log --quiet").contains(said));
+    assert!(!run("emulate stopped.toml --no-log --quiet").contains(said));
+    let json: Value =
+        serde_json::from_str(&run("emulate fast.toml --format json --quiet")).unwrap();
+    let why = json["loop_left_out"].as_str().unwrap();
+    assert!(why.starts_with("shaker_loop_hz is 400"), "{why}");
+}
+
+#[test]
 fn a_run_leaves_verdict_log_and_picture_and_its_log_replays() {
     let folder = Folder::new().with("stopped.toml", STOPPED);
     let ran = folder.run("emulate stopped.toml --out out").well();

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, csv_rows};
+use crate::support::{Folder, csv_rows, number};
 
 /// Hertz's contact loses no energy: on wires the hammer goes over the top.
 const HERTZ: &str = "--gap 0.5 --set contact_law=hertz --set contact_stiffness_n_per_m=2.51502e9 --set contact_exponent=1.5";
@@ -38,6 +38,58 @@ fn a_diagram_goes_on_behind_a_run_that_fails() {
     some_fail(
         "bifurcation --ratio 0.8:4:0.2 --direction all",
         "their rows say failed",
+    );
+}
+
+#[test]
+fn a_sweep_s_text_says_why_a_row_failed_and_shows_no_nan() {
+    let folder = Folder::new();
+    for line in [
+        format!("sweep --ratio 0.8:4:0.2 {HERTZ}"),
+        format!("sweep --ratio 3.8 {HERTZ} --over amplitude_mm=0.05,0.89"),
+    ] {
+        let text = folder.run(&format!("{line} --quiet")).well().out;
+        let failed = "failed: the hammer leaves what the model describes";
+        assert!(text.contains(failed), "{text}");
+        assert!(!text.contains("NaN"), "{text}");
+    }
+    let line = "sweep --gap 0.5 --ratio 1,2 --engine switch".replace("1,2", "1:3:1");
+    let law = "--set contact_law=hertz --set contact_stiffness_n_per_m=2.51502e9 --set contact_exponent=1.5";
+    let ran = folder.run(&format!("{line} {law} --tick-us 200"));
+    assert!(!ran.out.contains("NaN"), "{ran:?}");
+}
+
+/// Starts of up to 2 m/s carry a hammer on wires of 75 mm over the top.
+#[test]
+fn basins_go_on_behind_a_start_that_fails() {
+    let folder = Folder::new();
+    let line = "basins --ratio 2 --gap 0.5 --velocity -2:0.1 --grid 8x6 --cycles 60 --recorded 30 --samples 0 --until 60";
+    let ran = folder.run(&format!("{line} --format csv --out out")).well();
+    assert!(ran.err.contains("16 starts of the grid"), "{}", ran.err);
+    let rows = csv_rows(&ran.out);
+    let (failed, others): (Vec<_>, Vec<_>) = rows.iter().partition(|r| r["regime"] == "failed");
+    assert_eq!((failed.len(), others.len()), (16, 32));
+    for row in failed {
+        assert_eq!(row["impact"], false, "{row:?}");
+        for unknown in ["impacts", "force_ratio", "settled_after_cycles"] {
+            assert!(
+                row[unknown].is_null() || row[unknown] == "",
+                "{unknown}: {row:?}"
+            );
+        }
+        // Only the fastest of them.
+        assert!(number(row, "velocity_m_per_s") < -1.0, "{row:?}");
+    }
+    let ran = folder.run(&format!("{line} --format json --quiet")).well();
+    assert_eq!(number(&ran.json(), "failed"), 16.0);
+    let text = folder.run(&format!("{line} --quiet")).well().out;
+    assert!(text.contains("failed") && !text.contains("NaN"), "{text}");
+    // Where every start fails, the command says why.
+    let ran = folder.run(&line.replace("-2:0.1", "-3:-2.5"));
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert!(
+        ran.err.contains("leaves what the model describes"),
+        "{ran:?}"
     );
 }
 

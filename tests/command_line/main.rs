@@ -26,6 +26,7 @@ mod modes;
 mod orbits;
 mod pick;
 mod pick_limits;
+mod pick_over;
 mod pick_rop;
 mod pipes;
 mod poincare;

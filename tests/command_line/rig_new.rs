@@ -51,6 +51,33 @@ fn pick_reads_the_uncertainty_that_was_measured_and_options_come_before_it() {
 }
 
 #[test]
+fn an_answer_that_leaves_the_uncertainty_out_says_so() {
+    let folder = Folder::new();
+    folder.run(WIRES).well();
+    let said = "note: rig mine states an uncertainty; this answer is for its values alone";
+    let short = "--cycles 20 --transient 10";
+    for line in [
+        format!("simulate --ratio 2 {short}"),
+        format!("sweep --ratio 2 {short}"),
+        format!("sweep --ratio 2 {short} --over amplitude_mm=0.5,1"),
+        format!("map --gap 0 --ratio 2 {short}"),
+        "orbits --ratio 2:2.1 --starts 1 --periods 1".to_owned(),
+        "bifurcation --ratio 2 --cycles 20 --recorded 10".to_owned(),
+        "basins --ratio 2 --grid 2 --samples 0 --cycles 20 --recorded 10".to_owned(),
+        "poincare --ratio 2 --points 10 --transient 10".to_owned(),
+    ] {
+        let noted = |rig: &str| {
+            let ran = folder
+                .run(&format!("{line} --rig {rig} --format json"))
+                .well();
+            ran.err.contains(said)
+        };
+        assert!(noted("mine.toml"), "{line}");
+        assert!(!noted("wires"), "{line}");
+    }
+}
+
+#[test]
 fn a_rig_file_is_never_replaced_nor_written_by_halves() {
     let folder = Folder::new().with("mine.toml", "mass_kg = 1\n");
     let ran = folder.run(WIRES);
@@ -192,6 +219,29 @@ fn a_report_is_one_page_that_needs_no_other_file() {
     let text = String::from_utf8_lossy(&pdf);
     assert!(text.contains("(What to measure first) Tj"));
     assert_eq!(text.matches("/Type /Page\n").count(), 1);
+    // The same request replaces it, another does not, unless asked to.
+    let (html, pdf) = (
+        folder.read("r.html"),
+        fs::read(folder.path("r.pdf")).unwrap(),
+    );
+    assert!(html.contains("<metadata id=\"made_from\">{\"program\":\"host-sim\""));
+    let said = b"\n%made_from {\"program\":\"host-sim\"";
+    assert!(pdf.windows(said.len()).any(|w| w == said));
+    folder
+        .run("pick --nominal --quiet --out o --report r.html")
+        .well();
+    assert_eq!(folder.read("r.html"), html);
+    let other = "pick --nominal --set mass_kg=0.31 --quiet --out o --report";
+    for file in ["r.html", "r.pdf"] {
+        let ran = folder.run(&format!("{other} {file}"));
+        assert!(
+            ran.code == Some(2) && ran.err.contains("--replace"),
+            "{ran:?}"
+        );
+    }
+    assert_eq!(folder.read("r.html"), html);
+    folder.run(&format!("{other} r.html --replace")).well();
+    assert_ne!(folder.read("r.html"), html);
     let refused = folder.run("pick --nominal --report r.doc");
     assert!(refused.err.contains("FILE.html or FILE.pdf"), "{refused:?}");
 }

@@ -3,9 +3,9 @@
 use std::process::Command;
 
 use crate::{
-    Outcome, command,
+    Outcome, boards, command,
     desktop::{self, Build},
-    firmware::{self, Board},
+    firmware,
 };
 
 /// What every change is checked with.
@@ -13,8 +13,8 @@ pub const SHORT: &[&str] = &["--short"];
 
 /// Builds the image and the model, and runs the one in the other; `words` go to the model.
 pub fn run(words: &[&str], build: &Build) -> Outcome {
-    firmware::build(Board::Nucleo)?;
+    firmware::build_named(boards::NUCLEO)?;
     let mut board = Command::new(desktop::program("board", build)?);
     board.current_dir(command::root());
-    command::run(board.arg(firmware::image("nucleo")).args(words))
+    command::run(board.arg(firmware::image(boards::NUCLEO)).args(words))
 }

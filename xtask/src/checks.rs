@@ -11,10 +11,10 @@ use std::{
 
 use crate::{
     Outcome,
+    boards::{self, Board},
     command::{self, cargo, run_tee},
     desktop::Build,
-    firmware::{self, Board},
-    forecast, liveness, msrv, pil, size,
+    firmware, forecast, liveness, msrv, pil, size,
     timing::{Spent, Stopwatch},
     tools,
 };
@@ -72,8 +72,11 @@ const FIRMWARE: &[Step] = &[
     ("control path free of panics", || {
         silent(firmware::check_panic_free())
     }),
-    ("firmware, nucleo", || board(Board::Nucleo)),
-    ("firmware, qemu", || board(Board::Qemu)),
+    ("firmware, nucleo", || {
+        board(&boards::named(boards::NUCLEO)?)
+    }),
+    ("firmware, qemu", || board(&boards::named(boards::QEMU)?)),
+    ("firmware, other boards", other_boards),
     ("firmware run in QEMU, budgets", || silent(size::run())),
     ("forecast in QEMU", || silent(forecast::run())),
     ("processor in the loop", || {
@@ -102,10 +105,23 @@ fn dependencies() -> Outcome<String> {
     ))
 }
 
-fn board(board: Board) -> Outcome<String> {
+fn board(board: &Board) -> Outcome<String> {
     firmware::lint(board)?;
     firmware::build(board)?;
     Ok(format!("built with {}", tools::toolchain()?.describe()))
+}
+
+/// What is neither run in the model of the board nor in QEMU.
+fn other_boards() -> Outcome<String> {
+    let mut names = Vec::new();
+    for other in boards::all()? {
+        if [boards::NUCLEO, boards::QEMU].contains(&other.name.as_str()) {
+            continue;
+        }
+        board(&other)?;
+        names.push(other.name);
+    }
+    Ok(names.join(", "))
 }
 
 fn host_tests() -> Outcome<String> {

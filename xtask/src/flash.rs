@@ -4,12 +4,10 @@ use std::process::Command;
 
 use crate::{
     Outcome,
+    boards::Board,
     command::{self, find},
-    firmware::{self, Board},
+    firmware,
 };
-
-/// The part, as probe-rs calls it.
-const CHIP: &str = "STM32F446RETx";
 
 /// The traps that probe-rs otherwise sets stay in the part until power-off, over every reset: a processor fault would halt
 /// it with the drive's enable as it was, and a reset would halt it before the program.
@@ -23,15 +21,18 @@ fn advice() -> String {
 }
 
 /// Builds the board's program, flashes it, and shows its log until Ctrl-C.
-pub fn run() -> Outcome {
+pub fn run(board: &Board) -> Outcome {
+    let (Some(chip), Some(program)) = (&board.chip, board.programs.first()) else {
+        return Err(format!("{} has no part to flash (board.toml: chip)", board.title).into());
+    };
     let probe = find("probe-rs").ok_or_else(advice)?;
-    firmware::build(Board::Nucleo)?;
+    firmware::build(board)?;
     let mut flash = Command::new(probe);
     flash
         .current_dir(command::root())
-        .args(["run", "--chip", CHIP])
+        .args(["run", "--chip", chip])
         .args(NO_TRAPS)
-        .arg(firmware::image("nucleo"));
+        .arg(firmware::image(program));
     command::run_attended(&mut flash)
 }
 
@@ -44,8 +45,9 @@ mod tests {
         let config = command::root().join(".cargo/config.toml");
         let config = std::fs::read_to_string(config).unwrap();
         let traps = NO_TRAPS.join(" ");
+        let chip = crate::boards::named("nucleo").unwrap().chip.unwrap();
         assert!(config.contains(&format!(
-            "runner = \"probe-rs run --chip {CHIP} {traps}\"\n"
+            "runner = \"probe-rs run --chip {chip} {traps}\"\n"
         )));
         assert!(advice().contains("cargo install --locked probe-rs-tools\n"));
     }

@@ -16,6 +16,7 @@
 //! ```
 
 mod board;
+mod boards;
 mod budgets;
 mod checks;
 mod command;
@@ -39,7 +40,6 @@ mod tools;
 use std::process::ExitCode;
 
 use checks::Part;
-use firmware::Board;
 
 /// What a caretaker's job ends with; the error is meant to be read by a person.
 pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
@@ -50,7 +50,7 @@ cargo xtask COMMAND
   test [--host | --firmware]  everything that must hold before a change is done, or one half of it;
                               unpacks the tools it lacks on Debian, else says what to install
   tools                       get the tools that checks and builds need, and list them
-  firmware [--board BOARD]    build the firmware; BOARD is nucleo or qemu (default: both)
+  firmware [--board BOARD]    build the firmware; BOARD is a folder of firmware/src/hardware (default: every one)
   qemu                        run the firmware in QEMU; its verdict is the exit code
   pil [--scenario NAME] [--seconds S] [--runs N]
                               run the firmware's image under QEMU in a closed loop with the emulator's plant,
@@ -67,7 +67,7 @@ cargo xtask COMMAND
                               ten dearest crates
   msrv [--version]            check the workspace with the oldest Rust it supports, if that is installed;
                               with --version only print which that is
-  flash                       build for the NUCLEO-F446RE, flash it and show its log
+  flash [--board BOARD]       build for the NUCLEO-F446RE (or another board), flash it and show its log
 ";
 
 /// A parsed command line.
@@ -76,7 +76,7 @@ enum Job {
     Help,
     Test(Part),
     Tools,
-    Firmware(Vec<Board>),
+    Firmware(Vec<boards::Board>),
     Qemu,
     Pil(pil::Plan),
     Board(Vec<String>),
@@ -86,20 +86,19 @@ enum Job {
     FirstAnswer(first_answer::Plan),
     Msrv,
     OldestRust,
-    Flash,
+    Flash(boards::Board),
 }
 
 fn parse(args: &[&str]) -> Result<Job, String> {
+    let named = |name| boards::named(name).map_err(|error| error.to_string());
     match args {
         [] | ["help" | "--help" | "-h"] => Ok(Job::Help),
         ["test"] => Ok(Job::Test(Part::All)),
         ["test", "--host"] => Ok(Job::Test(Part::Host)),
         ["test", "--firmware"] => Ok(Job::Test(Part::Firmware)),
         ["tools"] => Ok(Job::Tools),
-        ["firmware"] => Ok(Job::Firmware(Board::ALL.to_vec())),
-        ["firmware", "--board", name] => Board::named(name)
-            .map(|board| Job::Firmware(vec![board]))
-            .ok_or_else(|| format!("no board `{name}`: choose nucleo or qemu")),
+        ["firmware"] => boards::all().map(Job::Firmware).map_err(|e| e.to_string()),
+        ["firmware", "--board", name] => named(name).map(|board| Job::Firmware(vec![board])),
         ["qemu"] => Ok(Job::Qemu),
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
         ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
@@ -107,7 +106,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
-        ["flash"] => Ok(Job::Flash),
+        ["flash"] => named(boards::NUCLEO).map(Job::Flash),
+        ["flash", "--board", name] => named(name).map(Job::Flash),
         ["bench-ticks"] => Ok(Job::BenchTicks),
         ["size"] => Ok(Job::Size),
         other => Err(format!(
@@ -123,7 +123,7 @@ fn run(job: Job) -> Outcome {
         Job::Test(part) => checks::run(part)?,
         Job::Tools => tools::list()?,
         Job::Firmware(boards) => {
-            for board in boards {
+            for board in &boards {
                 for image in firmware::build(board)? {
                     println!("{}", image.display());
                 }
@@ -142,7 +142,7 @@ fn run(job: Job) -> Outcome {
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Msrv => drop(msrv::run()?),
         Job::OldestRust => println!("{}", msrv::OLDEST),
-        Job::Flash => flash::run()?,
+        Job::Flash(board) => flash::run(&board)?,
         Job::BenchTicks => {
             ticks::run()?;
             forecast::run()?;
@@ -215,13 +215,17 @@ mod tests {
 
     #[test]
     fn one_board_can_be_chosen() {
+        let nucleo = boards::named(boards::NUCLEO).unwrap();
         assert_eq!(
             parse(&["firmware", "--board", "nucleo"]),
-            Ok(Job::Firmware(vec![Board::Nucleo]))
+            Ok(Job::Firmware(vec![nucleo.clone()]))
         );
+        let all = boards::all().unwrap();
+        assert_eq!(parse(&["firmware"]), Ok(Job::Firmware(all)));
+        assert_eq!(parse(&["flash"]), Ok(Job::Flash(nucleo.clone())));
         assert_eq!(
-            parse(&["firmware"]),
-            Ok(Job::Firmware(vec![Board::Nucleo, Board::Qemu]))
+            parse(&["flash", "--board", "nucleo"]),
+            Ok(Job::Flash(nucleo))
         );
     }
 

@@ -11,10 +11,10 @@ use std::{
 };
 
 use crate::{
-    Outcome,
+    Outcome, boards,
     command::{self, announce},
     desktop::{self, Build},
-    firmware::{self, Board},
+    firmware,
     liveness::{self, Watch},
     qemu,
 };
@@ -135,7 +135,7 @@ impl Drop for Pipes {
 
 /// Builds both halves and runs them.
 pub fn run(plan: &Plan, build: &Build) -> Outcome {
-    firmware::build(Board::Qemu)?;
+    firmware::build_named(boards::QEMU)?;
     let program = desktop::program("host-sim", build)?;
     let pipes = Pipes::new()?;
     let arguments = format!(

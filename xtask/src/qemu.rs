@@ -3,12 +3,7 @@
 
 use std::{path::Path, process::Command, time::Duration};
 
-use crate::{
-    Outcome, command,
-    firmware::{self, Board},
-    liveness::Watch,
-    tools,
-};
+use crate::{Outcome, boards, command, firmware, liveness::Watch, tools};
 
 /// Processor time an emulated run may use: an image that hangs keeps QEMU busy. The longest run of ours takes about a
 /// minute of a slow processor.
@@ -16,7 +11,7 @@ pub const MOST_WORK: Duration = Duration::from_secs(20 * 60);
 
 /// Builds the firmware, runs the app and returns what it said. Counting, so that what it counts are instructions.
 pub fn run() -> Outcome<Vec<String>> {
-    firmware::build(Board::Qemu)?;
+    firmware::build_named(boards::QEMU)?;
     start(&firmware::image("qemu"), &["-icount", "shift=0"], true)
 }
 

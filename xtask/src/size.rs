@@ -3,14 +3,12 @@
 use object::{Object, ObjectSegment, ObjectSymbol, read::elf::ElfFile32};
 
 use crate::{
-    Outcome,
+    Outcome, boards,
     budgets::{Budgets, Line, enforce},
-    command,
-    firmware::{self, Board},
-    qemu,
+    command, firmware, qemu,
 };
 
-/// Both boards have their RAM from here on.
+/// Every board has its RAM from here on.
 pub const RAM_START: u64 = 0x2000_0000;
 
 /// Bytes an image takes.
@@ -82,8 +80,9 @@ fn parse(lines: &[String]) -> Outcome<Run> {
 pub fn run() -> Outcome {
     let budgets = Budgets::read()?;
     let mut lines = Vec::new();
-    let mut left_for_stack = 0;
-    for board in Board::ALL {
+    // The boards whose stack has what the variables leave.
+    let mut left_for_stack = Vec::new();
+    for board in &boards::all()? {
         for image in firmware::build(board)? {
             let size = measure(&std::fs::read(command::root().join(&image))?)?;
             let name = image
@@ -93,23 +92,22 @@ pub fn run() -> Outcome {
                 .into_owned();
             lines.push(budgets.line(&name, "flash_bytes", size.flash)?);
             lines.push(budgets.line(&name, "ram_bytes", size.ram)?);
-            match board {
-                Board::Nucleo => left_for_stack = size.stack,
-                Board::Qemu => {
-                    lines.push(budgets.line(&name, "stack_reserved_bytes", size.stack)?);
-                }
+            if board.flip_link {
+                left_for_stack.push((name, size.stack));
+            } else {
+                lines.push(budgets.line(&name, "stack_reserved_bytes", size.stack)?);
             }
         }
     }
     let run = parse(&qemu::run()?)?;
     lines.push(budgets.line("run", "stack_used_bytes", run.stack)?);
-    // The board's stack has what its variables leave: the same controller's peak must fit in there.
-    lines.push(Line {
-        of: "nucleo".into(),
+    // The same controller's peak must fit in there.
+    lines.extend(left_for_stack.into_iter().map(|(of, budget)| Line {
+        of,
         resource: "stack_of_what_is_left",
         measured: run.stack,
-        budget: left_for_stack,
-    });
+        budget,
+    }));
     lines.push(budgets.line("run", "instructions_median", run.median)?);
     lines.push(budgets.line("run", "instructions_worst", run.worst)?);
     enforce(&lines)

@@ -7,11 +7,7 @@
 //! out and summed up. They are instructions of the tick's work, without entering
 //! and leaving the interrupt, and say nothing about cycles.
 
-use crate::{
-    Outcome,
-    firmware::{self, Board},
-    qemu,
-};
+use crate::{Outcome, boards, firmware, qemu};
 
 /// What the program measured, in counts of its stopwatch.
 #[derive(Debug, Default, PartialEq)]
@@ -105,7 +101,7 @@ fn summarize(rising: &[u64]) -> Option<Summary> {
 
 /// Measures and prints the table.
 pub fn run() -> Outcome {
-    firmware::build(Board::Qemu)?;
+    firmware::build_named(boards::QEMU)?;
     let lines = qemu::start(&firmware::image("ticks"), &["-icount", "shift=0"], false)?;
     let measured = parse(&lines)?;
     println!("\ninstructions per control tick, counted under QEMU:");

@@ -12,7 +12,7 @@ use core::cell::RefCell;
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
-use firmware::hardware::qemu;
+use firmware::hardware::board;
 use shared::{
     forecast::{ForecastRequest, Forecaster},
     model::cart::{ASSUMED_SHAKER, CartDrive},
@@ -28,7 +28,7 @@ static FORECASTER: cortex_m::interrupt::Mutex<RefCell<Option<Forecaster>>> =
 #[entry]
 fn main() -> ! {
     let Some(peripherals) = cortex_m::Peripherals::take() else {
-        qemu::exit(false);
+        board::exit(false);
     };
     let mut stopwatch = peripherals.SYST;
     stopwatch.set_clock_source(SystClkSource::Core);
@@ -36,7 +36,7 @@ fn main() -> ! {
     stopwatch.clear_current();
     stopwatch.enable_counter();
 
-    hprintln!("nanoseconds {}", 1_000_000_000 / qemu::CLOCK_HZ);
+    hprintln!("nanoseconds {}", 1_000_000_000 / board::CLOCK_HZ);
     hprintln!("bytes {}", core::mem::size_of::<Forecaster>());
     cortex_m::interrupt::free(|key| {
         let mut slot = FORECASTER.borrow(key).borrow_mut();
@@ -45,7 +45,7 @@ fn main() -> ! {
         forecast("recoil", forecaster, CartDrive::Loop(ASSUMED_SHAKER));
     });
     hprintln!("end");
-    qemu::exit(true)
+    board::exit(true)
 }
 
 /// A forecast with this cart; `name` begins each line.
@@ -67,7 +67,7 @@ fn forecast(name: &str, forecaster: &mut Forecaster, cart: CartDrive) {
     hprintln!("{}-total {}", name, total);
     hprintln!("{}-worst {}", name, worst);
     let Some(forecast) = forecaster.result() else {
-        qemu::exit(false);
+        board::exit(false);
     };
     hprintln!("{}-digest {}", name, forecast.digest());
     if let Some(target) = &forecast.target {

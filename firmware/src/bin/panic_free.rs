@@ -11,7 +11,15 @@
 use core::hint::black_box;
 
 use cortex_m_rt::entry;
-use firmware::{BLOCK_TICKS, bench::Bench, recorder::Recorder};
+use firmware::{
+    BLOCK_TICKS,
+    bench::Bench,
+    interlock::{Inputs, Interlock},
+    ramp::Ramp,
+    record_keeper::RecordKeeper,
+    recorder::Recorder,
+    reference::Watch,
+};
 use shared::control::{BootInfo, Controller, Lockstep, MAX_BLOCK};
 use shared::io::{Frame, Output};
 use shared::link::{Decoder, FromBoard, MAX_FRAME, Packet, Recording, ToBoard, encode};
@@ -52,10 +60,25 @@ fn board(settings: &Settings) {
     let mut outputs = black_box([Output::SAFE; BLOCK_TICKS]);
     let mut frames = [Frame::default(); BLOCK_TICKS];
     recorder.record(black_box(true));
+    let (mut ramp, mut keeper) = black_box((Ramp::default(), RecordKeeper::default()));
+    let (mut interlock, mut reference) = black_box((Interlock::default(), Watch::default()));
+    let inputs = Inputs {
+        dropped: true,
+        ready: true,
+    };
     for _ in 0..black_box(9) {
         bench.block(&outputs, &mut frames);
         let _ = recorder.command(black_box(shared::control::Command::Stop));
+        black_box(reference.is_lost(black_box(1500), black_box(1500)));
+        black_box(interlock.contradicts(black_box(true), black_box(inputs), settings.interlock));
         recorder.block(black_box(Some(&frames)), &mut outputs);
+        keeper.after_block(recorder.controller().fault(), |record| {
+            black_box(record);
+        });
+        for output in &outputs {
+            black_box(ramp.step(output));
+        }
+        black_box((&ramp, &keeper));
         while let Some(exchange) = recorder.take_block() {
             black_box(Recording::pack(&exchange));
         }

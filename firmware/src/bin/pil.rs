@@ -9,12 +9,12 @@
 
 use cortex_m_rt as _;
 
-#[rtic::app(device = firmware::hardware::qemu::device, peripherals = false)]
+#[rtic::app(device = firmware::hardware::board::device, peripherals = false)]
 mod app {
     use cortex_m::peripheral::SCB;
     use cortex_m_semihosting::hprintln;
     use firmware::hardware::{
-        qemu::{self, Stopwatch, pipes::Pipes},
+        board::{self, Stopwatch, pipes::Pipes},
         stack,
     };
     use heapless::Vec;
@@ -70,18 +70,18 @@ mod app {
     fn idle(mut context: idle::Context) -> ! {
         let Some(mut pipes) = Pipes::open() else {
             hprintln!("the two pipes cannot be opened");
-            qemu::exit(false);
+            board::exit(false);
         };
         let mut buffer = [0; LENGTH + MAX_MESSAGE];
         loop {
             let reply = match pipes.receive::<ExchangeRequest>() {
                 None => {
                     hprintln!("the plant has closed its pipe: the run is incomplete");
-                    qemu::exit(false);
+                    board::exit(false);
                 }
                 Some(ExchangeRequest::End) => {
                     hprintln!("stack {} of {}", stack::peak(), stack::reserved());
-                    qemu::exit(true);
+                    board::exit(true);
                 }
                 Some(ExchangeRequest::Begin { settings, boot }) => {
                     context.shared.lockstep.lock(|slot| {
@@ -120,7 +120,7 @@ mod app {
             let sent = encode(&reply, &mut buffer).and_then(|bytes| pipes.send(bytes));
             if sent.is_none() {
                 hprintln!("a reply could not be sent");
-                qemu::exit(false);
+                board::exit(false);
             }
         }
     }
@@ -144,7 +144,7 @@ mod app {
             status: lockstep.controller.status(),
             events,
             delivered: block.delivered,
-            instructions: block.counts * qemu::NANOSECONDS,
+            instructions: block.counts * board::NANOSECONDS,
         }
     }
 

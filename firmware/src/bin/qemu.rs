@@ -10,7 +10,7 @@
 
 use cortex_m_rt as _;
 
-#[rtic::app(device = firmware::hardware::qemu::device, peripherals = false)]
+#[rtic::app(device = firmware::hardware::board::device, peripherals = false)]
 mod app {
     use cortex_m::peripheral::SCB;
     use cortex_m_semihosting::hprintln;
@@ -18,7 +18,7 @@ mod app {
         BLOCK_TICKS,
         bench::Bench,
         hardware::{
-            qemu::{self, Stopwatch},
+            board::{self, Stopwatch},
             stack,
         },
         histogram::Histogram,
@@ -122,7 +122,7 @@ mod app {
                     median,
                     worst
                 );
-                qemu::exit(kept && used < reserved);
+                board::exit(kept && used < reserved);
             }
         }
     }
@@ -139,7 +139,7 @@ mod app {
             .shared
             .lockstep
             .lock(|lockstep| lockstep.block(&frames, outputs));
-        let instructions = stopwatch.since(began) * qemu::NANOSECONDS;
+        let instructions = stopwatch.since(began) * board::NANOSECONDS;
         let per_tick = instructions.div_ceil(BLOCK_TICKS as u32);
         context
             .shared

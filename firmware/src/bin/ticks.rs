@@ -12,7 +12,7 @@ use core::hint::black_box;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::hprintln;
 use firmware::{
-    hardware::qemu::{self, Stopwatch},
+    hardware::board::{self, Stopwatch},
     model::Model,
 };
 
@@ -24,7 +24,7 @@ const SETTLING_PERIODS: u32 = 64;
 #[entry]
 fn main() -> ! {
     let (Some(peripherals), Ok(mut model)) = (cortex_m::Peripherals::take(), Model::new()) else {
-        qemu::exit(false);
+        board::exit(false);
     };
     let stopwatch = Stopwatch::start(peripherals.SYST);
 
@@ -33,7 +33,7 @@ fn main() -> ! {
         periods += u32::from(model.tick());
     }
 
-    hprintln!("nanoseconds {}", qemu::NANOSECONDS);
+    hprintln!("nanoseconds {}", board::NANOSECONDS);
     hprintln!("repeats {}", REPEATS);
     hprintln!("empty {}", counts(&stopwatch, &model, |_| ()));
     loop {
@@ -53,7 +53,7 @@ fn main() -> ! {
         }
     }
     hprintln!("end");
-    qemu::exit(true)
+    board::exit(true)
 }
 
 /// Clock counts of [`REPEATS`] runs of `work`, each on a fresh copy of `model`.

@@ -7,10 +7,7 @@ use core::{arch::naked_asm, panic::PanicInfo};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::ExceptionFrame;
 
-#[cfg(feature = "board-nucleo")]
-use super::nucleo as board;
-#[cfg(feature = "board-qemu")]
-use super::qemu as board;
+use super::board;
 
 /// A processor fault.
 pub struct ProcessorFault {

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use shared::model::cart::{CartDrive, LoopParams};
-use shared::model::params::RigParams;
+use shared::model::params::{ParamError, RigParams};
 use shared::settings::check_shaker;
 
 use super::motor::{Motor, MotorParams};
@@ -43,9 +43,11 @@ pub struct ShakerParams {
 }
 
 impl ShakerParams {
-    /// What a controller of `rig` is told of this shaker: its position loop, or nothing if the controller's settings do not
-    /// take such a loop.
-    pub fn believed_by(&self, rig: &RigParams) -> CartDrive {
+    /// What a controller of `rig` is told of this shaker: its position loop.
+    ///
+    /// # Errors
+    /// Why the controller's settings do not take such a loop: it is then told nothing.
+    pub fn believed_by(&self, rig: &RigParams) -> Result<CartDrive, ParamError> {
         let cart = CartDrive::Loop(LoopParams {
             frequency_hz: self.loop_hz,
             damping_ratio: self.loop_damping_ratio,
@@ -53,10 +55,8 @@ impl ShakerParams {
             max_force_n: self.force_n.min(1e9),
         });
         let told = RigParams { cart, ..*rig };
-        match check_shaker(&told) {
-            Ok(()) => cart,
-            Err(_) => CartDrive::Prescribed,
-        }
+        check_shaker(&told)?;
+        Ok(cart)
     }
 }
 

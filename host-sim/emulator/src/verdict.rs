@@ -92,6 +92,9 @@ pub struct Verdict {
     pub rate_of_penetration_um_per_s: Option<f64>,
     /// How far the ground gave way, mm.
     pub progress_mm: Option<f64>,
+    /// Why the controller was not told the shaker's position loop, where its settings do not take it: its forecast then has
+    /// a cart that does not recoil.
+    pub loop_left_out: Option<String>,
 }
 
 /// The best the true rig can do: means over the time that counts, of a rig that changes.
@@ -216,6 +219,7 @@ pub fn judge_by(scenario: &Scenario, summary: &Summary, best: Best) -> Verdict {
             .ground
             .and_then(|_| Some(1e6 * summary.rate_of_penetration()?)),
         progress_mm: scenario.ground.map(|_| 1e3 * summary.progress_m[1]),
+        loop_left_out: scenario.loop_left_out.map(|why| why.to_string()),
     };
     verdict.why = complaints(&scenario.expect, summary.finite, &verdict);
     if !verdict.why.is_empty() {

@@ -132,6 +132,23 @@ fn motion(error: MotionError) -> String {
     }
 }
 
+/// The same in a few words, for a row of a table that has the frequency beside it.
+pub fn failure(error: MotionError) -> &'static str {
+    match error {
+        MotionError::LeftModel { .. } => {
+            "the hammer leaves what the model describes (beyond 1 rad or 1 m)"
+        }
+        MotionError::TickTooLong { .. } => "a contact is too short for the tick",
+        MotionError::LostOnSection { .. } => {
+            "the hammer leaves what the model describes, or cannot be followed"
+        }
+        MotionError::Forgotten { .. } => "a drive period forgets the one before",
+        MotionError::Lost { .. }
+        | MotionError::LostTangent { .. }
+        | MotionError::LostSmoothed { .. } => "the motion cannot be followed",
+    }
+}
+
 /// A time in microseconds, rounded down to two digits.
 fn short_of_us(time_s: f64) -> f64 {
     let us = time_s * 1e6;

@@ -1,13 +1,13 @@
 //! One kernel for each instruction set and precision, chosen when it runs.
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::constants::{Constants, Kind};
 use super::job::{Job, Tuning, Work};
 use super::meet::Margins;
-use super::number::{Double, Pair, Single};
 use super::pool::run;
 use super::ring::Reach;
+use super::width::{Double, Pair, Single};
 use super::{Cell, CellPlan, Outcome};
 
 /// The floating-point format of the lanes.
@@ -28,7 +28,7 @@ pub enum Instructions {
     Widest,
     /// AVX2 with FMA; without vectors where there is none.
     Avx2,
-    /// Two lanes, no vectors.
+    /// One lane, no vectors.
     Scalar,
 }
 
@@ -176,6 +176,13 @@ impl<const RECOIL: bool> WithSimd for OfCart<'_, RECOIL> {
             jobs,
             plan,
         } = self.0;
+        // Without vectors a pair would only make the kernel larger.
+        if const { S::F64_LANES == 1 } {
+            return match precision {
+                Precision::Single => run::<_, RECOIL>(Single(simd), beams, jobs, plan, tuning),
+                Precision::Double => run::<_, RECOIL>(Double(simd), beams, jobs, plan, tuning),
+            };
+        }
         match precision {
             Precision::Single => run::<_, RECOIL>(Pair(Single(simd)), beams, jobs, plan, tuning),
             Precision::Double => run::<_, RECOIL>(Pair(Double(simd)), beams, jobs, plan, tuning),
@@ -191,14 +198,13 @@ fn dispatch(instructions: Instructions, recoil: bool, op: Run<'_>) -> (Vec<Optio
     }
 }
 
+/// Runs `op`. The compiler makes a kernel of every call of `dispatch`: this is the only one.
 fn on<O: WithSimd>(instructions: Instructions, op: O) -> O::Output {
-    match instructions {
-        Instructions::Widest => pulp::Arch::new().dispatch(op),
+    let arch = match instructions {
+        Instructions::Widest => Arch::new(),
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 => match pulp::x86::V3::try_new() {
-            Some(simd) => Simd::vectorize(simd, op),
-            None => pulp::Arch::Scalar.dispatch(op),
-        },
-        _ => pulp::Arch::Scalar.dispatch(op),
-    }
+        Instructions::Avx2 => pulp::x86::V3::try_new().map_or(Arch::Scalar, Arch::V3),
+        _ => Arch::Scalar,
+    };
+    arch.dispatch(op)
 }

@@ -1,7 +1,8 @@
 //! Flight of the hammers in all lanes: one Taylor step. Where in it the surface is met: [`super::meet`].
 
-use super::number::{Num, Width};
+use super::number::Num;
 use super::series::sin_cos;
+use super::width::Width;
 
 /// Order of the Taylor step.
 pub const ORDER: usize = 12;

@@ -13,6 +13,7 @@
 //! | `job` | what the lanes are given and count |
 //! | `pool` | the loop over the lanes |
 //! | `reduce` | what a cell showed, from its strobes |
+//! | `width`, `number` | vectors of any instruction set and precision, and formulas in them |
 //! | `constants` | a cell in dimensionless form, if the lanes can run it |
 //!
 //! A cell that the lanes cannot run, or in which an event is uncertain, comes back without an outcome; the package
@@ -36,6 +37,7 @@ mod rows;
 mod series;
 mod sustained;
 mod touch;
+mod width;
 
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;

@@ -1,9 +1,10 @@
 //! Where in a step of flight the hammers meet the surface: the first root of the step's polynomial.
 
 use super::flight::{ORDER, Path};
-use super::number::{Mask, Num, Width};
+use super::number::{Mask, Num};
 use super::root::root;
 use super::series::{horner, polynomial};
+use super::width::Width;
 
 /// Evenly spaced points per step at which x is computed.
 pub const SAMPLES: usize = 6;

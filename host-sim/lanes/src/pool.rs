@@ -9,13 +9,14 @@ use std::mem;
 use super::flight::{At, Field, path};
 use super::job::{Job, Tuning, Work};
 use super::meet::meet;
-use super::number::{Element, MAX_LANES, Mask, Num, Row, Width};
+use super::number::{Mask, Num};
 use super::reduce::{Record, converged, outcome};
 use super::ring::flight_with_ring;
 use super::rows::Rows;
 use super::series::{horner, sin_cos};
 use super::sustained::Sustained;
 use super::touch::{Anchor, Held, Surface, contact};
+use super::width::{Element, MAX_LANES, Row, Width};
 use super::{CellPlan, Outcome};
 
 /// What a lane holds beside its rows.

@@ -3,7 +3,8 @@
 use super::cart::Ringing;
 use super::flight::{At, Field, ORDER, Path, path};
 use super::job::Tuning;
-use super::number::{Num, Width};
+use super::number::Num;
+use super::width::Width;
 
 /// Steps by the height of the ring: the highest, in cart amplitudes, that a step of so many radians of the ring follows.
 #[derive(Clone, Copy, Debug, PartialEq)]

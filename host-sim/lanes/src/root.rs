@@ -2,8 +2,9 @@
 
 use super::flight::{ORDER, Path};
 use super::meet::Margins;
-use super::number::{Mask, Num, Width};
+use super::number::{Mask, Num};
 use super::series::horner;
+use super::width::Width;
 
 /// Most iterations of Newton's method for one event; a lane that has not come to rest by then is uncertain.
 const ITERATIONS: usize = 24;

@@ -2,7 +2,7 @@
 
 use super::cart::{Joint, Ringing};
 use super::job::Job;
-use super::number::{Element, Row};
+use super::width::{Element, Row};
 
 /// Phase of an onset that never was.
 const NEVER: f64 = -1e6;

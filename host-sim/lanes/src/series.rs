@@ -1,6 +1,7 @@
 //! Polynomials and circular functions in lanes.
 
-use super::number::{Element, Num, Width};
+use super::number::Num;
+use super::width::{Element, Width};
 
 /// Value and slope of the polynomial Σ c_k s^k, its even and odd terms apart: four short chains instead of two long ones.
 #[inline(always)]

@@ -6,9 +6,10 @@
 //! releases, so that only short polynomials are left. What these cannot represent (sustained contacts, contacts during
 //! which the section comes, hops that end before the hammer has left) is reported, and computed by [`super::sustained`].
 
-use super::cart::Joint;
-use super::number::{Mask, Num, Width};
+use super::cart::{Beside, Joint};
+use super::number::{Mask, Num};
 use super::series::{horner, polynomial, sin_cos};
+use super::width::Width;
 
 /// Order of the expansions.
 const ORDER: usize = 6;
@@ -134,14 +135,15 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let swing = s.forced_sin.mul_add(sin, s.forced_cos * cos);
     let swing1 = s.forced_cos.mul_sub_from(sin, s.forced_sin * cos);
     let mut course = [swing + s.forced_mean, swing1, -swing, -swing1];
-    let slow = s.cart.as_ref().map(|held| {
+    let mut slow = [zero; 5];
+    if let Some(held) = &s.cart {
         let off = [-course[0], v - course[1]];
-        let slow = slow_pair(&held.joint, off, held.at, (sin, cos));
-        for (all, added) in course.iter_mut().zip(slow.hammer) {
+        let together = slow_pair(&held.joint, off, held.at, (sin, cos));
+        for (all, added) in course.iter_mut().zip(together.hammer) {
             *all = *all + added;
         }
-        slow.cart
-    });
+        slow = together.cart;
+    }
     let [forced, forced1, forced2, forced3] = course;
     let moved = Transient {
         a: -forced,
@@ -189,8 +191,8 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
     let rate = s.pulsation.mul_add(z1, forced1) + t * t.mul_add(forced3 * 0.5, forced2);
     // Flight from there to x = 0.
     let (push0, push1) = (s.drive * sin, s.drive * cos);
-    let beside = s.cart.as_ref().zip(slow).map(|(held, slow)| {
-        let joint = &held.joint;
+    let mut beside = None;
+    if let Some(Held { joint, .. }) = &s.cart {
         let cart = [
             joint.q_by_touch * z0
                 + joint.q_by_touch_v * turn
@@ -200,15 +202,15 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
                 + taylor3([slow[1], slow[2], slow[3], slow[4]], t),
         ];
         let hold = s.damping.mul_sub_from(rate, s.pull);
-        joint.beside(
+        beside = Some(joint.beside(
             cart,
             hold,
             (
                 taylor3([sin, cos, -sin, -cos], t),
                 taylor3([cos, -sin, -cos, sin], t),
             ),
-        )
-    });
+        ));
+    }
     let (e, e1) = match &beside {
         None => (
             s.damping
@@ -233,13 +235,14 @@ pub fn contact<W: Width>(s: &Surface<W>, tau: Num<W>, v: Num<W>, grazing: f64) -
         & !(x.lt(v * short * -1e-4))
         & whole.lt(one * LONGEST);
     let (force, peaked) = peak(s, &push, (rho, short), &slow_force, s.damper * v);
-    let cart = beside.map_or([zero; 2], |beside| {
-        let [q, v, q2, q3] = beside.cart;
-        [
+    let mut cart = [zero; 2];
+    if let Some(Beside { cart: then, .. }) = beside {
+        let [q, v, q2, q3] = then;
+        cart = [
             taylor3([q, v, q2, q3], out),
             taylor3([v, q2, q3, zero], out),
-        ]
-    });
+        ];
+    }
     let arrival = match &s.cart {
         None => push0 + s.pull,
         Some(held) => held.joint.beside(held.at, s.pull, (sin, cos)).x2,

@@ -8,7 +8,7 @@ use shared::model::params::{RigParams, preset};
 use shared::model::regime::Regime;
 
 use crate::engine::Observation;
-use crate::error::{Error, PickError};
+use crate::error::{Error, MotionError, PickError};
 use crate::pick::uncertainty::Stated;
 
 /// A rig and its name.
@@ -101,6 +101,8 @@ pub struct Row {
     pub contact_time_ms: Option<f64>,
     /// Whether the hammer could not be followed: its forces are then no numbers, and its regime is not known.
     pub failed: bool,
+    /// Why not, where that is known.
+    pub failure: Option<MotionError>,
 }
 
 /// A row as tables have it: of a run that failed nothing is known.
@@ -170,6 +172,7 @@ impl Row {
             approach_speed_m_per_s: seen.strongest.map(|c| c.approach_speed_m_per_s),
             contact_time_ms: seen.strongest.map(|c| c.duration_s * 1e3),
             failed: false,
+            failure: None,
             ..Self::failed(rig, params, seen.frequency_hz)
         }
     }
@@ -189,6 +192,7 @@ impl Row {
             approach_speed_m_per_s: None,
             contact_time_ms: None,
             failed: true,
+            failure: None,
         }
     }
 

@@ -146,9 +146,12 @@ fn run_one(
             row: Row::new(&rig.name, &rig.params, &seen),
             end: Ok(hammer.section()),
         }),
-        Err(error @ Error::Motion(_)) => Ok(Ran {
-            row: Row::failed(&rig.name, &rig.params, frequency_hz),
-            end: Err(error),
+        Err(Error::Motion(why)) => Ok(Ran {
+            row: Row {
+                failure: Some(why),
+                ..Row::failed(&rig.name, &rig.params, frequency_hz)
+            },
+            end: Err(Error::Motion(why)),
         }),
         Err(error) => Err(error),
     }

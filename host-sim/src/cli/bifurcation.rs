@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::arguments::drive::Drives;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
-use super::arguments::rig::RigAtGaps;
+use super::arguments::rig::{CartArg, RigAtGaps};
 use crate::pictures::bifurcation::{Abscissa, figure};
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -17,6 +17,7 @@ use numerics::bifurcation::measured::{Distance, Measured};
 use numerics::bifurcation::{Change, Diagram, DiagramRequest, Twofold, changes, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
+use numerics::pick::CartModel;
 use numerics::row::regime_as_text;
 use numerics::sweep::Direction;
 use plot::chart::Chart;
@@ -61,6 +62,9 @@ pub struct Args {
     rig: RigAtGaps,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     engine: EngineArgs,
 
     #[command(flatten)]
@@ -77,6 +81,7 @@ struct Answer {
     simulations: u64,
     diagrams: Vec<DiagramAnswer>,
     twofold: Vec<Twofold>,
+    cart: CartModel,
 }
 
 /// One diagram.
@@ -156,8 +161,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 fn request(args: &Args) -> Result<DiagramRequest, UserError> {
     let output = &args.output;
-    let rig = args.rig.name.load()?;
-    output.doubt(&rig);
+    let rig = args.cart.apply(args.rig.name.load()?)?;
+    output.doubt_without_uncertainty(&rig);
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
     if args.recorded == 0 || args.recorded > args.cycles {
@@ -222,14 +227,21 @@ fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Meas
             twofold.extend(changes::twofold(up, down));
         }
     }
+    let cart = CartModel::of(&request.rig.params);
     Answer {
         rig: request.rig.name.clone(),
-        section: "drive phase 0; displacement in the fixed frame and relative to the cart alike",
+        section: match cart {
+            CartModel::Prescribed => {
+                "drive phase 0; displacement in the fixed frame and relative to the cart alike"
+            }
+            CartModel::Recoil => "drive phase 0; displacement relative to the cart, which recoils",
+        },
         cycles: request.plan.cycles,
         recorded: request.plan.recorded,
         simulations: request.simulations(),
         diagrams: diagrams.iter().map(one).collect(),
         twofold,
+        cart,
     }
 }
 
@@ -251,7 +263,7 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     let mut text = String::new();
     for (found, diagram) in answer.diagrams.iter().zip(diagrams) {
         text += &format!(
-            "{}, gap {:?} mm, {}: {} frequencies\n",
+            "{}, gap {:?} mm, {}: {} frequencies{}\n",
             answer.rig,
             found.gap_mm,
             match diagram.direction {
@@ -259,7 +271,11 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
                 Direction::Up => "carried up",
                 Direction::Down => "carried down",
             },
-            found.frequencies
+            found.frequencies,
+            match answer.cart {
+                CartModel::Prescribed => "",
+                CartModel::Recoil => ", the cart recoils",
+            }
         );
         let points = diagram.stations.iter().flat_map(|s| {
             let few = s.points.iter().rev().take(16);

@@ -62,6 +62,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let rig = args.rig.load()?;
     let output = &output.about([&rig])?;
+    output.doubt_without_uncertainty(&rig);
     let question = ComparisonRequest {
         params: rig.params,
         engine: args.engine.engine(output)?,

@@ -360,6 +360,11 @@ fn verdict_lines(verdict: &Verdict) -> String {
         verdict.largest_force_ratio,
         verdict.largest_travel_mm
     );
+    if let Some(why) = &verdict.loop_left_out {
+        text += &format!(
+            "shaker loop    not told to the controller, whose forecast has a cart that does not recoil: {why}\n"
+        );
+    }
     if let Some(dug) = verdict.progress_mm {
         let rate = verdict.rate_of_penetration_um_per_s;
         let rate = rate.map_or(String::new(), |r| {

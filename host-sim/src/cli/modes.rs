@@ -77,7 +77,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let rig = args.rig.load()?;
     let output = &output.about([&rig])?;
-    output.doubt(&rig);
+    output.doubt_without_uncertainty(&rig);
     let beam = Beam {
         tip: args.tip,
         mass_ratio: args.beam_mass,

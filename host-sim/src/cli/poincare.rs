@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.rig.load()?;
-    output.doubt(&rig);
+    output.doubt_without_uncertainty(&rig);
     let request = request(args, &rig)?;
     let output = &output.about([&rig])?;
     match args.against {

@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
-    output.doubt(&rig);
+    output.doubt_without_uncertainty(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural = rig.params.natural_frequency_hz();

@@ -93,6 +93,7 @@ fn row(rig: &str, cell: &Cell, seen: &Outcome) -> Row {
         approach_speed_m_per_s: None,
         contact_time_ms: None,
         failed: false,
+        failure: None,
     }
 }
 

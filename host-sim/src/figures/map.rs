@@ -307,8 +307,8 @@ fn areas(map: &Map) -> &'static str {
 fn like_wires(wires: &Map, beam: &Map) -> String {
     let s = similarity(wires, beam);
     let orderly = 100.0 * s.same_orderly as f64 / s.orderly.max(1) as f64;
-    let [above, below] = unrest_shares(beam);
-    let verdict = match (orderly > 90.0, above > below) {
+    let silent = [beam, wires].map(silent_after_one_one);
+    let verdict = match (orderly > 90.0, silent[0] < 50.0) {
         (true, true) => "Agrees",
         (false, false) => "Differs",
         _ => "Agrees in part",
@@ -320,11 +320,29 @@ fn like_wires(wires: &Map, beam: &Map) -> String {
             .count()
     };
     format!(
-        "{verdict}: the same regime as on wires in {orderly:.1} % of the cells that repeat in one or two periods on both, and in {} of all. Without contact are {} of the cells, on wires {}: wires have no damping, and where beams fall silent they go on aperiodically.",
+        "{verdict}: the same regime as on wires in {orderly:.1} % of the cells that repeat in one or two periods on both, and in {} of all. Of the cells after 1/1 above 1.5 A0, up to Ω/ω = 2, {:.0} % end without contact, on wires {:.0} %; of all cells {}, on wires {}: wires have no damping, and where beams fall silent they go on aperiodically.",
         percent(s.same, s.cells),
+        silent[0],
+        silent[1],
         percent(none(beam), beam.cells.len()),
         percent(none(wires), wires.cells.len())
     )
+}
+
+/// Of the cells above 1.5 A0 between the upper end of 1/1 and Ω/ω = 2 (the chapter's "instability region"), those that
+/// end without contact, %.
+fn silent_after_one_one(map: &Map) -> f64 {
+    let (ratios, gaps) = (map.frequency_ratios(), map.gap_ratios());
+    let up_to = ratios.partition_point(|ratio| *ratio < 2.0);
+    let (mut silent, mut cells) = (0u32, 0u32);
+    for row in (0..gaps.len()).filter(|i| gaps[*i] > 1.5) {
+        let last = (0..up_to).rfind(|j| map.cell(row, *j).regime.is(1, 1));
+        for j in last.map_or(up_to, |j| j + 1)..up_to {
+            cells += 1;
+            silent += u32::from(map.cell(row, j).regime == Regime::None);
+        }
+    }
+    100.0 * f64::from(silent) / f64::from(cells.max(1))
 }
 
 /// How often neighbours in frequency differ in regime between 1/1 and 1/2, above and below 1.5 A0.

@@ -90,6 +90,13 @@ impl<P: Read + Write> Client<P> {
         }
     }
 
+    /// The same, with packets numbered from `sequence` on: so that two conversations are the same, byte by byte.
+    #[must_use]
+    pub fn numbered_from(mut self, sequence: u16) -> Self {
+        self.sequence = sequence;
+        self
+    }
+
     /// The port's name.
     pub fn name(&self) -> &str {
         &self.name

@@ -2,6 +2,7 @@
 
 use crate::pictures::regimes::regime_color;
 use numerics::basins::{Basins, ImpactAfter, Kind};
+use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
 /// The chapter's colours.
@@ -108,8 +109,12 @@ pub fn attractor_panel(basins: &Basins, title: impl Into<String>) -> Panel {
 pub fn caption(basins: &Basins) -> String {
     let s = &basins.query;
     let params = &s.rig.params;
+    let cart = match CartModel::of(params) {
+        CartModel::Prescribed => "",
+        CartModel::Recoil => ", in a cart that recoils and is on its course then",
+    };
     format!(
-        "{}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), let go at drive phase {} turns",
+        "{}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), let go at drive phase {} turns{cart}",
         s.rig.name,
         s.frequency_hz / params.natural_frequency_hz(),
         s.frequency_hz,

@@ -2,6 +2,7 @@
 
 use numerics::bifurcation::measured::Measured;
 use numerics::bifurcation::{Diagram, Kind, Point};
+use numerics::pick::CartModel;
 use numerics::sweep::Direction;
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
@@ -193,9 +194,14 @@ pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measu
         format!("{rig}, gap {:?} mm: bifurcation diagram", d.gap_mm)
     });
     let directions: Vec<_> = diagrams.iter().map(|d| d.direction.name()).collect();
+    let cart = diagrams.first().map(|d| CartModel::of(&d.params));
+    let displacement = match cart {
+        Some(CartModel::Recoil) => "displacement relative to the cart, which recoils",
+        _ => "where the displacement in the fixed frame is that relative to the cart",
+    };
     Figure::new(title)
         .subtitle(format!(
-            "Section at drive phase 0, where the displacement in the fixed frame is that relative to the cart; largest contact force of each drive period. Frequencies visited: {}. Marked: lasting changes of the first. A band of displacements without force is the hammer swinging free of the surface.",
+            "Section at drive phase 0, {displacement}; largest contact force of each drive period. Frequencies visited: {}. Marked: lasting changes of the first. A band of displacements without force is the hammer swinging free of the surface.",
             directions.join(", ")
         ))
         .size(1200, 980)

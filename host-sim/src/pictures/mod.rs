@@ -13,6 +13,7 @@ pub mod gaps;
 pub mod identify;
 pub mod map;
 pub mod orbits;
+pub mod over;
 pub mod pick;
 pub mod poincare;
 pub mod regimes;

@@ -5,4 +5,5 @@ pub mod digits;
 pub mod gaps;
 pub mod identify;
 pub mod map;
+pub mod over;
 pub mod pick;

@@ -57,6 +57,16 @@ fn the_controller_is_told_the_shaker_that_its_forecast_can_follow() {
         CartDrive::Prescribed
     );
     assert_eq!(told("[motor]"), CartDrive::Prescribed);
+    // The last of them is said.
+    let left_out = |more: &str| {
+        let scenario = parse("mine", &format!("{SHORT}{more}"), "mine.toml").unwrap();
+        scenario.loop_left_out.map(|why| (why.key, why.value))
+    };
+    assert_eq!(left_out(""), None);
+    assert_eq!(left_out("[shaker]\nprescribed = true"), None);
+    assert_eq!(left_out("[motor]"), None);
+    let fast = "[shaker]\nloop_hz = 400.0\nloop_damping_ratio = 2.0";
+    assert_eq!(left_out(fast), Some(("shaker_loop_hz", 400.0)));
     let rig = "duration_s = 3.0\n[true_rig]\npreset = \"wires\"\nshaker_loop_hz = 50.0";
     let line = parse("mine", rig, "mine.toml").unwrap_err().to_string();
     assert!(

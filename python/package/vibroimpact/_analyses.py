@@ -349,6 +349,7 @@ def basins(
     ratio: float | None = None,
     frequency_hz: float | None = None,
     gap_mm: float | None = None,
+    cart: Cart | None = None,
     grid: int | tuple[int, int] = 500,
     displacement_mm: tuple[float, float] | None = None,
     velocity_m_per_s: tuple[float, float] | None = None,
@@ -388,7 +389,7 @@ def basins(
     """
     both = (grid, grid) if isinstance(grid, int) else tuple(grid)
     found = _native.basins(
-        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, grid=both, displacement_mm=_pair(displacement_mm),
+        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, grid=both, displacement_mm=_pair(displacement_mm),
         velocity_m_per_s=_pair(velocity_m_per_s), phase=phase, cycles=cycles, recorded=recorded, samples=samples,
         seed=seed, until=until, engine=engine, precision=precision, tick_us=tick_us, threads=threads, progress=progress,
     )
@@ -401,6 +402,7 @@ def bifurcation(
     ratio: Numbers | None = None,
     frequency_hz: Numbers | None = None,
     gap_mm: Numbers | None = None,
+    cart: Cart | None = None,
     direction: Literal["rest", "up", "down", "all"] = "rest",
     cycles: int = 300,
     recorded: int = 100,
@@ -422,7 +424,7 @@ def bifurcation(
     The arguments are those of :func:`sweep` and :func:`map`.
     """
     found = _native.bifurcation(
-        rig, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=_list(gap_mm), direction=direction,
+        rig, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=_list(gap_mm), cart=cart, direction=direction,
         cycles=cycles, recorded=recorded, engine=engine, precision=precision, tick_us=tick_us, threads=threads,
         progress=progress,
     )

@@ -131,6 +131,7 @@ impl Machine {
         })?;
         self.settle_lines();
         self.reschedule();
+        self.attend();
         Ok(())
     }
 

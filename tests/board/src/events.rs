@@ -126,6 +126,7 @@ impl Machine {
         if trigger && self.parts.adc.trigger(adc::TIM2_TRGO, now, &clocks)? {
             self.ticks += 1;
             self.pause = true;
+            self.attend();
         }
         Ok(())
     }
@@ -147,6 +148,7 @@ impl Machine {
             tick,
         ];
         self.next_event = timers.chain(others).min().unwrap_or(NEVER);
+        self.settle_horizon();
     }
 
     /// Lets happen what is due at `self.now`, in its order.

@@ -6,10 +6,12 @@
 //! | [`parts`] | the peripherals, one file each |
 //! | [`memory`], [`bus`] | where all of them are |
 //! | [`events`], [`run`] | what happens by itself; instructions and time |
+//! | [`waiting`], [`skip`] | loops in which the program waits, passed over |
 //! | [`machine`], [`outside`] | the board as a whole, power and resets; what the world does to it |
 //! | [`image`] | the program and its names |
 //! | [`checks`] | what runs in it |
 //! | [`profile`] | what blocks cost and how long interrupts are masked |
+//! | [`fingerprint`] | one number for all that a run did |
 //! | [`rig`] | the board in a closed loop with the emulator's plant, and the link's wire |
 //!
 //! It is strict: whatever the manual forbids, and whatever is not modelled, ends the run with address, instruction
@@ -19,6 +21,7 @@ pub mod bus;
 pub mod checks;
 pub mod core;
 pub mod events;
+pub mod fingerprint;
 pub mod image;
 pub mod machine;
 pub mod memory;
@@ -27,5 +30,7 @@ pub mod parts;
 pub mod profile;
 pub mod rig;
 pub mod run;
+pub mod skip;
 #[cfg(test)]
 mod tests;
+pub mod waiting;

@@ -7,7 +7,7 @@ use crate::core::nvic::Nvic;
 use crate::core::op::Op;
 use crate::core::system::System;
 use crate::image::Image;
-use crate::memory::{FLASH, RAM_SIZE};
+use crate::memory::{FLASH, RAM_SIZE, Ram};
 use crate::parts::adc::Adc;
 use crate::parts::dac::Dac;
 use crate::parts::dbgmcu::Dbgmcu;
@@ -22,6 +22,7 @@ use crate::parts::usart::Usart;
 use crate::parts::watchdog::Watchdog;
 use crate::parts::{Clocks, NEVER, UNITS_PER_US};
 use crate::profile::Profile;
+use crate::waiting::Waiting;
 
 /// Something that changed at the board's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,9 +122,9 @@ pub struct Machine {
     /// Bytes of the flash.
     pub flash: Vec<u8>,
     /// Bytes of the RAM.
-    pub ram: Vec<u8>,
+    pub ram: Box<Ram>,
     /// Which of them were written since power-up.
-    pub known: Vec<u8>,
+    pub known: Box<Ram>,
     pub(crate) ops: Vec<Op>,
     /// Time, in units of 1/720 MHz.
     pub now: u64,
@@ -138,7 +139,20 @@ pub struct Machine {
     /// Codes that the ADC's channels measure.
     pub codes: [u16; 19],
     pub(crate) next_event: u64,
+    /// How long instructions follow each other with nothing to be looked at; 0: something is.
+    pub(crate) horizon: u64,
+    /// Until when the run goes.
+    pub(crate) until: u64,
     pub(crate) pause: bool,
+    /// Whether loops in which the program waits are passed over; what comes out is the same.
+    pub skips: bool,
+    /// Instructions since power-up that were passed over.
+    pub passed: u64,
+    pub(crate) waiting: Waiting,
+    /// Where a branch back has led to.
+    pub(crate) head: u32,
+    /// Whether what the instruction in work touches is written down.
+    pub(crate) watching: bool,
     pub(crate) late_fault: bool,
     pub(crate) attention: bool,
     pub(crate) reset_asked: bool,
@@ -163,6 +177,14 @@ const AFTER_RESET: Clocks = Clocks {
     pclk2: 45,
     timclk1: 45,
 };
+
+fn filled(bytes: impl Iterator<Item = u8>) -> Box<Ram> {
+    let mut ram = Box::new([0; RAM_SIZE]);
+    ram.iter_mut()
+        .zip(bytes)
+        .for_each(|(slot, byte)| *slot = byte);
+    ram
+}
 
 fn parts(flags: u32, around: &Around) -> Parts {
     Parts {
@@ -207,8 +229,8 @@ impl Machine {
             around,
             image,
             flash,
-            ram: random.take(RAM_SIZE).collect(),
-            known: vec![0; RAM_SIZE],
+            ram: filled(random),
+            known: filled(std::iter::repeat(0)),
             ops: vec![Op::NOT_DECODED; FLASH_SIZE / 2],
             now: 0,
             unit: AFTER_RESET.hclk,
@@ -217,7 +239,14 @@ impl Machine {
             ticks: 0,
             codes: [0; 19],
             next_event: NEVER,
+            horizon: 0,
+            until: 0,
             pause: false,
+            skips: true,
+            passed: 0,
+            waiting: Waiting::default(),
+            head: u32::MAX,
+            watching: false,
             late_fault: false,
             attention: false,
             reset_asked: false,
@@ -293,6 +322,7 @@ impl Machine {
     /// Decoded instructions of these bytes are decoded anew.
     pub(crate) fn forget(&mut self, range: std::ops::Range<usize>) {
         self.ops[range.start / 2..range.end / 2].fill(Op::NOT_DECODED);
+        self.forget_waiting();
     }
 
     /// Writes down a change at the edge, unless it is none.
@@ -329,6 +359,17 @@ impl Machine {
     #[inline(always)]
     pub(crate) fn attend(&mut self) {
         self.attention = true;
+        self.horizon = 0;
+    }
+
+    /// Nothing is to be looked at until something happens by itself.
+    #[inline(always)]
+    pub(crate) fn settle_horizon(&mut self) {
+        self.horizon = if self.attention || self.waiting.open.is_some() {
+            0
+        } else {
+            self.next_event.min(self.until)
+        };
     }
 
     /// The program asks for a reset.
@@ -364,6 +405,7 @@ impl Machine {
     pub(crate) fn observe_exception(&mut self, number: usize, begins: bool) {
         if begins {
             self.entered[number] += 1;
+            self.break_round();
             self.lowest_stack = self.lowest_stack.min(self.cpu.r[13]);
         }
         if self.profile.is_some() {

@@ -11,14 +11,26 @@ pub const FLASH: u32 = 0x0800_0000;
 pub const RAM: u32 = 0x2000_0000;
 /// Its bytes: SRAM1 and SRAM2.
 pub const RAM_SIZE: usize = 128 * 1024;
+/// Its bytes.
+pub type Ram = [u8; RAM_SIZE];
 /// The debug block, in the processor's own space.
 const DBGMCU: u32 = 0xe004_2000;
 
-fn number(bytes: &[u8]) -> u32 {
-    bytes
-        .iter()
-        .rev()
-        .fold(0, |value, byte| value << 8 | u32::from(*byte))
+/// The number that the first `width` (1, 2 or 4) of these bytes are.
+#[inline(always)]
+fn number(bytes: &[u8], width: usize) -> u32 {
+    match *bytes {
+        [a, ..] if width == 1 => u32::from(a),
+        [a, b, ..] if width == 2 => u32::from(u16::from_le_bytes([a, b])),
+        [a, b, c, d, ..] => u32::from_le_bytes([a, b, c, d]),
+        _ => 0,
+    }
+}
+
+/// The bytes that mark `width` bytes as written.
+#[inline(always)]
+fn all_known(width: usize) -> u32 {
+    0x0101_0101 & low_bytes(width)
 }
 
 fn low_bytes(width: usize) -> u32 {
@@ -64,23 +76,34 @@ impl Machine {
     #[inline(always)]
     pub(crate) fn load<const W: usize>(&mut self, address: u32) -> Try<u32> {
         let at = address.wrapping_sub(RAM) as usize;
-        if at < RAM_SIZE && at + W <= RAM_SIZE {
+        if at <= RAM_SIZE - W {
             if W > 1 && !(address as usize).is_multiple_of(W) {
                 self.check_unaligned()?;
             }
-            if self.known[at..at + W].contains(&0) {
+            if self.watching {
+                self.touch(at, W, false);
+            }
+            if number(&self.known[at..at + W], W) != all_known(W) {
                 return self.load_unknown(address, W);
             }
-            return Ok(number(&self.ram[at..at + W]));
+            return Ok(number(&self.ram[at..at + W], W));
         }
+        self.load_elsewhere(address, W)
+    }
+
+    #[inline(never)]
+    fn load_elsewhere(&mut self, address: u32, width: usize) -> Try<u32> {
         let at = address.wrapping_sub(FLASH) as usize;
-        if at < FLASH_SIZE && at + W <= FLASH_SIZE {
-            if W > 1 && !(address as usize).is_multiple_of(W) {
+        if at < FLASH_SIZE && at + width <= FLASH_SIZE {
+            if !(address as usize).is_multiple_of(width) {
                 self.check_unaligned()?;
             }
-            return self.load_flash(at, W);
+            return self.load_flash(at, width);
         }
-        self.load_far(address, W)
+        if self.watching {
+            self.touch_elsewhere();
+        }
+        self.load_far(address, width)
     }
 
     fn check_unaligned(&self) -> Try {
@@ -102,7 +125,7 @@ impl Machine {
                 "{width} bytes of RAM at {address:#010x} are read that were never written"
             )));
         }
-        Ok(number(&self.ram[at..at + width]))
+        Ok(number(&self.ram[at..], width))
     }
 
     fn load_flash(&mut self, at: usize, width: usize) -> Try<u32> {
@@ -112,7 +135,10 @@ impl Machine {
         if let Some(profile) = &mut self.profile {
             profile.load(at);
         }
-        Ok(number(&self.flash[at..at + width]))
+        if self.watching {
+            self.touch_flash(at);
+        }
+        Ok(number(&self.flash[at..], width))
     }
 
     fn load_far(&mut self, address: u32, width: usize) -> Try<u32> {
@@ -156,18 +182,25 @@ impl Machine {
     #[inline(always)]
     pub(crate) fn store<const W: usize>(&mut self, address: u32, value: u32) -> Try {
         let at = address.wrapping_sub(RAM) as usize;
-        if at < RAM_SIZE && at + W <= RAM_SIZE {
+        if at <= RAM_SIZE - W {
             if W > 1 && !(address as usize).is_multiple_of(W) {
                 self.check_unaligned()?;
             }
+            if self.watching {
+                self.touch(at, W, true);
+            }
             self.ram[at..at + W].copy_from_slice(&value.to_le_bytes()[..W]);
-            self.known[at..at + W].fill(1);
+            self.known[at..at + W].copy_from_slice(&all_known(W).to_le_bytes()[..W]);
             return Ok(());
         }
         self.store_far(address, W, value)
     }
 
+    #[inline(never)]
     fn store_far(&mut self, address: u32, width: usize, value: u32) -> Try {
+        if self.watching {
+            self.touch_elsewhere();
+        }
         let shift = 8 * (address & 3);
         let mask = low_bytes(width);
         let at = address.wrapping_sub(FLASH) as usize;
@@ -180,6 +213,7 @@ impl Machine {
             let stored = self.parts.flash.store(at as u32, &bytes[..width], self.now);
             stored.map_err(Trap::stop)?;
             self.reschedule();
+            self.attend();
             return Ok(());
         }
         match address >> 28 {

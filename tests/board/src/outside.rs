@@ -12,6 +12,7 @@ impl Machine {
     pub fn set_flash(&mut self, bytes: &[u8]) {
         self.flash.copy_from_slice(bytes);
         self.ops.fill(Op::NOT_DECODED);
+        self.forget_waiting();
         self.reset(cause::POWER_ON | cause::BROWN_OUT | cause::PIN);
     }
 

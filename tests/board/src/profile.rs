@@ -10,6 +10,7 @@
 
 use crate::core::nvic::FIRST;
 use crate::machine::Machine;
+use crate::parts::flash::SIZE;
 use crate::parts::interrupt;
 
 /// Wait states at 180 MHz (RM0390, table 5).
@@ -30,33 +31,100 @@ pub const USED: [(usize, &str); 5] = [
     (FIRST + interrupt::TIM6, "link (TIM6_DAC)"),
 ];
 
-/// Lines, the most recently used last.
+/// Lines of the flash.
+const LINES: usize = SIZE >> LINE;
+
+/// Lines that are held, in a chain from the most recently used one to the one used longest ago.
 #[derive(Clone, Debug)]
-struct Cache {
-    lines: Vec<u32>,
-    size: usize,
+struct Cache<const SLOTS: usize> {
+    /// The slot of each line of the flash, and 1; 0: not held.
+    slots: Box<[u8; LINES]>,
+    lines: [u16; SLOTS],
+    /// The slots used before and after each in time.
+    older: [u8; SLOTS],
+    newer: [u8; SLOTS],
+    newest: u8,
+    oldest: u8,
+    used: u8,
 }
 
-impl Cache {
-    fn new(size: usize) -> Self {
-        let lines = Vec::with_capacity(size);
-        Self { lines, size }
+impl<const SLOTS: usize> Cache<SLOTS> {
+    fn new() -> Self {
+        Self {
+            slots: Box::new([0; LINES]),
+            lines: [0; SLOTS],
+            older: [0; SLOTS],
+            newer: [0; SLOTS],
+            newest: 0,
+            oldest: 0,
+            used: 0,
+        }
     }
 
+    /// Whether a line is held; it is the most recently used one then.
     fn has(&mut self, line: u32) -> bool {
-        let Some(at) = self.lines.iter().rposition(|own| *own == line) else {
+        let Some(slot) = self.slots[line as usize % LINES].checked_sub(1) else {
             return false;
         };
-        self.lines[at..].rotate_left(1);
+        if slot != self.newest {
+            let (older, newer) = (self.older[usize::from(slot)], self.newer[usize::from(slot)]);
+            self.older[usize::from(newer)] = older;
+            if slot == self.oldest {
+                self.oldest = newer;
+            } else {
+                self.newer[usize::from(older)] = newer;
+            }
+            self.put_first(slot);
+        }
         true
     }
 
-    fn put(&mut self, line: u32) {
-        if self.lines.len() == self.size {
-            self.lines.remove(0);
-        }
-        self.lines.push(line);
+    fn put_first(&mut self, slot: u8) {
+        self.older[usize::from(slot)] = self.newest;
+        self.newer[usize::from(self.newest)] = slot;
+        self.newest = slot;
     }
+
+    /// Holds a line in place of the one used longest ago.
+    fn put(&mut self, line: u32) {
+        let slot = self.oldest;
+        let slot = if usize::from(self.used) < SLOTS {
+            self.used += 1;
+            self.used - 1
+        } else {
+            self.slots[usize::from(self.lines[usize::from(slot)])] = 0;
+            self.oldest = self.newer[usize::from(slot)];
+            slot
+        };
+        let line = line as usize % LINES;
+        self.lines[usize::from(slot)] = line as u16;
+        self.slots[line] = slot + 1;
+        if self.used == 1 {
+            self.newest = slot;
+        } else {
+            self.put_first(slot);
+        }
+    }
+
+    /// The lines, the most recently used one first.
+    fn order(&self) -> [u16; SLOTS] {
+        let mut slot = self.newest;
+        let mut order = [u16::MAX; SLOTS];
+        for place in order.iter_mut().take(usize::from(self.used)) {
+            *place = self.lines[usize::from(slot)];
+            slot = self.older[usize::from(slot)];
+        }
+        order
+    }
+}
+
+/// What decides what the next fetches and loads cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Standing {
+    line: u32,
+    since: u64,
+    instructions: [u16; 64],
+    data: [u16; 8],
 }
 
 /// Cycles by the table, by the model of the accelerator, and with nothing but misses.
@@ -70,10 +138,10 @@ pub type Longest = (u64, u32);
 pub struct Profile {
     line: u32,
     line_since: u64,
-    instructions: Cache,
-    data: Cache,
+    instructions: Cache<64>,
+    data: Cache<8>,
     /// Cycles beyond the table: by the accelerator's model, and with nothing but misses.
-    extra: [u64; 2],
+    pub(crate) extra: [u64; 2],
     began: Option<Bounds>,
     pended: [Option<Bounds>; USED.len()],
     masked: [Option<Longest>; 16],
@@ -96,8 +164,8 @@ impl Profile {
         Self {
             line: u32::MAX,
             line_since: 0,
-            instructions: Cache::new(64),
-            data: Cache::new(8),
+            instructions: Cache::new(),
+            data: Cache::new(),
             extra: [0; 2],
             began: None,
             pended: [None; USED.len()],
@@ -111,8 +179,18 @@ impl Profile {
         }
     }
 
-    /// An instruction is fetched: one line, or two.
+    /// An instruction is fetched; most lie in the line of the one before.
+    #[inline(always)]
     pub(crate) fn fetch(&mut self, pc: u32, len: u8, cycles: u64) {
+        let last = pc.wrapping_add(u32::from(len) - 1);
+        if pc >> LINE != self.line || last >> LINE != self.line {
+            self.fetch_lines(pc, len, cycles);
+        }
+    }
+
+    /// One new line, or two.
+    #[inline(never)]
+    fn fetch_lines(&mut self, pc: u32, len: u8, cycles: u64) {
         for byte in [pc, pc.wrapping_add(u32::from(len) - 1)] {
             let line = byte >> LINE;
             if line == self.line {
@@ -144,6 +222,23 @@ impl Profile {
             self.extra[0] += WAIT_STATES;
             self.data.put(line);
         }
+    }
+
+    /// How it stands when `cycles` have passed.
+    pub(crate) fn standing(&self, cycles: u64) -> Standing {
+        Standing {
+            line: self.line,
+            since: cycles + self.extra[0] - self.line_since,
+            instructions: self.instructions.order(),
+            data: self.data.order(),
+        }
+    }
+
+    /// So many times again what has cost `each` beyond the table's `cycles`, and has left everything as it stood.
+    pub(crate) fn repeat(&mut self, each: [u64; 2], cycles: u64, times: u64) {
+        self.extra[0] += each[0] * times;
+        self.extra[1] += each[1] * times;
+        self.line_since += (cycles + each[0]) * times;
     }
 
     fn at(&self, cycles: u64) -> Bounds {
@@ -205,6 +300,8 @@ impl Machine {
     /// From now on it is noted what the run costs.
     pub fn start_profile(&mut self) {
         self.profile = Some(Box::new(Profile::new()));
+        // Its longest masks are those of times round that are executed.
+        self.forget_waiting();
     }
 
     pub(crate) fn profile_exception(&mut self, number: usize, begins: bool) {

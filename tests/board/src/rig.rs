@@ -14,6 +14,7 @@ use emulator::world::World;
 use shared::io::{DacCode, Frame, Output};
 use shared::link::BAUD;
 
+use crate::fingerprint::Fingerprint;
 use crate::image::Image;
 use crate::machine::{Around, Change, Machine, Stop};
 use crate::memory::VREFINT_CODE;
@@ -109,6 +110,8 @@ pub struct Rig {
     /// What disturbs the wire.
     pub disturbed: Option<Disturbance>,
     bytes: usize,
+    /// Of pins and wire.
+    fingerprint: Fingerprint,
     /// What is to be done as soon as something holds.
     pub trap: Option<Trap>,
     /// What ended the run, if something did.
@@ -137,6 +140,7 @@ impl Rig {
             forced: [None; 3],
             disturbed: None,
             bytes: 0,
+            fingerprint: Fingerprint::default(),
             trap: None,
             stopped: None,
         })
@@ -216,6 +220,7 @@ impl Rig {
     /// Whether the pulses at PA8 hold the power stage's enable.
     pub fn is_driven(&mut self) -> bool {
         for (at, change) in &self.machine.changes[self.seen..] {
+            self.fingerprint.add_change(*at, change);
             if *change == Change::Enable(Some(true)) {
                 self.rose = Some(*at);
             }
@@ -223,6 +228,13 @@ impl Rig {
         self.seen = self.machine.changes.len();
         self.rose
             .is_some_and(|at| self.machine.now < at + PULSE_HOLD)
+    }
+
+    /// One number for all that was seen at pins and wire, and what the board holds now.
+    pub fn fingerprint(&self) -> u64 {
+        let mut fingerprint = self.fingerprint;
+        fingerprint.add_machine(&self.machine);
+        fingerprint.number()
     }
 
     /// What of these bytes arrives.
@@ -273,6 +285,7 @@ impl Read for Wire {
         rig.advance(1000)
             .map_err(|stop| io::Error::other(stop.to_string()))?;
         let sent = std::mem::take(&mut rig.machine.parts.usart.sent);
+        rig.fingerprint.add_bytes(&sent);
         let mut arrived = rig.disturb(sent);
         if arrived.is_empty() {
             return Err(ErrorKind::WouldBlock.into());

@@ -1,10 +1,11 @@
 //! Time goes on: instructions, waiting, what is looked at between them.
 
-use crate::core::op::{Kind, Op};
+use crate::core::op::Kind;
 use crate::core::{Fault, Trap, Try, decode16, decode32};
 use crate::machine::{Machine, Stop};
 use crate::memory::FLASH;
 use crate::parts::rcc::cause;
+use crate::skip::Ended;
 
 impl Machine {
     /// Time goes on to `to`, with what happens on the way.
@@ -52,7 +53,7 @@ impl Machine {
             self.raise(Fault::BusLate)?;
         }
         if self.halted {
-            self.attention = true;
+            self.attend();
             let by = self.idle_until(end);
             if self.parts.dbgmcu.freezes_watchdog() {
                 self.parts.watchdog.freeze(by);
@@ -67,7 +68,7 @@ impl Machine {
             if self.wakes() {
                 self.cpu.sleeping = false;
             } else {
-                self.attention = true;
+                self.attend();
                 self.idle_until(end);
                 return Ok(());
             }
@@ -78,7 +79,7 @@ impl Machine {
                 self.enter_exception(number)?;
                 // The stack and the vector came by the bus; something may be due at once.
                 self.nvic.changed = true;
-                self.attention = true;
+                self.attend();
             }
         }
         Ok(())
@@ -90,6 +91,7 @@ impl Machine {
     /// A rule of the machine is broken.
     pub fn run_until(&mut self, end: u64) -> Result<(), Stop> {
         self.pause = false;
+        self.until = end;
         while self.now < end && !self.pause {
             if let Err(trap) = self.turn(end) {
                 return Err(match trap {
@@ -103,7 +105,7 @@ impl Machine {
         Ok(())
     }
 
-    #[inline(always)]
+    /// What is due, and instructions until something else is.
     fn turn(&mut self, end: u64) -> Try {
         if self.now >= self.next_event {
             self.happen()?;
@@ -122,17 +124,49 @@ impl Machine {
                 return Ok(());
             }
         }
-        let pc = self.cpu.pc;
-        match self.step() {
-            Err(Trap::Fault(fault)) => {
-                if !matches!(fault, Fault::State | Fault::Return) {
-                    self.cpu.pc = pc;
-                    self.cpu.it = self.cpu.it_now;
-                }
-                self.raise(fault)
+        if self.head == self.cpu.pc && !self.pause {
+            self.head = u32::MAX;
+            if self.at_head()? == Ended::Here {
+                return Ok(());
             }
-            other => other,
+            if self.attention {
+                self.look(end)?;
+                if self.halted || self.cpu.sleeping {
+                    return Ok(());
+                }
+            }
         }
+        self.settle_horizon();
+        if self.waiting.open.is_some() {
+            self.write_down();
+            self.watching = self.waiting.open.is_some();
+        }
+        loop {
+            let pc = self.cpu.pc;
+            if let Err(trap) = self.step() {
+                self.watching = false;
+                self.trapped(trap, pc)?;
+            }
+            if self.now >= self.horizon || self.pause {
+                self.watching = false;
+                return Ok(());
+            }
+        }
+    }
+
+    /// An instruction has failed: a fault is the program's, all else the run's end.
+    #[cold]
+    fn trapped(&mut self, trap: Trap, pc: u32) -> Try {
+        let Trap::Fault(fault) = trap else {
+            return Err(trap);
+        };
+        if !matches!(fault, Fault::State | Fault::Return) {
+            self.cpu.pc = pc;
+            self.cpu.it = self.cpu.it_now;
+        }
+        self.raise(fault)?;
+        self.attend();
+        Ok(())
     }
 
     /// One instruction.
@@ -140,14 +174,13 @@ impl Machine {
     pub(crate) fn step(&mut self) -> Try {
         let pc = self.cpu.pc;
         let index = (pc.wrapping_sub(FLASH) >> 1) as usize;
-        let Some(op) = self.ops.get(index).copied() else {
+        if index >= self.ops.len() {
             return Err(self.fetch_elsewhere(pc));
-        };
-        let op = if op.kind == Kind::NotDecoded {
-            self.decode(index, pc)
-        } else {
-            op
-        };
+        }
+        if self.ops[index].kind == Kind::NotDecoded {
+            self.decode(index, pc);
+        }
+        let op = self.ops[index];
         self.cpu.r[15] = pc.wrapping_add(4);
         self.cpu.pc = pc.wrapping_add(u32::from(op.len));
         self.instructions += 1;
@@ -189,14 +222,12 @@ impl Machine {
     }
 
     #[cold]
-    fn decode(&mut self, index: usize, pc: u32) -> Op {
+    fn decode(&mut self, index: usize, pc: u32) {
         let first = self.half(pc);
-        let op = if first >> 11 >= 0b11101 {
+        self.ops[index] = if first >> 11 >= 0b11101 {
             decode32::decode(pc, first, self.half(pc.wrapping_add(2)))
         } else {
             decode16::decode(pc, first)
         };
-        self.ops[index] = op;
-        op
     }
 }

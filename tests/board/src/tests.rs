@@ -1,4 +1,4 @@
-//! Tiny programs in the machine: exceptions, and each rule that ends a run.
+//! Tiny programs in the machine: exceptions, each rule that ends a run, and waiting that is passed over.
 
 use crate::core::nvic::FIRST;
 use crate::image::Image;
@@ -202,4 +202,92 @@ fn a_hard_fault_without_room_for_its_frame_runs_all_the_same() {
     assert_eq!(machine.entered[3], 1);
     assert!(machine.system.fault_status & 1 << 12 != 0, "STKERR");
     assert!(!machine.is_halted(), "locked up");
+}
+
+/// A program that writes 0 to the first words of RAM, and then goes round in `round`, in which r2 is RAM's address and r3 is
+/// 0; TIM6 interrupts it every 10 µs, and its handler counts in the second word.
+fn going_round(round: &[u16]) -> Machine {
+    // ldr r2, =RAM; movs r3, #0; str r3, [r2]; str r3, [r2, #4]; the round; b round
+    let mut code = vec![0x4a00, 0x2300, 0x6013, 0x6053];
+    code.extend_from_slice(round);
+    code.push(0xe000 | 0x7ff & (-(round.len() as i16) - 2) as u16);
+    if code.len() % 2 != 0 {
+        code.push(NOP);
+    }
+    // The first constant: as many words on as there are after the first instruction's.
+    code[0] |= (code.len() / 2 - 1) as u16;
+    code.extend([RAM as u16, (RAM >> 16) as u16]);
+    let handler = CODE + 2 * code.len() as u32;
+    // ldr r0, =TIM6_SR; movs r1, #0; str r1, [r0]; ldr r0, =RAM; ldr r1, [r0, #4]; adds r1, #1; str r1, [r0, #4]; bx lr
+    code.extend([
+        0x4803, 0x2100, 0x6001, 0x4803, 0x6841, 0x3101, 0x6041, RETURN,
+    ]);
+    code.extend([0x1010, 0x4000, RAM as u16, (RAM >> 16) as u16]);
+    let number = FIRST + crate::parts::interrupt::TIM6;
+    let mut machine = machine(&[(number, handler)], &code);
+    machine.nvic.enabled[number] = true;
+    for (register, value) in [
+        (0x4002_3840, 1 << 4),
+        (0x4000_102c, 159),
+        (0x4000_100c, 1),
+        (0x4000_1000, 1),
+    ] {
+        machine.poke(register, value).unwrap();
+    }
+    machine
+}
+
+/// The same with every instruction executed, and with waiting passed over; how many instructions were.
+fn passed_over(round: &[u16]) -> u64 {
+    let [executed, passed] = [false, true].map(|skips| {
+        let mut machine = going_round(round);
+        machine.skips = skips;
+        machine.start_profile();
+        // Ends at odd times, too.
+        for us in [3, 100, 7, 211, 1] {
+            run(&mut machine, us).unwrap();
+        }
+        let mut fingerprint = crate::fingerprint::Fingerprint::default();
+        fingerprint.add_machine(&machine);
+        (
+            fingerprint,
+            format!("{:?}", machine.profile),
+            machine.passed,
+        )
+    });
+    assert_eq!((executed.0, &executed.1), (passed.0, &passed.1));
+    assert_eq!(executed.2, 0);
+    passed.2
+}
+
+#[test]
+fn waiting_is_passed_over_and_changes_nothing() {
+    // A word is counted up, another read.
+    // ldr r0, [r2]; adds r0, #1; str r0, [r2]; ldr r1, [r2, #4]; movs r0, #0; cmp r3, #1
+    let counting = [0x6810, 0x3001, 0x6010, 0x6851, 0x2000, 0x2b01];
+    assert!(passed_over(&counting) > 1_000);
+    // Nothing at all.
+    assert!(passed_over(&[NOP]) > 1_000);
+}
+
+#[test]
+fn what_depends_on_its_own_count_is_executed() {
+    // ldr r0, [r2]; adds r0, #1; str r0, [r2]; lsrs r0, r0, #6; strb r0, [r2, #8]; movs r0, #0; cmp r3, #1
+    assert_eq!(
+        passed_over(&[0x6810, 0x3001, 0x6010, 0x0980, 0x7210, 0x2000, 0x2b01]),
+        0
+    );
+    // ldr r0, [r2]; adds r0, #1; str r0, [r2]; it ne; movne r3, #0; movs r0, #0; cmp r3, #1
+    assert_eq!(
+        passed_over(&[0x6810, 0x3001, 0x6010, 0xbf18, 0x2300, 0x2000, 0x2b01]),
+        0
+    );
+    // A register is counted up: adds r4, #1
+    assert_eq!(passed_over(&[0x3401]), 0);
+    // A peripheral is read, through r5 = 0x40000000 + 0x1000 (TIM6): movs r5, #4; lsls r5, #28; movs r4, #1; lsls r4, #12;
+    // adds r5, r5, r4; ldr r4, [r5]
+    assert_eq!(
+        passed_over(&[0x2504, 0x072d, 0x2401, 0x0324, 0x192d, 0x682c]),
+        0
+    );
 }

@@ -16,7 +16,7 @@ use stm32f4xx_hal::{
     rcc::{Config, Rcc},
 };
 
-use super::report;
+use crate::hardware::tasks::report;
 
 /// The processor's clock. 180 MHz is the most the part allows; the timers' 90 MHz divide by the tick rate
 /// without remainder (4500).

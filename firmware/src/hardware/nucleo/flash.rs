@@ -11,11 +11,10 @@
 //! The part has one flash bank: while it is erased or written, the processor waits at its next fetch, interrupts
 //! and the control task with it. Erasing 16 KiB byte by byte takes 0.4 s, at most 0.8 s (DS10693, "Flash memory
 //! programming"). So it is done only in Idle with the drive off, the sampling that is missed meanwhile is expected
-//! ([`super::block_monitor`]), and the watchdog's shortest period is longer ([`super::watchdog`]).
+//! ([`blocks`]), and the watchdog's shortest period is longer ([`super::watchdog`]).
 #![allow(unsafe_code)]
 
-use super::block_monitor;
-use crate::link_device::SettingsStore;
+use crate::{hardware::tasks::blocks, link_device::SettingsStore};
 use embedded_storage::nor_flash::{
     ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase,
     check_read, check_write,
@@ -154,6 +153,6 @@ impl Store {
 
 impl SettingsStore for Store {
     fn store(&mut self, settings: &Settings) -> bool {
-        block_monitor::paused(|| self.0.save(settings)).is_ok()
+        blocks::paused(|| self.0.save(settings)).is_ok()
     }
 }

@@ -16,7 +16,7 @@
 //! | PA5 | – | user LED LD2 | any |
 //! | PA2, PA3 | – | link: USART2 through the debugger's serial port | – |
 //!
-//! Between reset and [`Board::new`] all pins float: the drive stage needs a pull-down of its own on its enable
+//! Between reset and [`set_up`] all pins float: the drive stage needs a pull-down of its own on its enable
 //! input. The wiring is described in docs/wiring.md. This module has been run in the model of the board (`cargo xtask board`), never on a board: no
 //! such board is attached to the machines that build this project.
 //!
@@ -29,15 +29,11 @@
 //! | next | DMA2_STREAM0, 2 kHz | the control task |
 //! | below | TIM6_DAC, 1 kHz | the link |
 
-pub mod block_monitor;
+mod block_monitor;
 mod clock;
-mod debug;
-pub mod drive;
 mod flash;
-pub mod log;
-mod report;
+mod pins;
 mod reset;
-pub mod retained;
 mod sampling;
 mod serial;
 mod set_points;
@@ -45,172 +41,97 @@ mod supply;
 mod watchdog;
 mod wiring;
 
-use defmt_rtt as _;
 use shared::control::Unfit;
 use stm32f4xx_hal::{
-    gpio::{Input, Output, PA5, PA9, PB10, PC13, PinState},
-    pac,
+    gpio::PinState,
     prelude::*,
     timer::{CounterHz, Event, Flag},
 };
 
-use crate::interlock::Inputs;
-pub use debug::clear_traps;
+use crate::hardware::tasks::Board;
+pub use crate::hardware::tasks::report::{report_fault, report_panic};
+pub use block_monitor::BlockMonitor;
 pub use flash::Store;
-pub use report::{report_fault, report_panic, unfit as report_unfit};
+pub use pins::{ButtonPin, Chain, EnablePin, LedPin, Reports, acknowledge_chain, disable};
 pub use reset::flags as reset_flags;
-pub use sampling::{HALVES, Sampler};
+pub use sampling::Sampler;
 pub use serial::Serial;
 pub use set_points::SetPoints;
+pub use stm32f4xx_hal::pac::{self, Peripherals};
 pub use supply::dropped as supply_dropped;
-pub use watchdog::Watchdog;
+pub use watchdog::{Watchdog, feed as feed_watchdog};
+
+/// The board's name, as the link gives it.
+pub const NAME: &str = "NUCLEO-F446RE";
 
 /// Rate of the link task, Hz.
 const LINK_RATE_HZ: u32 = 1_000;
 
-defmt::timestamp!("{=u32:ms}", block_monitor::blocks_served() / 2);
+/// Takes the hardware into use. The drive enable is the first thing to be driven, and the watchdog runs before the
+/// clocks change. `None` if a timer cannot be set to its rate, which the clocks above rule out.
+pub fn set_up(device: Peripherals) -> Option<Board> {
+    let mut rcc = device.RCC.constrain();
+    let gpioa = device.GPIOA.split(&mut rcc);
+    let enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
+    let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
+    let gpiob = device.GPIOB.split(&mut rcc);
+    let gpioc = device.GPIOC.split(&mut rcc);
+    let chain = gpiob.pb5.into_pull_up_input();
+    let strap = gpioa.pa10.into_pull_up_input();
+    let button = gpioc.pc13.into_input();
+    // On the power-up clock still, and before the pins become analogue.
+    let inputs = (
+        gpioa.pa0.into_input(),
+        gpioa.pa1.into_input(),
+        gpiob.pb0.into_input(),
+    );
+    let (sensors, sensors_wired) = wiring::probe(inputs);
+    let wired = sensors_wired || chain.is_low();
+    let bench_asked = strap.is_low() || button.is_low();
 
-/// The board, set up and safe: the drive is off, nothing samples yet.
-pub struct Board {
-    /// Samples in, by DMA.
-    pub sampler: Sampler,
-    /// Set-points out, by DMA.
-    pub set_points: SetPoints,
-    /// The drive's enable line.
-    pub enable: drive::Enable,
-    /// The emergency-stop chain.
-    pub chain: drive::Chain,
-    /// Checks that blocks are being served.
-    pub block_monitor: block_monitor::BlockMonitor,
-    /// The link's wire.
-    pub serial: Serial,
-    /// Ticks the link task.
-    pub link_timer: LinkTimer,
-    /// The storage of the settings.
-    pub store: Store,
-    /// Shows the state.
-    pub led: LedPin,
-    /// Starts and stops.
-    pub button: ButtonPin,
-    /// Bench mode is asked for: strap to ground, or button held at reset.
-    pub bench_asked: bool,
-    /// Sensors or the emergency-stop chain are wired.
-    pub wired: bool,
-    /// What the power stage and the enable's relay report.
-    pub reports: Reports,
-    /// The watchdog, running.
-    pub watchdog: Watchdog,
-    /// Why this board is not fit to drive a rig.
-    pub unfit: Unfit,
-}
+    let (mut rcc, crystal) = clock::start(rcc);
+    watchdog.feed();
+    let mut exti = device.EXTI;
+    let mut syscfg = device.SYSCFG.constrain(&mut rcc);
+    // A debugger that halts the processor also halts the set-points.
+    device
+        .DBGMCU
+        .apb1_fz()
+        .modify(|_, w| w.dbg_tim2_stop().set_bit());
 
-impl Board {
-    /// Takes the hardware into use. The drive enable is the first thing to be driven, and the watchdog runs before the
-    /// clocks change. `None` if a timer cannot be set to its rate, which the clocks above rule out.
-    pub fn new(device: pac::Peripherals) -> Option<Self> {
-        let mut rcc = device.RCC.constrain();
-        let gpioa = device.GPIOA.split(&mut rcc);
-        let enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
-        let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
-        let gpiob = device.GPIOB.split(&mut rcc);
-        let gpioc = device.GPIOC.split(&mut rcc);
-        let chain = gpiob.pb5.into_pull_up_input();
-        let strap = gpioa.pa10.into_pull_up_input();
-        let button = gpioc.pc13.into_input();
-        // On the power-up clock still, and before the pins become analogue.
-        let inputs = (
-            gpioa.pa0.into_input(),
-            gpioa.pa1.into_input(),
-            gpiob.pb0.into_input(),
-        );
-        let (sensors, sensors_wired) = wiring::probe(inputs);
-        let wired = sensors_wired || chain.is_low();
-        let bench_asked = strap.is_low() || button.is_low();
-
-        let (mut rcc, crystal) = clock::start(rcc);
-        watchdog.feed();
-        let mut exti = device.EXTI;
-        let mut syscfg = device.SYSCFG.constrain(&mut rcc);
-        // A debugger that halts the processor also halts the set-points.
-        device
-            .DBGMCU
-            .apb1_fz()
-            .modify(|_, w| w.dbg_tim2_stop().set_bit());
-
-        let set_points = SetPoints::new(
-            device.DAC,
-            &device.DMA1,
-            device.TIM3,
-            (gpioa.pa4.into_analog(), gpioc.pc7),
-            &mut rcc,
-        );
-        let mut sampler = Sampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc);
-        let unfit = supply::watch(&device.PWR, &device.FLASH, &exti)
-            .and(Unfit::CLOCK.when(!crystal))
-            .and(Unfit::REFERENCE.when(!sampler.reference_is_good()));
-        let reports = Reports {
-            dropped: gpioa.pa9.into_pull_up_input(),
-            ready: gpiob.pb10.into_pull_up_input(),
-        };
-        let wire = (gpioa.pa2.into_alternate(), gpioa.pa3.into_alternate());
-        Some(Self {
-            sampler,
-            set_points,
-            enable: drive::Enable::new(enable),
-            chain: drive::Chain::new(chain, &mut syscfg, &mut exti),
-            block_monitor: block_monitor::BlockMonitor::new(device.TIM7, &mut rcc),
-            serial: Serial::new(device.USART2, device.DMA1, wire, &mut rcc),
-            link_timer: LinkTimer::new(device.TIM6.counter_hz(&mut rcc))?,
-            store: Store::new(device.FLASH),
-            led: LedPin(gpioa.pa5.into_push_pull_output()),
-            button: ButtonPin(button),
-            bench_asked,
-            wired,
-            reports,
-            watchdog,
-            unfit,
-        })
-    }
-}
-
-/// What the power stage and the enable's relay report, closed to ground, pulled up where nothing is wired.
-pub struct Reports {
-    dropped: PA9<Input>,
-    ready: PB10<Input>,
-}
-
-impl Reports {
-    /// Their levels.
-    #[inline]
-    pub fn read(&self) -> Inputs {
-        Inputs {
-            dropped: self.dropped.is_low(),
-            ready: self.ready.is_low(),
-        }
-    }
-}
-
-/// The user LED.
-pub struct LedPin(PA5<Output>);
-
-impl LedPin {
-    /// On or off.
-    #[inline]
-    pub fn set(&mut self, on: bool) {
-        self.0
-            .set_state(if on { PinState::High } else { PinState::Low });
-    }
-}
-
-/// The user button.
-pub struct ButtonPin(PC13<Input>);
-
-impl ButtonPin {
-    /// Whether it is pressed now.
-    #[inline]
-    pub fn is_pressed(&self) -> bool {
-        self.0.is_low()
-    }
+    let set_points = SetPoints::new(
+        device.DAC,
+        &device.DMA1,
+        device.TIM3,
+        (gpioa.pa4.into_analog(), gpioc.pc7),
+        &mut rcc,
+    );
+    let mut sampler = Sampler::new(device.TIM2, device.ADC1, device.DMA2, &sensors, &mut rcc);
+    let unfit = supply::watch(&device.PWR, &device.FLASH, &exti)
+        .and(Unfit::CLOCK.when(!crystal))
+        .and(Unfit::REFERENCE.when(!sampler.reference_is_good()));
+    let reports = Reports {
+        dropped: gpioa.pa9.into_pull_up_input(),
+        ready: gpiob.pb10.into_pull_up_input(),
+    };
+    let wire = (gpioa.pa2.into_alternate(), gpioa.pa3.into_alternate());
+    Some(Board {
+        sampler,
+        set_points,
+        enable: Some(EnablePin(enable)),
+        chain: Chain::new(chain, &mut syscfg, &mut exti),
+        block_monitor: BlockMonitor::new(device.TIM7, &mut rcc),
+        serial: Serial::new(device.USART2, device.DMA1, wire, &mut rcc),
+        link_timer: LinkTimer::new(device.TIM6.counter_hz(&mut rcc))?,
+        store: Store::new(device.FLASH),
+        led: LedPin(gpioa.pa5.into_push_pull_output()),
+        button: ButtonPin(button),
+        bench_asked,
+        wired,
+        reports,
+        watchdog,
+        unfit,
+    })
 }
 
 /// TIM6, interrupting once per millisecond.
@@ -232,6 +153,6 @@ impl LinkTimer {
 
 /// Switches the drive off, from anywhere, whatever state the program is in: enable first, then set-points.
 pub fn make_outputs_safe() {
-    drive::disable();
+    disable();
     set_points::make_safe();
 }

@@ -34,8 +34,8 @@ use stm32f4xx_hal::{
     signature::VrefCal,
 };
 
-use crate::BLOCK_TICKS;
-use crate::reference;
+use crate::hardware::tasks::blocks::{Arrived, Half};
+use crate::{BLOCK_TICKS, reference};
 
 /// Force, hammer, cart.
 const CHANNELS: usize = 3;
@@ -65,34 +65,6 @@ static RING: Shared = Shared(UnsafeCell::new([[[0; CHANNELS]; BLOCK_TICKS]; 2]))
 
 /// Pins of the three sensors.
 pub type SensorPins = (PA0<Analog>, PA1<Analog>, PB0<Analog>);
-
-/// Both halves.
-pub const HALVES: [Half; 2] = [Half(0), Half(1)];
-
-/// One half of the ring: which of the two the DMA has just filled. The set-points worked out from it go
-/// into the same half of theirs ([`super::set_points`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Half(usize);
-
-impl Half {
-    /// 0 or 1.
-    pub fn index(self) -> usize {
-        self.0 & 1
-    }
-}
-
-/// The block of an interrupt.
-#[derive(Clone, Copy, Debug)]
-pub struct Arrived {
-    /// Whether a block has come; else the guard asks for the controller's reaction to none.
-    pub any: bool,
-    /// The half that is complete.
-    pub half: Half,
-    /// Whether the block before it was never taken: the control task came a whole block late.
-    pub lost: bool,
-    /// Whether the DMA reports an error.
-    pub failed: bool,
-}
 
 /// The sampling chain.
 pub struct Sampler {
@@ -222,7 +194,7 @@ impl Sampler {
         let left = self.dma.st(0).ndtr().read().bits() as u16;
         Arrived {
             any: half || full,
-            half: Half(usize::from(left > SAMPLES / 2)),
+            half: Half::complete(left, SAMPLES),
             lost: half && full,
             failed,
         }

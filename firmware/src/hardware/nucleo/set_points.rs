@@ -30,9 +30,7 @@ use stm32f4xx_hal::{
     timer::{PwmChannel, PwmHzManager},
 };
 
-use super::sampling::Half;
-use crate::BLOCK_TICKS;
-use crate::ramp::Ramp;
+use crate::{BLOCK_TICKS, hardware::tasks::blocks::Half, ramp::Ramp};
 
 /// Frequency set-point at a duty cycle of 100 %, Hz.
 pub const FULL_SCALE_HZ: f32 = 50.0;

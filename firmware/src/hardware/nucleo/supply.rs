@@ -14,8 +14,9 @@
 use shared::control::Unfit;
 use stm32f4xx_hal::pac;
 
-use super::{drive, report};
+use super::pins;
 use crate::brown_out;
+use crate::hardware::tasks::{drive, report};
 
 /// PLS of PWR_CR: 3.03 V rising, 2.93 V falling.
 const LEVEL: u8 = 6;
@@ -45,7 +46,7 @@ pub fn watch(pwr: &pac::PWR, flash: &pac::FLASH, exti: &pac::EXTI) -> Unfit {
 /// note of nothing.
 pub fn dropped() {
     let driving = drive::is_driving();
-    drive::disable();
+    pins::disable();
     acknowledge();
     if driving {
         super::make_outputs_safe();

@@ -7,8 +7,8 @@
 //!
 //! It starts before the clock does, right after the enable is driven low: whatever the start waits for, it ends.
 //!
-//! A hung program does not leave the drive on for that long: [`super::block_monitor`] takes the enable away within 3 ms,
-//! and the enable is a train of pulses that ends with the control task ([`super::drive`]).
+//! A hung program does not leave the drive on for that long: [`crate::hardware::tasks::blocks`] takes the enable away within 3 ms,
+//! and the enable is a train of pulses that ends with the control task ([`crate::hardware::tasks::drive`]).
 
 #![allow(unsafe_code)]
 

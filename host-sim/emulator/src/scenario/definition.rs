@@ -2,7 +2,7 @@
 
 use shared::control::{Basin, State};
 use shared::fault::Fault;
-use shared::model::params::RigParams;
+use shared::model::params::{ParamError, RigParams};
 use shared::settings::{Settings, TICK_S};
 
 use super::event::Timed;
@@ -37,6 +37,8 @@ pub struct Scenario {
     pub true_rig: RigParams,
     /// The settings of the controller, with the rig it believes in.
     pub settings: Settings,
+    /// Why the controller is not told the shaker's position loop, where its settings do not take it.
+    pub loop_left_out: Option<ParamError>,
     /// The shaker.
     pub shaker: ShakerParams,
     /// Whether the cart follows its set-point whatever force that takes.

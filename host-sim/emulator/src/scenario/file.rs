@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use shared::fault::Fault;
+use shared::model::cart::CartDrive;
 use shared::model::params::{ParamError, RigParams};
 use shared::settings::{DriveKind, Settings};
 use toml::Value;
@@ -137,8 +138,15 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         Some(keys) => rigfile::believed_from_keys(keys, &format!("{place}, [believed]"))?,
         None => (plain, false),
     };
+    let mut loop_left_out = None;
     if !told && !prescribed && file.motor.is_none() {
-        believed.cart = shaker.believed_by(&believed);
+        match shaker.believed_by(&believed) {
+            Ok(cart) => believed.cart = cart,
+            Err(why) => {
+                believed.cart = CartDrive::Prescribed;
+                loop_left_out = Some(why);
+            }
+        }
     }
     let kind = match file.motor {
         Some(_) => DriveKind::Motor,
@@ -190,6 +198,7 @@ pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError>
         clock_ppm: file.clock_ppm,
         true_rig,
         settings,
+        loop_left_out,
         shaker,
         prescribed,
         motor,

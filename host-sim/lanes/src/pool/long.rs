@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::Pool;
-use crate::number::{Element, Width};
 use crate::reduce::Record;
 use crate::sustained::{Event, Side, Sustained};
+use crate::width::{Element, Width};
 
 impl<W: Width> Pool<'_, W> {
     /// A lane leaves its row for a sustained contact, which begins with an onset.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{Basins, Name};
+use crate::pick::CartModel;
 use crate::row::Outcome;
 
 /// One start of the grid and what became of it.
@@ -32,11 +33,14 @@ pub struct CellRow {
     pub last_contact_cycle: Option<u32>,
     /// Whether the fast engine handed the cell to the reference.
     pub uncertain: bool,
+    /// How the cart is moved.
+    pub cart: CartModel,
 }
 
 /// The grid, rows by rising velocity, within a row by rising displacement.
 pub fn rows(basins: &Basins) -> Vec<CellRow> {
     let weight = basins.query.rig.params.weight_n();
+    let cart = CartModel::of(&basins.query.rig.params);
     let cells = basins.grid.iter().zip(&basins.which);
     cells
         .map(|(fate, which)| CellRow {
@@ -52,6 +56,7 @@ pub fn rows(basins: &Basins) -> Vec<CellRow> {
             settled_after_cycles: fate.settled_after,
             last_contact_cycle: fate.last_contact,
             uncertain: fate.uncertain,
+            cart,
         })
         .collect()
 }

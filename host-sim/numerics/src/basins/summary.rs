@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::entropy::{self, Entropy, Uncertainty};
 use super::{Basins, ImpactAfter, Name, Share};
+use crate::pick::CartModel;
 
 /// What the basins come to, with units in the names. Shares are from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -53,6 +54,8 @@ pub struct Summary {
     /// Starts of the grid whose hammer could not be followed: they are among the attractors, as "failed", and count as no
     /// impact.
     pub failed: usize,
+    /// How the cart is moved. One that recoils is on its course at the start.
+    pub cart: CartModel,
 }
 
 /// An attractor's part.
@@ -123,6 +126,7 @@ impl Summary {
             over_cycles: basins.over_cycles.clone(),
             uncertain: basins.grid.iter().filter(|f| f.uncertain).count(),
             failed: basins.grid.iter().filter(|f| f.failed).count(),
+            cart: CartModel::of(params),
         }
     }
 }

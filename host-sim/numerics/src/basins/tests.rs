@@ -1,9 +1,12 @@
 use std::f64::consts::TAU;
 
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{BEAM_170, RigParams, WIRES};
 use shared::model::rig::Rig;
 
 use super::*;
+use crate::engine::Start;
+use crate::lanes::{Cell, CellPlan, by_engine};
 use crate::reference::{Observer, Reference, Segment};
 
 fn rig(name: &str, params: RigParams, gap_over_amplitude: f64) -> NamedRig {
@@ -206,6 +209,51 @@ fn a_start_and_where_it_is_later_share_their_fate() {
     // One start of 25 may lie so near the boundary that the quintic's 1e-9 decides it.
     assert!(same.count() >= 24);
     assert!(a.iter().any(Fate::impacts) && !a.iter().all(Fate::impacts));
+}
+
+/// In a cart that recoils and is on its course at the start, by the lanes and by the reference; over few cycles, so that
+/// chaos does not part them.
+#[test]
+fn starts_in_a_cart_that_recoils_go_as_the_reference_has_them() {
+    const CYCLES: u32 = 6;
+    for (params, phase) in [(WIRES, 0.0), (WIRES, 0.3), (BEAM_170, 0.7)] {
+        let mut rig = rig("recoiling", params, 1.5);
+        let hz = 1.8 * rig.params.natural_frequency_hz();
+        let starts = Window::usual(&rig.params, 5, 5).starts();
+        let fates = |params: RigParams| {
+            let drive = Drive {
+                params,
+                frequency_hz: hz,
+                phase,
+            };
+            start::fates(Engine::Event, &drive, &starts, CYCLES, CYCLES, &()).unwrap()
+        };
+        let prescribed = fates(rig.params);
+        rig.params.cart = CartDrive::Loop(ASSUMED_SHAKER);
+        let found = fates(rig.params);
+        let model = Rig::<f64>::new(&rig.params).unwrap();
+        let cell = |[x, v]: &[f64; 2]| Cell {
+            params: rig.params,
+            frequency_hz: hz,
+            start: Start::Moving(*x, *v).section(&model, TAU * hz).unwrap(),
+            phase,
+        };
+        let cells: Vec<_> = starts.iter().map(cell).collect();
+        let plan = CellPlan {
+            cycles: CYCLES,
+            recorded: CYCLES,
+            early: false,
+            strobes: 0,
+        };
+        let reference = by_engine(Engine::Event, &cells, &plan).unwrap();
+        let mut moved = 0;
+        for ((a, b), rigid) in found.iter().zip(&reference).zip(&prescribed) {
+            assert_eq!(a.last_contact, b.last_contact, "{a:?} {b:?}");
+            assert!((a.force_n / b.force_n - 1.0).abs() < 1e-3, "{a:?} {b:?}");
+            moved += usize::from((a.force_n / rigid.force_n - 1.0).abs() > 0.02);
+        }
+        assert!(moved > 5, "{moved}");
+    }
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Bifurcation diagrams (figures 3.27–3.35 and 3.43–3.45): the section's points over the drive frequency.
 //!
 //! The section is taken at drive phase 0, where the cart passes its middle: there the displacement in the fixed frame,
-//! x = l sin θ + A0 sin Ωt or x = Δ + A0 sin Ωt, is the displacement relative to the cart.
+//! x = l sin θ + A0 sin Ωt or x = Δ + A0 sin Ωt, is the displacement relative to the cart (of a cart that recoils: but
+//! for its deviation from its course). A state that is carried on is the hammer's: a cart that recoils begins each run on
+//! its course.
 
 pub mod changes;
 pub mod measured;
@@ -13,6 +15,7 @@ use shared::model::rig::Rig;
 use crate::engine::Engine;
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
+use crate::pick::CartModel;
 use crate::progress::{Progress, check, step};
 use crate::row::NamedRig;
 use crate::row::{Outcome as Ended, Row, tidy};
@@ -33,7 +36,7 @@ pub struct PointRow {
     pub frequency_ratio: f64,
     /// Regime over the recorded periods; "failed", in the one row of a run that could not be followed.
     pub regime: Ended,
-    /// Displacement at drive phase 0, in the fixed frame and relative to the cart alike, mm.
+    /// Displacement at drive phase 0 relative to the cart (prescribed: in the fixed frame, too), mm.
     pub displacement_mm: Option<f64>,
     /// Its rate relative to the cart, m/s.
     pub relative_velocity_m_per_s: Option<f64>,
@@ -43,6 +46,8 @@ pub struct PointRow {
     pub force_ratio: Option<f64>,
     /// Contacts that began in that period.
     pub contacts: Option<u16>,
+    /// How the cart is moved.
+    pub cart: CartModel,
 }
 
 /// A point of the section in a station.
@@ -316,6 +321,7 @@ pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
     let mut rows = Vec::new();
     for diagram in diagrams {
         let weight = diagram.params.weight_n();
+        let cart = CartModel::of(&diagram.params);
         for station in &diagram.stations {
             let row = |p: Option<&Point>| PointRow {
                 gap_mm: diagram.gap_mm,
@@ -328,6 +334,7 @@ pub fn rows(diagrams: &[Diagram]) -> Vec<PointRow> {
                 force_n: p.map(|p| p.force_n),
                 force_ratio: p.map(|p| p.force_n / weight),
                 contacts: p.map(|p| p.contacts),
+                cart,
             };
             rows.extend(station.points.iter().map(|p| row(Some(p))));
             if station.row.failed {

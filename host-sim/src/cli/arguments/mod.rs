@@ -6,6 +6,7 @@ pub mod drive;
 pub mod engine;
 pub mod ground;
 pub mod output;
+pub mod over;
 pub mod range;
 pub mod request;
 pub mod rig;

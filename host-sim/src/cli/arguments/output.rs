@@ -12,6 +12,7 @@ use files::made_from::{self, MadeFrom, file_name, refuse_others};
 use files::table::{parquet_with, to_csv};
 use files::{UserError, rigfile};
 use numerics::NamedRig;
+use numerics::pick::uncertainty::Stated;
 use serde_json::{Map, Value};
 
 /// How to answer on standard output.
@@ -120,12 +121,11 @@ impl OutputArgs {
         given.any(|(name, _)| name == option)
     }
 
-    /// The options given, as they stand in file names: without the rig's, without `aside`, and without
-    /// the report, which has a name of its own.
+    /// The options given, as they stand in file names: without the rig's and without `aside`.
     pub fn options(&self, aside: &[&str]) -> String {
         let given = self.request.given.iter();
         let given = given.filter(|(name, _)| {
-            !["rig", "set", "report"].contains(&name.as_str()) && !aside.contains(&name.as_str())
+            !["rig", "set"].contains(&name.as_str()) && !aside.contains(&name.as_str())
         });
         let parts = given.flat_map(|(name, values)| {
             let values = values.iter().map(|value| match Path::new(value).is_file() {
@@ -182,6 +182,18 @@ impl OutputArgs {
     pub fn doubt(&self, rig: &NamedRig) {
         for line in rigfile::doubts(&rig.params) {
             self.note(&line);
+        }
+    }
+
+    /// What to know of `rig` where an answer is for its values alone: those that look like ones in another unit, and that
+    /// its file states an uncertainty which the answer does not carry.
+    pub fn doubt_without_uncertainty(&self, rig: &NamedRig) {
+        self.doubt(rig);
+        if rig.stated != Stated::default() {
+            self.note(&format!(
+                "note: rig {} states an uncertainty; this answer is for its values alone (pick says what the uncertainty leaves open)",
+                rig.name
+            ));
         }
     }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::arguments::drive::Drive;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
-use super::arguments::rig::{RigArgs, at_gap};
+use super::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures::basins::figure;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -24,7 +24,7 @@ pub struct Args {
     drive: Drive,
 
     /// The twelve operating points that the chapter shows
-    #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio"])]
+    #[arg(long, conflicts_with_all = ["rig", "set", "gap", "gap_ratio", "cart"])]
     chapter: bool,
 
     /// Clearance at rest over the cart's amplitude, gap/A0
@@ -79,6 +79,9 @@ pub struct Args {
 
     #[command(flatten)]
     rig: RigArgs,
+
+    #[command(flatten)]
+    cart: CartArg,
 
     #[command(flatten)]
     engine: EngineArgs,
@@ -180,8 +183,8 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, BasinsRequest)>, UserError
 
 /// The operating point that the command line names.
 fn own(args: &Args) -> Result<BasinsRequest, UserError> {
-    let mut rig = args.rig.load()?;
-    args.output.doubt(&rig);
+    let mut rig = args.cart.apply(args.rig.load()?)?;
+    args.output.doubt_without_uncertainty(&rig);
     if let Some(ratio) = args.gap_ratio {
         let gap_mm = ratio * rig.params.amplitude_m * 1e3;
         rig.params = at_gap(&rig.params, gap_mm, format!("--gap-ratio {ratio}"))?;

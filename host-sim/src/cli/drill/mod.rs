@@ -87,6 +87,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let rig = args.cart.as_the_machine(args.rig.name.load()?)?;
     let output = &output.about([&rig])?;
+    output.doubt_without_uncertainty(&rig);
     let answer = answer(args, &rig, output)?;
     if let Some(dir) = &output.out {
         let mut files = drawn(&output.name(""), &curves(&answer.rows, &answer.advice))?;

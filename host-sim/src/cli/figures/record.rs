@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use crc::{CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
 
 use crate::figures::{Effort, Page, alone};
+use crate::kept::{checksum, this_program};
 use files::UserError;
 
 /// A part of the figures as it was made.
@@ -73,15 +73,7 @@ impl Record {
 /// # Errors
 /// The program cannot be read.
 pub fn key(effort: Effort) -> Result<String, UserError> {
-    let program = std::env::current_exe().and_then(fs::read);
-    let program = program.map_err(|e| {
-        UserError::new(format!(
-            "cannot read this program's own file to tell its version: {e}; start it by its path"
-        ))
-    })?;
-    let version = env!("CARGO_PKG_VERSION");
-    let program = checksum(&program);
-    Ok(format!("host-sim {version} {program} {effort:?}"))
+    Ok(format!("{} {effort:?}", this_program()?))
 }
 
 /// Where the record of a part is kept.
@@ -99,8 +91,4 @@ pub fn standing(dir: &Path, part: &str, key: &str) -> Option<Record> {
     };
     let mut files = record.pages.iter().flat_map(|page| &page.files);
     (record.key == key && record.part == part && files.all(whole)).then_some(record)
-}
-
-fn checksum(bytes: &[u8]) -> String {
-    format!("{:016x}", Crc::<u64>::new(&CRC_64_XZ).checksum(bytes))
 }

@@ -3,35 +3,31 @@
 mod answer;
 mod requests;
 mod text;
+mod written;
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use answer::Answer;
-use rayon::prelude::*;
+use written::{file_name, write};
 
 use super::arguments::choice::choice;
 use super::arguments::drive::Drives;
 use super::arguments::engine::EngineArgs;
-use super::arguments::output::{Contents, Format, OutputArgs};
+use super::arguments::output::{Format, OutputArgs};
 use super::arguments::rig::{CartArg, RigAtGaps};
 use super::interrupt;
 use super::terminal::print_bytes;
-use crate::pictures;
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::tiles::Store;
-use crate::words;
 use files::UserError;
 use files::made_from::into_json;
-use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::error::{Error, MapError};
 use numerics::map::{
     self, Map, MapRequest, Summary, agree, measured, measured::Measured, similarity,
 };
 use numerics::sweep::Direction;
-use plot::Figure;
 
 /// Exit code: 0; 2 the map could not be made; 130 interrupted, and the finished tiles are kept.
 #[derive(Clone, Debug, clap::Args)]
@@ -122,6 +118,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         output: args.output.named(stem, rigs(&requests))?,
         ..args.clone()
     };
+    for rig in rigs(&requests) {
+        args.output.doubt_without_uncertainty(rig);
+    }
     let points = args
         .measured
         .as_deref()
@@ -360,93 +359,4 @@ fn answer<'a>(
         alikeness: alike,
         measured: points.map(|points| measured::hits(points, first)),
     })
-}
-
-fn write(
-    output: &OutputArgs,
-    dir: &Path,
-    answer: &Answer,
-    points: Option<&[Measured]>,
-) -> Result<(), UserError> {
-    let (drawn, tabled) = rayon::join(|| draw(output, answer, points), || tabled(output, answer));
-    let mut contents = drawn?;
-    contents.extend(tabled?);
-    output.write(dir, contents)
-}
-
-fn draw(
-    output: &OutputArgs,
-    answer: &Answer,
-    points: Option<&[Measured]>,
-) -> Result<Contents, UserError> {
-    let figures = figures(output, answer, points);
-    let drawn = figures.par_iter().map(|(name, figure)| drawn(name, figure));
-    let drawn: Vec<_> = drawn.collect::<Result<_, _>>()?;
-    Ok(drawn.into_iter().flatten().collect())
-}
-
-/// How the names of a map's files begin: its own name, and the options that this does not tell.
-fn file_name(output: &OutputArgs, request: &MapRequest) -> String {
-    let options = output.options(requests::IN_ITS_NAME);
-    files::made_from::file_name([requests::name(request).as_str(), options.as_str()])
-}
-
-/// A table for each map, and one JSON.
-fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
-    let mut files = Vec::new();
-    for (request, map) in answer.requests.iter().zip(answer.maps) {
-        let name = file_name(output, request);
-        let rows: Vec<_> = map.rows().collect();
-        files.push((format!("{name}.csv"), to_csv(&rows)));
-        if output.format == Format::Parquet {
-            files.push((format!("{name}.parquet"), output.parquet(&rows)?));
-        }
-    }
-    let first = file_name(output, &answer.requests[0]);
-    files.push((format!("{first}.json"), answer.to_json()?.into_bytes()));
-    Ok(files)
-}
-
-/// The pictures and their names: of each map the regimes and the force of 1/1; how maps compare.
-fn figures(
-    output: &OutputArgs,
-    answer: &Answer,
-    points: Option<&[Measured]>,
-) -> Vec<(String, Figure)> {
-    let first = file_name(output, &answer.requests[0]);
-    let mut figures = Vec::new();
-    for (i, (request, map)) in answer.requests.iter().zip(answer.maps).enumerate() {
-        let name = file_name(output, request);
-        let regimes = match points {
-            Some(points) if i == 0 => {
-                let seen = measured::on_map(points, map).into_iter();
-                let seen = seen.map(|(p, _)| (p.gap_mm, p.frequency_hz, p.regime));
-                pictures::map::with_points(map, &seen.collect::<Vec<_>>())
-            }
-            _ => pictures::map::regimes(map),
-        };
-        figures.push((format!("{name}-force"), pictures::map::by_force(map)));
-        figures.push((name, regimes));
-    }
-    if let (Some(_), [map, .., other]) = (&answer.against, answer.maps) {
-        let request = answer.requests.last();
-        let what = request.map_or(String::new(), |r| {
-            let from = r.from.name();
-            format!("engine {}, from {from}", r.runner.name())
-        });
-        let figure = pictures::map::differences(map, other, &what);
-        figures.push((format!("{first}-against"), figure));
-    }
-    if !answer.alikeness.is_empty() {
-        let beside = answer.maps.len() - usize::from(answer.against.is_some());
-        let maps: Vec<_> = answer.maps[..beside].iter().collect();
-        let lines: Vec<_> = answer
-            .alikeness
-            .iter()
-            .map(words::map::similarity)
-            .collect();
-        let figure = pictures::map::side_by_side(&maps, &lines.join(". "));
-        figures.push((format!("{first}-beside"), figure));
-    }
-    figures
 }

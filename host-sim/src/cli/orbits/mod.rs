@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.check()?;
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
-    output.doubt(&rig);
+    output.doubt_without_uncertainty(&rig);
     if args.curves {
         return lines::run(args, output, &rig);
     }

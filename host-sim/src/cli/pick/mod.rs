@@ -3,19 +3,21 @@
 mod bending;
 mod beside;
 mod gaps;
+mod line;
+mod over;
 mod report;
 mod rop;
 mod text;
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
 use serde_json::{Map, Value};
 use shared::model::params::PRESETS;
 
 use super::arguments::choice::{Objective, choice};
 use super::arguments::ground::GroundArgs;
 use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::over::{Over, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigArgs};
 use super::arguments::uncertainty::UncertaintyArgs;
@@ -25,12 +27,11 @@ use crate::progress::Progress;
 use crate::words::pick::Worded;
 use files::UserError;
 use files::table::to_csv;
+use line::{Line, curve_rows};
 use numerics::NamedRig;
 use numerics::drill::pick::Request;
 use numerics::pick::uncertainty::Uncertainty;
-use numerics::pick::{Answer, CartModel, Limits, Pick, pick_on, steps};
-use numerics::row::regime_as_text;
-use shared::model::regime::Regime;
+use numerics::pick::{Limits, Pick, pick_on, steps};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -53,6 +54,11 @@ pub struct Args {
     /// With --gaps: random initial conditions per gap, for the share that settles on the orbit picked
     #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
     starts: u32,
+
+    /// Pick at each of these values of a parameter of the rig: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with
+    /// commas: contact_stiffness_n_per_m=1e6:1e7:log5
+    #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with_all = ["all", "gaps", "beside", "report"])]
+    over: Option<Over>,
 
     /// What to make largest
     #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
@@ -133,6 +139,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         let output = output.with_uncertainty(uncertainty.map(stated));
         return gaps::run(&rig, &output, &gaps, uncertainty, limits);
     }
+    if let Some(asked) = &args.over {
+        return over::run(args, asked, springs, limits);
+    }
     let rigs = rigs(args, output)?;
     for rig in &rigs {
         output.doubt(rig);
@@ -141,6 +150,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let widths: Vec<_> = rigs.iter().map(uncertain).collect::<Result<_, _>>()?;
     let first = widths.first().copied().flatten();
     let output = &output.about(&rigs)?.with_uncertainty(first.map(stated));
+    report::refuse_others(&args.report, output)?;
     let work = widths.iter().map(|width| steps(*width)).sum();
     let progress = Progress::new("rigs tried", work, output.quiet);
     let picks = rigs.iter().zip(&widths);
@@ -152,7 +162,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     if let ([rig], [pick]) = (rigs.as_slice(), picks.as_slice()) {
         for file in &args.report {
-            report::write(file, rig, pick)?;
+            report::write(file, rig, pick, output.made_from())?;
             output.note(&format!("wrote {}", file.display()));
         }
     }
@@ -172,6 +182,7 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
         ("--all", args.all),
         ("--beside", !args.beside.is_empty()),
         ("--gaps", args.gaps.is_some()),
+        ("--over", args.over.is_some()),
         ("--report", !args.report.is_empty()),
     ];
     if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
@@ -306,100 +317,4 @@ fn json(picks: &[Pick]) -> Result<serde_json::Value, UserError> {
         }
     };
     value.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))
-}
-
-/// A point of the nominal stable 1/1.
-#[derive(Serialize)]
-struct CurveRow<'a> {
-    rig: &'a str,
-    gap_mm: f64,
-    frequency_hz: f64,
-    force_ratio: f64,
-}
-
-fn curve_rows(pick: &Pick) -> Vec<CurveRow<'_>> {
-    let answer = &pick.answer;
-    let rows = pick
-        .curve
-        .iter()
-        .map(|(frequency_hz, force_ratio)| CurveRow {
-            rig: &answer.rig,
-            gap_mm: answer.gap_mm,
-            frequency_hz: *frequency_hz,
-            force_ratio: *force_ratio,
-        });
-    rows.collect()
-}
-
-/// The answer as one CSV line.
-#[derive(Serialize)]
-struct Line<'a> {
-    rig: &'a str,
-    gap_mm: f64,
-    operating_frequency_hz: f64,
-    frequency_ratio: f64,
-    #[serde(serialize_with = "regime_as_text")]
-    regime: Regime,
-    force_ratio: f64,
-    force_n: f64,
-    force_ratio_worst: f64,
-    band_low_hz: f64,
-    band_high_hz: f64,
-    safe_band_low_hz: f64,
-    safe_band_high_hz: f64,
-    period_doubling_hz: Option<f64>,
-    multipliers: f64,
-    jump_free: bool,
-    force_ratio_at_natural_frequency: f64,
-    energy_per_blow_j: f64,
-    blows_per_second: f64,
-    cart: CartModel,
-    recoil_force_ratio: Option<f64>,
-    recoil_frequency_hz: Option<f64>,
-    prescribed_force_ratio: Option<f64>,
-    prescribed_frequency_hz: Option<f64>,
-    amplitude_mm: f64,
-    loop_force_n: Option<f64>,
-    modes: Option<usize>,
-    modes_force_ratio: Option<f64>,
-    modes_force_ratio_worst: Option<f64>,
-    one_mode_safe_band_low_hz: Option<f64>,
-    one_mode_safe_band_high_hz: Option<f64>,
-}
-
-impl<'a> From<&'a Answer> for Line<'a> {
-    fn from(a: &'a Answer) -> Self {
-        Self {
-            rig: &a.rig,
-            gap_mm: a.gap_mm,
-            operating_frequency_hz: a.operating_frequency_hz,
-            frequency_ratio: a.frequency_ratio,
-            regime: a.regime,
-            force_ratio: a.force_ratio,
-            force_n: a.force_n,
-            force_ratio_worst: a.force_ratio_worst,
-            band_low_hz: a.band_hz[0],
-            band_high_hz: a.band_hz[1],
-            safe_band_low_hz: a.safe_band_hz[0],
-            safe_band_high_hz: a.safe_band_hz[1],
-            period_doubling_hz: a.period_doubling_hz,
-            multipliers: a.multipliers,
-            jump_free: a.jump_free,
-            force_ratio_at_natural_frequency: a.force_ratio_at_natural_frequency,
-            energy_per_blow_j: a.shaker.energy_per_blow_j,
-            blows_per_second: a.shaker.blows_per_second,
-            cart: a.cart,
-            recoil_force_ratio: a.recoil_force_ratio,
-            recoil_frequency_hz: a.recoil_frequency_hz,
-            prescribed_force_ratio: a.prescribed_force_ratio,
-            prescribed_frequency_hz: a.prescribed_frequency_hz,
-            amplitude_mm: a.amplitude_mm,
-            loop_force_n: a.shaker.loop_force_n,
-            modes: a.bending.modes,
-            modes_force_ratio: a.bending.modes_force_ratio,
-            modes_force_ratio_worst: a.bending.modes_force_ratio_worst,
-            one_mode_safe_band_low_hz: a.bending.one_mode_safe_band_hz.map(|hz| hz[0]),
-            one_mode_safe_band_high_hz: a.bending.one_mode_safe_band_hz.map(|hz| hz[1]),
-        }
-    }
 }

@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::text::{by_what_they_leave_open, head, known_to, lines};
+use crate::cli::arguments::output::OutputArgs;
 use crate::pictures::pick::figure;
 use crate::words::pick::why;
+use files::made_from::{self, MadeFrom, into_pdf, into_svg};
 use files::{UserError, rigfile};
 use numerics::NamedRig;
 use numerics::pick::Pick;
@@ -13,6 +15,8 @@ use plot::{Block, PictureError, render_pdf, render_svg};
 
 /// Parameters named under "what to measure first".
 const MOST_MEASURED: usize = 6;
+/// A report has some hundred thousand bytes; a file larger than this is none.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// Refuses a report whose kind is not known, and one that could not be written, before any work is done.
 ///
@@ -44,17 +48,37 @@ fn kind(file: &Path) -> Result<Kind, UserError> {
     }
 }
 
+/// Refuses to replace a file that another request made, before any work is done.
+///
+/// # Errors
+/// If there is one.
+pub fn refuse_others(reports: &[PathBuf], output: &OutputArgs) -> Result<(), UserError> {
+    for file in reports
+        .iter()
+        .filter(|file| file.exists() && !output.replace)
+    {
+        let there = made_from::of_page(&files::read_bytes(file, MOST_BYTES)?);
+        if !there.is_some_and(|there| there.same_request(output.made_from())) {
+            return Err(UserError::new(format!(
+                "--report {}: the file is there, and this request did not make it; choose another name, or --replace to replace it",
+                file.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Writes the report of `pick` into `file`.
 ///
 /// # Errors
 /// If it cannot be drawn or written.
-pub fn write(file: &Path, rig: &NamedRig, pick: &Pick) -> Result<(), UserError> {
+pub fn write(file: &Path, rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Result<(), UserError> {
     let title = head(&pick.answer);
     let blocks = blocks(rig, pick);
     let refused = |error: PictureError| UserError::new(error.to_string());
     let bytes = match kind(file)? {
-        Kind::Html => html(&title, &blocks).map_err(refused)?.into_bytes(),
-        Kind::Pdf => render_pdf(&title, &blocks).map_err(refused)?,
+        Kind::Html => html(&title, &blocks, made).map_err(refused)?.into_bytes(),
+        Kind::Pdf => into_pdf(render_pdf(&title, &blocks).map_err(refused)?, made),
     };
     Ok(files::write::write(file, bytes)?)
 }
@@ -144,7 +168,7 @@ dt{font-weight:600;color:#555}dd{margin:0}\
 @media print{body{font-size:9.5pt;padding:0}}";
 
 /// A page that needs no other file.
-fn html(title: &str, blocks: &[Block]) -> Result<String, PictureError> {
+fn html(title: &str, blocks: &[Block], made: &MadeFrom) -> Result<String, PictureError> {
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
@@ -165,7 +189,10 @@ fn html(title: &str, blocks: &[Block]) -> Result<String, PictureError> {
             Block::Row(name, text) => {
                 writeln!(out, "<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(text))
             }
-            Block::Picture(figure) => writeln!(out, "<figure>{}</figure>", render_svg(figure)?),
+            Block::Picture(figure) => {
+                let svg = into_svg(&render_svg(figure)?, made);
+                writeln!(out, "<figure>{svg}</figure>")
+            }
         };
     }
     if listing {

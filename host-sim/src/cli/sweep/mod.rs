@@ -9,6 +9,7 @@ use crate::cli::arguments::cycles::CycleArgs;
 use crate::cli::arguments::drive::Drives;
 use crate::cli::arguments::engine::EngineArgs;
 use crate::cli::arguments::output::{Format, OutputArgs, to_json};
+use crate::cli::arguments::over::{Over, parse_over};
 use crate::cli::arguments::rig::{CartArg, RigArgs};
 use crate::cli::terminal::print;
 use crate::pictures::drawn;
@@ -19,7 +20,6 @@ use files::UserError;
 use files::table::to_csv;
 use numerics::row::Row;
 use numerics::sweep::{Direction, Measured, MeasuredError, sweep};
-use over::{Over, parse_over};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
-    output.doubt(&rig);
+    output.doubt_without_uncertainty(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let natural_hz = rig.params.natural_frequency_hz();
@@ -122,6 +122,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     Ok(())
 }
 
+/// Why the run of `row` failed, if it did.
+fn why_failed(row: &Row) -> Option<&'static str> {
+    row.failed
+        .then(|| row.failure.map_or("the run did not end", files::failure))
+}
+
 /// Says how many rows failed.
 fn note_failed<'a>(output: &OutputArgs, rows: impl Iterator<Item = &'a Row>) {
     let (mut failed, mut all) = (0, 0);
@@ -131,7 +137,7 @@ fn note_failed<'a>(output: &OutputArgs, rows: impl Iterator<Item = &'a Row>) {
     }
     if failed > 0 {
         output.note(&format!(
-            "note: in {failed} of {all} runs the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed"
+            "note: {failed} of {all} runs failed; their rows say failed, and why"
         ));
     }
 }
@@ -155,16 +161,18 @@ fn text(rows: &[Row]) -> String {
         String::from("   Hz        Ω/ω      regime      force/weight  force, N  approach, m/s\n");
     let every = rows.len().div_ceil(40).max(1);
     for row in rows.iter().step_by(every) {
-        text += &format!(
-            "{:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}  {}\n",
-            row.frequency_hz,
-            row.frequency_ratio,
-            row.outcome().to_string(),
-            row.force_ratio,
-            row.force_n,
-            row.approach_speed_m_per_s
-                .map_or("-".to_owned(), |v| format!("{v:.5}"))
-        );
+        text += &format!("{:>9.4} {:>8.4}   ", row.frequency_hz, row.frequency_ratio);
+        text += &match why_failed(row) {
+            Some(why) => format!("failed: {why}\n"),
+            None => format!(
+                "{:<10} {:>13.3} {:>9.2}  {}\n",
+                row.regime.to_string(),
+                row.force_ratio,
+                row.force_n,
+                row.approach_speed_m_per_s
+                    .map_or("-".to_owned(), |v| format!("{v:.5}"))
+            ),
+        };
     }
     if every > 1 {
         text += &format!(

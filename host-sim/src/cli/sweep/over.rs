@@ -2,22 +2,20 @@
 
 use serde::Serialize;
 
-use super::Args;
+use super::{Args, why_failed};
 use crate::cli::arguments::output::OutputArgs;
-use crate::cli::arguments::range::{Values, parse_values};
+use crate::cli::arguments::over::Over;
 use crate::pictures::drawn;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
 use crate::progress::Progress;
-use files::{UserError, rigfile};
+use crate::words::digits::significant;
+use files::UserError;
 use numerics::NamedRig;
 use numerics::row::{Outcome, Row};
 use numerics::sweep::{Direction, over};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
-
-/// Values at most: each is a simulation and a rig.
-const MOST: usize = 100_000;
 
 /// One value of the parameter.
 #[derive(Debug, Serialize)]
@@ -64,49 +62,15 @@ impl<'a> OverRow<'a> {
     }
 }
 
-/// `KEY=VALUES` as an option.
-#[derive(Clone, Debug)]
-pub struct Over {
-    key: String,
-    values: Values,
-}
-
-/// Reads `KEY=VALUES`.
-///
-/// # Errors
-/// In words: there is no such parameter, it is no number, or the values cannot be read.
-pub fn parse_over(text: &str) -> Result<Over, String> {
-    let (key, values) = text
-        .split_once('=')
-        .ok_or("write KEY=VALUES, for example contact_stiffness_n_per_m=1e5:1e7:log20")?;
-    let key = key.trim();
-    let keys = rigfile::KEYS.iter().map(|(known, _)| *known);
-    if !keys.clone().any(|known| known == key) {
-        let hint = rigfile::nearest(key, keys);
-        return Err(format!(
-            "there is no parameter '{key}'{hint}; `host-sim rigs wires` prints them all"
-        ));
-    }
-    let values = parse_values(values)?;
-    if values.list.len() > MOST {
-        return Err(format!(
-            "that is {} values, more than {MOST}; use fewer",
-            values.list.len()
-        ));
-    }
-    Ok(Over {
-        key: key.to_owned(),
-        values,
-    })
-}
-
 /// The sweep over the parameter.
 ///
 /// # Errors
 /// If a rig cannot be, more than one frequency is given, or a run fails.
 pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
-    let rig = args.rig.load()?;
+    asked.check(&args.rig)?;
+    let rig = args.cart.apply(args.rig.load()?)?;
     let output = &args.output.about([&rig])?;
+    output.doubt_without_uncertainty(&rig);
     let engine = args.engine.engine(output)?;
     let plan = args.cycles.plan()?;
     let runs = runs(args, asked)?;
@@ -120,7 +84,10 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
         .map(|(row, value)| OverRow::new(&asked.key, *value, row))
         .collect();
     if let Some(dir) = &output.out {
-        let mut contents = drawn(&output.name(""), &figure(args.direction, asked, &rows))?;
+        let mut contents = drawn(
+            &output.name(""),
+            &figure(&rig, args.direction, asked, &rows),
+        )?;
         contents.extend(output.tables(&output.name(""), &rows, &rows)?);
         output.write(dir, contents)?;
     }
@@ -130,10 +97,9 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
 /// A rig and its drive frequency for each value.
 fn runs(args: &Args, asked: &Over) -> Result<Vec<(NamedRig, f64)>, UserError> {
     let one = |value: &f64| {
-        let setting = format!("{}={value:?}", asked.key);
-        let at = |error: UserError| error.at(format!("--over {}", asked.key));
-        let rig = args.rig.load_with(args.rig.name.name(), &[setting]);
-        let rig = args.cart.apply(rig.map_err(at)?)?;
+        let name = args.rig.name.name();
+        let rig = args.rig.load_with(name, &asked.setting(*value));
+        let rig = args.cart.apply(rig.map_err(|error| asked.at(error))?)?;
         let hz = args.drive.needed_hz(rig.params.natural_frequency_hz())?;
         match hz.as_slice() {
             [hz] => Ok((rig, *hz)),
@@ -153,13 +119,20 @@ fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
     let every = rows.len().div_ceil(40).max(1);
     for OverRow { value, row, .. } in rows.iter().step_by(every) {
         text += &format!(
-            "{value:>28} {:>9.4} {:>8.4}   {:<10} {:>13.3} {:>9.2}\n",
+            "{:>28} {:>9.4} {:>8.4}   ",
+            significant(*value, 6),
             row.frequency_hz,
-            row.frequency_ratio,
-            row.outcome().to_string(),
-            row.force_ratio,
-            row.force_n
+            row.frequency_ratio
         );
+        text += &match why_failed(row) {
+            Some(why) => format!("failed: {why}\n"),
+            None => format!(
+                "{:<10} {:>13.3} {:>9.2}\n",
+                row.regime.to_string(),
+                row.force_ratio,
+                row.force_n
+            ),
+        };
     }
     if every > 1 {
         text += &format!(
@@ -191,11 +164,8 @@ fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
 
 const BLUE: Color = Color(0x1f, 0x4e, 0x79);
 
-fn figure(direction: Direction, asked: &Over, rows: &[OverRow<'_>]) -> Figure {
-    let first = rows.first();
-    let title = first.map_or(String::new(), |r| {
-        format!("{}: force over {}", r.row.rig, asked.key)
-    });
+fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_>]) -> Figure {
+    let title = format!("{}: force over {}", rig.name, asked.key);
     let how = match direction {
         Direction::Rest => "each value from rest",
         Direction::Up => "state carried from value to value, upwards",

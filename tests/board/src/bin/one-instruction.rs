@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 for word in all {
                     write!(out, " {word:x}")?;
                 }
-                for (i, (byte, was)) in machine.ram.iter().zip(&before).enumerate() {
+                for (i, (byte, was)) in machine.ram.iter().zip(before.iter()).enumerate() {
                     if byte != was {
                         write!(out, " {:x}={byte:x}", RAM as usize + i)?;
                     }
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 writeln!(out)?;
             }
         }
-        machine.ram.copy_from_slice(&before);
+        machine.ram.copy_from_slice(&before[..]);
     }
     Ok(())
 }

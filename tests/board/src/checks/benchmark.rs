@@ -1,7 +1,9 @@
 //! What a long run costs: interrupts, masks, stack, losses, and the bounds of a block's cycles.
 
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
+use host_sim::progress::Progress;
 use shared::link::ToBoard;
 
 use super::session::Bench;
@@ -17,25 +19,52 @@ const PAINT: [u8; 4] = [0xcc; 4];
 const DEADLINE: u64 = 88_380;
 const BLOCK: u64 = 90_000;
 
+/// The benchmark runs, and an interrupt (Ctrl-C, SIGTERM) ends it early.
+static RUNS: AtomicBool = AtomicBool::new(false);
+/// An interrupt has come.
+static ENDS: AtomicBool = AtomicBool::new(false);
+
+/// The first interrupt ends the benchmark, which then says what it has found so far; any other ends the program.
+fn end_at_an_interrupt() {
+    RUNS.store(true, Ordering::SeqCst);
+    // Without a handler an interrupt ends the program at once.
+    let _ = ctrlc::set_handler(|| {
+        if !RUNS.load(Ordering::SeqCst) || ENDS.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    });
+}
+
 /// The field scenario from the first pulse on, streaming at full rate.
 pub fn benchmark(setup: &Setup) -> Found {
     let mut bench = Bench::driving(setup)?;
     bench.client.hello()?;
     bench.client.tell(ToBoard::StreamFrames { on: true })?;
-    let (from, before) = {
+    let (from, before, counts) = {
         let rig = &mut bench.rig.borrow_mut();
         rig.keeps = false;
         rig.forget_changes();
         rig.machine.start_profile();
-        (rig.machine.now, rig.machine.entered)
+        (
+            rig.machine.now,
+            rig.machine.entered,
+            [rig.machine.instructions, rig.machine.passed],
+        )
     };
+    let began = Instant::now();
     let end = from + (setup.seconds * UNITS_PER_S as f64) as u64;
     let mut streamed = 0u64;
-    while bench.now() < end {
+    let progress = Progress::new("seconds of rig time", setup.seconds as u64, false);
+    end_at_an_interrupt();
+    while bench.now() < end && !ENDS.load(Ordering::SeqCst) {
         bench.rig.borrow_mut().forget_changes();
+        progress.inc(((bench.now() - from) / UNITS_PER_S).saturating_sub(progress.done()));
         streamed += u64::from(bench.client.streamed(Duration::from_millis(1))?.is_some());
     }
     let seconds = (bench.now() - from) as f64 / UNITS_PER_S as f64;
+    progress.finish();
+    RUNS.store(false, Ordering::SeqCst);
+    let took_s = began.elapsed().as_secs_f64();
     let lost = bench.client.lost();
     bench.client.tell(ToBoard::StreamFrames { on: false })?;
     let status = bench.client.status()?;
@@ -48,6 +77,15 @@ pub fn benchmark(setup: &Setup) -> Found {
         status.overruns,
         status.state,
         stack(&rig.machine)?
+    );
+    let all = machine.instructions - counts[0];
+    let passed = machine.passed - counts[1];
+    text += &format!(
+        "        {all} instructions, of them {passed} in waiting that was passed over; {took_s:.1} s for it: {:.1} million a \
+         second, {:.3} s per second of rig time; fingerprint {:#018x}\n",
+        all as f64 / took_s / 1e6,
+        took_s / seconds,
+        rig.fingerprint()
     );
     text +=
         "        interrupt                  count     per s   longest wait, cycles of the table\n";

@@ -7,6 +7,7 @@ mod faults;
 mod hold;
 mod hung;
 mod pairs;
+mod passed;
 mod records;
 mod reports;
 mod saves;
@@ -35,6 +36,7 @@ pub struct Setup {
     pub short: Option<u32>,
     image: OnceCell<Rc<Image>>,
     driving: OnceCell<Rig>,
+    holding: OnceCell<Rig>,
 }
 
 impl Setup {
@@ -46,6 +48,7 @@ impl Setup {
             short: None,
             image: OnceCell::new(),
             driving: OnceCell::new(),
+            holding: OnceCell::new(),
         }
     }
 
@@ -106,7 +109,8 @@ const ALL: [Check; 34] = [
 ];
 
 /// What takes long, and is not in the short form.
-const LONG: [Check; 3] = [
+const LONG: [Check; 4] = [
+    ("waiting passed over", passed::same),
     ("the clock dies in Hold", hold::clock_dies),
     ("the set-point after a trip in Hold", hold::way_back),
     ("scenarios with faults", scenarios::with_faults),

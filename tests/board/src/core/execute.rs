@@ -1,7 +1,7 @@
 //! Instructions on the general registers, and branches.
 
 use super::arithmetic::{add, saturate_signed, saturate_unsigned, shift};
-use super::op::{Kind, Op, shift as kinds};
+use super::op::{Kind, Op};
 use super::{Fault, Trap, Try, dsp};
 use crate::machine::Machine;
 
@@ -13,18 +13,30 @@ impl Machine {
     }
 
     #[inline(always)]
-    fn n(&self, op: &Op) -> u32 {
+    pub(super) fn n(&self, op: &Op) -> u32 {
         self.cpu.r[usize::from(op.rn & 15)]
     }
 
     #[inline(always)]
-    fn m(&self, op: &Op) -> u32 {
+    pub(super) fn m(&self, op: &Op) -> u32 {
         self.cpu.r[usize::from(op.rm & 15)]
+    }
+
+    /// What the destination holds.
+    #[inline(always)]
+    pub(super) fn d(&self, op: &Op) -> u32 {
+        self.cpu.r[usize::from(op.rd & 15)]
+    }
+
+    /// The fourth register.
+    #[inline(always)]
+    pub(super) fn a(&self, op: &Op) -> u32 {
+        self.cpu.r[usize::from(op.ra & 15)]
     }
 
     /// The second operand, shifted, and the shifter's carry.
     #[inline(always)]
-    fn shifted(&self, op: &Op) -> (u32, bool) {
+    pub(super) fn shifted(&self, op: &Op) -> (u32, bool) {
         let value = self.m(op);
         if op.imm == 0 {
             (value, self.cpu.c)
@@ -45,7 +57,7 @@ impl Machine {
     }
 
     #[inline(always)]
-    fn logical(&mut self, op: &Op, value: u32, carry: bool) {
+    pub(super) fn logical(&mut self, op: &Op, value: u32, carry: bool) {
         if self.sets(op) {
             self.cpu.n = value >> 31 == 1;
             self.cpu.z = value == 0;
@@ -55,7 +67,7 @@ impl Machine {
     }
 
     #[inline(always)]
-    fn flags(&mut self, (value, carry, overflow): (u32, bool, bool)) {
+    pub(super) fn flags(&mut self, (value, carry, overflow): (u32, bool, bool)) {
         self.cpu.n = value >> 31 == 1;
         self.cpu.z = value == 0;
         self.cpu.c = carry;
@@ -63,7 +75,7 @@ impl Machine {
     }
 
     #[inline(always)]
-    fn sum(&mut self, op: &Op, a: u32, b: u32, carry: bool) {
+    pub(super) fn sum(&mut self, op: &Op, a: u32, b: u32, carry: bool) {
         let sum = add(a, b, carry);
         if self.sets(op) {
             self.flags(sum);
@@ -80,7 +92,7 @@ impl Machine {
 
     /// Goes on at `target`, which takes the pipeline time to fill.
     #[inline(always)]
-    fn jump(&mut self, target: u32) {
+    pub(super) fn jump(&mut self, target: u32) {
         self.cpu.pc = target & !1;
         self.spend(2);
     }
@@ -99,121 +111,41 @@ impl Machine {
         Ok(())
     }
 
-    /// Does one instruction.
+    /// Register and constant, and what comes of them.
     #[inline(always)]
-    pub(crate) fn execute(&mut self, op: &Op) -> Try {
-        match op.kind {
-            Kind::AndI | Kind::AndR | Kind::BicI | Kind::BicR | Kind::OrrI | Kind::OrrR => {
-                self.logic(op)
-            }
-            Kind::OrnI | Kind::OrnR | Kind::EorI | Kind::EorR => self.logic(op),
-            Kind::MovI => {
-                let (value, carry) = self.constant(op);
-                self.logical(op, value, carry);
-            }
-            Kind::MovR => {
-                let (value, carry) = self.shifted(op);
-                self.logical(op, value, carry);
-            }
-            Kind::MvnI => {
-                let (value, carry) = self.constant(op);
-                self.logical(op, !value, carry);
-            }
-            Kind::MvnR => {
-                let (value, carry) = self.shifted(op);
-                self.logical(op, !value, carry);
-            }
-            Kind::AddI => self.sum(op, self.n(op), op.imm, false),
-            Kind::AddR => self.sum(op, self.n(op), self.shifted(op).0, false),
-            Kind::AdcI => self.sum(op, self.n(op), op.imm, self.cpu.c),
-            Kind::AdcR => self.sum(op, self.n(op), self.shifted(op).0, self.cpu.c),
-            Kind::SbcI => self.sum(op, self.n(op), !op.imm, self.cpu.c),
-            Kind::SbcR => self.sum(op, self.n(op), !self.shifted(op).0, self.cpu.c),
-            Kind::SubI => self.sum(op, self.n(op), !op.imm, true),
-            Kind::SubR => self.sum(op, self.n(op), !self.shifted(op).0, true),
-            Kind::RsbI => self.sum(op, !self.n(op), op.imm, true),
-            Kind::RsbR => self.sum(op, !self.n(op), self.shifted(op).0, true),
-            Kind::CmpI => self.flags(add(self.n(op), !op.imm, true)),
-            Kind::CmpR => self.flags(add(self.n(op), !self.shifted(op).0, true)),
-            Kind::CmnI => self.flags(add(self.n(op), op.imm, false)),
-            Kind::CmnR => self.flags(add(self.n(op), self.shifted(op).0, false)),
-            Kind::TstI | Kind::TeqI => {
-                let (value, carry) = self.constant(op);
-                let n = self.n(op);
-                self.test(
-                    if op.kind == Kind::TstI {
-                        n & value
-                    } else {
-                        n ^ value
-                    },
-                    carry,
-                );
-            }
-            Kind::TstR | Kind::TeqR => {
-                let (value, carry) = self.shifted(op);
-                let n = self.n(op);
-                self.test(
-                    if op.kind == Kind::TstR {
-                        n & value
-                    } else {
-                        n ^ value
-                    },
-                    carry,
-                );
-            }
-            Kind::Branch => self.jump(op.imm),
-            Kind::BranchIf => {
-                if self.cpu.holds(op.rd) {
-                    self.jump(op.imm);
-                }
-            }
-            Kind::BranchLink => {
-                self.cpu.r[14] = self.cpu.pc | 1;
-                self.jump(op.imm);
-            }
-            Kind::BranchLinkReg => {
-                let target = self.m(op);
-                self.cpu.r[14] = self.cpu.pc | 1;
-                return self.interwork(target);
-            }
-            Kind::BranchReg => return self.interwork(self.m(op)),
-            Kind::BranchZero | Kind::BranchNotZero => {
-                if (self.n(op) == 0) == (op.kind == Kind::BranchZero) {
-                    self.jump(op.imm);
-                }
-            }
-            Kind::MovPc => self.jump(self.m(op)),
-            Kind::AddPc => self.jump(self.n(op).wrapping_add(self.m(op))),
-            Kind::IfThen => self.cpu.it = op.imm as u8,
-            Kind::Nop => {}
-            Kind::NotDecoded | Kind::Undefined => return Err(Trap::Fault(Fault::Undefined)),
-            _ => return self.execute_more(op),
-        }
-        Ok(())
+    pub(super) fn with_constant(&mut self, op: &Op, f: impl Fn(u32, u32) -> u32) {
+        let (b, carry) = self.constant(op);
+        self.logical(op, f(self.n(op), b), carry);
     }
 
-    fn logic(&mut self, op: &Op) {
-        let n = self.n(op);
-        let with_constant = matches!(
-            op.kind,
-            Kind::AndI | Kind::BicI | Kind::OrrI | Kind::OrnI | Kind::EorI
-        );
-        let (b, carry) = if with_constant {
-            self.constant(op)
-        } else {
-            self.shifted(op)
-        };
-        let value = match op.kind {
-            Kind::AndI | Kind::AndR => n & b,
-            Kind::BicI | Kind::BicR => n & !b,
-            Kind::OrrI | Kind::OrrR => n | b,
-            Kind::OrnI | Kind::OrnR => n | !b,
-            _ => n ^ b,
-        };
+    /// The same with a shifted register.
+    #[inline(always)]
+    pub(super) fn with_shifted(&mut self, op: &Op, f: impl Fn(u32, u32) -> u32) {
+        let (b, carry) = self.shifted(op);
+        self.logical(op, f(self.n(op), b), carry);
+    }
+
+    #[inline(always)]
+    pub(super) fn test_constant(&mut self, op: &Op, f: impl Fn(u32, u32) -> u32) {
+        let (b, carry) = self.constant(op);
+        self.test(f(self.n(op), b), carry);
+    }
+
+    #[inline(always)]
+    pub(super) fn test_shifted(&mut self, op: &Op, f: impl Fn(u32, u32) -> u32) {
+        let (b, carry) = self.shifted(op);
+        self.test(f(self.n(op), b), carry);
+    }
+
+    #[inline(always)]
+    pub(super) fn shift_by_register(&mut self, op: &Op, kind: u32) {
+        let (value, carry) = shift(kind, self.n(op), self.m(op) & 0xff, self.cpu.c);
         self.logical(op, value, carry);
     }
 
-    fn execute_more(&mut self, op: &Op) -> Try {
+    /// Products, divisions, fields, saturation.
+    #[inline(never)]
+    pub(super) fn execute_more(&mut self, op: &Op) -> Try {
         let (n, m) = (self.n(op), self.m(op));
         let a = self.cpu.r[usize::from(op.ra & 15)];
         let wide = |signed: bool| {
@@ -224,30 +156,11 @@ impl Machine {
             }
         };
         match op.kind {
-            Kind::Lsl | Kind::Lsr | Kind::Asr | Kind::Ror => {
-                let kind = match op.kind {
-                    Kind::Lsl => kinds::LSL,
-                    Kind::Lsr => kinds::LSR,
-                    Kind::Asr => kinds::ASR,
-                    _ => kinds::ROR,
-                };
-                let (value, carry) = shift(kind, n, m & 0xff, self.cpu.c);
-                self.logical(op, value, carry);
-            }
-            Kind::Movt => {
-                let low = self.cpu.r[usize::from(op.rd)] & 0xffff;
-                self.cpu.set(op.rd, op.imm << 16 | low);
-            }
-            Kind::Mul => {
-                let carry = self.cpu.c;
-                self.logical(op, n.wrapping_mul(m), carry);
-            }
-            Kind::Mla => self.cpu.set(op.rd, a.wrapping_add(n.wrapping_mul(m))),
             Kind::Mls => self.cpu.set(op.rd, a.wrapping_sub(n.wrapping_mul(m))),
-            Kind::Smull | Kind::Umull => self.long(op, wide(op.kind == Kind::Smull)),
-            Kind::Smlal | Kind::Umlal => {
+            Kind::Smull => self.long(op, wide(true)),
+            Kind::Smlal => {
                 let before = u64::from(a) << 32 | u64::from(self.cpu.r[usize::from(op.rd)]);
-                self.long(op, before.wrapping_add(wide(op.kind == Kind::Smlal)));
+                self.long(op, before.wrapping_add(wide(true)));
             }
             Kind::Umaal => {
                 let sum = wide(false) + u64::from(a) + u64::from(self.cpu.r[usize::from(op.rd)]);
@@ -289,10 +202,6 @@ impl Machine {
                 let value = ((n << up) as i32 >> (32 - u32::from(op.s))) as u32;
                 self.cpu.set(op.rd, value);
             }
-            Kind::Ubfx => {
-                let mask = ((1u64 << op.s) - 1) as u32;
-                self.cpu.set(op.rd, n >> op.imm & mask);
-            }
             Kind::Ssat | Kind::Usat => {
                 let amount = if op.ra == 2 && op.s == 0 {
                     31
@@ -318,19 +227,13 @@ impl Machine {
                 let value = n & 0xffff_0000 | self.shifted(op).0 & 0xffff;
                 self.cpu.set(op.rd, value);
             }
-            Kind::SmulHalf | Kind::SmlaHalf | Kind::SmulWide | Kind::SmlalHalf => {
-                dsp::execute(&mut self.cpu, op)
-            }
-            Kind::SmulDual | Kind::SmlalDual | Kind::MulHigh | Kind::SumDiff => {
-                dsp::execute(&mut self.cpu, op)
-            }
-            Kind::Parallel | Kind::Saturating => dsp::execute(&mut self.cpu, op),
-            _ => return self.execute_memory(op),
+            _ => dsp::execute(&mut self.cpu, op),
         }
         Ok(())
     }
 
-    fn long(&mut self, op: &Op, value: u64) {
+    #[inline(always)]
+    pub(super) fn long(&mut self, op: &Op, value: u64) {
         self.cpu.set(op.rd, value as u32);
         self.cpu.set(op.ra, (value >> 32) as u32);
     }

@@ -54,7 +54,7 @@ fn fused(addend: u32, a: u32, b: u32) -> u32 {
 impl Machine {
     /// To be called before each instruction on floating point: makes room for it, and says whether it is allowed.
     #[inline(always)]
-    fn prepare_float(&mut self) -> Try {
+    pub(super) fn prepare_float(&mut self) -> Try {
         if !self.system.float_enabled() {
             return Err(Trap::Fault(Fault::NoFloat));
         }
@@ -68,15 +68,24 @@ impl Machine {
         Ok(())
     }
 
-    pub(crate) fn execute_float(&mut self, op: &Op) -> Try {
+    /// What a sum, a difference or a product is.
+    #[inline(always)]
+    pub(super) fn float_of_two(&mut self, op: &Op, f: impl Fn(f32, f32) -> f32) -> Try {
+        self.prepare_float()?;
+        let s = &mut self.cpu.s;
+        let (a, b) = (s[usize::from(op.rn & 31)], s[usize::from(op.rm & 31)]);
+        s[usize::from(op.rd & 31)] = two(a, b, f);
+        Ok(())
+    }
+
+    /// All else that works on singles.
+    #[inline(never)]
+    pub(super) fn execute_float(&mut self, op: &Op) -> Try {
         self.prepare_float()?;
         let (d, n, m) = (usize::from(op.rd), usize::from(op.rn), usize::from(op.rm));
         let s = |machine: &Self, i: usize| machine.cpu.s[i & 31];
         let (a, b, was) = (s(self, n), s(self, m), s(self, d));
         self.cpu.s[d & 31] = match op.kind {
-            Kind::Vadd => two(a, b, |x, y| x + y),
-            Kind::Vsub => two(a, b, |x, y| x - y),
-            Kind::Vmul => two(a, b, |x, y| x * y),
             Kind::Vnmul => two(a, b, |x, y| x * y) ^ SIGN,
             Kind::Vdiv => two(a, b, |x, y| x / y),
             Kind::Vmla => two(was, two(a, b, |x, y| x * y), |x, y| x + y),
@@ -88,7 +97,6 @@ impl Machine {
             Kind::Vfnma => fused(was ^ SIGN, a ^ SIGN, b),
             Kind::Vfnms => fused(was ^ SIGN, a, b),
             Kind::VmovI => op.imm,
-            Kind::Vmov => b,
             Kind::Vabs => b & !SIGN,
             Kind::Vneg => b ^ SIGN,
             Kind::Vsqrt => {
@@ -137,8 +145,6 @@ impl Machine {
         match op.kind {
             Kind::Vcmp => self.compare(self.cpu.s[d], self.cpu.s[m]),
             Kind::VcmpZero => self.compare(self.cpu.s[d], 0),
-            Kind::VmovToCore => self.cpu.set(op.rd, self.cpu.s[n]),
-            Kind::VmovFromCore => self.cpu.s[d] = self.cpu.r[n],
             Kind::VmovPair | Kind::VmovPairDouble => {
                 if op.imm == 1 {
                     let (low, high) = (self.cpu.s[m], self.cpu.s[(m + 1) & 31]);
@@ -160,15 +166,6 @@ impl Machine {
                 }
                 self.cpu.fpscr = value & 0xf000_0000;
             }
-            Kind::Vldr | Kind::Vstr => {
-                let base = if n == 15 { base & !3 } else { base };
-                self.float_words(
-                    op,
-                    base.wrapping_add(op.imm),
-                    usize::from(op.s),
-                    op.kind == Kind::Vldr,
-                )?;
-            }
             Kind::Vldm | Kind::Vstm => {
                 let size = 4 * op.imm;
                 let down = op.ra & mode::BEFORE as u8 != 0;
@@ -184,6 +181,26 @@ impl Machine {
         Ok(())
     }
 
+    #[inline(always)]
+    fn float_address(&self, op: &Op) -> u32 {
+        let base = self.cpu.r[usize::from(op.rn & 15)];
+        let base = if op.rn == 15 { base & !3 } else { base };
+        base.wrapping_add(op.imm)
+    }
+
+    #[inline(always)]
+    pub(super) fn load_float(&mut self, op: &Op) -> Try {
+        self.prepare_float()?;
+        self.float_words(op, self.float_address(op), usize::from(op.s), true)
+    }
+
+    #[inline(always)]
+    pub(super) fn store_float_registers(&mut self, op: &Op) -> Try {
+        self.prepare_float()?;
+        self.float_words(op, self.float_address(op), usize::from(op.s), false)
+    }
+
+    #[inline(always)]
     fn float_words(&mut self, op: &Op, start: u32, count: usize, load: bool) -> Try {
         if start & 3 != 0 {
             return Err(Trap::Fault(Fault::Unaligned));

@@ -12,14 +12,14 @@ impl Machine {
 
     /// Address of a register offset.
     #[inline(always)]
-    fn indexed(&self, op: &Op) -> u32 {
+    pub(super) fn indexed(&self, op: &Op) -> u32 {
         self.base(op)
             .wrapping_add(self.cpu.r[usize::from(op.rm & 15)] << op.imm)
     }
 
     /// Address of a constant offset.
     #[inline(always)]
-    fn offset(&self, op: &Op) -> u32 {
+    pub(super) fn offset(&self, op: &Op) -> u32 {
         self.base(op).wrapping_add(op.imm)
     }
 
@@ -41,31 +41,15 @@ impl Machine {
         }
     }
 
+    /// Loads `W` bytes, made into a word by `extend`, into the destination.
     #[inline(always)]
-    pub(crate) fn execute_memory(&mut self, op: &Op) -> Try {
-        let value = |machine: &Self| machine.cpu.r[usize::from(op.rd & 15)];
-        let loaded = match op.kind {
-            Kind::Ldr => self.load::<4>(self.offset(op))?,
-            Kind::Ldrb => self.load::<1>(self.offset(op))?,
-            Kind::Ldrh => self.load::<2>(self.offset(op))?,
-            Kind::Ldrsb => self.load::<1>(self.offset(op))? as i8 as u32,
-            Kind::Ldrsh => self.load::<2>(self.offset(op))? as i16 as u32,
-            Kind::LdrR => self.load::<4>(self.indexed(op))?,
-            Kind::LdrbR => self.load::<1>(self.indexed(op))?,
-            Kind::LdrhR => self.load::<2>(self.indexed(op))?,
-            Kind::LdrsbR => self.load::<1>(self.indexed(op))? as i8 as u32,
-            Kind::LdrshR => self.load::<2>(self.indexed(op))? as i16 as u32,
-            Kind::LdrLiteral => self.load_as(u32::from(op.s), op.imm)?,
-            Kind::Str => return self.store::<4>(self.offset(op), value(self)),
-            Kind::Strb => return self.store::<1>(self.offset(op), value(self)),
-            Kind::Strh => return self.store::<2>(self.offset(op), value(self)),
-            Kind::StrR => return self.store::<4>(self.indexed(op), value(self)),
-            Kind::StrbR => return self.store::<1>(self.indexed(op), value(self)),
-            Kind::StrhR => return self.store::<2>(self.indexed(op), value(self)),
-            Kind::LoadMany => return self.load_many(op),
-            Kind::StoreMany => return self.store_many(op),
-            _ => return self.execute_rare(op),
-        };
+    pub(super) fn load_to<const W: usize>(
+        &mut self,
+        op: &Op,
+        address: u32,
+        extend: impl Fn(u32) -> u32,
+    ) -> Try {
+        let loaded = extend(self.load::<W>(address)?);
         if op.rd == 15 {
             return self.interwork(loaded);
         }
@@ -73,7 +57,7 @@ impl Machine {
         Ok(())
     }
 
-    fn load_many(&mut self, op: &Op) -> Try {
+    pub(super) fn load_many(&mut self, op: &Op) -> Try {
         let base = self.base(op);
         let size = 4 * op.imm.count_ones();
         let down = op.ra & mode::BEFORE as u8 != 0;
@@ -103,7 +87,7 @@ impl Machine {
         Ok(())
     }
 
-    fn store_many(&mut self, op: &Op) -> Try {
+    pub(super) fn store_many(&mut self, op: &Op) -> Try {
         let base = self.base(op);
         let size = 4 * op.imm.count_ones();
         let down = op.ra & mode::BEFORE as u8 != 0;
@@ -124,57 +108,77 @@ impl Machine {
         Ok(())
     }
 
-    fn execute_rare(&mut self, op: &Op) -> Try {
+    /// The address of an access with an addressing mode, and what the base becomes.
+    #[inline(always)]
+    fn addressed(&self, op: &Op) -> (u32, u32) {
         let base = self.base(op);
         let moved = base.wrapping_add(op.imm);
-        let address = if op.ra & mode::BEFORE as u8 != 0 {
-            moved
-        } else {
-            base
-        };
-        let back = op.ra & mode::WRITE_BACK as u8 != 0;
-        let must_align = |a: u32, size: u32| {
-            if a & (size - 1) == 0 {
-                Ok(())
-            } else {
-                Err(Trap::Fault(Fault::Unaligned))
-            }
-        };
+        let before = op.ra & mode::BEFORE as u8 != 0;
+        (if before { moved } else { base }, moved)
+    }
+
+    #[inline(always)]
+    fn write_back(&mut self, op: &Op, moved: u32) {
+        if op.ra & mode::WRITE_BACK as u8 != 0 {
+            self.cpu.set(op.rn, moved);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn load_indexed(&mut self, op: &Op) -> Try {
+        let (address, moved) = self.addressed(op);
+        let loaded = self.load_as(u32::from(op.s), address)?;
+        self.write_back(op, moved);
+        if op.rd == 15 {
+            return self.interwork(loaded);
+        }
+        self.cpu.set(op.rd, loaded);
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub(super) fn store_indexed(&mut self, op: &Op) -> Try {
+        let (address, moved) = self.addressed(op);
+        self.store_as(u32::from(op.s), address, self.d(op))?;
+        self.write_back(op, moved);
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub(super) fn load_pair(&mut self, op: &Op) -> Try {
+        let (address, moved) = self.addressed(op);
+        let address = if op.rn == 15 { address & !3 } else { address };
+        must_align(address, 4)?;
+        let first = self.load::<4>(address)?;
+        let second = self.load::<4>(address.wrapping_add(4))?;
+        self.write_back(op, moved);
+        self.cpu.set(op.rd, first);
+        self.cpu.set(op.s, second);
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub(super) fn store_pair(&mut self, op: &Op) -> Try {
+        let (address, moved) = self.addressed(op);
+        must_align(address, 4)?;
+        self.store::<4>(address, self.d(op))?;
+        self.store::<4>(address.wrapping_add(4), self.cpu.r[usize::from(op.s & 15)])?;
+        self.write_back(op, moved);
+        Ok(())
+    }
+
+    /// What is rare.
+    #[inline(never)]
+    pub(super) fn execute_rare(&mut self, op: &Op) -> Try {
+        let base = self.base(op);
+        let moved = base.wrapping_add(op.imm);
         match op.kind {
-            Kind::LoadIndexed => {
-                let loaded = self.load_as(u32::from(op.s), address)?;
-                if back {
-                    self.cpu.set(op.rn, moved);
-                }
+            Kind::LdrLiteral => {
+                let loaded = self.load_as(u32::from(op.s), op.imm)?;
                 if op.rd == 15 {
                     return self.interwork(loaded);
                 }
                 self.cpu.set(op.rd, loaded);
-            }
-            Kind::StoreIndexed => {
-                self.store_as(u32::from(op.s), address, self.cpu.r[usize::from(op.rd)])?;
-                if back {
-                    self.cpu.set(op.rn, moved);
-                }
-            }
-            Kind::LoadPair => {
-                let address = if op.rn == 15 { address & !3 } else { address };
-                must_align(address, 4)?;
-                let first = self.load::<4>(address)?;
-                let second = self.load::<4>(address.wrapping_add(4))?;
-                if back {
-                    self.cpu.set(op.rn, moved);
-                }
-                self.cpu.set(op.rd, first);
-                self.cpu.set(op.s, second);
-            }
-            Kind::StorePair => {
-                must_align(address, 4)?;
-                self.store::<4>(address, self.cpu.r[usize::from(op.rd)])?;
-                self.store::<4>(address.wrapping_add(4), self.cpu.r[usize::from(op.s)])?;
-                if back {
-                    self.cpu.set(op.rn, moved);
-                }
             }
             Kind::LoadExclusive => {
                 let size = [4, 1, 2][usize::from(op.s)];
@@ -202,21 +206,34 @@ impl Machine {
                 };
                 self.cpu.pc = self.cpu.r[15].wrapping_add(2 * entry);
             }
-            Kind::Barrier => {}
             Kind::Mrs => self.read_special(op),
             Kind::Msr => self.write_special(op),
             Kind::Cps => self.change_masks(op),
             Kind::Svc => self.pend_exception(11),
             Kind::Breakpoint => return self.breakpoint(),
-            Kind::WaitInterrupt => self.cpu.sleeping = true,
+            Kind::WaitInterrupt => self.sleep(),
             Kind::WaitEvent => {
                 if !std::mem::take(&mut self.cpu.event) {
-                    self.cpu.sleeping = true;
+                    self.sleep();
                 }
             }
-            Kind::SendEvent => self.cpu.event = true,
-            _ => return self.execute_float(op),
+            _ => self.cpu.event = true,
         }
         Ok(())
+    }
+
+    fn sleep(&mut self) {
+        self.cpu.sleeping = true;
+        self.attend();
+    }
+}
+
+/// These accesses fault at an address that is no multiple of `size`, whatever the program has set.
+#[inline(always)]
+fn must_align(address: u32, size: u32) -> Try {
+    if address & (size - 1) == 0 {
+        Ok(())
+    } else {
+        Err(Trap::Fault(Fault::Unaligned))
     }
 }

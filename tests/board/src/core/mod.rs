@@ -4,6 +4,7 @@ pub mod arithmetic;
 pub mod decode16;
 pub mod decode32;
 pub mod decode_fp;
+pub mod dispatch;
 pub mod dsp;
 pub mod exception;
 pub mod execute;
@@ -65,7 +66,7 @@ pub enum Fault {
 }
 
 /// Registers.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cpu {
     /// General registers; 13 is the stack pointer in use, 15 the address of the instruction and 4 more.
     pub r: [u32; 16],

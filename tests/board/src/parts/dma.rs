@@ -105,6 +105,11 @@ impl Stream {
         (self.memory[0], self.left * self.width())
     }
 
+    /// All memory that it may work on until it is set up anew.
+    pub fn whole_buffer(&self) -> (u32, u32) {
+        (self.memory[0], self.reload.max(self.left) * self.width())
+    }
+
     /// What was read ahead.
     pub fn take_ahead(&mut self) -> Option<u32> {
         self.ahead.take()

@@ -11,7 +11,7 @@ const VECTOR_CATCHES: u32 = 0x0000_07f1;
 /// debugger sets them, and no reset clears them: only power-off does. To be called first.
 ///
 /// A debugger that is attached can set them again; so do not flash a board that drives (docs/flashing.md).
-pub fn clear_traps(dcb: &mut DCB) {
+pub fn clear(dcb: &mut DCB) {
     // SAFETY: trace enable and the debug monitor's bits stay as they are; without catches, faults go to their handlers.
     unsafe { dcb.demcr.modify(|demcr| demcr & !VECTOR_CATCHES) };
 }

@@ -7,8 +7,8 @@ use core::{
 
 use shared::control::Unfit;
 
-use super::{retained, watchdog};
-use crate::hardware::fault::ProcessorFault;
+use super::retained;
+use crate::hardware::{board, fault::ProcessorFault};
 
 /// Whether a panic or fault is being reported.
 static REPORTING: AtomicBool = AtomicBool::new(false);
@@ -55,7 +55,7 @@ const FETCHING: u32 = 1_000_000;
 /// processor that stands still watches over nothing.
 fn end() -> ! {
     cortex_m::interrupt::disable();
-    watchdog::feed();
+    board::feed_watchdog();
     cortex_m::asm::delay(FETCHING);
     cortex_m::peripheral::SCB::sys_reset()
 }

@@ -2,12 +2,15 @@
 //! `Debug` does, would take thousands of instructions with the logger taken. A line that comes while another is being
 //! written, from a task above it, is dropped (`drop-on-contention` of defmt-rtt), and no interrupt is ever masked for one.
 
+use defmt_rtt as _;
 use shared::control::{
     Basin, BootInfo, EventKind, Refused, ResetCause, SettingsState, State, Unfit,
 };
 use shared::fault::Record;
 
-use super::retained::Crash;
+use super::{blocks, retained::Crash};
+
+defmt::timestamp!("{=u32:ms}", blocks::served() / 2);
 
 /// Why and with what the board started.
 pub fn start(boot: &BootInfo, crash: Option<Crash>, bench: bool, asked: bool) {

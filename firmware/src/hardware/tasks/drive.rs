@@ -8,34 +8,16 @@
 //! The chain itself switches the drive off in hardware (docs/wiring.md). In addition, its opening interrupts every
 //! task and pulls the enable low at once. The line stays low until the controller has seen the open chain in its
 //! samples and has itself switched the drive off.
-#![allow(unsafe_code)]
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use shared::io::NormallyClosed;
-use stm32f4xx_hal::{
-    gpio::{Edge, ExtiPin, Input, Output, PA8, PB5},
-    pac,
-    syscfg::SysCfg,
-};
-
 use super::retained;
+use crate::hardware::board::{EnablePin, disable};
 
 /// The drive is enabled.
 static DRIVING: AtomicBool = AtomicBool::new(false);
 /// Set where the enable was taken away without the controller, until the controller has switched off, too.
 static TAKEN_AWAY: AtomicBool = AtomicBool::new(false);
-
-/// Pulls the enable low, from anywhere, whatever state the program is in.
-///
-/// A single store to the port's set/reset register, which needs no read before it. Before the port has its
-/// clock the store does nothing: then the pin still floats, and the drive stage's own pull-down holds it.
-#[inline]
-pub fn disable() {
-    // SAFETY: a single store to a write-only register that touches one pin.
-    let gpioa = unsafe { &*pac::GPIOA::ptr() };
-    gpioa.bsrr().write(|w| w.br8().set_bit());
-}
 
 /// Pulls the enable low and keeps it there until the controller has switched the drive off.
 #[inline]
@@ -54,7 +36,7 @@ pub fn is_driving() -> bool {
 
 /// The enable line. Only its owner can raise it: bench mode never gets it.
 pub struct Enable {
-    pin: PA8<Output>,
+    pin: EnablePin,
     on: bool,
     /// The line's level in the block that was.
     high: bool,
@@ -62,7 +44,7 @@ pub struct Enable {
 
 impl Enable {
     /// Low.
-    pub fn new(mut pin: PA8<Output>) -> Self {
+    pub fn new(mut pin: EnablePin) -> Self {
         pin.set_low();
         retained::note_drive(false);
         Self {
@@ -97,28 +79,8 @@ impl Enable {
     }
 }
 
-/// The emergency-stop chain on PB5: closed to ground, pulled up when it opens.
-pub struct Chain(NormallyClosed<PB5<Input>>);
-
-impl Chain {
-    /// Interrupts when the chain opens.
-    pub fn new(mut pin: PB5<Input>, syscfg: &mut SysCfg, exti: &mut pac::EXTI) -> Self {
-        pin.make_interrupt_source(syscfg);
-        pin.trigger_on_edge(exti, Edge::Rising);
-        pin.enable_interrupt(exti);
-        Self(NormallyClosed(pin))
-    }
-
-    /// Whether the chain is open now, or the enable was taken away since the controller last dealt with it.
-    #[inline]
-    pub fn tripped(&mut self) -> bool {
-        self.0.is_open() || TAKEN_AWAY.load(Ordering::Acquire)
-    }
-}
-
-/// Clears the chain's interrupt; to be called in it.
+/// Whether the enable was taken away since the controller last dealt with it.
 #[inline]
-pub fn acknowledge() {
-    // SAFETY: writing a one clears this line's pending bit and touches no other.
-    unsafe { (*pac::EXTI::ptr()).pr().write(|w| w.bits(1 << 5)) };
+pub fn is_taken_away() -> bool {
+    TAKEN_AWAY.load(Ordering::Acquire)
 }

@@ -1,0 +1,89 @@
+//! The link task: bytes from and to the wire.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::DWT;
+use rtic::Mutex;
+use shared::{forecast::Forecast, link::Session};
+
+use crate::{hardware::board, link_device::BoardLink, recorder::Recorder, wire::RateFinder};
+
+/// Bytes waiting for the wire at most.
+const QUEUE: usize = 4096;
+
+/// Turns of the task (wraps).
+static TURNS: AtomicU32 = AtomicU32::new(0);
+
+/// Turns since the start (wraps).
+pub fn turns() -> u32 {
+    TURNS.load(Ordering::Relaxed)
+}
+
+/// What the task owns.
+pub struct Link {
+    serial: board::Serial,
+    rate: RateFinder,
+    timer: board::LinkTimer,
+    session: Session<QUEUE>,
+    store: board::Store,
+    turns: u32,
+    boot: u32,
+}
+
+impl Link {
+    /// Nothing sent yet.
+    pub(super) fn new(serial: board::Serial, timer: board::LinkTimer, store: board::Store) -> Self {
+        Self {
+            serial,
+            rate: RateFinder::default(),
+            timer,
+            session: Session::new(),
+            store,
+            turns: 0,
+            boot: 0,
+        }
+    }
+
+    /// Serves the link. Whether it is time for the supervisor: every tenth turn.
+    #[inline]
+    pub fn turn(
+        &mut self,
+        recorder: &mut impl Mutex<T = Recorder>,
+        forecast: &mut impl Mutex<T = Forecast>,
+    ) -> bool {
+        self.timer.acknowledge();
+        while recorder.lock(|recorder| recorder.takes_commands()) {
+            let Some(byte) = self.serial.read() else {
+                break;
+            };
+            if self.boot == 0 {
+                // Processor cycles until a program on a computer first sent something: never the same twice.
+                self.boot = DWT::cycle_count() | 1;
+            }
+            let mut device = BoardLink {
+                recorder: &mut *recorder,
+                forecast: &mut *forecast,
+                settings_store: &mut self.store,
+                board: board::NAME,
+                boot: self.boot,
+            };
+            self.session.receive(byte, &mut device);
+        }
+        let mut device = BoardLink {
+            recorder,
+            forecast,
+            settings_store: &mut self.store,
+            board: board::NAME,
+            boot: self.boot,
+        };
+        self.session.poll(&mut device);
+        self.serial.send(|bytes| self.session.queue().drain(bytes));
+        let good = self.session.counters().good;
+        if let Some(baud) = self.rate.turn(self.serial.take_errors(), good) {
+            self.serial.set_rate(baud);
+        }
+        TURNS.fetch_add(1, Ordering::Relaxed);
+        self.turns = self.turns.wrapping_add(1);
+        self.turns.is_multiple_of(10)
+    }
+}

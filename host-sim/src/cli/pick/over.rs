@@ -1,0 +1,193 @@
+//! `pick --over`: how the operating point moves over a parameter of the rig.
+
+use super::Args;
+use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::over::Over;
+use crate::cli::interrupt;
+use crate::kept::Kept;
+use crate::pictures;
+use crate::pictures::drawn;
+use crate::progress::Progress;
+use crate::words::digits::{decimals, significant};
+use crate::words::over::{OverRow, summary};
+use files::{UserError, rigfile};
+use numerics::pick::{Limits, Springs, Uncertainty, pick_on, steps};
+use numerics::{Error, NamedRig};
+use plot::chart::Chart;
+
+pub fn run(args: &Args, asked: &Over, springs: Springs, limits: Limits) -> Result<(), UserError> {
+    asked.check(&args.rig)?;
+    let base = rig(args, asked, &[])?;
+    let output = &args.output;
+    if base.gap_set_to_zero {
+        output.note("note: picking at a gap of 0.0 mm (set --gap to choose another)");
+    }
+    let base = base.rig;
+    output.doubt(&base);
+    let uncertainty = args.uncertainty.of(&base)?;
+    let output = &output
+        .about([&base])?
+        .with_uncertainty(uncertainty.map(super::stated));
+    let rigs = asked.values.list.iter();
+    let rigs = rigs.map(|value| rig(args, asked, &asked.setting(*value)).map(|there| there.rig));
+    let rigs: Vec<NamedRig> = rigs
+        .collect::<Result<_, UserError>>()
+        .map_err(|error| asked.at(error))?;
+    for rig in &rigs {
+        rig.params.check().map_err(|error| asked.at(error.into()))?;
+    }
+    let rows = rows(args, asked, output, (&base, &rigs), (springs, limits))?;
+    if let Some(dir) = &output.out {
+        let figure = pictures::over::Over {
+            rows: &rows,
+            own: rigfile::number(&base.params, &asked.key),
+            log: asked.values.log,
+        }
+        .figure();
+        let mut contents = drawn(&output.name(""), &figure)?;
+        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
+        output.write(dir, contents)?;
+    }
+    output.emit(&rows, &rows, || text(asked, &rows, uncertainty))
+}
+
+/// A rig to pick for.
+struct There {
+    rig: NamedRig,
+    /// Whether its gap was another than 0.0 mm, and nobody asked for it.
+    gap_set_to_zero: bool,
+}
+
+/// The rig with `settings` on top, at 0.0 mm unless the command line says otherwise.
+fn rig(args: &Args, asked: &Over, settings: &[String]) -> Result<There, UserError> {
+    let loaded = args.rig.load_with(args.rig.name.name(), settings)?;
+    let mut rig = args.cart.as_the_machine(loaded)?;
+    let keeps = args.rig.sets_gap() || asked.key == "gap_mm";
+    let gap_set_to_zero = !keeps && rig.params.gap_m != 0.0;
+    if gap_set_to_zero {
+        rig.params.gap_m = 0.0;
+    }
+    Ok(There {
+        rig,
+        gap_set_to_zero,
+    })
+}
+
+/// A row for each rig; those that an earlier run of the same request has done are taken over.
+fn rows(
+    args: &Args,
+    asked: &Over,
+    output: &OutputArgs,
+    (base, rigs): (&NamedRig, &[NamedRig]),
+    (springs, limits): (Springs, Limits),
+) -> Result<Vec<OverRow>, UserError> {
+    let request = serde_json::to_string(output.made_from());
+    let request = request.map_err(|e| UserError::new(format!("cannot write JSON: {e}")))?;
+    let dir = output.out.as_ref();
+    let path = dir.map(|dir| dir.join(output.name(".unfinished")));
+    let mut kept = Kept::open(path.clone(), &request)?;
+    if let Some(path) = path.filter(|_| !output.quiet) {
+        interrupt::say_then(format!(
+            "interrupted; the finished values are kept in {}: the same command goes on from there",
+            path.display()
+        ));
+    }
+    let widths = rigs.iter().map(|rig| args.uncertainty.of(rig));
+    let widths: Vec<_> = widths.collect::<Result<_, _>>()?;
+    let work = widths.iter().map(|width| steps(*width));
+    let progress = Progress::new("rigs tried", work.clone().sum(), output.quiet);
+    progress.inc(work.take(kept.rows().len()).sum());
+    let left = rigs.iter().zip(&asked.values.list).zip(&widths);
+    for ((rig, value), width) in left.skip(kept.rows().len()) {
+        let found = match pick_on(rig, springs, *width, limits, &progress) {
+            Err(Error::Interrupted) => return Err(Error::Interrupted.into()),
+            found => found,
+        };
+        let answer = found.as_ref().map(|pick| &pick.answer);
+        let row = OverRow::new((&asked.key, *value), (&base.name, rig), answer);
+        kept.push(row)?;
+    }
+    progress.finish();
+    Ok(kept.finish())
+}
+
+fn text(asked: &Over, rows: &[OverRow], uncertainty: Option<Uncertainty>) -> String {
+    let mut text = format!(
+        "{}\n\n{:>26}  run at, Hz  ratio  force/weight (uncertainty)  safe band, Hz     multiplier  jumps  from rest\n",
+        summary(rows),
+        asked.key
+    );
+    let every = rows.len().div_ceil(40).max(1);
+    for row in rows.iter().step_by(every) {
+        text += &line(row, uncertainty);
+    }
+    if every > 1 {
+        text += &format!(
+            "(every {every} of {} rows; --format csv gives all)\n",
+            rows.len()
+        );
+    }
+    let along = |value: f64| match asked.values.log {
+        true => value.log10(),
+        false => value,
+    };
+    let axis = match asked.values.log {
+        true => format!("log10 of {}", asked.key),
+        false => asked.key.clone(),
+    };
+    let curve = |value: fn(&OverRow) -> Option<f64>| {
+        let points = rows
+            .iter()
+            .filter_map(|r| Some((along(r.value), value(r)?)));
+        points.collect::<Vec<_>>()
+    };
+    let chart = |label: &str, value| {
+        Chart::new(axis.clone(), label)
+            .size(72, 10)
+            .series(label, curve(value))
+            .render()
+    };
+    text.push('\n');
+    text += &chart("run at, Hz", |r| r.operating_frequency_hz);
+    text.push('\n');
+    text + &chart("force over weight", |r| r.force_ratio)
+}
+
+fn line(row: &OverRow, uncertainty: Option<Uncertainty>) -> String {
+    let value = significant(row.value, 6);
+    if let Some(why) = &row.no_pick {
+        return format!("{value:>26}  no pick: {why}\n");
+    }
+    let number =
+        |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    // Frequency and force as far as the uncertainty leaves them open.
+    let half = uncertainty.zip(row.operating_frequency_hz);
+    let half = half.map_or(0.0, |(u, hz)| hz * u.natural_frequency_percent / 100.0);
+    let hz = decimals(half, 4);
+    let open = row.force_ratio_largest.zip(row.force_ratio_worst);
+    let force = decimals(
+        open.map_or(0.0, |(largest, worst)| 0.5 * (largest - worst)),
+        2,
+    );
+    let range = match uncertainty {
+        Some(_) => format!(
+            "({} to {})",
+            number(row.force_ratio_worst, force),
+            number(row.force_ratio_largest, force)
+        ),
+        None => String::new(),
+    };
+    let decided = row.decided_by.as_ref();
+    let decided = decided.map_or(String::new(), |by| format!("  decided by {by}"));
+    format!(
+        "{value:>26}  {:>10}  {:>5}  {:>12} {range:<13}  {:>6} to {:<7} {:>11}  {:<5}  {}{decided}\n",
+        number(row.operating_frequency_hz, hz),
+        number(row.frequency_ratio, 2),
+        number(row.force_ratio, force),
+        number(row.safe_band_low_hz, hz.min(3)),
+        number(row.safe_band_high_hz, hz.min(3)),
+        number(row.multiplier, 3),
+        if row.jumps == Some(true) { "yes" } else { "no" },
+        row.from_rest.as_deref().unwrap_or("-")
+    )
+}

@@ -1,0 +1,124 @@
+//! The picture of the operating point over a parameter: force, frequency, stability and power.
+
+use crate::words::over::{OverRow, summary};
+use plot::{Axis, Color, Figure, Item, Mark, Panel};
+
+/// What is drawn.
+pub struct Over<'a> {
+    /// The rows, in the order of their values.
+    pub rows: &'a [OverRow],
+    /// The parameter's value in the rig itself, if it has one.
+    pub own: Option<f64>,
+    /// Whether the values are spaced by factors.
+    pub log: bool,
+}
+
+impl Over<'_> {
+    /// Four panels over the parameter.
+    pub fn figure(&self) -> Figure {
+        let first = self.rows.first();
+        let title = first.map_or(String::new(), |row| {
+            let gap = match row.parameter.as_str() {
+                "gap_mm" => String::new(),
+                _ => format!(", gap {:?} mm", row.gap_mm),
+            };
+            format!("{}{gap}: where to run, over {}", row.rig, row.parameter)
+        });
+        Figure::new(title)
+            .subtitle(summary(self.rows))
+            .columns(2)
+            .size(1300, 1000)
+            .panel(self.force())
+            .panel(self.frequency())
+            .panel(self.multiplier())
+            .panel(self.power())
+    }
+
+    fn points(&self, value: impl Fn(&OverRow) -> Option<f64>) -> Vec<(f64, f64)> {
+        // A value without a pick interrupts the line.
+        let rows = self.rows.iter();
+        rows.map(|row| (row.value, value(row).unwrap_or(f64::NAN)))
+            .collect()
+    }
+
+    fn panel(&self, label: &str, title: &str) -> Panel {
+        let key = self.rows.first().map_or("", |row| row.parameter.as_str());
+        let x = Axis::new(key);
+        let x = if self.log { x.log() } else { x };
+        let panel = Panel::new(x, Axis::new(label).with_zero()).titled(title);
+        let ends = self.rows.iter().map(|row| row.value);
+        let low = ends.clone().fold(f64::INFINITY, f64::min);
+        let high = ends.fold(f64::NEG_INFINITY, f64::max);
+        match self.own.filter(|own| (low..=high).contains(own)) {
+            Some(own) => panel.item(Item::mark_x("the rig's", own)),
+            None => panel,
+        }
+    }
+
+    fn curve(&self, panel: Panel, label: &str, value: fn(&OverRow) -> Option<f64>) -> Panel {
+        panel
+            .item(Item::line(label, Color::BLUE, self.points(value)))
+            .item(Item::points("", Color::BLUE, self.points(value)))
+    }
+
+    fn force(&self) -> Panel {
+        let panel = self.panel("contact force over the weight", "force");
+        let panel = if self.rows.iter().any(is_uncertain) {
+            let edge = |label: &str, value: fn(&OverRow) -> Option<f64>| {
+                Item::dashed(label, Color::GREY, self.points(value))
+            };
+            panel
+                .item(edge("over the uncertainty", |r| r.force_ratio_worst))
+                .item(edge("", |r| r.force_ratio_largest))
+        } else {
+            panel
+        };
+        let jumping = |row: &OverRow| row.force_ratio.filter(|_| row.jumps == Some(true));
+        self.curve(panel, "at the pick", |r| r.force_ratio)
+            .item(Item::Points {
+                points: self.points(jumping),
+                color: Color::ORANGE,
+                label: "the hammer jumps".to_owned(),
+                radius: 5.0,
+                mark: Mark::Diamond,
+            })
+    }
+
+    fn frequency(&self) -> Panel {
+        let label = "drive frequency, Hz";
+        let mut panel = self.panel(label, "frequency and safe band");
+        let edges = self.rows.iter();
+        let edges = edges.flat_map(|r| [r.safe_band_low_hz, r.safe_band_high_hz]);
+        let edges = edges.flatten();
+        let low = edges.clone().fold(f64::INFINITY, f64::min);
+        let high = edges.fold(0.0, f64::max);
+        if low < high {
+            let margin = 0.1 * (high - low);
+            panel.y = Axis::new(label).fixed(low - margin, high + margin);
+        }
+        let edge = |label: &str, value: fn(&OverRow) -> Option<f64>| {
+            Item::dashed(label, Color::GREEN, self.points(value))
+        };
+        let panel = panel
+            .item(edge("safe band", |r| r.safe_band_low_hz))
+            .item(edge("", |r| r.safe_band_high_hz));
+        self.curve(panel, "pick", |r| r.operating_frequency_hz)
+    }
+
+    fn multiplier(&self) -> Panel {
+        let panel = self.panel("largest modulus of a multiplier", "stability at the pick");
+        let limit = self.rows.iter().map(|row| (row.value, 1.0)).collect();
+        self.curve(panel, "orbit picked", |r| r.multiplier)
+            .item(Item::dashed("limit of stability", Color::INK, limit))
+    }
+
+    fn power(&self) -> Panel {
+        let panel = self.panel("impact power, W", "power of the blows");
+        self.curve(panel, "at the pick", |r| r.impact_power_w)
+    }
+}
+
+/// Whether the force has a range.
+fn is_uncertain(row: &OverRow) -> bool {
+    row.force_ratio_worst != row.force_ratio_largest
+}

@@ -1,0 +1,205 @@
+//! How the operating point moves over a parameter: a row for each value, and the sentence that sums them up.
+
+use super::digits::{decimals, significant};
+use files::UserError;
+use numerics::Error;
+use numerics::NamedRig;
+use numerics::pick::{Answer, CartModel};
+use numerics::row::tidy;
+use serde::{Deserialize, Serialize};
+
+/// One value of the parameter. Units are in the names; what a value without a pick lacks is empty.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OverRow {
+    /// The parameter, as rig files name it.
+    pub parameter: String,
+    /// Its value, in the unit of its name.
+    pub value: f64,
+    /// Name of the rig, without the parameter.
+    pub rig: String,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// The frequency to run at, Hz.
+    pub operating_frequency_hz: Option<f64>,
+    /// The same over the natural frequency.
+    pub frequency_ratio: Option<f64>,
+    /// Contact force over m g there.
+    pub force_ratio: Option<f64>,
+    /// The same, N.
+    pub force_n: Option<f64>,
+    /// The least over the uncertainty.
+    pub force_ratio_worst: Option<f64>,
+    /// The largest over the uncertainty.
+    pub force_ratio_largest: Option<f64>,
+    /// The safe band, Hz: 1/1 stable over the uncertainty, force above 90 %, limits kept.
+    pub safe_band_low_hz: Option<f64>,
+    /// Its upper end, Hz.
+    pub safe_band_high_hz: Option<f64>,
+    /// Where the nominal 1/1 is stable, Hz.
+    pub stable_low_hz: Option<f64>,
+    /// Its upper end, Hz.
+    pub stable_high_hz: Option<f64>,
+    /// Where the period doubles, Hz.
+    pub period_doubling_hz: Option<f64>,
+    /// Largest modulus of a multiplier at the operating point.
+    pub multiplier: Option<f64>,
+    /// Whether the hammer jumps: up and down sweeps across the stable 1/1 differ, or the stable 1/1 ends in a fold.
+    pub jumps: Option<bool>,
+    /// The regime a run from rest settles on at the operating frequency.
+    pub from_rest: Option<String>,
+    /// Which cart the answer is for: `recoil` or `prescribed`.
+    pub cart: Option<String>,
+    /// The cart's amplitude, mm: less than the rig's where the shaker's limits ask for it.
+    pub amplitude_mm: Option<f64>,
+    /// Energy that the contacts take from the hammer, W.
+    pub impact_power_w: Option<f64>,
+    /// Largest force of the shaker's position loop, N.
+    pub loop_force_n: Option<f64>,
+    /// The limits that decide the frequency; none if the force alone does.
+    pub decided_by: Option<String>,
+    /// Why there is no pick.
+    pub no_pick: Option<String>,
+}
+
+impl OverRow {
+    /// The row of `value` of `parameter`, with which `rig` gives `found`.
+    pub fn new(
+        (parameter, value): (&str, f64),
+        (name, rig): (&str, &NamedRig),
+        found: Result<&Answer, &Error>,
+    ) -> Self {
+        let a = found.ok();
+        let deciding = |a: &Answer| {
+            let names = a.limits.iter().filter(|l| l.binds).map(|l| l.name);
+            names.collect::<Vec<_>>().join(" and ")
+        };
+        Self {
+            parameter: parameter.to_owned(),
+            value,
+            rig: name.to_owned(),
+            gap_mm: tidy(rig.params.gap_m * 1e3),
+            operating_frequency_hz: a.map(|a| a.operating_frequency_hz),
+            frequency_ratio: a.map(|a| a.frequency_ratio),
+            force_ratio: a.map(|a| a.force_ratio),
+            force_n: a.map(|a| a.force_n),
+            force_ratio_worst: a.map(|a| a.force_ratio_worst),
+            force_ratio_largest: a.map(|a| a.force_ratio_largest),
+            safe_band_low_hz: a.map(|a| a.safe_band_hz[0]),
+            safe_band_high_hz: a.map(|a| a.safe_band_hz[1]),
+            stable_low_hz: a.map(|a| a.stable_one_one_hz[0]),
+            stable_high_hz: a.map(|a| a.stable_one_one_hz[1]),
+            period_doubling_hz: a.and_then(|a| a.period_doubling_hz),
+            multiplier: a.map(|a| a.multipliers),
+            jumps: a.map(|a| !a.jump_free),
+            from_rest: a.map(|a| a.regime_from_rest.to_string()),
+            cart: a.map(|a| cart(a.cart).to_owned()),
+            amplitude_mm: a.map(|a| a.amplitude_mm),
+            impact_power_w: a.map(|a| a.impact_power_w),
+            loop_force_n: a.and_then(|a| a.shaker.loop_force_n),
+            decided_by: a.map(deciding).filter(|names| !names.is_empty()),
+            no_pick: found
+                .err()
+                .map(|error| UserError::from(error.clone()).to_string()),
+        }
+    }
+}
+
+fn cart(cart: CartModel) -> &'static str {
+    match cart {
+        CartModel::Recoil => "recoil",
+        CartModel::Prescribed => "prescribed",
+    }
+}
+
+/// The least and the largest of what the rows have; none if none has any.
+fn ends(rows: &[OverRow], value: impl Fn(&OverRow) -> Option<f64>) -> Option<(f64, f64)> {
+    let values: Vec<f64> = rows.iter().filter_map(value).collect();
+    let low = values.iter().copied().reduce(f64::min)?;
+    Some((low, values.iter().copied().reduce(f64::max)?))
+}
+
+/// What `rows` say together, in one sentence.
+pub fn summary(rows: &[OverRow]) -> String {
+    let Some(first) = rows.first() else {
+        return String::new();
+    };
+    let (from, to) = ends(rows, |r| Some(r.value)).unwrap_or((first.value, first.value));
+    let over = format!(
+        "{} from {} to {}",
+        first.parameter,
+        significant(from, 4),
+        significant(to, 4)
+    );
+    let hz = ends(rows, |r| r.operating_frequency_hz);
+    let (Some(hz), Some(force)) = (hz, ends(rows, |r| r.force_ratio)) else {
+        return format!("With {over} there is no frequency to run at.");
+    };
+    let missing = rows.iter().filter(|r| r.no_pick.is_some()).count();
+    let missing = match missing {
+        0 => String::new(),
+        n => format!(" {n} of {} values have no frequency to run at.", rows.len()),
+    };
+    let percent = |(low, high): (f64, f64)| 100.0 * (high / low - 1.0);
+    let digits = decimals(0.1 * (hz.1 - hz.0).max(0.01 * hz.0), 4);
+    format!(
+        "With {over} the frequency to run at goes from {:.digits$} to {:.digits$} Hz ({:.1} % higher) and the force from {} to {} times the weight ({:.0} % more).{missing} {}",
+        hz.0,
+        hz.1,
+        percent(hz),
+        significant(force.0, 3),
+        significant(force.1, 3),
+        percent(force),
+        common_band(rows)
+    )
+}
+
+/// The frequencies that are safe at every value.
+fn common_band(rows: &[OverRow]) -> String {
+    let low = ends(rows, |r| r.safe_band_low_hz).map(|(_, most)| most);
+    let high = ends(rows, |r| r.safe_band_high_hz).map(|(least, _)| least);
+    match low.zip(high) {
+        Some((low, high)) if low < high => {
+            let (up, down) = ((low * 1e3).ceil() / 1e3, (high * 1e3).floor() / 1e3);
+            format!("{up:.3} to {down:.3} Hz lies in the safe band of every pick.")
+        }
+        _ => "No frequency lies in the safe band of every pick.".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use numerics::pick::{Limits, pick};
+    use shared::model::params::{RigParams, WIRES};
+
+    fn row(value: f64, amplitude_m: f64, gap_m: f64) -> OverRow {
+        let params = RigParams {
+            amplitude_m,
+            gap_m,
+            ..WIRES
+        };
+        let rig = NamedRig::new("wires", params);
+        let found = pick(&rig, None, Limits::default(), &());
+        let found = found.as_ref().map(|pick| &pick.answer);
+        OverRow::new(("amplitude_mm", value), ("wires", &rig), found)
+    }
+
+    #[test]
+    fn the_sentence_is_made_of_the_rows() {
+        // At a gap of 0 the force is proportional to the amplitude, and the frequency does not depend on it.
+        let rows = [row(0.5, 0.5e-3, 0.0), row(1.0, 1e-3, 0.0)];
+        let ratio = rows[1].force_ratio.unwrap() / rows[0].force_ratio.unwrap();
+        assert!((ratio - 2.0).abs() < 0.01, "{ratio}");
+        let text = summary(&rows);
+        assert!(text.contains("amplitude_mm from 0.5000 to 1.000"), "{text}");
+        assert!(text.contains("(100 % more)"), "{text}");
+        assert!(text.contains("in the safe band of every pick"), "{text}");
+        let none = row(0.01, 1e-5, 2e-3);
+        assert!(none.no_pick.as_ref().unwrap().contains("no stable 1/1"));
+        assert_eq!((none.force_ratio, none.gap_mm), (None, 2.0));
+        let text = summary(&[rows[0].clone(), none.clone()]);
+        assert!(text.contains("1 of 2 values have no frequency"), "{text}");
+        assert!(summary(&[none]).contains("no frequency to run at"));
+        assert_eq!(summary(&[]), "");
+    }
+}
