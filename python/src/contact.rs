@@ -1,5 +1,6 @@
 //! The contact itself: its laws, drop tests, and contact parameters from a record.
 
+use files::words::identify::Worded;
 use numerics::contact_law::{four_laws, law_name, rows};
 use numerics::drop_test::{DropTest, record as record_of};
 use numerics::identify::{Family, Fit, Misfit, Settings, fit, measure};
@@ -212,7 +213,7 @@ pub fn identify<'py>(
     found.set_item("ring", object(py, &ring)?)?;
     let list = PyList::empty(py);
     for fit in &fits {
-        let one = record(py, fit)?;
+        let one = record(py, &Worded::from(fit))?;
         one.set_item("impacts", columns(py, &fit.impacts)?)?;
         list.append(one)?;
     }

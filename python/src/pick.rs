@@ -1,6 +1,7 @@
 //! The operating point.
 
 use files::rigfile::WIDTHS;
+use files::words::pick::Worded;
 use numerics::pick::uncertainty::Stated;
 use numerics::pick::{Limits, Springs, pick_on, steps};
 use numpy::IntoPyArray;
@@ -68,7 +69,7 @@ pub fn pick<'py>(
     let found = how.run(py, steps(uncertainty), |watch| {
         pick_on(&rig, Springs::default(), uncertainty, limits, watch)
     })?;
-    let answer = record(py, &found.answer)?;
+    let answer = record(py, &Worded::from(&found.answer))?;
     let (hz, force): (Vec<f64>, Vec<f64>) = found.curve.iter().copied().unzip();
     answer.set_item("curve_frequency_hz", hz.into_pyarray(py))?;
     answer.set_item("curve_force_ratio", force.into_pyarray(py))?;
