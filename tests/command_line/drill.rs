@@ -118,6 +118,50 @@ fn what_cannot_be_is_refused_in_one_line() {
                 "not between 0 and 1",
             ),
             ("drill --published --threshold-n 3", "cannot be used with"),
+            (
+                "drill --threshold-n 25 --bit-mass-kg 0",
+                "bit_mass_kg is 0, must be a positive number",
+            ),
+            (
+                "drill --threshold-n 25 --bit-feed-force-n 3",
+                "give its mass with --bit-mass-kg",
+            ),
+            (
+                "drill --threshold-n 25 --bit-mass-kg 0.1 --bit-feed-force-n 25",
+                "bit_feed_force_n is 25",
+            ),
         ],
+    );
+}
+
+#[test]
+fn a_bit_between_hammer_and_ground_takes_its_share() {
+    let told = answer(
+        "drill --rig beam-170 --threshold-n 50 --bit-mass-kg 0.3 --cart prescribed --ratio 2:2.08:0.08 --settle 30 --threshold-percent 0 --ground-stiffness-percent 0",
+    );
+    let bit = &told["bit"];
+    assert_eq!(number(bit, "bit_mass_kg"), 0.3);
+    assert!((number(bit, "bit_feed_force_n") - 0.3 * 9.81).abs() < 1e-9);
+    let advice = &told["advice"];
+    let best = &advice["best"];
+    assert_eq!(best["regime"], "1/1");
+    // The hammer is struck harder than the ground can press back.
+    assert!((number(best, "ground_force_n") - 50.0).abs() < 1e-9);
+    assert!(number(best, "force_n") > 100.0);
+    let (taken, given) = (
+        number(best, "energy_per_blow_mj"),
+        number(best, "ground_energy_per_blow_mj"),
+    );
+    assert!(
+        0.3 * taken < given && given < 0.9 * taken,
+        "{given} {taken}"
+    );
+    let (with, without) = (
+        number(best, "rate_of_penetration_um_per_s"),
+        number(advice, "without_bit_rate_um_per_s"),
+    );
+    assert!(
+        0.3 * without < with && with < 0.8 * without,
+        "{with} {without}"
     );
 }

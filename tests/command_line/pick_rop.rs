@@ -80,6 +80,18 @@ fn a_limit_moves_it_and_is_named() {
     assert_eq!(limit["binds"], true);
 }
 
+/// 0.7 N cannot move the cart at 0.89 mm at any frequency at which the 1/1 is stable.
+#[test]
+fn the_amplitude_is_lowered_where_the_shaker_is_too_weak() {
+    let line = "pick --objective rop --threshold-n 5 --nominal --cart prescribed";
+    let a = answer(&format!("{line} --max-drive-force-n 0.7"));
+    assert_eq!(a["amplitude_lowered"], true);
+    assert!(number(&a, "amplitude_mm") < 0.5);
+    let needs = a["shaker"]["force_n"].as_f64().unwrap();
+    assert!((0.5..=0.7).contains(&needs), "{needs}");
+    assert!(number(&a, "rate_of_penetration_um_per_s") > 0.0);
+}
+
 #[test]
 fn what_cannot_be_is_refused_in_one_line() {
     assert_refused(
@@ -90,6 +102,26 @@ fn what_cannot_be_is_refused_in_one_line() {
             (
                 "pick --objective rop --threshold-n 25 --all",
                 "--all cannot be used with --objective rop",
+            ),
+            (
+                "pick --objective rop --threshold-n 25 --beside beam-170",
+                "--beside cannot be used with --objective rop",
+            ),
+            (
+                "pick --objective rop --threshold-n 25 --gaps 0:1:0.5",
+                "--gaps cannot be used with --objective rop",
+            ),
+            (
+                "pick --objective rop --threshold-n 25 --report r.pdf",
+                "--report cannot be used with --objective rop",
+            ),
+            (
+                "pick --objective rop --threshold-n 25 --rig beam-170 --springs-mass 0.3",
+                "one bending mode",
+            ),
+            (
+                "pick --bit-mass-kg 0.1",
+                "--bit-mass-kg is for --objective rop",
             ),
             (
                 "pick --objective rop --threshold-n 1e6 --nominal --cart prescribed",

@@ -222,7 +222,7 @@ fn a_report_is_one_page_that_needs_no_other_file() {
     // The same request replaces it, another does not, unless asked to.
     let (html, pdf) = (
         folder.read("r.html"),
-        fs::read(folder.path("r.pdf")).unwrap(),
+        std::fs::read(folder.path("r.pdf")).unwrap(),
     );
     assert!(html.contains("<metadata id=\"made_from\">{\"program\":\"host-sim\""));
     let said = b"\n%made_from {\"program\":\"host-sim\"";

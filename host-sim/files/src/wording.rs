@@ -63,7 +63,7 @@ fn line(error: &Error) -> String {
             format!("the smoothing's width is {width_m} m, must be a positive number")
         }
         Error::Recoil(what) => format!("{what} moves the cart as prescribed only; use --cart prescribed"),
-        Error::NoProgress { threshold_n } => format!("the ground holds at every frequency of the range: no contact force reaches {threshold_n} N; widen --ratio or lower --threshold-n"),
+        Error::NoProgress { threshold_n } => format!("the ground holds at every frequency of the range: no force on it reaches {threshold_n} N; widen --ratio or lower --threshold-n"),
         Error::SmoothingLaw => "the smoothing method has no onset, which the Lankarani-Nikravesh law needs; choose another law".to_owned(),
         Error::Map(error) => map(error),
         Error::Basins(error) => basins(*error),

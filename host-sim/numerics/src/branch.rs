@@ -18,6 +18,8 @@ pub enum End {
     Fold,
     /// The search stopped here; the branch goes on.
     SearchLimit,
+    /// The contact lasts over drive phase 0, where the section is taken: the branch goes on, and is not followed.
+    ContactAtSection,
 }
 
 /// An end of the branch.

@@ -84,7 +84,7 @@ enum Command {
     Orbits(orbits::Args),
     /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
     #[command(
-        after_help = "Examples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
+        after_help = "Examples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 25 --bit-mass-kg 0.1\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
     )]
     Drill(drill::Args),
     /// Beam springs with more than one bending mode: force, displacement and where the energy goes

@@ -37,9 +37,10 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer) -> Figure {
         best.rig, best.threshold_n
     ))
     .subtitle(format!(
-        "Ground {:e} N/m, {:?} N·s/m; the feed restores the gap, the cart {}. Lines: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm.",
+        "Ground {:e} N/m, {:?} N·s/m{}; the feed restores the gap, the cart {}. Lines: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm.",
         best.ground_stiffness_n_per_m,
         best.ground_damping_n_s_per_m,
+        bit(best),
         moves(best),
         best.rate_of_penetration_um_per_s,
         best.frequency_ratio,
@@ -49,6 +50,12 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer) -> Figure {
     .panel(panel("rate of penetration, µm/s", |r| r.rate_of_penetration_um_per_s))
     .panel(panel("peak contact force, N", |r| r.force_n).without_legend())
     .panel(panel("energy per blow, mJ", |r| r.energy_per_blow_mj.unwrap_or(f64::NAN)).without_legend())
+}
+
+/// The bit, if there is one.
+fn bit(row: &DrillRow) -> String {
+    row.bit_mass_kg
+        .map_or(String::new(), |kg| format!(", a bit of {kg:?} kg"))
 }
 
 /// What the cart does.
@@ -84,7 +91,8 @@ pub fn map(rows: &[DrillRow]) -> Figure {
     });
     Figure::new(title)
         .subtitle(format!(
-            "Each cell from rest; the feed restores the gap, the cart {}.",
+            "Each cell from rest{}; the feed restores the gap, the cart {}.",
+            rows.first().map_or(String::new(), bit),
             rows.first().map_or("moves", moves)
         ))
         .size(1000, 640)

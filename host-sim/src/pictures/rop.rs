@@ -35,14 +35,16 @@ pub fn figure(pick: &RopPick) -> Figure {
         a.rig, a.operating_frequency_hz, g.threshold_n, a.gap_mm
     ))
     .subtitle(format!(
-        "{:.1} µm/s, {:.1} to {:.1} over the uncertainty, {:.2} µm and {:.3} mJ with each blow. Ground {:e} N/m, {:?} N·s/m. The cart {cart}.",
+        "{:.1} µm/s, {:.1} to {:.1} over the uncertainty, {:.2} µm and {:.3} mJ with each blow. Ground {:e} N/m, {:?} N·s/m{}. The cart {cart}.",
         g.rate_of_penetration_um_per_s,
         g.rate_worst_um_per_s,
         g.rate_largest_um_per_s,
         g.progress_per_blow_um,
         g.energy_per_blow_mj,
         g.ground_stiffness_n_per_m,
-        g.ground_damping_n_s_per_m
+        g.ground_damping_n_s_per_m,
+        g.bit_mass_kg
+            .map_or(String::new(), |kg| format!(", a bit of {kg:?} kg"))
     ))
     .size(1000, 560)
     .panel(panel)

@@ -7,7 +7,7 @@
 //!
 //! where f and ζ are the frequency and damping ratio of the loop with the cart alone and φ is the share of M ÿ* that is fed
 //! forward. The hammer pulls with −m (ÿ + δ̈). Its acceleration is affine in ÿ, δ̈ = d0 − d1 ÿ ([`super::rig`]), so
-//! (M + m (1 − d1)) ÿ = Fs − m d0.
+//! (M + m (1 − d1)) ÿ = Fs − m d0. A bit ([`super::bit`]) adds −(F + W − R) on the right.
 
 use core::f64::consts::TAU;
 
@@ -126,12 +126,27 @@ impl<R: Real> Cart<R> {
         course: R,
         deviation: [R; 2],
     ) -> Both<R> {
+        self.both_beside(rig, at, v, [force, R::ZERO], course, deviation)
+    }
+
+    /// The same with a third body that the cart carries, on which hammer, feed and ground press with a force `pressed`
+    /// ([`super::bit`]): its opposite acts on the cart.
+    #[inline]
+    pub fn both_beside(
+        &self,
+        rig: &Rig<R>,
+        at: &Kinematics<R>,
+        v: R,
+        [force, pressed]: [R; 2],
+        course: R,
+        deviation: [R; 2],
+    ) -> Both<R> {
         let still = rig.acceleration(at, v, R::ZERO, force);
         let per_drive = rig.acceleration_per_drive(at);
         let pull = rig.mass() * rig.penetration_acceleration(at, v, still);
         let moved = self.mass + rig.mass() * (R::ONE - at.slope * per_drive);
         let push = self.stiffness * deviation[0] + self.damping * deviation[1];
-        let off = ((moved - self.forward) * course - push - pull) / moved;
+        let off = ((moved - self.forward) * course - push - pull - pressed) / moved;
         let drive = course - off;
         Both {
             acceleration: still + per_drive * drive,

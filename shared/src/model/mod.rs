@@ -1,6 +1,7 @@
 //! The hammer's motion: parameters, equations, the switch at the impact surface, a tick of it all, and the
 //! regime it ends in. Plain numbers in and out: nothing here knows a sensor, a controller or a message.
 
+pub mod bit;
 pub mod cart;
 pub mod contact;
 pub mod contacts;

@@ -8,6 +8,7 @@
 //! | [`events`], [`run`] | what happens by itself; instructions and time |
 //! | [`waiting`], [`skip`] | loops in which the program waits, passed over |
 //! | [`machine`], [`outside`] | the board as a whole, power and resets; what the world does to it |
+//! | [`stop`], [`cache`] | why a run ended; lines that the flash's accelerator holds |
 //! | [`image`] | the program and its names |
 //! | [`checks`] | what runs in it |
 //! | [`profile`] | what blocks cost and how long interrupts are masked |
@@ -18,6 +19,7 @@
 //! and source line. docs/board-machine.md says what is modelled and what a run proves.
 
 pub mod bus;
+pub mod cache;
 pub mod checks;
 pub mod core;
 pub mod events;
@@ -31,6 +33,7 @@ pub mod profile;
 pub mod rig;
 pub mod run;
 pub mod skip;
+pub mod stop;
 #[cfg(test)]
 mod tests;
 pub mod waiting;

@@ -7,7 +7,7 @@ use crate::core::nvic::Nvic;
 use crate::core::op::Op;
 use crate::core::system::System;
 use crate::image::Image;
-use crate::memory::{FLASH, RAM_SIZE, Ram};
+use crate::memory::{RAM_SIZE, Ram};
 use crate::parts::adc::Adc;
 use crate::parts::dac::Dac;
 use crate::parts::dbgmcu::Dbgmcu;
@@ -20,7 +20,7 @@ use crate::parts::rcc::{External, Rcc, cause};
 use crate::parts::timer::Timer;
 use crate::parts::usart::Usart;
 use crate::parts::watchdog::Watchdog;
-use crate::parts::{Clocks, NEVER, UNITS_PER_US};
+use crate::parts::{Clocks, NEVER};
 use crate::profile::Profile;
 use crate::waiting::Waiting;
 
@@ -78,31 +78,6 @@ pub struct Around {
     /// Rate of the link's other end.
     pub baud: u64,
 }
-
-/// Why a run ended before its time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stop {
-    /// The rule that was broken.
-    pub why: String,
-    /// The instruction's address, the instruction, and where in the source.
-    pub address: u32,
-    /// Half words of the instruction and what it is.
-    pub instruction: String,
-    /// Source file and line, or "unknown".
-    pub place: String,
-}
-
-impl std::fmt::Display for Stop {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{}\n  at {:#010x}: {}\n  in {}",
-            self.why, self.address, self.instruction, self.place
-        )
-    }
-}
-
-impl std::error::Error for Stop {}
 
 /// The machine.
 #[derive(Clone)]
@@ -416,26 +391,5 @@ impl Machine {
     /// Where the program is: source file and line.
     pub fn place(&self) -> String {
         self.image.place_of(self.cpu.pc)
-    }
-
-    /// The run ends at the instruction in work.
-    pub(crate) fn stop(&self, why: impl Into<String>) -> Stop {
-        let address = self.cpu.r[15].wrapping_sub(4);
-        let op = self.ops.get((address.wrapping_sub(FLASH) >> 1) as usize);
-        let halves = format!(
-            "{:04x} {:04x}",
-            self.half(address),
-            self.half(address.wrapping_add(2))
-        );
-        Stop {
-            why: format!(
-                "{} (at {:.3} ms)",
-                why.into(),
-                self.now as f64 / UNITS_PER_US as f64 / 1e3
-            ),
-            address,
-            instruction: op.map_or(halves.clone(), |op| format!("{halves}, {:?}", op.kind)),
-            place: self.image.place_of(address),
-        }
     }
 }

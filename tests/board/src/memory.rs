@@ -132,6 +132,7 @@ impl Machine {
         if self.parts.flash.work.is_some() {
             self.wait_for_flash()?;
         }
+        self.parts.flash.check_load(at).map_err(Trap::stop)?;
         if let Some(profile) = &mut self.profile {
             profile.load(at);
         }

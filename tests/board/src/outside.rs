@@ -2,10 +2,11 @@
 
 use crate::core::Try;
 use crate::core::op::Op;
-use crate::machine::{Machine, Stop};
+use crate::machine::Machine;
 use crate::memory::FLASH;
 use crate::parts::gpio::Outside;
 use crate::parts::rcc::{External, cause};
+use crate::stop::Stop;
 
 impl Machine {
     /// Other contents of the flash, and a reset.

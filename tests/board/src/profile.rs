@@ -8,15 +8,13 @@
 //!
 //! The time of the run goes on by the table, whatever the others say.
 
+use crate::cache::{Cache, LINE};
 use crate::core::nvic::FIRST;
 use crate::machine::Machine;
-use crate::parts::flash::SIZE;
 use crate::parts::interrupt;
 
 /// Wait states at 180 MHz (RM0390, table 5).
 const WAIT_STATES: u64 = 5;
-/// Bytes of a line, as a power of two.
-const LINE: u32 = 4;
 /// The control task: the end of a half of the samples.
 pub const CONTROL: usize = FIRST + interrupt::DMA2[0];
 /// EXTI9_5.
@@ -30,93 +28,6 @@ pub const USED: [(usize, &str); 5] = [
     (CONTROL, "control (DMA2_STREAM0)"),
     (FIRST + interrupt::TIM6, "link (TIM6_DAC)"),
 ];
-
-/// Lines of the flash.
-const LINES: usize = SIZE >> LINE;
-
-/// Lines that are held, in a chain from the most recently used one to the one used longest ago.
-#[derive(Clone, Debug)]
-struct Cache<const SLOTS: usize> {
-    /// The slot of each line of the flash, and 1; 0: not held.
-    slots: Box<[u8; LINES]>,
-    lines: [u16; SLOTS],
-    /// The slots used before and after each in time.
-    older: [u8; SLOTS],
-    newer: [u8; SLOTS],
-    newest: u8,
-    oldest: u8,
-    used: u8,
-}
-
-impl<const SLOTS: usize> Cache<SLOTS> {
-    fn new() -> Self {
-        Self {
-            slots: Box::new([0; LINES]),
-            lines: [0; SLOTS],
-            older: [0; SLOTS],
-            newer: [0; SLOTS],
-            newest: 0,
-            oldest: 0,
-            used: 0,
-        }
-    }
-
-    /// Whether a line is held; it is the most recently used one then.
-    fn has(&mut self, line: u32) -> bool {
-        let Some(slot) = self.slots[line as usize % LINES].checked_sub(1) else {
-            return false;
-        };
-        if slot != self.newest {
-            let (older, newer) = (self.older[usize::from(slot)], self.newer[usize::from(slot)]);
-            self.older[usize::from(newer)] = older;
-            if slot == self.oldest {
-                self.oldest = newer;
-            } else {
-                self.newer[usize::from(older)] = newer;
-            }
-            self.put_first(slot);
-        }
-        true
-    }
-
-    fn put_first(&mut self, slot: u8) {
-        self.older[usize::from(slot)] = self.newest;
-        self.newer[usize::from(self.newest)] = slot;
-        self.newest = slot;
-    }
-
-    /// Holds a line in place of the one used longest ago.
-    fn put(&mut self, line: u32) {
-        let slot = self.oldest;
-        let slot = if usize::from(self.used) < SLOTS {
-            self.used += 1;
-            self.used - 1
-        } else {
-            self.slots[usize::from(self.lines[usize::from(slot)])] = 0;
-            self.oldest = self.newer[usize::from(slot)];
-            slot
-        };
-        let line = line as usize % LINES;
-        self.lines[usize::from(slot)] = line as u16;
-        self.slots[line] = slot + 1;
-        if self.used == 1 {
-            self.newest = slot;
-        } else {
-            self.put_first(slot);
-        }
-    }
-
-    /// The lines, the most recently used one first.
-    fn order(&self) -> [u16; SLOTS] {
-        let mut slot = self.newest;
-        let mut order = [u16::MAX; SLOTS];
-        for place in order.iter_mut().take(usize::from(self.used)) {
-            *place = self.lines[usize::from(slot)];
-            slot = self.older[usize::from(slot)];
-        }
-        order
-    }
-}
 
 /// What decides what the next fetches and loads cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

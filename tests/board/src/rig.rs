@@ -16,11 +16,12 @@ use shared::link::BAUD;
 
 use crate::fingerprint::Fingerprint;
 use crate::image::Image;
-use crate::machine::{Around, Change, Machine, Stop};
+use crate::machine::{Around, Change, Machine};
 use crate::memory::VREFINT_CODE;
 use crate::parts::UNITS_PER_US;
 use crate::parts::gpio::Outside;
 use crate::parts::rcc::External;
+use crate::stop::Stop;
 
 /// How long the power stage's enable outlives the last rising edge of PA8 (docs/wiring.md, U1): 2.1 ms.
 pub const PULSE_HOLD: u64 = 2_100 * UNITS_PER_US;

@@ -2,10 +2,11 @@
 
 use crate::core::op::Kind;
 use crate::core::{Fault, Trap, Try, decode16, decode32};
-use crate::machine::{Machine, Stop};
+use crate::machine::Machine;
 use crate::memory::FLASH;
 use crate::parts::rcc::cause;
 use crate::skip::Ended;
+use crate::stop::Stop;
 
 impl Machine {
     /// Time goes on to `to`, with what happens on the way.

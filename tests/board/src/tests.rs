@@ -2,10 +2,11 @@
 
 use crate::core::nvic::FIRST;
 use crate::image::Image;
-use crate::machine::{Change, Machine, Stop};
+use crate::machine::{Change, Machine};
 use crate::memory::{FLASH, RAM};
 use crate::parts::UNITS_PER_US;
 use crate::rig::wired;
+use crate::stop::Stop;
 
 /// Where the code of a program begins.
 const CODE: u32 = FLASH + 0x200;

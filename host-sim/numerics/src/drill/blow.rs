@@ -16,7 +16,7 @@ pub enum Feed {
     Speed(f64),
 }
 
-/// A contact with the ground.
+/// A contact with the ground, or a blow on the bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Blow {
     /// When it began, s since the start.
@@ -27,8 +27,12 @@ pub struct Blow {
     pub approach_speed_m_per_s: f64,
     /// Progress, m.
     pub progress_m: f64,
-    /// Largest contact force, N.
+    /// Largest contact force on the hammer, N.
     pub peak_force_n: f64,
+    /// Largest force on the ground, N: the same without a bit.
+    pub ground_force_n: f64,
+    /// How often hammer and bit touched; once without a bit.
+    pub contacts: u32,
     /// Energy that it took from the hammer, J.
     pub energy_lost_j: f64,
     /// ∫F dt, N·s.

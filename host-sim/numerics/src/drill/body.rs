@@ -65,6 +65,8 @@ pub struct Motion<R> {
     pub deviation: R,
     /// What drives the body: inertial acceleration, m/s², or force, N.
     drive: R,
+    /// Inertial acceleration of what the cart carries, m/s².
+    pub carried: R,
 }
 
 /// Where it is.
@@ -143,9 +145,17 @@ impl<R: Scalar> Body<R> {
         }
     }
 
-    /// Accelerations at drive angle `angle` under the contact force `force`, with the cart `off` (m, m/s) its course.
+    /// Accelerations at drive angle `angle` under the contact force `force`, with the cart `off` (m, m/s) its course and a
+    /// bit pressed on with `pressed` (N; 0 without a bit).
     #[inline]
-    pub fn motion(&self, at: &Place<R>, v: R, angle: R, force: R, off: [R; 2]) -> Motion<R> {
+    pub fn motion(
+        &self,
+        at: &Place<R>,
+        v: R,
+        angle: R,
+        [force, pressed]: [R; 2],
+        off: [R; 2],
+    ) -> Motion<R> {
         match (self, &at.hammer) {
             (Self::Hammer(carried), Some(at)) => {
                 let course = angle.sin() * R::from_f64(carried.acceleration);
@@ -155,13 +165,15 @@ impl<R: Scalar> Body<R> {
                         acceleration: rig.acceleration(at, v, course, force),
                         deviation: R::ZERO,
                         drive: course,
+                        carried: course,
                     },
                     Some(cart) => {
-                        let both = cart.both(rig, at, v, force, course, off);
+                        let both = cart.both_beside(rig, at, v, [force, pressed], course, off);
                         Motion {
                             acceleration: both.acceleration,
                             deviation: both.deviation,
                             drive: both.drive,
+                            carried: both.drive,
                         }
                     }
                 }
@@ -170,6 +182,7 @@ impl<R: Scalar> Body<R> {
                 acceleration: R::from_f64(f64::NAN),
                 deviation: R::ZERO,
                 drive: R::ZERO,
+                carried: R::ZERO,
             },
             (Self::Free(free), _) => {
                 let drive = cos(angle) * R::from_f64(free.amplitude);
@@ -178,6 +191,7 @@ impl<R: Scalar> Body<R> {
                     acceleration: (drive - force) * R::from_f64(1.0 / free.mass),
                     deviation: R::ZERO,
                     drive,
+                    carried: R::ZERO,
                 }
             }
         }

@@ -3,7 +3,7 @@
 use shared::model::slider::Touch;
 
 use super::body::Place;
-use super::flow::{Field, Point};
+use super::flow::{Acting, Field, Point};
 use crate::golden::maximum;
 use crate::reference::Scalar;
 use crate::reference::switching::Arc;
@@ -17,7 +17,7 @@ const SHARE_TOLERANCE: f64 = 1e-13;
 /// How a phase ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// The hammer meets the ground's top.
+    /// Hammer or bit meets the ground's top.
     Meets,
     /// The contact force falls to 0.
     Leaves,
@@ -25,9 +25,13 @@ pub enum Exit {
     GivesWay,
     /// The front comes to rest.
     Holds,
+    /// The hammer meets the bit.
+    Strikes,
+    /// The force between hammer and bit falls to 0.
+    Parts,
 }
 
-/// How the phase can end.
+/// How the phase of the contact with the ground can end.
 fn exits(touch: Touch) -> &'static [Exit] {
     match touch {
         Touch::Apart => &[Exit::Meets],
@@ -36,26 +40,60 @@ fn exits(touch: Touch) -> &'static [Exit] {
     }
 }
 
+/// Paths of the body and of the bit through a step.
+struct Paths {
+    body: Arc,
+    bit: Option<Arc>,
+}
+
 impl<R: Scalar> Field<'_, R> {
     /// Positive beyond the end of the phase.
     fn beyond(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> R {
-        let (slider, speed) = (self.slider, self.speed(at));
+        let (slider, speed) = (self.slider, self.speed(p, at));
         match exit {
-            Exit::Meets => at.depth - p.lead - p.e,
+            Exit::Meets => self.depth(p, at) - p.lead - p.e,
+            Exit::Strikes | Exit::Parts => self.beyond_bit(exit, p, at),
             Exit::Leaves => -slider.held_force(p.e, speed),
             Exit::GivesWay => slider.held_force(p.e, speed) - slider.threshold,
             Exit::Holds => -slider.advance_rate(self.touch, p.e, speed),
         }
     }
 
+    /// The same between hammer and bit.
+    fn beyond_bit(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> R {
+        let Some(bit) = self.bit else {
+            return R::from_f64(f64::NEG_INFINITY);
+        };
+        let (x, rate) = (at.depth - p.bit[0], at.rate - p.bit[1]);
+        if exit == Exit::Strikes {
+            bit.indicator(x, rate)
+        } else {
+            -bit.force(x, rate)
+        }
+    }
+
     /// Its rate.
     fn beyond_rate(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> f64 {
-        let (slider, speed) = (self.slider, self.speed(at));
-        let (_, motion) = self.motion(p, at);
-        let deeper = self.body.depth_acceleration(at, p.v, motion.acceleration);
+        let (slider, speed) = (self.slider, self.speed(p, at));
+        let now = self.acting(p, at);
+        let body = self
+            .body
+            .depth_acceleration(at, p.v, now.motion.acceleration);
+        let deeper = if self.bit.is_some() { now.bit } else { body };
         let compression = slider.compression_rate(self.touch, p.e, speed);
         let rate = match exit {
             Exit::Meets => speed - compression,
+            Exit::Strikes | Exit::Parts => {
+                let Some(bit) = self.bit else {
+                    return f64::NAN;
+                };
+                let (rate, change) = (at.rate - p.bit[1], body - now.bit);
+                if exit == Exit::Strikes {
+                    bit.indicator_rate(rate, change)
+                } else {
+                    -bit.force(rate, change)
+                }
+            }
             Exit::Leaves => -slider.held_force(speed, deeper),
             Exit::GivesWay => slider.held_force(speed, deeper),
             Exit::Holds => -(slider.relaxation() * compression) - deeper,
@@ -68,47 +106,86 @@ impl<R: Scalar> Field<'_, R> {
         self.beyond_rate(Exit::GivesWay, p, &self.body.place(p.q, p.v))
     }
 
+    /// Rate of the force between hammer and bit, N/s. 0 without a bit.
+    pub fn struck_force_rate(&self, p: &Point<R>) -> f64 {
+        if self.bit.is_none() {
+            return 0.0;
+        }
+        -self.beyond_rate(Exit::Parts, p, &self.body.place(p.q, p.v))
+    }
+
     /// The first end of the phase within the step from `from` to `end`: how, and how long after `from`.
     pub fn first_exit(&self, from: &Point<R>, end: &Point<R>) -> Option<(Exit, R)> {
         let h = (end.t - from.t).to_f64();
         if self.out_of_reach(from, end, h) {
             return None;
         }
-        let triple = |p: &Point<R>| {
-            let (_, motion) = self.motion(p, &self.body.place(p.q, p.v));
-            let acceleration = motion.acceleration.to_f64();
+        let accelerations = |p: &Point<R>| self.acting(p, &self.body.place(p.q, p.v));
+        let (a, b) = (accelerations(from), accelerations(end));
+        let body = |p: &Point<R>, now: &Acting<R>| {
+            let acceleration = now.motion.acceleration.to_f64();
             (p.q.to_f64(), p.v.to_f64(), acceleration)
         };
-        let arc = Arc::new(h, triple(from), triple(end));
+        let bit = |p: &Point<R>, now: &Acting<R>| {
+            let [u, w] = p.bit;
+            (u.to_f64(), w.to_f64(), now.bit.to_f64())
+        };
+        let paths = Paths {
+            body: Arc::new(h, body(from, &a), body(end, &b)),
+            bit: self.bit.map(|_| Arc::new(h, bit(from, &a), bit(end, &b))),
+        };
         let found = exits(self.touch)
             .iter()
-            .filter_map(|exit| Some((*exit, self.root(*exit, from, end, &arc)?)));
+            .chain(self.blows(from, end, h))
+            .filter_map(|exit| Some((*exit, self.root(*exit, from, end, &paths)?)));
         found.min_by(|a, b| a.1.to_f64().total_cmp(&b.1.to_f64()))
+    }
+
+    /// How the phase of the contact of hammer and bit can end in this step.
+    fn blows(&self, from: &Point<R>, end: &Point<R>, h: f64) -> &'static [Exit] {
+        if self.bit.is_none() {
+            return &[];
+        }
+        if self.struck {
+            return &[Exit::Parts];
+        }
+        let apart = |p: &Point<R>| {
+            let at = self.body.place(p.q, p.v);
+            let (x, rate) = (at.depth - p.bit[0], at.rate - p.bit[1]);
+            (x.to_f64(), rate.to_f64().abs())
+        };
+        let (a, b) = (apart(from), apart(end));
+        if a.0.max(b.0) + h * (a.1 + b.1) < 0.0 {
+            return &[];
+        }
+        &[Exit::Strikes]
     }
 
     /// Whether the ground is too far away to be met in this step.
     fn out_of_reach(&self, from: &Point<R>, end: &Point<R>, h: f64) -> bool {
-        if self.touch != Touch::Apart {
+        if self.touch != Touch::Apart || self.bit.is_some() {
             return false;
         }
         let clearance = |p: &Point<R>| {
             let at = self.body.place(p.q, p.v);
             let beyond = self.beyond(Exit::Meets, p, &at).to_f64();
-            (beyond, self.speed(&at).to_f64().abs(), p.e.to_f64())
+            (beyond, self.speed(p, &at).to_f64().abs(), p.e.to_f64())
         };
         let (a, b) = (clearance(from), clearance(end));
         a.0.max(b.0) + h * (a.1 + b.1) + a.2 < 0.0
     }
 
     /// When within the step the phase ends so.
-    fn root(&self, exit: Exit, from: &Point<R>, end: &Point<R>, arc: &Arc) -> Option<R> {
-        let h = arc.length;
+    fn root(&self, exit: Exit, from: &Point<R>, end: &Point<R>, paths: &Paths) -> Option<R> {
+        let h = paths.body.length;
         let guess = |s: f64| {
-            let (q, v) = arc.at(s);
+            let (q, v) = paths.body.at(s);
+            let (u, w) = paths.bit.map_or((0.0, 0.0), |bit| bit.at(s));
             let tau = R::from_f64(s * h);
             // No end of a phase depends on where the cart is.
             let [off, off_rate] = from.cart;
-            let moved = [R::from_f64(q), R::from_f64(v), off, off_rate];
+            let moved = [q, v, 0.0, 0.0, u, w].map(R::from_f64);
+            let moved = [moved[0], moved[1], off, off_rate, moved[4], moved[5]];
             let (p, at) = self.after(from, tau, moved);
             self.beyond(exit, &p, &at).to_f64()
         };

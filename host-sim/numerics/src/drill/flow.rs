@@ -1,6 +1,7 @@
 //! The smooth flow of one phase of the contact: hammer by Dormand–Prince 8(5,3), compression of the ground in closed
 //! form, because it relaxes and slips by itself whatever the hammer does.
 
+use shared::model::bit::Bit;
 use shared::model::slider::{Slider, Touch};
 
 use super::body::{Body, Motion, Place};
@@ -22,6 +23,8 @@ pub struct Point<R> {
     pub lead: R,
     /// Deviation of the cart from its course (m) and its rate (m/s): 0 where it keeps to it.
     pub cart: [R; 2],
+    /// The bit's depth beyond the nominal place of the front (m) and its rate (m/s): 0 without a bit.
+    pub bit: [R; 2],
 }
 
 /// Where energy went, J.
@@ -43,6 +46,12 @@ pub struct Energies {
     pub impulse: f64,
     /// From the shaker into a cart that recoils.
     pub shaker: f64,
+    /// From hammer into bit.
+    pub bit: f64,
+    /// From static feed force and inertia into the bit.
+    pub bit_drive: f64,
+    /// Turned to heat between hammer and bit.
+    pub bit_heat: f64,
 }
 
 impl Energies {
@@ -56,6 +65,9 @@ impl Energies {
         self.progress += weight * other.progress;
         self.impulse += weight * other.impulse;
         self.shaker += weight * other.shaker;
+        self.bit += weight * other.bit;
+        self.bit_drive += weight * other.bit_drive;
+        self.bit_heat += weight * other.bit_heat;
     }
 }
 
@@ -66,14 +78,34 @@ pub struct Field<'a, R> {
     pub body: &'a Body<R>,
     /// The ground.
     pub slider: &'a Slider<R>,
-    /// Phase of the contact.
+    /// The bit between body and ground, if there is one.
+    pub bit: Option<&'a Bit<R>>,
+    /// Phase of the contact with the ground: the body's, or the bit's.
     pub touch: Touch,
+    /// Whether body and bit touch.
+    pub struck: bool,
     /// Ω, rad/s.
     pub omega: f64,
     /// Speed at which the rig is fed towards the ground, m/s.
     pub feed: f64,
-    /// Errors of coordinate, rate, and the cart's deviation and its rate are weighed by these.
-    pub units: [f64; 4],
+    /// Errors of [`States`] are weighed by these.
+    pub units: States<f64>,
+}
+
+/// Coordinate, rate, the cart's deviation and its rate, the bit's depth and its rate.
+pub type States<R> = [R; 6];
+
+/// What acts at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Acting<R> {
+    /// Contact force on the body, N.
+    pub force: R,
+    /// Force on the ground, N: the same without a bit.
+    pub ground: R,
+    /// Accelerations of body and cart.
+    pub motion: Motion<R>,
+    /// Acceleration of the bit, m/s²: 0 without one.
+    pub bit: R,
 }
 
 /// A step taken.
@@ -90,23 +122,39 @@ pub struct Step<R> {
 }
 
 impl<R: Scalar> Field<'_, R> {
-    /// The hammer's speed into the ground, m/s.
+    /// The speed into the ground of what stands on it, m/s.
     #[inline]
-    pub fn speed(&self, at: &Place<R>) -> R {
-        at.rate + R::from_f64(self.feed)
+    pub fn speed(&self, p: &Point<R>, at: &Place<R>) -> R {
+        let rate = if self.bit.is_some() {
+            p.bit[1]
+        } else {
+            at.rate
+        };
+        rate + R::from_f64(self.feed)
     }
 
-    /// The state after `tau`, with the body and its cart at `moved`: coordinate, rate, deviation and its rate.
-    pub fn after(&self, from: &Point<R>, tau: R, moved: [R; 4]) -> (Point<R>, Place<R>) {
-        let [q, v, off, off_rate] = moved;
+    /// The depth of what stands on the ground beyond the nominal place of the front, m.
+    #[inline]
+    pub fn depth(&self, p: &Point<R>, at: &Place<R>) -> R {
+        if self.bit.is_some() {
+            p.bit[0]
+        } else {
+            at.depth
+        }
+    }
+
+    /// The state after `tau`, with everything that moves at `moved`.
+    pub fn after(&self, from: &Point<R>, tau: R, moved: States<R>) -> (Point<R>, Place<R>) {
+        let [q, v, off, off_rate, depth, depth_rate] = moved;
         let at = self.body.place(q, v);
         let fed = from.lead - tau * R::from_f64(self.feed);
+        let deep = if self.bit.is_some() { depth } else { at.depth };
         let (e, lead) = match self.slider.compression_limit(self.touch) {
-            None => (at.depth - fed, fed),
+            None => (deep - fed, fed),
             Some(limit) => {
                 let e = limit + (from.e - limit) * (-(self.slider.relaxation() * tau)).exp();
                 match self.touch {
-                    Touch::Slipping => (e, at.depth - e),
+                    Touch::Slipping => (e, deep - e),
                     _ => (e, fed),
                 }
             }
@@ -118,33 +166,61 @@ impl<R: Scalar> Field<'_, R> {
             e,
             lead,
             cart: [off, off_rate],
+            bit: [depth, depth_rate],
         };
         (end, at)
     }
 
-    /// Contact force and accelerations.
+    /// Forces and accelerations.
     #[inline]
-    pub fn motion(&self, p: &Point<R>, at: &Place<R>) -> (R, Motion<R>) {
-        let force = self.slider.force(self.touch, p.e, self.speed(at));
+    pub fn acting(&self, p: &Point<R>, at: &Place<R>) -> Acting<R> {
+        let ground = self.slider.force(self.touch, p.e, self.speed(p, at));
         let angle = p.t * R::from_f64(self.omega);
-        (force, self.body.motion(at, p.v, angle, force, p.cart))
+        let Some(bit) = self.bit else {
+            return Acting {
+                force: ground,
+                ground,
+                motion: self.body.motion(at, p.v, angle, [ground, R::ZERO], p.cart),
+                bit: R::ZERO,
+            };
+        };
+        let force = if self.struck {
+            bit.force(at.depth - p.bit[0], at.rate - p.bit[1])
+        } else {
+            R::ZERO
+        };
+        let pressed = bit.pressed(force, ground);
+        let motion = self.body.motion(at, p.v, angle, [force, pressed], p.cart);
+        Acting {
+            force,
+            ground,
+            motion,
+            bit: bit.acceleration(pressed, motion.carried),
+        }
     }
 
     /// One step of length `h`.
     pub fn step(&self, from: &Point<R>, h: R) -> Step<R> {
-        let mut rates = [[R::ZERO; 4]; STAGES];
+        let mut rates = [[R::ZERO; 6]; STAGES];
         let mut energies = Energies::default();
         let length = h.to_f64();
-        // A cart that keeps to its course costs nothing.
-        let count = if self.body.recoils() { 4 } else { 2 };
+        let count = self.moving();
         for stage in 0..STAGES {
             let moved = moved(from, h, &rates, A[stage], count);
             let tau = h * R::from_f64(C[stage]);
             let (p, at) = self.after(from, tau, moved);
-            let (force, motion) = self.motion(&p, &at);
-            rates[stage] = [p.v, motion.acceleration, p.cart[1], motion.deviation];
+            let now = self.acting(&p, &at);
+            let motion = &now.motion;
+            rates[stage] = [
+                p.v,
+                motion.acceleration,
+                p.cart[1],
+                motion.deviation,
+                p.bit[1],
+                now.bit,
+            ];
             if let Some((_, weight)) = B.iter().find(|(i, _)| *i == stage) {
-                energies.add(&self.powers(&p, &at, force, &motion), weight * length);
+                energies.add(&self.powers(&p, &at, &now), weight * length);
             }
         }
         let (end, _) = self.after(from, h, moved(from, h, &rates, B, count));
@@ -169,19 +245,42 @@ impl<R: Scalar> Field<'_, R> {
         }
     }
 
-    fn powers(&self, p: &Point<R>, at: &Place<R>, force: R, motion: &Motion<R>) -> Energies {
+    /// How many of [`States`] move: a cart that keeps to its course and a bit that is not there cost nothing.
+    fn moving(&self) -> usize {
+        match (self.bit, self.body.recoils()) {
+            (Some(_), _) => 6,
+            (None, true) => 4,
+            (None, false) => 2,
+        }
+    }
+
+    fn powers(&self, p: &Point<R>, at: &Place<R>, now: &Acting<R>) -> Energies {
         let angle = p.t * R::from_f64(self.omega);
+        let (force, motion) = (now.force, &now.motion);
         let body = self.body.powers(at, p.v, angle, force, p.cart, motion);
-        let speed = self.speed(at);
+        let speed = self.speed(p, at);
+        let mut bit = [0.0; 3];
+        if let Some(of) = self.bit {
+            let [_, w] = p.bit;
+            let heat = of.dashpot_power(at.rate - w);
+            bit = [
+                (force * w).to_f64(),
+                ((of.feed_force + of.mass * motion.carried) * w).to_f64(),
+                if self.struck { heat.to_f64() } else { 0.0 },
+            ];
+        }
         Energies {
             drive: body.drive,
             damping: body.damping,
             contact: body.contact,
-            ground: (force * speed).to_f64(),
+            ground: (now.ground * speed).to_f64(),
             dashpot: self.slider.dashpot_power(self.touch, p.e, speed).to_f64(),
             progress: 0.0,
             impulse: force.to_f64(),
             shaker: body.shaker,
+            bit: bit[0],
+            bit_drive: bit[1],
+            bit_heat: bit[2],
         }
     }
 
@@ -196,16 +295,17 @@ impl<R: Scalar> Field<'_, R> {
     }
 }
 
-/// Coordinate, rate, and the cart's deviation and its rate, after `h` at the weighted rates; the first `count` move.
+/// [`States`] after `h` at the weighted rates; the first `count` move.
 #[inline]
 fn moved<R: Scalar>(
     from: &Point<R>,
     h: R,
-    rates: &[[R; 4]; STAGES],
+    rates: &[States<R>; STAGES],
     weights: &[(usize, f64)],
     count: usize,
-) -> [R; 4] {
-    let mut end = [from.q, from.v, from.cart[0], from.cart[1]];
+) -> States<R> {
+    let ([off, off_rate], [depth, depth_rate]) = (from.cart, from.bit);
+    let mut end = [from.q, from.v, off, off_rate, depth, depth_rate];
     for (j, x) in end[..count].iter_mut().enumerate() {
         let mut sum = R::ZERO;
         for &(i, weight) in weights {

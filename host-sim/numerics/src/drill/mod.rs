@@ -11,6 +11,7 @@
 
 pub mod blow;
 pub mod body;
+mod contacts;
 mod exits;
 pub mod flow;
 pub mod march;
@@ -19,9 +20,11 @@ pub mod pick;
 pub mod published;
 mod run;
 pub mod search;
+mod state;
 mod watch;
 
 pub use blow::{Blow, Feed};
+pub use contacts::SAME_BLOW_S;
 pub use march::Drill;
 pub use run::{DrillPlan, DrillRow, DrillSetting, Seen, grid, run};
 pub use search::{Among, Corner, DrillAnswer, GroundUncertainty, advise, refined};

@@ -3,7 +3,11 @@
 //! With [`Feed::Cart`] the section has the coordinates q, q̇ and e, all measured from the front of the ground, and the
 //! deviation of a cart that recoils and its rate; what has been dug is in none of them. So the return map's derivative
 //! exists as with a surface that stays, and dual numbers give it, switches included.
+//!
+//! A bit between hammer and ground has a depth and a rate more. On the section it must have come to rest on the ground: what
+//! is left of its motion has then died before the next blow, so its two multipliers are 0 and are left out.
 
+use shared::model::bit::Bit;
 use shared::model::params::RigParams;
 use shared::model::slider::{Slider, Touch};
 
@@ -14,6 +18,9 @@ use crate::orbit::{Monodromy, Multipliers, Section};
 
 /// A compression below this share of Pf/k at drive phase 0 is as good as none.
 const RELAXED: f64 = 1e-9;
+
+/// A bit rests where the ground presses back with its feed force, to this share of Pf.
+const RESTS: f64 = 1e-2;
 
 /// Newton steps before giving up.
 const ITERATIONS: usize = 20;
@@ -65,30 +72,33 @@ impl DrillOrbit {
 }
 
 /// The period-one orbit near the section point `guess`, by Newton's iteration. None if there is none near, or the ground
-/// is still compressed at drive phase 0 (the section would have a coordinate more).
+/// is still compressed at drive phase 0, or a bit does not rest there (the section would have a coordinate more).
 pub fn shoot(
     params: &RigParams,
     ground: &Slider<f64>,
+    bit: Option<&Bit<f64>>,
     frequency_hz: f64,
     guess: Section,
 ) -> Option<DrillOrbit> {
     if params.cart.recoils() {
-        along::<4>(params, ground, frequency_hz, guess)
+        along::<4>(params, (ground, bit), frequency_hz, guess)
     } else {
-        along::<2>(params, ground, frequency_hz, guess)
+        along::<2>(params, (ground, bit), frequency_hz, guess)
     }
 }
 
 /// The same with derivatives along the first `N` directions of the section.
 fn along<const N: usize>(
     params: &RigParams,
-    ground: &Slider<f64>,
+    (ground, bit): (&Slider<f64>, Option<&Bit<f64>>),
     frequency_hz: f64,
     guess: Section,
 ) -> Option<DrillOrbit> {
     let mut x = guess;
+    let mut bit_at = None;
     for _ in 0..ITERATIONS {
-        let mut drill = Drill::<Dual<N>>::hammer(params, ground, Feed::Cart, frequency_hz).ok()?;
+        let mut drill =
+            Drill::<Dual<N>>::through(params, ground, bit, Feed::Cart, frequency_hz).ok()?;
         let units = drill.all_units();
         let start = [0, 1, 2, 3].map(|i| {
             let mut at = Dual::<N>::constant(x[i]);
@@ -99,14 +109,18 @@ fn along<const N: usize>(
         });
         let none = Dual::constant(0.0);
         drill.place_off([start[0], start[1], none], [start[2], start[3]]);
+        if let Some(at) = bit_at {
+            drill.place_bit(at);
+        }
         let (period, dug) = drill.run_period(&mut Vec::new());
-        let [q, v, e] = drill.section();
+        let [q, v, _] = drill.section();
         let [off, off_rate] = drill.cart();
         let end = [q, v, off, off_rate];
-        let relaxed = e.re.abs() < RELAXED * ground.threshold / ground.stiffness;
-        if !(q.re.is_finite() && relaxed && drill.touch() == Touch::Apart) {
+        if !(q.re.is_finite() && rests(&drill, ground, bit)) {
             return None;
         }
+        // Where it is now is where it begins on the orbit.
+        bit_at = bit.map(|_| drill.bit().map(|x| Dual::constant(x.re)));
         let miss = [0, 1, 2, 3].map(|i| (end[i].re - x[i]) / units[i]);
         let mut derivative = [[0.0; 4]; 4];
         let mut progress_slope_m = [0.0; 4];
@@ -140,4 +154,20 @@ fn along<const N: usize>(
         }
     }
     None
+}
+
+/// Whether the ground is relaxed and untouched, or the bit stands still on it and nothing strikes it.
+fn rests<const N: usize>(
+    drill: &Drill<Dual<N>>,
+    ground: &Slider<f64>,
+    bit: Option<&Bit<f64>>,
+) -> bool {
+    let [_, _, e] = drill.section();
+    let Some(bit) = bit else {
+        let relaxed = e.re.abs() < RELAXED * ground.threshold / ground.stiffness;
+        return relaxed && drill.touch() == Touch::Apart;
+    };
+    let [_, w] = drill.bit();
+    let off = ground.held_force(e.re, w.re) - bit.feed_force;
+    !drill.hammer_touches() && drill.touch() == Touch::Held && off.abs() < RESTS * ground.threshold
 }

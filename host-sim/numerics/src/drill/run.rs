@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
+use shared::model::bit::Bit;
 use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 use shared::model::slider::Slider;
@@ -21,11 +22,13 @@ const SETTLED: f64 = 1e-9;
 /// A hammer this far beyond the front, in units of the amplitude, is lost.
 const LOST: f64 = 1e4;
 
-/// Ground and feed.
+/// Ground, bit and feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrillSetting {
     /// The ground.
     pub ground: Slider<f64>,
+    /// A bit between hammer and ground.
+    pub bit: Option<Bit<f64>>,
     /// How the rig follows it.
     pub feed: Feed,
 }
@@ -67,6 +70,10 @@ pub struct Seen {
     pub progress_j: f64,
     /// Energy that the contacts took from the hammer, J per drive period.
     pub contact_j: f64,
+    /// Energy that went into the ground, J per drive period.
+    pub ground_j: f64,
+    /// Drive periods recorded.
+    pub periods: f64,
     /// The section at the end.
     pub section: [f64; 3],
     /// Deviation of the cart from its course (m) and its rate (m/s) there.
@@ -92,7 +99,8 @@ pub fn run(
     plan: DrillPlan,
 ) -> Result<Seen, Error> {
     check_frequency(frequency_hz, params)?;
-    let mut drill = Drill::<f64>::hammer(params, &setting.ground, setting.feed, frequency_hz)?;
+    let (ground, bit) = (&setting.ground, setting.bit.as_ref());
+    let mut drill = Drill::<f64>::through(params, ground, bit, setting.feed, frequency_hz)?;
     settle(&mut drill, plan.settle);
     observe(&mut drill, frequency_hz, plan.recorded)
 }
@@ -130,6 +138,8 @@ pub fn observe(drill: &mut Drill<f64>, frequency_hz: f64, recorded: u32) -> Resu
         lead_m: lead / periods,
         progress_j: (after.progress - before.progress) / periods,
         contact_j: (after.contact - before.contact) / periods,
+        ground_j: (after.ground - before.ground) / periods,
+        periods,
         section: drill.section(),
         cart: drill.cart(),
     })
@@ -206,6 +216,16 @@ pub struct DrillRow {
     pub mean_clearance_mm: f64,
     /// How the cart is moved.
     pub cart: CartModel,
+    /// m_b, kg; none without a bit.
+    pub bit_mass_kg: Option<f64>,
+    /// W, N.
+    pub bit_feed_force_n: Option<f64>,
+    /// Largest force on the ground, N: that on the hammer without a bit.
+    pub ground_force_n: f64,
+    /// Energy per blow that goes into the ground, mJ: with a bit, the work of its feed force included.
+    pub ground_energy_per_blow_mj: Option<f64>,
+    /// How often hammer and bit touch in a blow; once without a bit.
+    pub contacts_per_blow: Option<f64>,
 }
 
 impl DrillRow {
@@ -238,6 +258,16 @@ impl DrillRow {
             approach_speed_m_per_s: mean(|b| b.approach_speed_m_per_s),
             mean_clearance_mm: 1e3 * (rig.params.gap_m + seen.lead_m),
             cart: CartModel::of(&rig.params),
+            bit_mass_kg: setting.bit.map(|b| b.mass),
+            bit_feed_force_n: setting.bit.map(|b| b.feed_force),
+            ground_force_n: seen
+                .blows
+                .iter()
+                .map(|b| b.ground_force_n)
+                .fold(0.0, f64::max),
+            ground_energy_per_blow_mj: (count > 0.0)
+                .then(|| 1e3 * seen.ground_j * seen.periods / count),
+            contacts_per_blow: mean(|b| f64::from(b.contacts)),
         }
     }
 }

@@ -84,6 +84,10 @@ pub struct DrillAnswer {
     pub prescribed_rate_um_per_s: Option<f64>,
     /// The frequency of that, Hz.
     pub prescribed_frequency_hz: Option<f64>,
+    /// With a bit: the largest rate of penetration near this frequency without it, µm/s.
+    pub without_bit_rate_um_per_s: Option<f64>,
+    /// The frequency of that, Hz.
+    pub without_bit_frequency_hz: Option<f64>,
 }
 
 /// The answer at the gap of `rig`. `rows` are its runs over frequency, rising: the best is searched around the best of
@@ -138,7 +142,17 @@ pub fn advise(
         CartModel::Recoil => (own, other),
         CartModel::Prescribed => (other, own),
     };
-    let reached = |r: &&DrillRow| r.force_n >= (1.0 - 1e-9) * r.threshold_n;
+    let without_bit = match setting.bit {
+        None => None,
+        Some(_) => {
+            let bare = DrillSetting {
+                bit: None,
+                ..*setting
+            };
+            best_near(rig, &bare, (&near, among), plan)?
+        }
+    };
+    let reached = |r: &&DrillRow| r.ground_force_n >= (1.0 - 1e-9) * r.threshold_n;
     let first = rows.iter().find(reached);
     let last = rows.iter().rev().find(reached);
     let largest = best.rate_of_penetration_um_per_s;
@@ -162,6 +176,8 @@ pub fn advise(
         recoil_frequency_hz: recoil.map(|r| r.1),
         prescribed_rate_um_per_s: prescribed.map(|r| r.0),
         prescribed_frequency_hz: prescribed.map(|r| r.1),
+        without_bit_rate_um_per_s: without_bit.map(|r| r.0),
+        without_bit_frequency_hz: without_bit.map(|r| r.1),
         best,
     })
 }
@@ -250,7 +266,8 @@ fn multiplier(
     }
     let seen = run(&rig.params, setting, best.frequency_hz, plan).ok()?;
     let guess = seen.guess();
-    let orbit = orbit::shoot(&rig.params, &setting.ground, best.frequency_hz, guess)?;
+    let (ground, bit) = (&setting.ground, setting.bit.as_ref());
+    let orbit = orbit::shoot(&rig.params, ground, bit, best.frequency_hz, guess)?;
     Some(orbit.multipliers().modulus())
 }
 
@@ -290,12 +307,22 @@ fn other_cart(
     } else {
         rig.recoiling()
     };
-    let Some(other) = other else {
-        return Ok(None);
-    };
-    let rows = near_hz.par_iter().map(|hz| at(&other, setting, *hz, plan));
+    match other {
+        Some(other) => best_near(&other, setting, (near_hz, among), plan),
+        None => Ok(None),
+    }
+}
+
+/// Rate (µm/s) and frequency (Hz) of the best near `near_hz`. None where nothing gives way.
+fn best_near(
+    rig: &NamedRig,
+    setting: &DrillSetting,
+    (near_hz, among): (&[f64], Among),
+    plan: DrillPlan,
+) -> Result<Option<(f64, f64)>, Error> {
+    let rows = near_hz.par_iter().map(|hz| at(rig, setting, *hz, plan));
     let rows: Vec<_> = rows.collect::<Result<_, _>>()?;
-    let best = refined(&other, setting, &rows, among, plan).ok();
+    let best = refined(rig, setting, &rows, among, plan).ok();
     Ok(best.map(|b| (b.rate_of_penetration_um_per_s, b.frequency_hz)))
 }
 

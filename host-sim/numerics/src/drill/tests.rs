@@ -1,4 +1,5 @@
 mod analytic;
+mod bit;
 mod recoil;
 
 use shared::model::params::{BEAM_170, RigParams, WIRES};
@@ -28,6 +29,7 @@ const PLAN: DrillPlan = DrillPlan {
 fn at(params: &RigParams, threshold: f64, feed: Feed, ratio: f64) -> Seen {
     let setting = DrillSetting {
         ground: rock(threshold),
+        bit: None,
         feed,
     };
     run(
@@ -86,7 +88,7 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         });
         let rigid = rigid.unwrap();
         let ground = rock(1e6);
-        let here = orbit::shoot(&params, &ground, hz, rigid.at()).unwrap();
+        let here = orbit::shoot(&params, &ground, None, hz, rigid.at()).unwrap();
         let scale = params.amplitude_m;
         for i in 0..2 {
             let apart = (here.section[i] - rigid.section[i]).abs();
@@ -192,7 +194,7 @@ fn the_answer_does_not_depend_on_the_tolerance() {
 fn the_derivative_of_the_return_map_is_that_of_differences() {
     let hz = 2.04 * 1.82;
     let seen = at(&WIRES, 25.0, Feed::Cart, 2.04);
-    let found = orbit::shoot(&WIRES, &rock(25.0), hz, seen.guess()).unwrap();
+    let found = orbit::shoot(&WIRES, &rock(25.0), None, hz, seen.guess()).unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
     let drill = Drill::<f64>::hammer(&WIRES, &rock(25.0), Feed::Cart, hz).unwrap();
@@ -228,6 +230,7 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
 fn a_steady_feed_sets_the_gap() {
     let setting = DrillSetting {
         ground: rock(25.0),
+        bit: None,
         feed: Feed::Speed(50e-6),
     };
     let plan = DrillPlan {

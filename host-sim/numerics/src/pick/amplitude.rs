@@ -21,11 +21,10 @@ pub fn lowered(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Optio
         max_loop_force_n: None,
         ..limits
     };
-    let mut lower = rig.clone();
-    for trial in 0..TRIALS {
-        let branch = best_branch(&lower).ok()?;
+    lower_until(rig, |lower| {
+        let branch = best_branch(lower).ok()?;
         let field = Field {
-            rig: &lower,
+            rig: lower,
             branch: &branch,
             members: &[],
             progress,
@@ -38,7 +37,20 @@ pub fn lowered(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Optio
         let held = limits
             .max_loop_force_n
             .and_then(|most| Some(loop_force_n(params, &orbit)? / most));
-        let needed = MARGIN * MARGIN * drive.unwrap_or(0.0).max(held.unwrap_or(0.0));
+        Some(drive.unwrap_or(0.0).max(held.unwrap_or(0.0)))
+    })
+}
+
+/// `rig` at the first of a few lower and lower amplitudes at which it needs no more than the shaker's limits allow;
+/// `needed_over_allowed` is what the best orbit of a rig needs over what they allow. None if that is so at the rig's own
+/// amplitude, or at none, or there is no orbit.
+pub fn lower_until(
+    rig: &NamedRig,
+    needed_over_allowed: impl Fn(&NamedRig) -> Option<f64>,
+) -> Option<NamedRig> {
+    let mut lower = rig.clone();
+    for trial in 0..TRIALS {
+        let needed = MARGIN * MARGIN * needed_over_allowed(&lower)?;
         if needed <= 1.0 {
             return (trial > 0).then_some(lower);
         }

@@ -6,7 +6,7 @@
 //!    frequencies at which all of them have ([`search`]).
 //! 3. On what is left, and within the limits asked for, take the largest nominal force.
 
-mod amplitude;
+pub(crate) mod amplitude;
 pub mod answer;
 pub mod bending;
 pub mod choose;
@@ -43,13 +43,13 @@ pub use uncertainty::Uncertainty;
 /// Force, as a share of the best, down to which the band reaches.
 pub const BAND_SHARE: f64 = 0.9;
 /// Up and down sweeps that differ by less than this share of force do not jump.
-const JUMP_SHARE: f64 = 0.02;
+pub(crate) const JUMP_SHARE: f64 = 0.02;
 /// Points of the curve that is drawn, beside those the branch was followed by.
 const CURVE_POINTS: usize = 200;
 /// Frequencies in the jump test.
-const JUMP_POINTS: usize = 48;
+pub(crate) const JUMP_POINTS: usize = 48;
 /// Ratios Ω/ω searched for 1/1.
-const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
+pub(crate) const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 /// How long a run settles at a point that is reported.
 const SETTLED: Plan = Plan {
     cycles: 600,
@@ -514,10 +514,17 @@ fn robust_share(
     nominal: &Orbit,
     progress: &dyn Progress,
 ) -> Option<f64> {
+    largest_share(members, |smaller| {
+        common_range(rig, smaller, branch, nominal, &WithinStep(progress)).is_some()
+    })
+}
+
+/// The largest share of the deviations of `members` at which they are `robust`, in hundredths. None if there is none.
+pub(crate) fn largest_share(members: &[Member], robust: impl Fn(&[Member]) -> bool) -> Option<f64> {
     let robust = |hundredths: u32| {
         let share = f64::from(hundredths) / 100.0;
         let smaller: Vec<_> = members.iter().map(|m| m.scaled(share)).collect();
-        common_range(rig, &smaller, branch, nominal, &WithinStep(progress)).is_some()
+        robust(&smaller)
     };
     let (mut with, mut without) = (0, 100);
     while without - with > 1 {

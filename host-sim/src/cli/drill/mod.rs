@@ -21,6 +21,7 @@ use numerics::drill::{
 };
 use numerics::pick::CartModel;
 use numerics::sweep::spread;
+use shared::model::bit::Bit;
 
 /// Ω/ω without `--ratio` and `--frequency`.
 const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
@@ -41,7 +42,7 @@ pub struct Args {
     settle: u32,
 
     /// Instead of a rig: the published drifting oscillator, a bifurcation diagram over its static force
-    #[arg(long, conflicts_with_all = ["threshold_n", "rig", "gaps", "ratio", "frequency", "cart"])]
+    #[arg(long, conflicts_with_all = ["threshold_n", "bit_mass_kg", "rig", "gaps", "ratio", "frequency", "cart"])]
     published: bool,
 
     #[command(flatten)]
@@ -69,6 +70,7 @@ pub struct Answer {
     threshold_n: f64,
     ground_stiffness_n_per_m: f64,
     ground_damping_n_s_per_m: f64,
+    bit: Option<BitAnswer>,
     uncertainty: GroundUncertainty,
     /// The best of each gap with one blow in each drive period (with any motion, where there is no such).
     gaps: Vec<DrillRow>,
@@ -77,6 +79,26 @@ pub struct Answer {
     /// The best of each gap whatever the motion.
     gaps_any_regime: Vec<DrillRow>,
     rows: Vec<DrillRow>,
+}
+
+/// The bit, as JSON has it.
+#[derive(Debug, Serialize)]
+struct BitAnswer {
+    bit_mass_kg: f64,
+    bit_stiffness_n_per_m: f64,
+    bit_damping_n_s_per_m: f64,
+    bit_feed_force_n: f64,
+}
+
+impl From<Bit<f64>> for BitAnswer {
+    fn from(bit: Bit<f64>) -> Self {
+        Self {
+            bit_mass_kg: bit.mass,
+            bit_stiffness_n_per_m: bit.stiffness,
+            bit_damping_n_s_per_m: bit.damping,
+            bit_feed_force_n: bit.feed_force,
+        }
+    }
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
@@ -101,8 +123,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, UserError> {
+    let ground = args.ground.ground(rig)?;
     let setting = DrillSetting {
-        ground: args.ground.ground(rig)?,
+        ground,
+        bit: args.ground.bit(rig, &ground)?,
         feed: args.feed,
     };
     let uncertainty = args.ground.uncertainty()?;
@@ -149,6 +173,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         threshold_n: setting.ground.threshold,
         ground_stiffness_n_per_m: setting.ground.stiffness,
         ground_damping_n_s_per_m: setting.ground.damping,
+        bit: setting.bit.map(BitAnswer::from),
         uncertainty,
         gaps,
         advice,

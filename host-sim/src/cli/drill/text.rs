@@ -52,6 +52,9 @@ pub fn text(answer: &Answer) -> String {
     line("peak force", force(advice, answer.threshold_n));
     line("surface that stays", rigid(advice));
     line("cart", cart(advice));
+    if let Some(bit) = bit(advice) {
+        line("bit", bit);
+    }
     text += &corners(&advice.corners, answer);
     text += &faster(answer);
     if answer.gaps.len() > 1 {
@@ -91,9 +94,9 @@ fn force(advice: &DrillAnswer, threshold_n: f64) -> String {
     match advice.threshold_reached_ratios {
         Some((low, high)) => format!(
             "{:.1} N: it cannot pass {threshold_n:?} N, which it reaches at Ω/ω {low:.3} to {high:.3}, so it ranks no frequencies",
-            advice.best.force_n
+            advice.best.ground_force_n
         ),
-        None => format!("{:.1} N", advice.best.force_n),
+        None => format!("{:.1} N", advice.best.ground_force_n),
     }
 }
 
@@ -139,6 +142,26 @@ fn cart(advice: &DrillAnswer) -> String {
     };
     let more = 100.0 * (rate / advice.best.rate_of_penetration_um_per_s - 1.0);
     format!("{own}; {other}, {rate:.1} µm/s at {hz:.4} Hz ({more:+.0} %)")
+}
+
+/// What the bit takes, and what would be drilled without it.
+fn bit(advice: &DrillAnswer) -> Option<String> {
+    let best = &advice.best;
+    let (mass, feed) = (best.bit_mass_kg?, best.bit_feed_force_n?);
+    let into = best.ground_energy_per_blow_mj.map_or(String::new(), |mj| {
+        format!("; {mj:.3} mJ with each blow into the ground")
+    });
+    let without = advice
+        .without_bit_rate_um_per_s
+        .zip(advice.without_bit_frequency_hz);
+    let without = without.map_or(String::new(), |(rate, hz)| {
+        let more = 100.0 * (rate / best.rate_of_penetration_um_per_s - 1.0);
+        format!("; without it, {rate:.1} µm/s at {hz:.4} Hz ({more:+.0} %)")
+    });
+    Some(format!(
+        "{mass:?} kg, pressed on with {feed:.2} N, struck with at most {:.1} N{into}{without}",
+        best.force_n
+    ))
 }
 
 fn corners(corners: &[Corner], answer: &Answer) -> String {

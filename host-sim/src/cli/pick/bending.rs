@@ -4,6 +4,9 @@ use files::UserError;
 use numerics::modes::{Beam, Tip};
 use numerics::pick::{Answer, Springs};
 
+const SPRINGS_MASS: f64 = 0.1;
+const SPRINGS_MASS_PERCENT: f64 = 20.0;
+
 /// The beam springs.
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(next_help_heading = "Beam springs")]
@@ -12,7 +15,7 @@ pub struct SpringsArgs {
     #[arg(
         long,
         value_name = "RATIO",
-        default_value_t = 0.1,
+        default_value_t = SPRINGS_MASS,
         allow_negative_numbers = true
     )]
     springs_mass: f64,
@@ -21,13 +24,26 @@ pub struct SpringsArgs {
     #[arg(
         long,
         value_name = "P",
-        default_value_t = 20.0,
+        default_value_t = SPRINGS_MASS_PERCENT,
         allow_negative_numbers = true
     )]
     springs_mass_percent: f64,
 }
 
 impl SpringsArgs {
+    /// An option that asks for other springs than the usual ones, if any.
+    pub fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--springs-mass", self.springs_mass != SPRINGS_MASS),
+            (
+                "--springs-mass-percent",
+                self.springs_mass_percent != SPRINGS_MASS_PERCENT,
+            ),
+        ];
+        let mut given = options.into_iter().filter(|(_, given)| *given);
+        given.next().map(|(option, _)| option)
+    }
+
     /// The springs.
     ///
     /// # Errors

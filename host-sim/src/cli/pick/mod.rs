@@ -190,11 +190,18 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
             "{option} cannot be used with --objective rop, which is for one rig at one gap (host-sim drill --gap FROM:TO:STEP goes over gaps)"
         )));
     }
+    if let Some(option) = args.springs.given() {
+        return Err(UserError::new(format!(
+            "{option} cannot be used with --objective rop, which computes beams with one bending mode"
+        )));
+    }
     let rig = load(args, output, args.rig.name.name(), &[])?;
     output.doubt(&rig);
     let uncertainty = args.uncertainty.of(&rig)?;
+    let ground = args.ground.ground(&rig)?;
     let request = Request {
-        ground: args.ground.ground(&rig)?,
+        ground,
+        bit: args.ground.bit(&rig, &ground)?,
         ground_uncertainty: args.ground.uncertainty()?,
         uncertainty,
         limits,

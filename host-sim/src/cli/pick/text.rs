@@ -388,5 +388,8 @@ pub fn ending(end: End) -> &'static str {
         End::ExtraContact => "another contact appears",
         End::Fold => "the orbit ends: fold or graze",
         End::SearchLimit => "end of the search",
+        End::ContactAtSection => {
+            "it goes on, with a contact at drive phase 0, where it is not followed"
+        }
     }
 }

@@ -68,7 +68,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 34] = [
+const ALL: [Check; 35] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -105,6 +105,7 @@ const ALL: [Check; 34] = [
     ),
     ("two at once: wire and chain", pairs::wire_and_chain),
     ("power cuts in a save", saves::power_cuts),
+    ("a save after an old error", saves::old_error),
     ("benchmark", benchmark::benchmark),
 ];
 
@@ -145,4 +146,55 @@ pub fn run(setup: &Setup, wanted: &str) -> usize {
 /// Fails with this text unless it holds.
 fn must(holds: bool, text: impl FnOnce() -> String) -> Result<(), Box<dyn std::error::Error>> {
     if holds { Ok(()) } else { Err(text().into()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page(name: &str) -> String {
+        let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/");
+        let text = std::fs::read_to_string(format!("{docs}{name}")).unwrap();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// What stands in back quotes.
+    fn quoted(text: &str) -> impl Iterator<Item = &str> {
+        text.split('`').skip(1).step_by(2)
+    }
+
+    fn is_check(name: &str) -> bool {
+        ALL.iter().chain(&LONG).any(|(own, _)| *own == name)
+    }
+
+    #[test]
+    fn every_check_that_a_page_names_is_run() {
+        let mut named = 0;
+        for name in ["flashing.md", "wiring.md", "controller.md"] {
+            let page = page(name);
+            for mark in page.split("xecuted in the model").skip(1) {
+                let end = mark.find([')', ';', '.']).unwrap_or(mark.len());
+                for check in quoted(&mark[..end]) {
+                    assert!(is_check(check), "{name} names a check {check:?}");
+                    named += 1;
+                }
+            }
+        }
+        assert!(named > 30, "{named}");
+    }
+
+    #[test]
+    fn every_check_is_described_and_every_row_of_the_audit_names_what_would_find_it() {
+        let page = page("board-machine.md");
+        let (_, ran) = page.split_once("## What runs").unwrap();
+        let (ran, audit) = ran.split_once("## What the audit found").unwrap();
+        for (name, _) in ALL.iter().chain(&LONG) {
+            // Several of two at once share a row.
+            let row = name.split(':').next().unwrap();
+            assert!(ran.contains(&format!("`{row}`")), "no row for {name:?}");
+        }
+        let (audit, _) = audit.split_once("## ").unwrap();
+        let named = quoted(audit).filter(|name| is_check(name)).count();
+        assert!(named >= 20, "{named} checks are named");
+    }
 }

@@ -64,6 +64,26 @@ pub fn power_cuts(setup: &Setup) -> Found {
     Ok((text, units))
 }
 
+/// An error of an earlier operation still stands in FLASH_SR: a save must not take it for its own.
+pub fn old_error(setup: &Setup) -> Found {
+    let (mut bench, _) = Bench::idle(setup)?;
+    let mut settings = bench.scenario.settings;
+    settings.rig.amplitude_m *= 1.01;
+    bench.rig.borrow_mut().machine.parts.flash.leave_error();
+    bench.client.steer(Act::SetSettings(settings))?;
+    let flash = bench.rig.borrow().machine.flash.clone();
+    let mut after = Bench::power_up(setup, wired())?;
+    after.rig.borrow_mut().machine.set_flash(&flash);
+    after.advance_ms(100)?;
+    after.client.hello()?;
+    let found = after.client.ask(ToBoard::GetSettings)?;
+    must(
+        matches!(found, Answer::Settings(s) if s == settings),
+        || format!("the settings sent were not stored: {found:?}"),
+    )?;
+    Ok(("the settings sent are stored".into(), after.now()))
+}
+
 impl Machine {
     /// From now on the flash is copied at each operation, as a power cut in its middle leaves it.
     pub fn watch_flash(&mut self) {

@@ -24,6 +24,8 @@ const WRPERR: u32 = 1 << 4;
 const PGPERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
 const LOCK: u32 = 1 << 31;
+const DCEN: u32 = 1 << 10;
+const DCRST: u32 = 1 << 12;
 
 /// An operation under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +49,8 @@ pub struct Flash {
     pub work: Option<(Work, u64)>,
     /// Operations begun since power-up.
     pub operations: u32,
+    /// A sector that was erased while the accelerator's data cache was on, and not emptied since.
+    stale: Option<usize>,
 }
 
 impl Flash {
@@ -65,6 +69,7 @@ impl Flash {
             options,
             work: None,
             operations: 0,
+            stale: None,
         }
     }
 
@@ -103,6 +108,9 @@ impl Flash {
                 let new = w.over(self.access, 0x1f0f)?;
                 if new & 0x1800 != 0 && (new & self.access) >> 9 & (new >> 11) & 3 != 0 {
                     return Err("a cache of the accelerator is reset while it is on (3.4.2)".into());
+                }
+                if new & DCRST != 0 {
+                    self.stale = None;
                 }
                 self.access = new;
             }
@@ -199,7 +207,30 @@ impl Flash {
 
     /// Ends the work under way; gives it.
     pub fn end(&mut self) -> Option<Work> {
-        self.work.take().map(|(work, _)| work)
+        let work = self.work.take().map(|(work, _)| work);
+        if let Some(Work::Erase(sector)) = work
+            && self.access & DCEN != 0
+        {
+            self.stale = Some(sector);
+        }
+        work
+    }
+
+    /// An error if what is loaded may be what was there before an erasure (3.5.2).
+    pub fn check_load(&self, offset: usize) -> Access {
+        match self.stale {
+            Some(sector) if (SECTORS[sector]..SECTORS[sector + 1]).contains(&(offset as u32)) => {
+                Err(format!(
+                    "sector {sector} is read after it was erased, and the accelerator's data cache was not emptied"
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// An error of an earlier operation stands in the status.
+    pub fn leave_error(&mut self) {
+        self.status |= PGSERR | OPERR;
     }
 }
 
@@ -234,6 +265,22 @@ mod tests {
             Some((Work::Program(0x4000, vec![0]), PROGRAM_TIME))
         );
         write(&mut flash, 0x10, 0).unwrap_err();
+    }
+
+    #[test]
+    fn an_erased_sector_is_not_read_from_the_cache() {
+        let mut flash = Flash::new(0x0fff_aaed);
+        write(&mut flash, 0, DCEN | 5).unwrap();
+        write(&mut flash, 4, 0x4567_0123).unwrap();
+        write(&mut flash, 4, 0xcdef_89ab).unwrap();
+        write(&mut flash, 0x10, 2 | 1 << 3 | 1 << 16).unwrap();
+        flash.end();
+        flash.check_load(0x4000).unwrap_err();
+        flash.check_load(0x3fff).unwrap();
+        write(&mut flash, 0, 5).unwrap();
+        flash.check_load(0x7fff).unwrap_err();
+        write(&mut flash, 0, DCRST | 5).unwrap();
+        flash.check_load(0x4000).unwrap();
     }
 
     #[test]

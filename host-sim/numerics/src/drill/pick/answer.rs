@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use shared::model::cart::CartDrive;
 
-use super::super::orbit::{DrillOrbit, shoot};
+use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
 use super::branch::Case;
 use crate::pick::Uncertainty;
@@ -20,6 +20,10 @@ pub struct OnGround {
     pub ground_stiffness_n_per_m: f64,
     /// c, N·s/m.
     pub ground_damping_n_s_per_m: f64,
+    /// m_b, kg; none without a bit.
+    pub bit_mass_kg: Option<f64>,
+    /// W, N.
+    pub bit_feed_force_n: Option<f64>,
     /// How far the ground is unknown; none if it was taken as exact.
     #[serde(flatten)]
     pub uncertain: Option<GroundUncertainty>,
@@ -76,7 +80,7 @@ type Change = (&'static str, &'static str, fn(&mut Case, f64));
 /// By so many percent (or 0.01 mm) either way differences are taken.
 const BY: f64 = 0.1;
 
-const CHANGES: [Change; 9] = [
+const CHANGES: [Change; 10] = [
     ("threshold_n", "1 %", |c, s| c.ground.threshold *= 1.0 + s),
     (
         "ground_stiffness_n_per_m (with its damping)",
@@ -106,6 +110,11 @@ const CHANGES: [Change; 9] = [
             held.frequency_hz *= 1.0 + s;
         }
     }),
+    ("bit_mass_kg", "1 %", |c, s| {
+        if let Some(bit) = &mut c.bit {
+            bit.mass *= 1.0 + s;
+        }
+    }),
     // 0.01 mm for each percent.
     ("gap_mm", "0.01 mm", |c, s| c.params.gap_m += 1e-3 * s),
 ];
@@ -126,7 +135,7 @@ pub fn rate_sensitivity(
             "cart_mass_kg" => u.cart_mass_percent,
             "shaker_loop_hz" => u.shaker_loop_percent,
             "gap_mm" => u.gap_mm / 0.01,
-            "ground_damping_n_s_per_m" => return None,
+            "ground_damping_n_s_per_m" | "bit_mass_kg" => return None,
             name if name.starts_with("ground_stiffness") => ground.ground_stiffness_percent,
             _ => u.mass_percent,
         })
@@ -136,15 +145,13 @@ pub fn rate_sensitivity(
         if of_recoil.contains(parameter) && !case.params.cart.recoils() {
             return None;
         }
+        if *parameter == "bit_mass_kg" && case.bit.is_none() {
+            return None;
+        }
         let rate = |by: f64| {
             let mut moved = *case;
             change(&mut moved, 0.01 * by);
-            let found = shoot(
-                &moved.params,
-                &moved.ground,
-                orbit.frequency_hz,
-                orbit.section,
-            );
+            let found = moved.orbit(orbit.frequency_hz, orbit.section);
             found.map(|o| o.rate_m_per_s())
         };
         let slope = (rate(BY)? - rate(-BY)?) / (2.0 * BY);

@@ -1,5 +1,6 @@
 //! The nominal 1/1 on ground that gives way, followed over frequency.
 
+use shared::model::bit::Bit;
 use shared::model::params::RigParams;
 use shared::model::slider::Slider;
 
@@ -8,6 +9,7 @@ use super::super::run::{observe, settle};
 use super::observe::on;
 use crate::branch::{Edge, End};
 use crate::golden::maximum;
+use crate::orbit::Section;
 
 /// Steps along the branch, as a share of the natural frequency.
 const STEP: f64 = 0.02;
@@ -25,20 +27,27 @@ const NEAR_ONE: f64 = 0.9;
 const SETTLE: u32 = 300;
 const RECORDED: u32 = 48;
 
-/// Hammer and ground.
+/// Hammer, ground and bit.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// The rig.
     pub params: RigParams,
     /// The ground.
     pub ground: Slider<f64>,
+    /// The bit between them.
+    pub bit: Option<Bit<f64>>,
 }
 
 impl Case {
     /// The 1/1 near `guess` at `hz`, if it is stable.
     pub fn one_one(&self, hz: f64, guess: &DrillOrbit) -> Option<DrillOrbit> {
-        let found = shoot(&self.params, &self.ground, hz, guess.section)?;
+        let found = self.orbit(hz, guess.section)?;
         found.is_stable_one_one().then_some(found)
+    }
+
+    /// The period-one orbit near `guess` at `hz`.
+    pub fn orbit(&self, hz: f64, guess: Section) -> Option<DrillOrbit> {
+        shoot(&self.params, &self.ground, self.bit.as_ref(), hz, guess)
     }
 }
 
@@ -212,8 +221,8 @@ fn end_of(case: &Case, last: &DrillOrbit, beyond_hz: f64) -> End {
         observe(&mut drill, beyond_hz, RECORDED)
     });
     match beyond.map(|seen| seen.regime) {
-        // It goes on, but the hammer touches the ground at drive phase 0, where no orbit is sought.
-        Ok(regime) if regime.is(1, 1) => End::SearchLimit,
+        // It goes on, but hammer or bit is still in contact at drive phase 0, where no orbit is sought.
+        Ok(regime) if regime.is(1, 1) => End::ContactAtSection,
         Ok(regime) if regime.periods() == Some(1) => End::ExtraContact,
         _ => End::Fold,
     }

@@ -5,7 +5,7 @@ use shared::model::contact::Law;
 use shared::model::params::RigParams;
 use shared::model::slider::Slider;
 
-use super::super::orbit::{DrillOrbit, shoot};
+use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
 use super::branch::{Case, GroundBranch, edge};
 use crate::pick::uncertainty::{Member, Uncertainty};
@@ -51,6 +51,7 @@ pub fn apply(nominal: &Case, member: &Member, share: f64) -> Case {
             damping: ground.damping * stiffness / ground.stiffness,
             threshold: damping,
         },
+        bit: nominal.bit,
     }
 }
 
@@ -113,7 +114,7 @@ impl Crowd<'_> {
         let mut found = *orbit;
         for step in 1..=STEPS {
             let there = apply(self.case, member, f64::from(step) / f64::from(STEPS));
-            found = shoot(&there.params, &there.ground, hz, found.section)?;
+            found = there.orbit(hz, found.section)?;
         }
         found.is_stable_one_one().then_some(found)
     }

@@ -8,30 +8,33 @@
 
 pub mod answer;
 pub mod branch;
+mod field;
 pub mod members;
 mod observe;
 
 use std::f64::consts::TAU;
 
+use shared::model::bit::Bit;
 use shared::model::slider::Slider;
 
 use self::answer::{OnGround, rate_sensitivity};
 use self::branch::{Case, GroundBranch};
+use self::field::Field;
 use self::members::{Crowd, with_ground};
 use self::observe::{Observed, jumps, seed};
 use super::orbit::DrillOrbit;
 use super::search::GroundUncertainty;
 use crate::branch::End;
 use crate::error::{Error, PickError};
-use crate::pick::answer::{LimitUse, drive_force};
+use crate::pick::amplitude::lower_until;
+use crate::pick::answer::drive_force;
 use crate::pick::bending::{Bending, on_beams};
-use crate::pick::{Answer, BAND_SHARE, CartModel, Limits, Uncertainty, pick};
+use crate::pick::{
+    Answer, BAND_SHARE, CartModel, Limits, SEARCH_RATIOS, Uncertainty, largest_share, pick,
+};
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::{NamedRig, tidy};
 use crate::sweep::spread;
-
-/// Ratios Ω/ω to which the 1/1 is followed.
-const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 
 /// Points of the curve that is drawn, beside those the branch was followed by.
 const CURVE_POINTS: usize = 100;
@@ -44,6 +47,8 @@ pub const STEPS: u64 = 6;
 pub struct Request {
     /// The ground.
     pub ground: Slider<f64>,
+    /// A bit between hammer and ground.
+    pub bit: Option<Bit<f64>>,
     /// How far it is unknown; counts where `uncertainty` is given.
     pub ground_uncertainty: GroundUncertainty,
     /// How far the rig is unknown. None: rig and ground are exact.
@@ -64,7 +69,7 @@ pub struct RopPick {
 }
 
 /// Picks the frequency with the largest rate of penetration of `rig` on the ground of `request`, at its own gap and with
-/// its own cart.
+/// its own cart. Where no frequency keeps the limits of the shaker, the amplitude is lowered until one does.
 ///
 /// # Errors
 /// As [`pick`]; [`Error::NoProgress`] if nothing gives way anywhere.
@@ -73,12 +78,62 @@ pub fn pick_rop(
     request: &Request,
     progress: &dyn Progress,
 ) -> Result<RopPick, Error> {
+    let found = pick_at_amplitude(rig, request, progress);
+    let Err(Error::Pick {
+        what: PickError::Limits { .. },
+        ..
+    }) = &found
+    else {
+        return found;
+    };
+    let Some(lower) = lowered(rig, request, progress) else {
+        return found;
+    };
+    let mut found = pick_at_amplitude(&lower, request, progress)?;
+    found.answer.amplitude_lowered = true;
+    Ok(found)
+}
+
+/// `rig` at the amplitude at which its fastest nominal 1/1 needs no more than the shaker's limits allow. None if it does at
+/// the rig's own, so that lowering it is no help, or at no lower one, or the ground then holds.
+fn lowered(rig: &NamedRig, request: &Request, progress: &dyn Progress) -> Option<NamedRig> {
+    let limits = request.limits.with_shaker_of(&rig.params);
+    lower_until(rig, |lower| {
+        let params = &lower.params;
+        let case = Case {
+            params: *params,
+            ground: request.ground,
+            bit: request.bit,
+        };
+        let branch = nominal_branch(lower, &case, &WithinStep(progress)).ok()?;
+        let top = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
+        let (low, high) = branch.range();
+        let orbit = branch.best((low, high.min(top)), |o| Some(o.rate_m_per_s()))?;
+        let drive = limits
+            .max_drive_force_n
+            .map(|most| drive_force(params, orbit.frequency_hz) / most);
+        let held = limits
+            .max_loop_force_n
+            .and_then(|most| Some(observe::loop_force_n(&case, &orbit)? / most));
+        Some(drive.unwrap_or(0.0).max(held.unwrap_or(0.0)))
+    })
+}
+
+fn pick_at_amplitude(
+    rig: &NamedRig,
+    request: &Request,
+    progress: &dyn Progress,
+) -> Result<RopPick, Error> {
     rig.params.check()?;
     request.ground.check()?;
+    if let Some(bit) = &request.bit {
+        bit.check(&request.ground)?;
+    }
     let limits = request.limits.with_shaker_of(&rig.params);
     let case = Case {
         params: rig.params,
         ground: request.ground,
+        bit: request.bit,
     };
     let within = WithinStep(progress);
     let branch = nominal_branch(rig, &case, &within)?;
@@ -201,6 +256,7 @@ pub fn pick_rop(
         amplitude_lowered: false,
         bending: Bending {
             on_beams: on_beams(params),
+            modes: on_beams(params).then_some(1),
             ..Bending::default()
         },
     };
@@ -209,6 +265,8 @@ pub fn pick_rop(
         threshold_n: request.ground.threshold,
         ground_stiffness_n_per_m: request.ground.stiffness,
         ground_damping_n_s_per_m: request.ground.damping,
+        bit_mass_kg: request.bit.map(|b| b.mass),
+        bit_feed_force_n: request.bit.map(|b| b.feed_force),
         uncertain: uncertainty.map(|_| request.ground_uncertainty),
         rate_of_penetration_um_per_s: um(chosen.rate_m_per_s()),
         rate_worst_um_per_s: um(spread_at.least_m_per_s),
@@ -238,26 +296,10 @@ pub fn pick_rop(
 /// The largest share of the uncertainty's corners with which every one of them has a stable 1/1 at a common frequency, in
 /// hundredths.
 fn robust_share(crowd: Crowd, from_hz: f64, corners: usize) -> Option<f64> {
-    let robust = |hundredths: u32| {
-        let share = f64::from(hundredths) / 100.0;
-        let smaller = crowd.members[..corners].iter();
-        let members: Vec<_> = smaller.map(|m| m.scaled(share)).collect();
-        let crowd = Crowd {
-            members: &members,
-            ..crowd
-        };
+    largest_share(&crowd.members[..corners], |members| {
+        let crowd = Crowd { members, ..crowd };
         crowd.common_range(from_hz, corners).is_some()
-    };
-    let (mut with, mut without) = (0, 100);
-    while without - with > 1 {
-        let middle = (with + without) / 2;
-        if robust(middle) {
-            with = middle;
-        } else {
-            without = middle;
-        }
-    }
-    (with > 0).then_some(f64::from(with) / 100.0)
+    })
 }
 
 fn no_one_one(rig: &NamedRig) -> Error {
@@ -303,99 +345,6 @@ fn curve(branch: &GroundBranch) -> Vec<(f64, f64)> {
     nodes.sort_by(f64::total_cmp);
     let point = |hz: &f64| Some((*hz, 1e6 * branch.at(*hz)?.rate_m_per_s()));
     nodes.iter().filter_map(point).collect()
-}
-
-/// What is chosen from.
-struct Field<'a> {
-    crowd: Crowd<'a>,
-    limits: Limits,
-}
-
-impl Field<'_> {
-    /// Whether the limits allow the nominal orbit at `hz`.
-    fn allows(&self, hz: f64) -> bool {
-        self.crowd
-            .branch
-            .at(hz)
-            .is_some_and(|o| self.allowed(&o, self.limits))
-    }
-
-    fn allowed(&self, orbit: &DrillOrbit, limits: Limits) -> bool {
-        let (params, hz) = (&self.crowd.case.params, orbit.frequency_hz);
-        // What is at a limit to the last digits keeps it.
-        let keeps =
-            |value: f64, limit: Option<f64>| limit.is_none_or(|most| value <= most * (1.0 + 1e-9));
-        keeps(hz, limits.max_frequency_hz)
-            && keeps(drive_force(params, hz), limits.max_drive_force_n)
-            && limits.max_loop_force_n.is_none_or(|most| {
-                observe::loop_force_n(self.crowd.case, orbit).is_none_or(|n| n <= most)
-            })
-            && limits.max_force_n.is_none_or(|most| {
-                let spread = self.crowd.spread(hz);
-                spread.is_some_and(|s| s.strongest_n <= most)
-            })
-    }
-
-    /// The orbit with the largest rate in `range_hz` within the limits.
-    fn best(&self, range_hz: (f64, f64)) -> Option<DrillOrbit> {
-        self.best_within(range_hz, self.limits)
-    }
-
-    fn best_within(&self, range_hz: (f64, f64), limits: Limits) -> Option<DrillOrbit> {
-        let at_one = drive_force(&self.crowd.case.params, 1.0);
-        let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
-        let tops = [limits.max_frequency_hz, by_drive].into_iter().flatten();
-        let top = tops.fold(range_hz.1, f64::min);
-        self.crowd.branch.best((range_hz.0, top), |o| {
-            self.allowed(o, limits).then(|| o.rate_m_per_s())
-        })
-    }
-
-    /// A limit decides when dropping it, and it alone, gives more.
-    fn which_decide(
-        &self,
-        chosen: &DrillOrbit,
-        robust: (f64, f64),
-        uncertain: bool,
-    ) -> Vec<LimitUse> {
-        let limits = self.limits;
-        let more = |found: Option<DrillOrbit>| {
-            found.is_some_and(|o| o.rate_m_per_s() > chosen.rate_m_per_s() * (1.0 + 1e-6))
-        };
-        let mut uses = Vec::new();
-        if uncertain {
-            let certain = Field {
-                crowd: Crowd {
-                    members: &[],
-                    ..self.crowd
-                },
-                limits,
-            };
-            uses.push(LimitUse {
-                name: "the uncertainty",
-                limit: None,
-                binds: more(certain.best(self.crowd.branch.range())),
-            });
-        }
-        let (mut force, mut frequency, mut drive, mut held) = (limits, limits, limits, limits);
-        force.max_force_n = None;
-        frequency.max_frequency_hz = None;
-        drive.max_drive_force_n = None;
-        held.max_loop_force_n = None;
-        let given = [
-            ("max_force_n", limits.max_force_n, force),
-            ("max_frequency_hz", limits.max_frequency_hz, frequency),
-            ("max_drive_force_n", limits.max_drive_force_n, drive),
-            ("shaker_max_force_n", limits.max_loop_force_n, held),
-        ];
-        let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
-        uses.extend(given.map(|(name, limit, without)| LimitUse {
-            name,
-            limit,
-            binds: more(self.best_within(robust, without)),
-        }));
-        uses
-    }
 }
 
 /// A0 Ω at `hz`, m/s.

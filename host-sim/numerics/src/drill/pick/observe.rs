@@ -10,13 +10,13 @@ use super::peak_speed;
 use crate::branch::End;
 use crate::drill::blow::{Blow, Feed};
 use crate::drill::march::Drill;
-use crate::drill::orbit::{DrillOrbit, shoot};
+use crate::drill::orbit::DrillOrbit;
 use crate::drill::run::{DrillPlan, DrillSetting, Seen, grid, observe, run};
 use crate::drill::search::{Among, GroundUncertainty};
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
-use crate::pick::Uncertainty;
 use crate::pick::answer::{Shaker, drive_force};
+use crate::pick::{JUMP_POINTS, JUMP_SHARE, Uncertainty};
 use crate::progress::Progress;
 use crate::row::{NamedRig, tidy};
 use crate::sweep::spread;
@@ -33,13 +33,9 @@ const SEED_PLAN: DrillPlan = DrillPlan {
 /// Drive periods in which a point that is reported is observed.
 const OBSERVED: u32 = 48;
 
-/// Frequencies in the jump test, drive periods at each, and those of them whose progress is compared.
-const JUMP_POINTS: usize = 48;
+/// Drive periods at each frequency of the jump test, and those of them whose progress is compared.
 const JUMP_PERIODS: u32 = 60;
 const JUMP_RECORDED: u32 = 16;
-
-/// Up and down sweeps that differ by less than this share of the largest progress do not jump.
-const JUMP_SHARE: f64 = 0.02;
 
 /// The stable 1/1 that drills fastest from rest. None if there is none.
 ///
@@ -66,15 +62,22 @@ pub fn seed(
     };
     let hz = rows[best].frequency_hz;
     let seen = run(&case.params, &setting, hz, SEED_PLAN)?;
-    let found = shoot(&case.params, &case.ground, hz, seen.guess());
+    let found = case.orbit(hz, seen.guess());
     Ok(found.filter(DrillOrbit::is_stable_one_one))
 }
 
 fn setting(case: &Case) -> DrillSetting {
     DrillSetting {
         ground: case.ground,
+        bit: case.bit,
         feed: Feed::Cart,
     }
+}
+
+/// The hammer at rest.
+fn at_rest(case: &Case, hz: f64) -> Result<Drill<f64>, Error> {
+    let (ground, bit) = (&case.ground, case.bit.as_ref());
+    Ok(Drill::through(&case.params, ground, bit, Feed::Cart, hz)?)
 }
 
 /// The hammer on its section point.
@@ -82,7 +85,7 @@ fn setting(case: &Case) -> DrillSetting {
 /// # Errors
 /// The first parameter out of range.
 pub fn on(case: &Case, hz: f64, section: Section) -> Result<Drill<f64>, Error> {
-    let mut drill = Drill::<f64>::hammer(&case.params, &case.ground, Feed::Cart, hz)?;
+    let mut drill = at_rest(case, hz)?;
     let [q, v, off, off_rate] = section;
     drill.place_off([q, v, 0.0], [off, off_rate]);
     Ok(drill)
@@ -201,7 +204,7 @@ fn sweep(case: &Case, frequencies: &[f64]) -> Result<Vec<f64>, Error> {
     let mut dug = Vec::with_capacity(frequencies.len());
     for hz in frequencies {
         let mut drill = match last {
-            None => Drill::<f64>::hammer(&case.params, &case.ground, Feed::Cart, *hz)?,
+            None => at_rest(case, *hz)?,
             Some(section) => on(case, *hz, section)?,
         };
         let mut blows = Vec::new();

@@ -24,7 +24,7 @@ fn with_a_threshold_out_of_reach_it_is_the_reference() {
         let params = recoiling(params);
         let seen = at(&params, 1e6, Feed::Cart, hz / params.natural_frequency_hz());
         let rigid = shoot_at(&params, hz, seen.guess(), 1).unwrap();
-        let here = orbit::shoot(&params, &rock(1e6), hz, rigid.at()).unwrap();
+        let here = orbit::shoot(&params, &rock(1e6), None, hz, rigid.at()).unwrap();
         let units = Drill::<f64>::hammer(&params, &rock(1e6), Feed::Cart, hz)
             .unwrap()
             .all_units();
@@ -118,7 +118,7 @@ fn the_derivative_of_the_return_map_is_that_of_differences() {
     let (params, ground) = (recoiling(WIRES), rock(25.0));
     let hz = 2.04 * 1.82;
     let seen = at(&params, 25.0, Feed::Cart, 2.04);
-    let found = orbit::shoot(&params, &ground, hz, seen.guess()).unwrap();
+    let found = orbit::shoot(&params, &ground, None, hz, seen.guess()).unwrap();
     assert!(found.is_stable_one_one());
     assert!((found.progress_m / seen.per_cycle_m - 1.0).abs() < 1e-8);
     let drill = Drill::<f64>::hammer(&params, &ground, Feed::Cart, hz).unwrap();

@@ -40,6 +40,8 @@ pub struct RopLine<'a> {
     prescribed_rate_um_per_s: Option<f64>,
     amplitude_mm: f64,
     loop_force_n: Option<f64>,
+    bit_mass_kg: Option<f64>,
+    bit_feed_force_n: Option<f64>,
 }
 
 impl<'a> From<&'a RopPick> for RopLine<'a> {
@@ -79,6 +81,8 @@ impl<'a> From<&'a RopPick> for RopLine<'a> {
             prescribed_rate_um_per_s: g.prescribed_rate_um_per_s,
             amplitude_mm: a.amplitude_mm,
             loop_force_n: a.shaker.loop_force_n,
+            bit_mass_kg: g.bit_mass_kg,
+            bit_feed_force_n: g.bit_feed_force_n,
         }
     }
 }

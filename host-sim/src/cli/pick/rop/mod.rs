@@ -194,6 +194,12 @@ fn lines(pick: &RopPick) -> Vec<(&'static str, String)> {
         ("surface that stays", force_optimum(pick)),
         ("cart", cart(pick)),
     ];
+    if let Some((mass, feed)) = g.bit_mass_kg.zip(g.bit_feed_force_n) {
+        lines.push((
+            "bit",
+            format!("{mass:?} kg between hammer and ground, pressed on with {feed:.2} N"),
+        ));
+    }
     if a.bending.on_beams {
         lines.push((
             "bending modes",
@@ -344,8 +350,16 @@ fn shaker(pick: &RopPick) -> String {
     let held = s.loop_force_n.map_or(String::new(), |n| {
         format!(", its loop at most {} N with the recoil", significant(n, 3))
     });
+    let lowered = if pick.answer.amplitude_lowered {
+        format!(
+            " (the amplitude is lowered to {:.3} mm: with the rig's no frequency keeps the limits of the shaker)",
+            pick.answer.amplitude_mm
+        )
+    } else {
+        String::new()
+    };
     format!(
-        "{:.2} mm peak to peak, {} N to move cart and hammer{held}, {} W",
+        "{:.2} mm peak to peak{lowered}, {} N to move cart and hammer{held}, {} W",
         s.stroke_mm,
         significant(s.force_n, 3),
         significant(s.mean_power_w, 2)

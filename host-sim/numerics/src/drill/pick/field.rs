@@ -1,0 +1,102 @@
+//! What the frequency is chosen from, and which limit decides.
+
+use super::super::orbit::DrillOrbit;
+use super::members::Crowd;
+use super::observe;
+use crate::pick::Limits;
+use crate::pick::answer::{LimitUse, drive_force};
+
+/// What is chosen from.
+pub struct Field<'a> {
+    /// The nominal branch and the members.
+    pub crowd: Crowd<'a>,
+    /// What must be kept.
+    pub limits: Limits,
+}
+
+impl Field<'_> {
+    /// Whether the limits allow the nominal orbit at `hz`.
+    pub fn allows(&self, hz: f64) -> bool {
+        self.crowd
+            .branch
+            .at(hz)
+            .is_some_and(|o| self.allowed(&o, self.limits))
+    }
+
+    fn allowed(&self, orbit: &DrillOrbit, limits: Limits) -> bool {
+        let (params, hz) = (&self.crowd.case.params, orbit.frequency_hz);
+        // What is at a limit to the last digits keeps it.
+        let keeps =
+            |value: f64, limit: Option<f64>| limit.is_none_or(|most| value <= most * (1.0 + 1e-9));
+        keeps(hz, limits.max_frequency_hz)
+            && keeps(drive_force(params, hz), limits.max_drive_force_n)
+            && limits.max_loop_force_n.is_none_or(|most| {
+                observe::loop_force_n(self.crowd.case, orbit).is_none_or(|n| n <= most)
+            })
+            && limits.max_force_n.is_none_or(|most| {
+                let spread = self.crowd.spread(hz);
+                spread.is_some_and(|s| s.strongest_n <= most)
+            })
+    }
+
+    /// The orbit with the largest rate in `range_hz` within the limits.
+    pub fn best(&self, range_hz: (f64, f64)) -> Option<DrillOrbit> {
+        self.best_within(range_hz, self.limits)
+    }
+
+    fn best_within(&self, range_hz: (f64, f64), limits: Limits) -> Option<DrillOrbit> {
+        let at_one = drive_force(&self.crowd.case.params, 1.0);
+        let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
+        let tops = [limits.max_frequency_hz, by_drive].into_iter().flatten();
+        let top = tops.fold(range_hz.1, f64::min);
+        self.crowd.branch.best((range_hz.0, top), |o| {
+            self.allowed(o, limits).then(|| o.rate_m_per_s())
+        })
+    }
+
+    /// A limit decides when dropping it, and it alone, gives more.
+    pub fn which_decide(
+        &self,
+        chosen: &DrillOrbit,
+        robust: (f64, f64),
+        uncertain: bool,
+    ) -> Vec<LimitUse> {
+        let limits = self.limits;
+        let more = |found: Option<DrillOrbit>| {
+            found.is_some_and(|o| o.rate_m_per_s() > chosen.rate_m_per_s() * (1.0 + 1e-6))
+        };
+        let mut uses = Vec::new();
+        if uncertain {
+            let certain = Field {
+                crowd: Crowd {
+                    members: &[],
+                    ..self.crowd
+                },
+                limits,
+            };
+            uses.push(LimitUse {
+                name: "the uncertainty",
+                limit: None,
+                binds: more(certain.best(self.crowd.branch.range())),
+            });
+        }
+        let (mut force, mut frequency, mut drive, mut held) = (limits, limits, limits, limits);
+        force.max_force_n = None;
+        frequency.max_frequency_hz = None;
+        drive.max_drive_force_n = None;
+        held.max_loop_force_n = None;
+        let given = [
+            ("max_force_n", limits.max_force_n, force),
+            ("max_frequency_hz", limits.max_frequency_hz, frequency),
+            ("max_drive_force_n", limits.max_drive_force_n, drive),
+            ("shaker_max_force_n", limits.max_loop_force_n, held),
+        ];
+        let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
+        uses.extend(given.map(|(name, limit, without)| LimitUse {
+            name,
+            limit,
+            binds: more(self.best_within(robust, without)),
+        }));
+        uses
+    }
+}
