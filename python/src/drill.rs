@@ -70,6 +70,7 @@ pub fn drill<'py>(
     }
     let setting = DrillSetting {
         ground,
+        bit: None,
         feed: Feed::Cart,
     };
     let known = GroundUncertainty {

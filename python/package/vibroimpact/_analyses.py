@@ -649,7 +649,7 @@ def drill(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Record:
-    """Rate of penetration over frequency on ground that gives way at ``threshold_n``.
+    """Rate of penetration over frequency on ground that gives way at ``threshold_n`` (without a bit of its own mass).
 
     Returns
     -------
