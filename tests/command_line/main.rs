@@ -32,6 +32,7 @@ mod pipes;
 mod poincare;
 mod rig_new;
 mod rigs;
+mod shell;
 mod simulate;
 mod snapshots;
 mod support;

@@ -60,6 +60,9 @@ const HOST: &[Step] = &[
         ))
     }),
     ("tests, host", host_tests),
+    ("Python package", || {
+        silent(crate::python::run(&[], &Build::Tested))
+    }),
 ];
 
 const FIRMWARE: &[Step] = &[

@@ -7,6 +7,7 @@
 //! cargo xtask qemu          runs it in QEMU
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
 //! cargo xtask board         runs the board's image in a model of the board, in a closed loop and through its faults
+//! cargo xtask python        builds the Python package and tests it against the command line
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
@@ -29,6 +30,7 @@ mod layers;
 mod liveness;
 mod msrv;
 mod pil;
+mod python;
 mod qemu;
 mod size;
 mod ticks;
@@ -57,6 +59,7 @@ cargo xtask COMMAND
   board [--short] [--seconds S] [WORDS]
                               run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
                               the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name
+  python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
@@ -77,6 +80,7 @@ enum Job {
     Qemu,
     Pil(pil::Plan),
     Board(Vec<String>),
+    Python(Vec<String>),
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
@@ -98,6 +102,7 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["qemu"] => Ok(Job::Qemu),
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
         ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
+        ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
@@ -129,6 +134,10 @@ fn run(job: Job) -> Outcome {
         Job::Board(words) => {
             let words: Vec<&str> = words.iter().map(String::as_str).collect();
             board::run(&words, &desktop::Build::Alone)?;
+        }
+        Job::Python(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            python::run(&words, &desktop::Build::Alone)?;
         }
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Msrv => drop(msrv::run()?),
@@ -178,6 +187,7 @@ mod tests {
             "qemu",
             "pil",
             "board",
+            "python",
             "bench-ticks",
             "size",
             "first-answer",

@@ -10,6 +10,7 @@ mod read;
 pub mod rigfile;
 pub mod table;
 mod wording;
+pub mod words;
 pub mod write;
 
 pub use error::UserError;

@@ -26,6 +26,7 @@ mod replay;
 mod rig;
 mod rigs;
 mod scenarios;
+mod shell;
 mod simulate;
 mod sweep;
 mod terminal;
@@ -162,6 +163,14 @@ enum Command {
     /// List the rigs, or print one as a TOML file to start from
     #[command(after_help = "Examples:\n  host-sim rigs\n  host-sim rigs wires > mine.toml")]
     Rigs(rigs::Args),
+    /// Print what a shell needs to complete commands and options
+    #[command(
+        after_help = "Examples:\n  host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim"
+    )]
+    Completions(shell::CompletionsArgs),
+    /// Write the manual as pages for `man`
+    #[command(after_help = "Examples:\n  host-sim man ~/.local/share/man/man1")]
+    Man(shell::ManArgs),
 }
 
 /// Runs the command line `arguments` (the program's name first) and returns the exit code: 0; 1 when a run did not
@@ -231,7 +240,9 @@ impl Command {
             | Self::Pil(_)
             | Self::Figures(_)
             | Self::Rig(_)
-            | Self::Rigs(_) => None,
+            | Self::Rigs(_)
+            | Self::Completions(_)
+            | Self::Man(_) => None,
         }
     }
 }
@@ -272,6 +283,11 @@ fn execute(command: &Command) -> i32 {
         Command::Compare(args) => compare::run(args).map(|()| 0),
         Command::Rig(args) => rig::run(args).map(|()| 0),
         Command::Rigs(args) => rigs::run(args).map(|()| 0),
+        Command::Completions(args) => {
+            shell::completions(args, Cli::command());
+            Ok(0)
+        }
+        Command::Man(args) => shell::man(args, Cli::command()).map(|()| 0),
     };
     done.unwrap_or_else(|error| {
         complain(&format!("error: {error}"));

@@ -1,8 +1,8 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
 use crate::pictures::regimes::{OTHER_PERIODIC, regime_points};
-use crate::words::digits::Digits;
-use crate::words::pick::{other_cart, why};
+use files::words::digits::Digits;
+use files::words::pick::{other_cart, why};
 use numerics::pick::{CartModel, Pick};
 use numerics::row::Row;
 use plot::{Axis, Color, Figure, Item, Panel};

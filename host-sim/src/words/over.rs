@@ -1,7 +1,7 @@
 //! How the operating point moves over a parameter: a row for each value, and the sentence that sums them up.
 
-use super::digits::{decimals, significant};
 use files::UserError;
+use files::words::digits::{decimals, significant};
 use numerics::Error;
 use numerics::NamedRig;
 use numerics::pick::{Answer, CartModel};

@@ -32,10 +32,35 @@ pub use uncertainty::{WIDTHS, Width};
 pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, UserError> {
     let name = name.as_ref();
     let known = name.to_str().and_then(|name| Some((name, preset(name)?)));
-    let (name, mut params, stated) = match known {
-        Some((name, params)) => (name.to_owned(), with_shaker(params), Stated::default()),
-        None => read(Path::new(name))?,
-    };
+    match known {
+        Some((name, params)) => set_over(
+            name.to_owned(),
+            with_shaker(params),
+            Stated::default(),
+            settings,
+        ),
+        None => {
+            let (name, params, stated) = read(Path::new(name))?;
+            set_over(name, params, stated, settings)
+        }
+    }
+}
+
+/// The same from `text`, the text of a rig file; complaints begin with `place`, whose stem is the rig's name.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_text(place: &str, text: &str, settings: &[String]) -> Result<NamedRig, UserError> {
+    let (params, stated) = parse_whole(text, place)?;
+    set_over(stem(Path::new(place)), params, stated, settings)
+}
+
+fn set_over(
+    name: String,
+    mut params: RigParams,
+    stated: Stated,
+    settings: &[String],
+) -> Result<NamedRig, UserError> {
     if !settings.is_empty() {
         let mut table = to_table(&params);
         let mut changes = Table::new();
@@ -170,10 +195,13 @@ fn read(path: &Path) -> Result<(String, RigParams, Stated), UserError> {
     }
     let text = read_text(path)?;
     let (params, stated) = parse_whole(&text, &place)?;
-    let name = path
-        .file_stem()
-        .map_or(place, |s| s.to_string_lossy().into_owned());
-    Ok((name, params, stated))
+    Ok((stem(path), params, stated))
+}
+
+/// The name of the rig in a file.
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
 }
 
 /// The rig in the text of a rig file; complaints begin with `place`.

@@ -1,8 +1,8 @@
 //! `pick --beside`: the answers as columns, quantity by quantity.
 
 use super::text::chart_of;
-use crate::words::digits::Digits;
 use files::rigfile;
+use files::words::digits::Digits;
 use numerics::NamedRig;
 use numerics::pick::{Answer, Pick};
 

@@ -1,8 +1,8 @@
 //! The answer as a person reads it.
 
 use super::bending;
-use crate::words::digits::Digits;
-use crate::words::pick::{jumping_at, other_cart, why};
+use files::words::digits::Digits;
+use files::words::pick::{jumping_at, other_cart, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
 use numerics::pick::sensitivity::Sensitivity;

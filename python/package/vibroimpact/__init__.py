@@ -1,0 +1,67 @@
+"""Vibro-impact hammer: which drive frequency, how hard, and will it stay there.
+
+A hammer hangs in a cart, on wires or on beam springs; a shaker moves the cart; at the right frequency the hammer
+strikes the cart's impact surface hard, once in each cycle. This package computes that frequency, and the maps, orbits,
+basins and sections around it, as the command line ``host-sim`` does: the numbers are the same to the bit.
+
+>>> import vibroimpact as vi
+>>> answer = vi.pick(vi.Rig("wires"))
+>>> f"{answer.operating_frequency_hz:.2f} Hz, {answer.force_ratio:.0f} times the weight"
+'3.68 Hz, 30 times the weight'
+
+Everything here is simulation; no real rig has been run.
+"""
+
+from ._analyses import (
+    Basins,
+    Map,
+    basins,
+    bifurcation,
+    contact,
+    drill,
+    drop,
+    emulate,
+    identify,
+    lyapunov,
+    map,
+    map_tile,
+    map_tiles,
+    merge_map,
+    orbits,
+    pick,
+    poincare,
+    scenarios,
+    simulate,
+    sweep,
+)
+from ._native import Rig, __version__, presets
+from ._records import Grid, Record, Table
+
+__all__ = [
+    "Basins",
+    "Grid",
+    "Map",
+    "Record",
+    "Rig",
+    "Table",
+    "__version__",
+    "basins",
+    "bifurcation",
+    "contact",
+    "drill",
+    "drop",
+    "emulate",
+    "identify",
+    "lyapunov",
+    "map",
+    "map_tile",
+    "map_tiles",
+    "merge_map",
+    "orbits",
+    "pick",
+    "poincare",
+    "presets",
+    "scenarios",
+    "simulate",
+    "sweep",
+]

@@ -1,0 +1,702 @@
+"""The analyses. Arguments have the meaning and the defaults of the command line's options; so have the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Literal, Union
+
+import numpy as np
+
+from . import _native
+from ._native import Rig
+from ._records import Grid, Record, Table
+
+Numbers = Union[float, Iterable[float]]
+Start = Union[str, tuple[float, float]]
+Cart = Literal["prescribed", "recoil"]
+Direction = Literal["rest", "up", "down"]
+Progress = Callable[[int, int], object]
+
+
+def _list(values: Numbers | None) -> list[float] | None:
+    if values is None:
+        return None
+    return np.atleast_1d(np.asarray(values, dtype=float)).ravel().tolist()
+
+
+def _pair(values: Sequence[float] | None) -> list[float] | None:
+    return None if values is None else [float(one) for one in values]
+
+
+def simulate(
+    rig: Rig,
+    *,
+    ratio: float | None = None,
+    frequency_hz: float | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    start: Start = "rest",
+    cycles: int = 600,
+    transient: int = 480,
+    samples_per_period: int = 400,
+    engine: Literal["event", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+) -> Record:
+    """One run at one drive frequency.
+
+    Parameters
+    ----------
+    rig:
+        The rig.
+    ratio, frequency_hz:
+        The drive frequency, over the natural frequency (Ω/ω) or in Hz: one of the two.
+    gap_mm:
+        Clearance at rest, mm; the rig's if left out.
+    cart:
+        ``"prescribed"`` (as the chapter, the default) or ``"recoil"`` (contacts push it off its course).
+    start:
+        ``"rest"``, ``"fixed"`` (at rest in the fixed frame), or displacement in mm and velocity in m/s relative to the cart.
+    cycles, transient:
+        Drive cycles in all, and how many of the first are not recorded.
+    samples_per_period:
+        Samples of the history in a drive period; 0 keeps none.
+    engine, precision, tick_us:
+        ``"event"`` is the event-located reference in f64; ``"switch"`` is the microcontroller's switch model of a fixed tick
+        (50 µs) in ``"f32"`` or ``"f64"``.
+
+    Returns
+    -------
+    Record
+        Regime z = p/n (``regime``, ``impacts``, ``periods``), ``force_n``, ``force_ratio`` (over the weight), the strongest
+        contact's speed, time, energy and impulse; tables ``history`` (time_s, displacement_mm, force_n, ... of shape
+        ((cycles - transient) * samples_per_period,)), ``section`` (drive phase 0, one row a cycle) and ``contacts``.
+
+    Raises
+    ------
+    ValueError
+        An argument cannot be used, or the hammer leaves what the model describes.
+
+    Notes
+    -----
+    Equations (3-8) to (3-18) of the chapter; regimes by the Poincaré section at drive phase 0.
+    """
+    found = _native.simulate(
+        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, start=start, cycles=cycles,
+        transient=transient, samples_per_period=samples_per_period, engine=engine, precision=precision, tick_us=tick_us,
+    )
+    return Record(_tables(found, "history", "section", "contacts"))
+
+
+def sweep(
+    rig: Rig,
+    *,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    direction: Direction = "rest",
+    cycles: int = 600,
+    transient: int = 480,
+    engine: Literal["event", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Table:
+    """Force over drive frequency (figures 3.12 to 3.14).
+
+    Parameters
+    ----------
+    ratio, frequency_hz:
+        The frequencies, rising: over the natural frequency, or in Hz.
+    direction:
+        ``"rest"``: each from rest; ``"up"``, ``"down"``: the state carried, which shows the jumps.
+    threads:
+        Threads; one for each processor if left out. The numbers do not depend on it.
+    progress:
+        Called with the steps done and the steps in all, from the calling thread.
+
+    The other arguments are those of :func:`simulate`.
+
+    Returns
+    -------
+    Table
+        A row for each frequency: ``frequency_hz``, ``frequency_ratio``, ``regime``, ``force_n``, ``force_ratio``,
+        ``approach_speed_m_per_s``, ``contact_time_ms``. Where the hammer could not be followed ``regime`` is "failed".
+
+    Raises
+    ------
+    ValueError
+        An argument cannot be used, or every run fails.
+    KeyboardInterrupt
+        On Ctrl-C.
+    """
+    found = _native.sweep(
+        rig, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=gap_mm, cart=cart, direction=direction,
+        cycles=cycles, transient=transient, engine=engine, precision=precision, tick_us=tick_us, threads=threads,
+        progress=progress,
+    )
+    return Table(found)
+
+
+def pick(
+    rig: Rig,
+    *,
+    gap_mm: float = 0.0,
+    cart: Cart | None = None,
+    nominal: bool = False,
+    natural_frequency_percent: float | None = None,
+    amplitude_percent: float | None = None,
+    contact_stiffness_percent: float | None = None,
+    contact_damping_percent: float | None = None,
+    gap_tolerance_mm: float | None = None,
+    mass_percent: float | None = None,
+    cart_mass_percent: float | None = None,
+    shaker_loop_percent: float | None = None,
+    samples: int = 256,
+    seed: int = 1,
+    max_force_n: float | None = None,
+    max_frequency_hz: float | None = None,
+    max_drive_force_n: float | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """The frequency to run at: the strongest stable 1/1 that holds over the uncertainty and within the limits.
+
+    Parameters
+    ----------
+    gap_mm:
+        Clearance at rest, mm. The field's is 0.0, whatever the rig file says.
+    cart:
+        The cart recoils where the rig's shaker is known (``shaker_loop_hz``); ``"prescribed"`` is the chapter's.
+    nominal:
+        Takes the parameters as exact.
+    natural_frequency_percent, ..., shaker_loop_percent:
+        Half-widths of the uncertainty; what is left out is the rig file's, else 2, 5, 20, 20 %, 0.05 mm, 0, 0, 0.
+    samples, seed:
+        Random rigs within the uncertainty beside its corners.
+    max_force_n, max_frequency_hz, max_drive_force_n:
+        Limits: contact force (for every rig of the uncertainty), drive frequency, the shaker's force.
+
+    Returns
+    -------
+    Record
+        The fields of ``host-sim pick --format json``, among them ``operating_frequency_hz``, ``force_ratio``, ``safe_band_hz``,
+        ``stable_one_one_hz``, ``multipliers``, ``shaker``, ``sensitivity``; and the nominal stable 1/1 as
+        ``curve_frequency_hz`` and ``curve_force_ratio``.
+
+    Raises
+    ------
+    ValueError
+        An argument cannot be used, or no frequency has a stable 1/1 within the limits.
+    KeyboardInterrupt
+        On Ctrl-C.
+    """
+    widths = {
+        "natural_frequency_percent": natural_frequency_percent,
+        "amplitude_percent": amplitude_percent,
+        "contact_stiffness_percent": contact_stiffness_percent,
+        "contact_damping_percent": contact_damping_percent,
+        "gap_tolerance_mm": gap_tolerance_mm,
+        "mass_percent": mass_percent,
+        "cart_mass_percent": cart_mass_percent,
+        "shaker_loop_percent": shaker_loop_percent,
+    }
+    given = [(name, float(value)) for name, value in widths.items() if value is not None]
+    if nominal and given:
+        raise ValueError(f"nominal takes the parameters as exact; leave {given[0][0]} out")
+    return Record(
+        _native.pick(
+            rig, gap_mm=gap_mm, cart=cart, nominal=nominal, widths=given, samples=samples, seed=seed,
+            max_force_n=max_force_n, max_frequency_hz=max_frequency_hz, max_drive_force_n=max_drive_force_n,
+            threads=threads, progress=progress,
+        )
+    )
+
+
+class Map(Grid):
+    """A Peterka map: what the hammer does over gap and drive frequency. Layers have the shape (gaps, frequencies).
+
+    Axes: ``gap_mm`` and ``frequency_hz``, beside them ``gap_ratio`` (gap/A0) and ``frequency_ratio`` (Ω/ω). Layers:
+    ``regime`` ("p/n", "none", "aperiodic", "chatter", "failed"), ``impacts`` (p), ``periods`` (n; NaN where nothing
+    repeats), ``force_ratio`` (over the weight), ``force_n``, ``settling_cycles`` (NaN: not settled),
+    ``largest_period_searched``, ``uncertain`` (the fast engine handed the cell to the reference), ``failed``.
+    """
+
+    _LAYERS = (
+        "regime", "impacts", "periods", "force_ratio", "force_n", "settling_cycles", "largest_period_searched",
+        "uncertain", "failed",
+    )
+
+    def __init__(self, found: dict[str, Any]) -> None:
+        names = np.array(found.pop("regime_names"))
+        found["regime"] = names[found.pop("regime_index")]
+        shape = (len(found["gap_mm"]), len(found["frequency_hz"]))
+        for name in self._LAYERS:
+            found[name] = found[name].reshape(shape)
+        super().__init__(found, ("gap_mm", "frequency_hz"), self._LAYERS)
+
+
+def _asked(
+    gap_mm: Numbers | None = None,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    cart: Cart | None = None,
+    engine: str = "event",
+    precision: str | None = None,
+    tick_us: float | None = None,
+    direction: Direction = "rest",
+    cycles: int = 300,
+    recorded: int | None = None,
+    settle: int | None = None,
+) -> dict[str, Any]:
+    return {
+        "gap_mm": _list(gap_mm), "ratio": _list(ratio), "frequency_hz": _list(frequency_hz), "cart": cart,
+        "engine": engine, "precision": precision, "tick_us": tick_us, "direction": direction, "cycles": cycles,
+        "recorded": recorded, "settle": settle,
+    }
+
+
+def map(  # noqa: A001
+    rig: Rig,
+    *,
+    gap_mm: Numbers | None = None,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **keywords: Any,
+) -> Map:
+    """The Peterka map (figures 3.24 to 3.26): regime and force at each gap and drive frequency.
+
+    Parameters
+    ----------
+    gap_mm:
+        Clearances at rest, mm, rising; the chapter's if left out.
+    ratio, frequency_hz:
+        Drive frequencies, rising: over the natural frequency, or in Hz; the chapter's if left out (1.41 to 7.28 Hz in
+        steps of 0.01 Hz on wires, and the same Ω/ω for other rigs).
+    cart, precision, tick_us:
+        As in :func:`simulate`.
+    engine:
+        ``"event"`` (fast, in vector registers, uncertain cells by the reference), ``"reference"`` (hours), or ``"switch"``.
+    direction:
+        Each cell from rest, or the state carried up or down the frequencies of each gap.
+    cycles, recorded, settle:
+        Drive cycles of each cell, how many of the last are recorded, and to how many a cell that has not settled runs on.
+    threads, progress:
+        As in :func:`sweep`.
+
+    Returns
+    -------
+    Map
+        Layers of shape (gaps, frequencies); ``summary`` counts the regimes.
+
+    Raises
+    ------
+    ValueError
+        An argument cannot be used.
+    KeyboardInterrupt
+        On Ctrl-C.
+    """
+    asked = _asked(gap_mm, ratio, frequency_hz, **keywords)
+    return Map(_native.map(rig, asked, threads, progress))
+
+
+def map_tiles(rig: Rig, **keywords: Any) -> int:
+    """How many tiles the map of :func:`map` with the same arguments has. Tiles are what a cluster shares."""
+    return _native.map_tiles(rig, _asked(**keywords))
+
+
+def map_tile(rig: Rig, index: int, *, threads: int | None = None, **keywords: Any) -> bytes:
+    """One tile of the map, as bytes for :func:`merge_map`; a task for Dask or any other pool of workers.
+
+    ``index`` is from 0 to below :func:`map_tiles`. ``threads=1`` leaves the sharing of processors to the workers.
+    """
+    return _native.map_tile(rig, _asked(**keywords), index, threads, None)
+
+
+def merge_map(rig: Rig, tiles: Iterable[bytes], **keywords: Any) -> Map:
+    """The map whose tiles these are, in order; the same bytes as :func:`map` with the same arguments."""
+    return Map(_native.map_merge(rig, _asked(**keywords), list(tiles)))
+
+
+class Basins(Grid):
+    """Basins of attraction. Layers have the shape (velocities, displacements).
+
+    Axes: ``start_velocity_m_per_s`` and ``start_displacement_mm``, relative to the cart. Layers: ``impact`` (a contact in
+    the recorded cycles), ``attractor`` (its name), ``regime``, ``force_ratio``, ``settled_after_cycles``,
+    ``last_contact_cycle``. The other fields are those of ``host-sim basins --format json``: shares with their intervals,
+    attractors, entropies.
+    """
+
+    _LAYERS = ("impact", "attractor", "regime", "force_ratio", "settled_after_cycles", "last_contact_cycle")
+
+    def __init__(self, found: dict[str, Any]) -> None:
+        names = np.array(found.pop("attractor_names"))
+        found["attractor"] = names[found.pop("which")]
+        found["regime"] = np.array(found["regime"])
+        shape = (len(found["start_velocity_m_per_s"]), len(found["start_displacement_mm"]))
+        for name in self._LAYERS:
+            found[name] = found[name].reshape(shape)
+        super().__init__(found, ("start_velocity_m_per_s", "start_displacement_mm"), self._LAYERS)
+
+
+def basins(
+    rig: Rig,
+    *,
+    ratio: float | None = None,
+    frequency_hz: float | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    grid: int | tuple[int, int] = 500,
+    displacement_mm: tuple[float, float] | None = None,
+    velocity_m_per_s: tuple[float, float] | None = None,
+    phase: float = 0.0,
+    cycles: int = 300,
+    recorded: int = 100,
+    samples: int = 2000,
+    seed: int = 1,
+    until: int | None = None,
+    engine: Literal["event", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Basins:
+    """Which starts lead to lasting impacts, and to which motion (figures 3.36 to 3.38).
+
+    Parameters
+    ----------
+    grid:
+        Starts along displacement and velocity, or one number for both.
+    displacement_mm, velocity_m_per_s:
+        The window, from and to, relative to the cart; -6 mm to the gap and -0.15 to 0.15 m/s if left out.
+    phase:
+        Drive phase at the start, turns from 0 to below 1.
+    samples, seed, until:
+        Random starts beside the grid, for shares with confidence intervals, run on to ``until`` cycles.
+
+    The other arguments are those of :func:`simulate` and :func:`map`.
+
+    Raises
+    ------
+    ValueError
+        An argument cannot be used.
+    KeyboardInterrupt
+        On Ctrl-C.
+    """
+    both = (grid, grid) if isinstance(grid, int) else tuple(grid)
+    found = _native.basins(
+        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, grid=both, displacement_mm=_pair(displacement_mm),
+        velocity_m_per_s=_pair(velocity_m_per_s), phase=phase, cycles=cycles, recorded=recorded, samples=samples,
+        seed=seed, until=until, engine=engine, precision=precision, tick_us=tick_us, threads=threads, progress=progress,
+    )
+    return Basins(found)
+
+
+def bifurcation(
+    rig: Rig,
+    *,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    gap_mm: Numbers | None = None,
+    cart: Cart | None = None,
+    direction: Literal["rest", "up", "down", "all"] = "rest",
+    cycles: int = 300,
+    recorded: int = 100,
+    engine: Literal["event", "switch"] = "event",
+    precision: Literal["f32", "f64"] | None = None,
+    tick_us: float | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Displacement and force on the section over frequency (figures 3.28 to 3.35).
+
+    Returns
+    -------
+    Record
+        ``points``: a table with a row for each point of the section (as many for each frequency as the motion has periods; where
+        it does not repeat, all recorded); ``diagrams``: for each gap and direction where the number of branches ``changes``;
+        ``twofold``: where the sweeps up and down differ (with ``direction="all"``).
+
+    The arguments are those of :func:`sweep` and :func:`map`.
+    """
+    found = _native.bifurcation(
+        rig, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=_list(gap_mm), cart=cart, direction=direction,
+        cycles=cycles, recorded=recorded, engine=engine, precision=precision, tick_us=tick_us, threads=threads,
+        progress=progress,
+    )
+    return Record(_tables(found, "points"))
+
+
+def orbits(
+    rig: Rig,
+    *,
+    along: Literal["frequency", "gap"] = "frequency",
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    gap_mm: Numbers | None = None,
+    cart: Cart | None = None,
+    periods: int = 2,
+    impacts: int = 2,
+    starts: int = 40,
+    checks: int | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Periodic orbits, stable or not, followed over frequency or gap, with their period doublings, folds and grazes.
+
+    Parameters
+    ----------
+    along:
+        ``"frequency"``: ``ratio`` or ``frequency_hz`` is a pair (from, to), Ω/ω 0.8 to 4 if left out, and ``gap_mm`` one number;
+        ``"gap"``: ``gap_mm`` is the pair, and ``ratio`` or ``frequency_hz`` one number.
+    periods, impacts:
+        Orbits of up to so many drive periods (1 to 8) and contacts (1 to 16).
+    starts, checks:
+        Values at which simulations look for orbits, and at which they check that none was missed.
+
+    Returns
+    -------
+    Record
+        ``branches`` (each with its range, stable stretches and ends), tables ``special_points`` and ``orbits`` (a row for each orbit
+        and strobe, with both multipliers), and ``seen_elsewhere``: regimes that simulations settled on off these branches.
+    """
+    found = _native.orbits(
+        rig, along=along, ratio=_list(ratio), frequency_hz=_list(frequency_hz), gap_mm=_list(gap_mm), cart=cart,
+        periods=periods, impacts=impacts, starts=starts, checks=checks, threads=threads, progress=progress,
+    )
+    return Record(_tables(found, "orbits", "special_points"))
+
+
+def poincare(
+    rig: Rig,
+    *,
+    ratio: float | None = None,
+    frequency_hz: float | None = None,
+    gap_mm: float | None = None,
+    points: int = 10_000,
+    transient: int = 500,
+    phases_turns: Numbers = 0.0,
+    start: Start = "rest",
+    progress: Progress | None = None,
+) -> Record:
+    """Poincaré sections of one trajectory at one or several drive phases (figures 3.15 to 3.23).
+
+    Returns
+    -------
+    Record
+        ``section``: a table with a row for each point (``phase_turns``, ``relative_displacement_mm``,
+        ``relative_velocity_m_per_s``, ``force_n``, ...); ``trajectory``: the periods after the last point; ``regime``.
+    """
+    found = _native.poincare(
+        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, points=points, transient=transient,
+        phases_turns=_list(phases_turns), start=start, progress=progress,
+    )
+    return Record(_tables(found, "section", "trajectory"))
+
+
+def lyapunov(
+    rig: Rig,
+    *,
+    ratio: float | None = None,
+    frequency_hz: float | None = None,
+    gap_mm: float | None = None,
+    periods: int = 10_000,
+    transient: int = 500,
+    start: Start = "rest",
+) -> Record:
+    """Both Lyapunov exponents of a trajectory, through its contacts.
+
+    Returns
+    -------
+    Record
+        ``largest_per_s`` and its ``standard_error_per_s``, ``other_per_s``, ``largest_per_period``, and ``meaning``:
+        "chaotic", "contracting" or "undecided", at three standard errors.
+
+    Notes
+    -----
+    The derivative of a drive period comes from dual numbers, the jump at each switch included (Müller 1995,
+    doi:10.1016/0960-0779(94)00170-U).
+    """
+    return Record(
+        _native.lyapunov(
+            rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, periods=periods, transient=transient, start=start
+        )
+    )
+
+
+def contact(
+    rig: Rig, *, speed_m_per_s: Numbers | None = None, law: Literal["all", "own"] = "all"
+) -> Table:
+    """One contact of the free hammer with a wall under each contact law, (3-2) to (3-5), over approach speed.
+
+    Returns
+    -------
+    Table
+        A row for each law and speed: ``contact_time_ms``, ``restitution``, ``force_n``, ``energy_lost_j``, ...
+        Speeds are 0.02 to 0.3 m/s in steps of 0.02 if left out.
+    """
+    usual = [0.02 + i * 0.02 for i in range(15)]
+    speeds = usual if speed_m_per_s is None else _list(speed_m_per_s)
+    return Table(_native.contact(rig, speed_m_per_s=speeds, law=law))
+
+
+def drop(
+    rig: Rig,
+    *,
+    gap_mm: float | None = None,
+    release_mm: float = -3.0,
+    impacts: int = 4,
+    sampling_hz: float = 50e3,
+    noise_n: float = 0.0,
+    ringing: float = 0.0,
+    bits: int = 0,
+    full_scale_n: float = 100.0,
+    force_gain_percent: float = 0.0,
+    offset_n: float = 0.0,
+    drift_n_per_s: float = 0.0,
+    filter_hz: float = 0.0,
+    displacement_gain_percent: float = 0.0,
+    seed: int = 1,
+) -> Table:
+    """A drop test as sensors would see it, to try :func:`identify` on (figures 3.8 to 3.10).
+
+    Returns
+    -------
+    Table
+        A row for each sample: ``time_s``, ``force_n``, ``displacement_mm``, ``acceleration_m_per_s2``.
+    """
+    return Table(
+        _native.drop(
+            rig, gap_mm=gap_mm, release_mm=release_mm, impacts=impacts, sampling_hz=sampling_hz, noise_n=noise_n,
+            ringing=ringing, bits=bits, full_scale_n=full_scale_n, force_gain_percent=force_gain_percent,
+            offset_n=offset_n, drift_n_per_s=drift_n_per_s, filter_hz=filter_hz,
+            displacement_gain_percent=displacement_gain_percent, seed=seed,
+        )
+    )
+
+
+def identify(
+    rig: Rig,
+    time_s: Iterable[float],
+    force_n: Iterable[float],
+    displacement_mm: Iterable[float] | None = None,
+    *,
+    gap_mm: float | None = None,
+    law: str | Sequence[str] = "spring-dashpot",
+    misfit: str | Sequence[str] = ("force", "peaks"),
+    release_mm: float | None = None,
+    seek_release: bool = False,
+    seek_exponent: bool = False,
+    impacts: int = 6,
+    gain_percent: float = 2.0,
+    release_height_percent: float = 1.0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Contact parameters from a drop test, with 95 % intervals.
+
+    Parameters
+    ----------
+    time_s, force_n, displacement_mm:
+        The record: arrays of one length, times rising. Displacement, if there, gives the release.
+    law:
+        ``"spring-dashpot"``, ``"hertz"``, ``"hunt-crossley"``, ``"lankarani-nikravesh"``, or several.
+    misfit:
+        ``"force"`` (the whole force) and ``"peaks"`` (the chapter's).
+    gain_percent, release_height_percent:
+        How uncertain the sensor's gain and the release are: standard deviations, %.
+
+    Returns
+    -------
+    Record
+        ``fits``: one for each law and misfit, with ``parameters`` (key, value, low, high), ``refused`` (the law does not fit),
+        ``rms_n`` and a table ``impacts``.
+
+    Raises
+    ------
+    ValueError
+        The record has no impact, or an argument cannot be used.
+    """
+    laws = [law] if isinstance(law, str) else list(law)
+    misfits = [misfit] if isinstance(misfit, str) else list(misfit)
+    found = _native.identify(
+        rig, time_s=_list(time_s), force_n=_list(force_n), displacement_mm=_list(displacement_mm), gap_mm=gap_mm,
+        laws=laws, misfits=misfits, release_mm=release_mm, seek_release=seek_release, seek_exponent=seek_exponent,
+        impacts=impacts, gain_percent=gain_percent, release_height_percent=release_height_percent, threads=threads,
+        progress=progress,
+    )
+    found["fits"] = [Record(_tables(fit, "impacts")) for fit in found["fits"]]
+    return Record(found)
+
+
+def drill(
+    rig: Rig,
+    *,
+    threshold_n: float,
+    ground_stiffness_n_per_m: float | None = None,
+    ground_damping_n_s_per_m: float | None = None,
+    threshold_percent: float = 20.0,
+    ground_stiffness_percent: float = 20.0,
+    ratio: Numbers | None = None,
+    frequency_hz: Numbers | None = None,
+    gap_mm: float | None = None,
+    cart: Cart | None = None,
+    settle: int = 300,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Record:
+    """Rate of penetration over frequency on ground that gives way at ``threshold_n`` (without a bit of its own mass).
+
+    Returns
+    -------
+    Record
+        ``rows``: a table with a row for each frequency; ``advice``: the best 1/1 and how far it moves over the uncertainty.
+
+    Notes
+    -----
+    The ground is the drifting oscillator of Pavlovskaia, Wiercigroch and Grebogi (Physical Review E 64, 056224, 2001).
+    """
+    found = _native.drill(
+        rig, threshold_n=threshold_n, ground_stiffness_n_per_m=ground_stiffness_n_per_m,
+        ground_damping_n_s_per_m=ground_damping_n_s_per_m, threshold_percent=threshold_percent,
+        ground_stiffness_percent=ground_stiffness_percent, ratio=_list(ratio), frequency_hz=_list(frequency_hz),
+        gap_mm=gap_mm, cart=cart, settle=settle, threads=threads, progress=progress,
+    )
+    return Record(_tables(found, "rows"))
+
+
+def emulate(scenario: str = "field", *, toml: str | None = None, samples_per_second: int = 1000) -> Record:
+    """Runs the board's controller in a closed loop with an emulated rig.
+
+    Parameters
+    ----------
+    scenario:
+        A built-in scenario (:func:`scenarios`) or a scenario file.
+    toml:
+        The text of a scenario; ``scenario`` is then only its name.
+    samples_per_second:
+        Samples of the true motion that are kept, at most 20000; 0 keeps none.
+
+    Returns
+    -------
+    Record
+        The verdict as ``host-sim emulate --format json`` has it; tables ``samples`` (true motion, state, drive frequency),
+        ``contact_list`` and ``timeline``.
+    """
+    found = _native.emulate(scenario, toml=toml, samples_per_second=samples_per_second)
+    return Record(_tables(found, "samples", "contact_list", "timeline"))
+
+
+def scenarios() -> dict[str, str]:
+    """The built-in scenarios: names and descriptions."""
+    return dict(_native.scenarios())
+
+
+def _tables(found: dict[str, Any], *names: str) -> dict[str, Any]:
+    for name in names:
+        found[name] = Table(found[name])
+    return found

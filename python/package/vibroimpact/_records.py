@@ -1,0 +1,189 @@
+"""What the functions return: records with attributes, and tables with a NumPy array for each column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+
+class Record(Mapping):
+    """An answer. Its fields are attributes, and items as in a mapping; their units are in their names.
+
+    ``record.force_ratio`` and ``record["force_ratio"]`` are the same. ``dict(record)`` gives the fields, and
+    :meth:`to_dict` gives them with everything below as plain Python values.
+    """
+
+    def __init__(self, fields: Mapping[str, Any]) -> None:
+        self._fields = {key: _wrapped(value) for key, value in fields.items()}
+
+    def __getitem__(self, key: str) -> Any:
+        return self._fields[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fields)
+
+    def __len__(self) -> int:
+        return len(self._fields)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self._fields[name]
+        except KeyError:
+            fields = ", ".join(self._fields)
+            raise AttributeError(f"there is no field {name}; there are {fields}") from None
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._fields]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self._fields
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._fields = state
+
+    def __repr__(self) -> str:
+        lines = (f"  {key}={_short(value)}" for key, value in self._fields.items())
+        return f"{type(self).__name__}(\n" + ",\n".join(lines) + "\n)"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields as plain Python values: dictionaries, lists, numbers and strings."""
+        return {key: _plain(value) for key, value in self._fields.items()}
+
+
+class Table(Record):
+    """Rows as columns: each field is an array with one value for each row.
+
+    Numbers that a row does not have are NaN; words that it does not have are ``None``.
+    """
+
+    def __init__(self, columns: Mapping[str, Any]) -> None:
+        self._fields = {key: _column(values) for key, values in columns.items()}
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are."""
+        return len(next(iter(self._fields.values()))) if self._fields else 0
+
+    def row(self, index: int) -> Record:
+        """One row."""
+        return Record({key: values[index] for key, values in self._fields.items()})
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.rows} rows: {', '.join(self._fields)})"
+
+    def to_pandas(self) -> Any:
+        """The table as a ``pandas.DataFrame`` (needs pandas)."""
+        import pandas
+
+        return pandas.DataFrame(dict(self._fields))
+
+    def to_xarray(self) -> Any:
+        """The table as an ``xarray.Dataset`` over the dimension ``row`` (needs xarray)."""
+        import xarray
+
+        return xarray.Dataset({key: ("row", values) for key, values in self._fields.items()})
+
+
+class Grid(Record):
+    """Values over two axes. :attr:`axes` names them; each layer has the shape of the axes."""
+
+    def __init__(self, fields: Mapping[str, Any], axes: tuple[str, str], layers: tuple[str, ...]) -> None:
+        super().__init__(fields)
+        self._axes, self._layers = axes, layers
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"fields": self._fields, "axes": self._axes, "layers": self._layers}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._fields, self._axes, self._layers = state["fields"], state["axes"], state["layers"]
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """Names of the rows' and the columns' coordinate."""
+        return self._axes
+
+    @property
+    def layers(self) -> tuple[str, ...]:
+        """Names of what is known of each cell."""
+        return self._layers
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        rows, columns = self._axes
+        return len(self._fields[rows]), len(self._fields[columns])
+
+    def __repr__(self) -> str:
+        rows, columns = self._axes
+        at = f"{self.shape[0]} x {self.shape[1]} cells over {rows} and {columns}"
+        return f"{type(self).__name__}({at}: {', '.join(self._layers)})"
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a row for each cell (needs pandas)."""
+        import pandas
+
+        rows, columns = (self._fields[axis] for axis in self._axes)
+        there = {self._axes[0]: np.repeat(rows, len(columns)), self._axes[1]: np.tile(columns, len(rows))}
+        return pandas.DataFrame(there | {name: self._fields[name].ravel() for name in self._layers})
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` over the two axes (needs xarray)."""
+        import xarray
+
+        layers = {name: (self._axes, self._fields[name]) for name in self._layers}
+        return xarray.Dataset(layers, coords={axis: self._fields[axis] for axis in self._axes})
+
+
+def _wrapped(value: Any) -> Any:
+    if isinstance(value, Record):
+        return value
+    if isinstance(value, dict):
+        return Record(value)
+    if isinstance(value, list):
+        return [_wrapped(one) for one in value]
+    return value
+
+
+def _column(values: Any) -> np.ndarray:
+    if isinstance(values, np.ndarray):
+        return values
+    known = [one for one in values if one is not None]
+    if not known or all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in known):
+        if len(known) < len(values) or not known:
+            return np.array([np.nan if one is None else one for one in values], dtype=float)
+        return np.array(values)
+    if all(isinstance(one, bool) for one in values):
+        return np.array(values, dtype=bool)
+    if len(known) == len(values) and all(isinstance(one, str) for one in known):
+        return np.array(values)
+    column = np.empty(len(values), dtype=object)
+    column[:] = values
+    return column
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Record):
+        return value.to_dict()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    return value
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"<array {value.dtype} {value.shape}>"
+    if isinstance(value, (Table, Grid)):
+        return repr(value)
+    if isinstance(value, Record):
+        return f"Record({', '.join(value)})"
+    if isinstance(value, list) and len(value) > 4:
+        return f"[{len(value)} values]"
+    return repr(value)

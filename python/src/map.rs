@@ -1,0 +1,246 @@
+//! The Peterka map: whole, or tile by tile for a cluster.
+
+use std::sync::Mutex;
+
+use numerics::Error;
+use numerics::engine::Engine;
+use numerics::lanes::CellPlan;
+use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
+use numerics::map::{
+    Grid, Map, MapCell, MapRequest, Runner, Summary, Tiles, merge, run, run_tiles,
+};
+use numerics::row::tidy;
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::arguments;
+use crate::error::{from_numerics, wrong};
+use crate::rig::Rig;
+use crate::values::object;
+use crate::work::How;
+
+/// What is asked of a map, as keywords.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Asked {
+    gap_mm: Option<Vec<f64>>,
+    ratio: Option<Vec<f64>>,
+    frequency_hz: Option<Vec<f64>>,
+    cart: Option<String>,
+    engine: String,
+    precision: Option<String>,
+    tick_us: Option<f64>,
+    direction: String,
+    cycles: u32,
+    recorded: Option<u32>,
+    settle: Option<u32>,
+}
+
+impl Asked {
+    fn request(self, rig: &Rig) -> PyResult<MapRequest> {
+        let rig = arguments::at(rig, None, self.cart.as_deref())?;
+        let given = arguments::frequencies(&rig, self.ratio, self.frequency_hz)?;
+        let gaps_mm = match self.gap_mm {
+            None => chapter_gaps_mm(&rig.params),
+            Some(gaps) => {
+                arguments::rising("gap_mm", &gaps)?;
+                gaps.into_iter().map(tidy).collect()
+            }
+        };
+        for mm in [gaps_mm.first(), gaps_mm.last()].into_iter().flatten() {
+            let there = rig.params.with_gap_mm(*mm);
+            there.map_err(|e| from_numerics(e.into()))?;
+        }
+        let runner = match self.engine.as_str() {
+            "reference" => Runner::Reference,
+            name => match arguments::engine(name, self.precision.as_deref(), self.tick_us)? {
+                Engine::Event => Runner::Lanes,
+                Engine::Switch(setting) => Runner::Switch(setting),
+            },
+        };
+        let request = MapRequest {
+            grid: Grid {
+                frequencies_hz: given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params)),
+                gaps_mm,
+            },
+            rig,
+            runner,
+            plan: CellPlan {
+                cycles: self.cycles,
+                recorded: self.recorded.unwrap_or((self.cycles / 2).min(100)),
+                early: true,
+                strobes: 0,
+            },
+            settle: self.settle,
+            from: arguments::direction(&self.direction)?,
+        };
+        request.check().map_err(from_numerics)?;
+        Ok(request)
+    }
+}
+
+#[pyfunction]
+#[pyo3(signature = (rig, asked, threads, progress))]
+pub fn map<'py>(
+    py: Python<'py>,
+    rig: &Rig,
+    asked: Asked,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = asked.request(rig)?;
+    let how = How { threads, progress };
+    let made = how.run(py, request.grid.len() as u64, |watch| {
+        run(&request, None, watch)
+    })?;
+    arrays(py, &request, &made)
+}
+
+/// How many tiles the map has.
+#[pyfunction]
+pub fn map_tiles(rig: &Rig, asked: Asked) -> PyResult<usize> {
+    Ok(asked.request(rig)?.tiles())
+}
+
+/// The cells of one tile, as bytes that [`map_merge`] reads.
+#[pyfunction]
+#[pyo3(signature = (rig, asked, index, threads, progress))]
+pub fn map_tile<'py>(
+    py: Python<'py>,
+    rig: &Rig,
+    asked: Asked,
+    index: usize,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let request = asked.request(rig)?;
+    let kept = Kept::new(request.tiles());
+    let range = index..index.saturating_add(1);
+    request.check_tiles(&range).map_err(from_numerics)?;
+    let how = How { threads, progress };
+    how.run(py, request.tile(index).len() as u64, |watch| {
+        run_tiles(&request, range, &kept, watch)
+    })?;
+    let cells = kept.tiles.into_inner().unwrap_or_else(|e| e.into_inner());
+    let cells = cells.into_iter().nth(index).flatten().unwrap_or_default();
+    let bytes = postcard::to_stdvec(&cells).map_err(|e| wrong(e.to_string()))?;
+    Ok(PyBytes::new(py, &bytes))
+}
+
+/// The map whose tiles are these, in order.
+#[pyfunction]
+pub fn map_merge<'py>(
+    py: Python<'py>,
+    rig: &Rig,
+    asked: Asked,
+    tiles: Vec<Vec<u8>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = asked.request(rig)?;
+    if tiles.len() != request.tiles() {
+        return Err(wrong(format!(
+            "there are {} tiles, must be {}",
+            tiles.len(),
+            request.tiles()
+        )));
+    }
+    let kept = Kept::new(tiles.len());
+    for (i, bytes) in tiles.iter().enumerate() {
+        let cells: Vec<MapCell> = postcard::from_bytes(bytes)
+            .map_err(|e| wrong(format!("tile {i} cannot be read: {e}; compute it again")))?;
+        kept.write(i, &cells).map_err(from_numerics)?;
+    }
+    let made = merge(&request, &kept).map_err(from_numerics)?;
+    arrays(py, &request, &made)
+}
+
+/// Tiles in memory.
+struct Kept {
+    tiles: Mutex<Vec<Option<Vec<MapCell>>>>,
+}
+
+impl Kept {
+    fn new(count: usize) -> Self {
+        Self {
+            tiles: Mutex::new(vec![None; count]),
+        }
+    }
+
+    fn with<T>(&self, act: impl FnOnce(&mut Vec<Option<Vec<MapCell>>>) -> T) -> T {
+        act(&mut self.tiles.lock().unwrap_or_else(|e| e.into_inner()))
+    }
+}
+
+impl Tiles for Kept {
+    fn begin(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn read(&self, index: usize, cells: usize) -> Option<Vec<MapCell>> {
+        let tile = self.with(|tiles| tiles.get(index).cloned().flatten());
+        tile.filter(|tile| tile.len() == cells)
+    }
+
+    fn write(&self, index: usize, cells: &[MapCell]) -> Result<(), Error> {
+        self.with(|tiles| {
+            if let Some(tile) = tiles.get_mut(index) {
+                *tile = Some(cells.to_vec());
+            }
+        });
+        Ok(())
+    }
+}
+
+/// Axes, layers (row by row: every frequency of the first gap, then of the second) and summary.
+fn arrays<'py>(py: Python<'py>, request: &MapRequest, map: &Map) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("rig", &map.rig.name)?;
+    found.set_item("engine", request.runner.name())?;
+    found.set_item("direction", request.from.name())?;
+    found.set_item("cycles", request.plan.cycles)?;
+    found.set_item("recorded", request.plan.recorded)?;
+    found.set_item("settle", request.settle)?;
+    found.set_item("summary", object(py, &Summary::of(map))?)?;
+    found.set_item("gap_mm", map.grid.gaps_mm.clone().into_pyarray(py))?;
+    found.set_item("gap_ratio", map.gap_ratios().into_pyarray(py))?;
+    let hz = map.grid.frequencies_hz.clone();
+    found.set_item("frequency_hz", hz.into_pyarray(py))?;
+    found.set_item("frequency_ratio", map.frequency_ratios().into_pyarray(py))?;
+    let cells = &map.cells;
+    // Hundreds of thousands of cells have some tens of regimes: names once, and which cell has which.
+    let mut names: Vec<String> = Vec::new();
+    let mut which = Vec::with_capacity(cells.len());
+    for cell in cells {
+        let name = cell.label().to_string();
+        let at = names.iter().position(|n| *n == name);
+        which.push(at.unwrap_or_else(|| {
+            names.push(name);
+            names.len() - 1
+        }));
+    }
+    found.set_item("regime_names", names)?;
+    found.set_item("regime_index", which.into_pyarray(py))?;
+    let each = |of: fn(&MapCell) -> f64| -> Vec<f64> { cells.iter().map(of).collect() };
+    let known = |n: Option<f64>| n.unwrap_or(f64::NAN);
+    let impacts: Vec<u16> = cells.iter().map(|c| c.regime.impacts()).collect();
+    found.set_item("impacts", impacts.into_pyarray(py))?;
+    let periods = cells
+        .iter()
+        .map(|c| known(c.regime.periods().map(f64::from)));
+    found.set_item("periods", periods.collect::<Vec<_>>().into_pyarray(py))?;
+    let ratios: Vec<f64> = (0..cells.len()).map(|i| map.force_ratio(i)).collect();
+    found.set_item("force_ratio", ratios.into_pyarray(py))?;
+    found.set_item("force_n", each(|c| c.force_n).into_pyarray(py))?;
+    let settled = cells.iter().map(|c| known(c.settled_after.map(f64::from)));
+    found.set_item(
+        "settling_cycles",
+        settled.collect::<Vec<_>>().into_pyarray(py),
+    )?;
+    let searched: Vec<u8> = cells.iter().map(|c| c.searched).collect();
+    found.set_item("largest_period_searched", searched.into_pyarray(py))?;
+    let uncertain: Vec<bool> = cells.iter().map(|c| c.uncertain).collect();
+    found.set_item("uncertain", uncertain.into_pyarray(py))?;
+    let failed: Vec<bool> = cells.iter().map(|c| c.failed).collect();
+    found.set_item("failed", failed.into_pyarray(py))?;
+    Ok(found)
+}

@@ -1,0 +1,132 @@
+//! Poincaré sections and Lyapunov exponents.
+
+use numerics::lyapunov::{Span, exponents};
+use numerics::poincare::{SectionRequest, portrait};
+use numerics::row::{regime_as_text, tidy};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Serialize;
+use shared::model::regime::Regime;
+use shared::model::rig::Rig as Model;
+
+use crate::arguments::{self, StartArgument};
+use crate::error::wrong;
+use crate::rig::Rig;
+use crate::values::{columns, record};
+use crate::work::How;
+
+#[derive(Serialize)]
+struct Answer {
+    rig: String,
+    gap_mm: f64,
+    frequency_hz: f64,
+    frequency_ratio: f64,
+    #[serde(serialize_with = "regime_as_text")]
+    regime: Regime,
+    force_n: f64,
+    force_ratio: f64,
+    points: u32,
+    transient: u32,
+    phases_turns: Vec<f64>,
+    steps_per_period: f64,
+}
+
+#[pyfunction]
+#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, points, transient, phases_turns, start, progress))]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "each is a keyword of the Python function"
+)]
+pub fn poincare<'py>(
+    py: Python<'py>,
+    rig: &Rig,
+    ratio: Option<f64>,
+    frequency_hz: Option<f64>,
+    gap_mm: Option<f64>,
+    points: u32,
+    transient: u32,
+    mut phases_turns: Vec<f64>,
+    start: StartArgument,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    const MOST: u32 = 10_000_000;
+    if !(1..=MOST).contains(&points) {
+        return Err(wrong(format!(
+            "points is {points}, must be from 1 to {MOST}"
+        )));
+    }
+    if let Some(bad) = phases_turns.iter().find(|p| !(0.0..1.0).contains(*p)) {
+        return Err(wrong(format!(
+            "phases_turns has {bad}, must be from 0 to below 1"
+        )));
+    }
+    phases_turns.sort_by(f64::total_cmp);
+    phases_turns.dedup();
+    let rig = arguments::at(rig, gap_mm, None)?;
+    let request = SectionRequest {
+        params: rig.params,
+        frequency_hz: arguments::one_frequency(&rig, ratio, frequency_hz)?,
+        start: start.start()?,
+        phases: phases_turns,
+        transient,
+        points,
+    };
+    let how = How {
+        threads: None,
+        progress,
+    };
+    let seen = how.run(py, u64::from(points), |watch| portrait(&request, watch))?;
+    let params = &request.params;
+    let answer = Answer {
+        rig: rig.name.clone(),
+        gap_mm: tidy(params.gap_m * 1e3),
+        frequency_hz: tidy(request.frequency_hz),
+        frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
+        regime: seen.regime,
+        force_n: seen.force_n,
+        force_ratio: seen.force_n / params.weight_n(),
+        points,
+        transient,
+        phases_turns: request.phases.clone(),
+        steps_per_period: seen.steps_per_period,
+    };
+    let rows: Vec<_> = seen.sections.iter().flatten().copied().collect();
+    let found = record(py, &answer)?;
+    found.set_item("section", columns(py, &rows)?)?;
+    found.set_item("trajectory", columns(py, &seen.trajectory)?)?;
+    Ok(found)
+}
+
+#[pyfunction]
+#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, periods, transient, start))]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "each is a keyword of the Python function"
+)]
+pub fn lyapunov<'py>(
+    py: Python<'py>,
+    rig: &Rig,
+    ratio: Option<f64>,
+    frequency_hz: Option<f64>,
+    gap_mm: Option<f64>,
+    periods: u32,
+    transient: u32,
+    start: StartArgument,
+) -> PyResult<Bound<'py, PyDict>> {
+    let rig = arguments::at(rig, gap_mm, None)?;
+    let hz = arguments::one_frequency(&rig, ratio, frequency_hz)?;
+    let start = start.start()?;
+    let how = How {
+        threads: None,
+        progress: None,
+    };
+    let found = how.run(py, 1, |_| {
+        numerics::engine::check_frequency(hz, &rig.params)?;
+        let model = Model::<f64>::new(&rig.params)?;
+        let section = start.section(&model, std::f64::consts::TAU * hz)?;
+        exponents(&rig.params, hz, section, Span { transient, periods })
+    })?;
+    let answer = record(py, &found)?;
+    answer.set_item("meaning", found.meaning())?;
+    Ok(answer)
+}

@@ -1,0 +1,164 @@
+"""Rigs, errors, progress, interruption, threads, tables, and what travels to other processes."""
+
+import pickle
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+WIRES = vi.Rig("wires")
+
+
+def test_a_rig_has_its_parameters_with_units_in_their_names():
+    rig = vi.Rig("beam-170", mass_kg=0.5, gap_mm=1.0)
+    assert rig.mass_kg == 0.5 and rig.parameters["gap_mm"] == 1.0
+    assert repr(rig) == "Rig(\"beam-170\", mass_kg=0.5, gap_mm=1.0)"
+    assert eval(repr(rig), {"Rig": vi.Rig}) == rig
+    assert rig.replace(mass_kg=0.6).mass_kg == 0.6 and rig.mass_kg == 0.5
+    assert vi.presets() == ["wires", "beam-170", "beam-150", "beam-135"]
+
+
+def test_a_rig_reads_its_own_file_and_a_text(tmp_path):
+    rig = vi.Rig("wires", mass_kg=0.3)
+    file = tmp_path / "mine.toml"
+    file.write_text(rig.to_toml())
+    assert vi.Rig(str(file)).parameters == rig.parameters
+    assert vi.Rig(str(file)).name == "mine"
+    assert vi.Rig.from_toml(rig.to_toml(), "mine").parameters == rig.parameters
+
+
+def test_a_rig_travels_to_another_process_without_its_file(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text('preset = "wires"\nmass_kg = 0.3\n[uncertainty]\nmass_percent = 1\n')
+    rig = vi.Rig(str(file), gap_mm=0.1)
+    sent = pickle.dumps(rig)
+    file.unlink()
+    assert pickle.loads(sent) == rig
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: vi.Rig("wire"), ["wire", "wires"]),
+        (lambda: vi.Rig("wires", mass_kg=-1), ["mass_kg", "-1"]),
+        (lambda: vi.Rig("wires", mass=1), ["mass"]),
+        (lambda: vi.Rig("no/such/file.toml"), ["no/such/file.toml"]),
+        (lambda: vi.Rig.from_toml("mass_kg = "), ["line 1"]),
+        (lambda: vi.simulate(WIRES), ["ratio", "frequency_hz"]),
+        (lambda: vi.simulate(WIRES, ratio=2, frequency_hz=3), ["ratio", "frequency_hz"]),
+        (lambda: vi.simulate(WIRES, ratio=float("nan")), ["NaN"]),
+        (lambda: vi.simulate(WIRES, ratio=2, start="up"), ["start", "up"]),
+        (lambda: vi.simulate(WIRES, ratio=2, start=(float("inf"), 0)), ["start"]),
+        (lambda: vi.simulate(WIRES, ratio=2, tick_us=5), ["tick_us", "switch"]),
+        (lambda: vi.simulate(WIRES, ratio=2, cart="loose"), ["cart", "loose"]),
+        (lambda: vi.simulate(WIRES, ratio=2, cycles=10, transient=10), ["transient", "10"]),
+        (lambda: vi.sweep(WIRES, ratio=[2, 1]), ["ratio", "rising"]),
+        (lambda: vi.sweep(WIRES, ratio=[]), ["ratio", "empty"]),
+        (lambda: vi.sweep(WIRES, ratio=[2], threads=0), ["threads", "0"]),
+        (lambda: vi.map(WIRES, gap_mm=[0, 500], ratio=[2]), ["gap"]),
+        (lambda: vi.map(WIRES, gap_mm=[0], ratio=[2], recorded=0), ["recorded"]),
+        (lambda: vi.pick(WIRES, nominal=True, mass_percent=1), ["nominal", "mass_percent"]),
+        (lambda: vi.pick(WIRES, mass_percent=-1), ["mass_percent", "-1"]),
+        (lambda: vi.pick(WIRES, max_force_n=-1), ["max_force_n", "-1"]),
+        (lambda: vi.pick(WIRES, max_force_n=1e-3, samples=1), ["max_force_n"]),
+        (lambda: vi.basins(WIRES, ratio=2, displacement_mm=(1, -1)), ["displacement"]),
+        (lambda: vi.identify(WIRES, [0, 1], [0, 0]), ["time_s", "2"]),
+        (lambda: vi.identify(WIRES, range(30), [0] * 29), ["force_n", "29", "30"]),
+        (lambda: vi.emulate("nowhere"), ["nowhere"]),
+        (lambda: vi.emulate(samples_per_second=10**6), ["samples_per_second"]),
+        (lambda: vi.drill(WIRES, threshold_n=-5), ["-5"]),
+    ],
+)
+def test_a_mistake_is_a_value_error_that_names_the_argument(call, words):
+    with pytest.raises(ValueError) as error:
+        call()
+    message = str(error.value)
+    assert all(word in message for word in words), message
+    assert "--" not in message and "\n" not in message, message
+
+
+def test_progress_is_told_from_the_calling_thread_and_ends_at_all():
+    seen = []
+    vi.map(
+        WIRES, gap_mm=np.linspace(0, 1, 8), ratio=np.linspace(1, 3, 300),
+        progress=lambda done, steps: seen.append((done, steps, threading.get_ident())),
+    )
+    assert seen[-1][:2] == (2400, 2400)
+    assert {thread for *_, thread in seen} == {threading.get_ident()}
+    assert [done for done, *_ in seen] == sorted(done for done, *_ in seen)
+
+
+def test_what_a_progress_callback_raises_ends_the_work():
+    def give_up(done, steps):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        vi.basins(WIRES, ratio=2.02, gap_mm=1, grid=400, progress=give_up)
+
+
+def test_ctrl_c_interrupts_and_the_interpreter_runs_meanwhile():
+    began = time.monotonic()
+    ran = threading.Event()
+
+    timer = threading.Timer(0.3, lambda: (ran.set(), signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        vi.map(WIRES, engine="reference")
+    assert ran.is_set()
+    assert time.monotonic() - began < 120
+
+
+def test_the_numbers_do_not_depend_on_threads():
+    keywords = dict(gap_mm=np.linspace(0, 2, 30), ratio=np.linspace(1, 4, 150))
+    one, many = vi.map(WIRES, threads=1, **keywords), vi.map(WIRES, threads=3, **keywords)
+    assert all(one[layer].tobytes() == many[layer].tobytes() for layer in one.layers)
+
+
+def test_tiles_by_other_workers_give_the_same_bytes():
+    keywords = dict(gap_mm=np.linspace(0, 2, 30), ratio=np.linspace(1, 4, 150))
+    whole = vi.map(WIRES, **keywords)
+    count = vi.map_tiles(WIRES, **keywords)
+    assert count > 1
+    tiles = [vi.map_tile(WIRES, i, threads=1, **keywords) for i in reversed(range(count))]
+    merged = vi.merge_map(WIRES, reversed(tiles), **keywords)
+    assert all(whole[layer].tobytes() == merged[layer].tobytes() for layer in whole.layers)
+    with pytest.raises(ValueError, match="must be"):
+        vi.merge_map(WIRES, tiles[1:], **keywords)
+    with pytest.raises(ValueError, match="tile 0"):
+        vi.merge_map(WIRES, [b"\xff\xff", *tiles[1:]], **keywords)
+
+
+def test_records_travel_and_print():
+    found = vi.map(WIRES, gap_mm=[0.0, 0.5], ratio=[1.9, 2.0, 2.1])
+    again = pickle.loads(pickle.dumps(found))
+    assert again.shape == (2, 3) and (again.regime == found.regime).all()
+    assert "2 x 3 cells" in repr(found)
+    run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, samples_per_period=20)
+    assert run.history.time_s.shape == (120 * 20,) or run.history.rows > 0
+    assert pickle.loads(pickle.dumps(run)).force_n == run.force_n
+    assert "regime='1/1'" in repr(run)
+    with pytest.raises(AttributeError, match="there is no field"):
+        run.nothing
+
+
+def test_tables_become_pandas_and_xarray():
+    pandas = pytest.importorskip("pandas")
+    xarray = pytest.importorskip("xarray")
+    table = vi.sweep(WIRES, ratio=[1.9, 2.0], cycles=60, transient=40)
+    assert list(table.to_pandas().columns) == list(table)
+    assert isinstance(table.to_xarray(), xarray.Dataset)
+    found = vi.map(WIRES, gap_mm=[0.0, 0.5], ratio=[1.9, 2.0, 2.1])
+    frame, cube = found.to_pandas(), found.to_xarray()
+    assert isinstance(frame, pandas.DataFrame) and len(frame) == 6
+    assert frame.force_n[4] == found.force_n[1, 1] == cube.force_n.values[1, 1]
+    assert cube.sizes == {"gap_mm": 2, "frequency_hz": 3}
+
+
+def test_an_emulated_run_has_its_motion_and_its_events():
+    run = vi.emulate("field", samples_per_second=100)
+    assert run.verdict == "pass" and run.final_state
+    assert run.samples.true_force_n.max() > 0 and run.timeline.rows > 3
+    assert "field" in vi.scenarios()

@@ -1,0 +1,69 @@
+//! The Python package: built as a wheel, installed into an environment of its own, and tested against the command line.
+
+use std::{fs, path::PathBuf, process::Command};
+
+use crate::{
+    Outcome,
+    command::{self, find, root},
+    desktop::{self, Build},
+};
+
+/// What builds the wheel and runs its tests, beside the package's own `numpy`.
+const PACKAGES: &[&str] = &["maturin>=1.9,<2", "numpy", "pandas", "xarray", "pytest"];
+
+/// Builds the package into `target/python`, and runs its tests with the words given.
+pub fn run(words: &[&str], build: &Build) -> Outcome {
+    let environment = environment()?;
+    let wheel = wheel(&environment)?;
+    let mut install = pip(&environment);
+    command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))?;
+    let program = desktop::program("host-sim", build)?;
+    let mut tests = Command::new(environment.join("bin/python"));
+    tests.current_dir(root().join("python"));
+    tests.env("HOST_SIM", program);
+    command::run(tests.args(["-m", "pytest", "-q"]).args(words))
+}
+
+/// The environment in `target/python`, with everything in it.
+fn environment() -> Outcome<PathBuf> {
+    let place = root().join("target/python");
+    if !place.join("bin/python").exists() {
+        let python = find("python3").ok_or(ADVICE)?;
+        let mut make = Command::new(python);
+        make.args(["-m", "venv"]).arg(&place);
+        command::run(&mut make).map_err(|error| format!("{error}; {ADVICE}"))?;
+    }
+    command::run(pip(&place).args(PACKAGES))?;
+    Ok(place)
+}
+
+const ADVICE: &str = "the Python package needs Python 3.9 or later with venv (Debian: apt-get install --no-install-recommends python3-venv)";
+
+fn pip(environment: &std::path::Path) -> Command {
+    let mut pip = Command::new(environment.join("bin/python"));
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+    ]);
+    pip
+}
+
+/// The wheel, in the profile of the tests: the same numbers as a release, compiled once for both.
+fn wheel(environment: &std::path::Path) -> Outcome<PathBuf> {
+    let place = root().join("target/wheels");
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
+    }
+    let mut build = Command::new(environment.join("bin/maturin"));
+    build.current_dir(root().join("python"));
+    build.args(["build", "--locked", "--profile", "dev", "--out"]);
+    build.arg(&place).arg("--interpreter");
+    command::run(build.arg(environment.join("bin/python")))?;
+    let built = fs::read_dir(&place)?
+        .next()
+        .ok_or("maturin left no wheel")??;
+    Ok(built.path())
+}
