@@ -19,14 +19,14 @@ pub struct CellRow {
     pub impact: bool,
     /// "p/n", "none", "aperiodic", "chatter" or "failed".
     pub regime: Outcome,
-    /// p.
-    pub impacts: u16,
+    /// p; none if the run failed.
+    pub impacts: Option<u16>,
     /// n, if the section repeats.
     pub periods: Option<u8>,
     /// Which of the attractors, by name.
     pub attractor: Name,
-    /// Largest contact force of the recorded cycles over m g.
-    pub force_ratio: f64,
+    /// Largest contact force of the recorded cycles over m g; none if the run failed.
+    pub force_ratio: Option<f64>,
     /// Cycle after which the section had settled.
     pub settled_after_cycles: Option<u32>,
     /// Cycle of the last contact, counted from 1.
@@ -49,10 +49,10 @@ pub fn rows(basins: &Basins) -> Vec<CellRow> {
             phase_turns: basins.query.phase,
             impact: fate.impacts(),
             regime: Outcome((!fate.failed).then_some(fate.regime)),
-            impacts: fate.regime.impacts(),
+            impacts: (!fate.failed).then(|| fate.regime.impacts()),
             periods: fate.regime.periods(),
             attractor: basins.attractors[usize::from(*which)].name,
-            force_ratio: fate.force_n / weight,
+            force_ratio: (!fate.failed).then_some(fate.force_n / weight),
             settled_after_cycles: fate.settled_after,
             last_contact_cycle: fate.last_contact,
             uncertain: fate.uncertain,
