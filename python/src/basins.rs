@@ -100,7 +100,10 @@ fn arrays<'py>(py: Python<'py>, basins: &Basins) -> PyResult<Bound<'py, PyDict>>
     let regime: Vec<String> = rows.iter().map(|r| r.regime.to_string()).collect();
     found.set_item("regime", regime)?;
     let known = |n: Option<u32>| n.map_or(f64::NAN, f64::from);
-    let force: Vec<f64> = rows.iter().map(|r| r.force_ratio).collect();
+    let force: Vec<f64> = rows
+        .iter()
+        .map(|r| r.force_ratio.unwrap_or(f64::NAN))
+        .collect();
     found.set_item("force_ratio", force.into_pyarray(py))?;
     let settled: Vec<f64> = rows.iter().map(|r| known(r.settled_after_cycles)).collect();
     found.set_item("settled_after_cycles", settled.into_pyarray(py))?;
