@@ -45,16 +45,20 @@ fn each_row_is_the_pick_of_its_value() {
 #[test]
 fn text_and_picture_show_how_it_moves_and_a_value_without_a_pick_says_why() {
     let folder = Folder::new();
-    // At a gap of 3 mm an amplitude of 0.1 mm never reaches the surface.
-    let line = "pick --nominal --gap 3 --over amplitude_mm=0.1:2:log3";
+    // At a gap of 3 mm an amplitude of 0.001 mm never reaches the surface, not even at resonance.
+    let line = "pick --nominal --gap 3 --over amplitude_mm=0.001:2:log2";
     let ran = folder.run(line).well();
-    assert!(ran.out.contains("0.1  no pick: rig wires"), "{ran:?}");
     assert!(
-        ran.out.contains("of 3 values have no frequency to run at"),
+        ran.out.contains("0.00100000  no pick: rig wires"),
+        "{ran:?}"
+    );
+    assert!(
+        ran.out
+            .contains("1 of 2 values have no frequency to run at"),
         "{ran:?}"
     );
     assert!(!ran.out.contains("NaN"), "{ran:?}");
-    let stem = "out/pick-wires-gap-3-over-amplitude_mm=0.1-2-log3";
+    let stem = "out/pick-wires-over-amplitude_mm=0.001-2-log2-nominal-gap-3";
     assert_eq!(folder.ends(stem), [".csv", ".json", ".png", ".svg"]);
     assert_svg_shows(
         &folder.read(&format!("{stem}.svg")),

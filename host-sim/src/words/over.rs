@@ -123,7 +123,9 @@ pub fn summary(rows: &[OverRow]) -> String {
     let Some(first) = rows.first() else {
         return String::new();
     };
-    let (from, to) = ends(rows, |r| Some(r.value)).unwrap_or((first.value, first.value));
+    let picked = ends(rows, |r| r.no_pick.is_none().then_some(r.value));
+    let whole = ends(rows, |r| Some(r.value));
+    let (from, to) = picked.or(whole).unwrap_or((first.value, first.value));
     let over = format!(
         "{} from {} to {}",
         first.parameter,
