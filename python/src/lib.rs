@@ -2,7 +2,7 @@
 //! arrays and plain dictionaries as answers. What is documented for people, and the classes around the dictionaries, is
 //! in the Python files beside this package (`vibroimpact/`).
 //!
-//! Every function computes with the interpreter released and looks for Ctrl-C meanwhile ([`work`]).
+//! Every function computes with the interpreter released and looks for Ctrl-C meanwhile (`work.rs`).
 
 mod arguments;
 mod basins;

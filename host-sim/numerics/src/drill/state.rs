@@ -86,7 +86,7 @@ impl<R: Scalar> Drill<R> {
         self.touch
     }
 
-    /// Distance of the front beyond its nominal place, m. 0 on the section with [`Feed::Cart`].
+    /// Distance of the front beyond its nominal place, m. 0 on the section with [`super::Feed::Cart`].
     pub fn lead_m(&self) -> f64 {
         self.point.lead.to_f64()
     }
