@@ -4,7 +4,7 @@
 //! The program waits at an address if a branch leads back to it twice with the same registers, outside of exceptions. The
 //! next time round is written down: instructions, the words of RAM that are touched, the cycles at each instruction. It is a
 //! waiting loop if it touches nothing but RAM and flash, and leaves registers and words as they were. One word may grow by
-//! a constant, if the instructions show that nothing else depends on it ([`Round::is_free_of`]).
+//! a constant, if the instructions show that nothing else depends on it (`Round::is_free_of`).
 
 use std::collections::HashMap;
 
