@@ -3,6 +3,7 @@
 use numerics::bifurcation::{DiagramRequest, changes, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
+use numerics::pick::CartModel;
 use numerics::row::tidy;
 use numerics::sweep::Direction;
 use pyo3::prelude::*;
@@ -92,6 +93,7 @@ pub fn bifurcation<'py>(
         }
     }
     found.set_item("twofold", object(py, &twofold)?)?;
+    found.set_item("cart", object(py, &CartModel::of(&request.rig.params))?)?;
     found.set_item("points", columns(py, &rows(&made))?)?;
     Ok(found)
 }
