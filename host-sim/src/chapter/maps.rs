@@ -2,7 +2,7 @@
 
 use super::{Statement, Verdict, percent};
 use crate::figures::Effort;
-use crate::figures::map::{chapter_map, unrest_shares};
+use crate::figures::map::{chapter_map, silent_after_one_one, unrest_shares};
 use crate::figures::map_force::{at_edge, strongest_rows};
 use crate::progress::Progress;
 use files::UserError;
@@ -107,6 +107,21 @@ fn edge(section: &'static str, map: &Map) -> Statement {
     )
 }
 
+/// Whether the beams do after 1/1 what the wires do there.
+fn instability(wires: &Map, beams: &[Map]) -> Statement {
+    let on_wires = silent_after_one_one(wires);
+    let on_beams = beams.iter().map(silent_after_one_one);
+    let least = on_beams.fold(f64::INFINITY, f64::min);
+    Statement::new(
+        "3.4.3, figures 3.46(b), 3.48(b), 3.50(b)",
+        "similar to wires, \"even the instability region after the z = 1/1 region\" above 1.5",
+        format!(
+            "of the cells after 1/1 above 1.5 A0, up to Ω/ω = 2 and from rest, {on_wires:.1} % end without contact on wires, at least {least:.1} % on each beam"
+        ),
+        Verdict::of((least - on_wires).abs() < 50.0),
+    )
+}
+
 fn unrest(section: &'static str, map: &Map) -> Statement {
     let [above, below] = unrest_shares(map);
     Statement::new(
@@ -205,6 +220,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
             ),
             Verdict::of(least(&like_wires, 0) > 90.0),
         ),
+        instability(&wires, &maps),
         Statement::new(
             "3.4.3 and 3.5",
             "the beams' maps \"are identical in all cases, except for the chaotic region\"",

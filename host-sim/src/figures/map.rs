@@ -331,7 +331,7 @@ fn like_wires(wires: &Map, beam: &Map) -> String {
 
 /// Of the cells above 1.5 A0 between the upper end of 1/1 and Ω/ω = 2 (the chapter's "instability region"), those that
 /// end without contact, %.
-fn silent_after_one_one(map: &Map) -> f64 {
+pub fn silent_after_one_one(map: &Map) -> f64 {
     let (ratios, gaps) = (map.frequency_ratios(), map.gap_ratios());
     let up_to = ratios.partition_point(|ratio| *ratio < 2.0);
     let (mut silent, mut cells) = (0u32, 0u32);
