@@ -42,6 +42,28 @@ impl Limits {
     pub fn limit_the_shaker(&self) -> bool {
         self.max_drive_force_n.is_some() || self.max_loop_force_n.is_some()
     }
+
+    /// Which of them decide: `more` says whether the others alone, without it, allow more.
+    pub fn which_decide(self, more: impl Fn(Self) -> bool) -> Vec<LimitUse> {
+        let (mut force, mut frequency, mut drive, mut held) = (self, self, self, self);
+        force.max_force_n = None;
+        frequency.max_frequency_hz = None;
+        drive.max_drive_force_n = None;
+        held.max_loop_force_n = None;
+        let all = [
+            ("max_force_n", self.max_force_n, force),
+            ("max_frequency_hz", self.max_frequency_hz, frequency),
+            ("max_drive_force_n", self.max_drive_force_n, drive),
+            ("shaker_max_force_n", self.max_loop_force_n, held),
+        ];
+        let given = all.into_iter().filter(|(_, limit, _)| limit.is_some());
+        let used = given.map(|(name, limit, others)| LimitUse {
+            name,
+            limit,
+            binds: more(others),
+        });
+        used.collect()
+    }
 }
 
 /// The orbit chosen.
@@ -278,23 +300,7 @@ impl Field<'_> {
             limit: None,
             binds: more(certain.best(free, limits)),
         }];
-        let (mut force, mut frequency, mut drive, mut held) = (limits, limits, limits, limits);
-        force.max_force_n = None;
-        frequency.max_frequency_hz = None;
-        drive.max_drive_force_n = None;
-        held.max_loop_force_n = None;
-        let given = [
-            ("max_force_n", limits.max_force_n, force),
-            ("max_frequency_hz", limits.max_frequency_hz, frequency),
-            ("max_drive_force_n", limits.max_drive_force_n, drive),
-            ("shaker_max_force_n", limits.max_loop_force_n, held),
-        ];
-        let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
-        uses.extend(given.map(|(name, limit, without)| LimitUse {
-            name,
-            limit,
-            binds: more(self.best(robust, without)),
-        }));
+        uses.extend(limits.which_decide(|others| more(self.best(robust, others))));
         uses
     }
 }

@@ -80,23 +80,7 @@ impl Field<'_> {
                 binds: more(certain.best(self.crowd.branch.range())),
             });
         }
-        let (mut force, mut frequency, mut drive, mut held) = (limits, limits, limits, limits);
-        force.max_force_n = None;
-        frequency.max_frequency_hz = None;
-        drive.max_drive_force_n = None;
-        held.max_loop_force_n = None;
-        let given = [
-            ("max_force_n", limits.max_force_n, force),
-            ("max_frequency_hz", limits.max_frequency_hz, frequency),
-            ("max_drive_force_n", limits.max_drive_force_n, drive),
-            ("shaker_max_force_n", limits.max_loop_force_n, held),
-        ];
-        let given = given.into_iter().filter(|(_, limit, _)| limit.is_some());
-        uses.extend(given.map(|(name, limit, without)| LimitUse {
-            name,
-            limit,
-            binds: more(self.best_within(robust, without)),
-        }));
+        uses.extend(limits.which_decide(|others| more(self.best_within(robust, others))));
         uses
     }
 }
