@@ -1,18 +1,18 @@
 //! Bifurcation diagrams.
 
-use numerics::bifurcation::{DiagramRequest, changes, diagrams, rows};
+use numerics::bifurcation::answer::Answer;
+use numerics::bifurcation::{DiagramRequest, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
-use numerics::pick::CartModel;
 use numerics::row::tidy;
 use numerics::sweep::Direction;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::wrong;
 use crate::rig::Rig;
-use crate::values::{columns, object};
+use crate::values::{columns, record};
 use crate::work::How;
 
 #[pyfunction]
@@ -66,34 +66,7 @@ pub fn bifurcation<'py>(
     };
     let how = How { threads, progress };
     let made = how.run(py, request.simulations(), |watch| diagrams(&request, watch))?;
-    let found = PyDict::new(py);
-    found.set_item("rig", &request.rig.name)?;
-    found.set_item("cycles", cycles)?;
-    found.set_item("recorded", recorded)?;
-    found.set_item("simulations", request.simulations())?;
-    let list = PyList::empty(py);
-    for diagram in &made {
-        let one = PyDict::new(py);
-        one.set_item("gap_mm", diagram.gap_mm)?;
-        one.set_item("direction", diagram.direction.name())?;
-        one.set_item("frequencies", diagram.stations.len())?;
-        let open = |s: &&numerics::bifurcation::Station| !s.settled && !s.row.failed;
-        one.set_item("not_settled", diagram.stations.iter().filter(open).count())?;
-        one.set_item("changes", object(py, &diagram.changes)?)?;
-        let failed = diagram.stations.iter().filter(|s| s.row.failed).count();
-        one.set_item("failed", failed)?;
-        list.append(one)?;
-    }
-    found.set_item("diagrams", list)?;
-    let mut twofold = Vec::new();
-    for same in made.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
-        let of = |direction| same.iter().find(|d| d.direction == direction);
-        if let (Some(up), Some(down)) = (of(Direction::Up), of(Direction::Down)) {
-            twofold.extend(changes::twofold(up, down));
-        }
-    }
-    found.set_item("twofold", object(py, &twofold)?)?;
-    found.set_item("cart", object(py, &CartModel::of(&request.rig.params))?)?;
+    let found = record(py, &Answer::new(&request, &made, None))?;
     found.set_item("points", columns(py, &rows(&made))?)?;
     Ok(found)
 }

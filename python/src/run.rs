@@ -1,49 +1,14 @@
 //! One run, and the force curve over frequency.
 
-use numerics::engine::{Engine, Method, Observation, Plan, Precision, Recorder, machine, observe};
-use numerics::row::{Row, tidy};
+use numerics::engine::answer::{Answer, contact_rows, section_rows};
+use numerics::engine::{Recorder, machine, observe};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Serialize;
 
 use crate::arguments::{self, StartArgument};
 use crate::rig::Rig;
 use crate::values::{columns, record};
 use crate::work::How;
-
-/// The answer, with the fields of the command line's JSON.
-#[derive(Serialize)]
-struct Answer {
-    #[serde(flatten)]
-    row: Row,
-    contacts_recorded: usize,
-    rebound_speed_m_per_s: Option<f64>,
-    energy_per_blow_j: Option<f64>,
-    impulse_n_s: Option<f64>,
-    cycles: u32,
-    transient: u32,
-    engine: &'static str,
-    stepper: Option<&'static str>,
-    precision: &'static str,
-    tick_us: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct ContactRow {
-    onset_s: f64,
-    duration_ms: f64,
-    approach_speed_m_per_s: f64,
-    rebound_speed_m_per_s: f64,
-    peak_force_n: f64,
-    impulse_n_s: f64,
-    energy_lost_j: f64,
-}
-
-#[derive(Serialize)]
-struct SectionRow {
-    relative_displacement_mm: f64,
-    relative_velocity_m_per_s: f64,
-}
 
 #[pyfunction]
 #[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, start, cycles, transient, samples_per_period, engine, precision, tick_us))]
@@ -82,65 +47,14 @@ pub fn simulate<'py>(
             ..Recorder::default()
         };
         let seen = observe(hammer.as_mut(), plan, &mut recorder)?;
-        let rig = hammer.rig();
-        let row = |[q, v]: &[f64; 2]| SectionRow {
-            relative_displacement_mm: rig.relative_displacement(*q) * 1e3,
-            relative_velocity_m_per_s: rig.kinematics(*q, *v).rate,
-        };
-        let section: Vec<_> = seen.section.iter().map(row).collect();
+        let section = section_rows(&seen, hammer.rig());
         Ok((seen, recorder, section))
     })?;
-    let contacts: Vec<_> = recorder.contacts.iter().map(contact_row).collect();
-    let found = record(py, &answer(&rig, engine, plan, &seen, &recorder))?;
+    let found = record(py, &Answer::new(&rig, engine, plan, &seen, &recorder))?;
     found.set_item("history", columns(py, &recorder.samples)?)?;
     found.set_item("section", columns(py, &section)?)?;
-    found.set_item("contacts", columns(py, &contacts)?)?;
+    found.set_item("contacts", columns(py, &contact_rows(&recorder))?)?;
     Ok(found)
-}
-
-fn contact_row(c: &numerics::reference::Contact) -> ContactRow {
-    ContactRow {
-        onset_s: c.onset_s,
-        duration_ms: c.duration_s * 1e3,
-        approach_speed_m_per_s: c.approach_speed_m_per_s,
-        rebound_speed_m_per_s: c.rebound_speed_m_per_s,
-        peak_force_n: c.peak_force_n,
-        impulse_n_s: c.impulse_n_s,
-        energy_lost_j: c.energy_lost_j,
-    }
-}
-
-fn answer(
-    rig: &numerics::NamedRig,
-    engine: Engine,
-    plan: Plan,
-    seen: &Observation,
-    recorder: &Recorder,
-) -> Answer {
-    let setting = match engine {
-        Engine::Event => None,
-        Engine::Switch(setting) => Some(setting),
-    };
-    Answer {
-        row: Row::new(&rig.name, &rig.params, seen),
-        contacts_recorded: recorder.contacts.len(),
-        rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
-        energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
-        impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
-        cycles: plan.cycles,
-        transient: plan.transient,
-        engine: setting.map_or("event", |_| "switch"),
-        stepper: setting.map(|setting| match setting.method {
-            Method::Corrected => "corrected",
-            Method::Banded { .. } => "banded",
-            Method::Smoothed { .. } => "smoothed",
-        }),
-        precision: match setting.map(|setting| setting.precision) {
-            Some(Precision::F32) => "f32",
-            Some(Precision::F64) | None => "f64",
-        },
-        tick_us: setting.map(|setting| tidy(setting.tick_s * 1e6)),
-    }
 }
 
 #[pyfunction]

@@ -1,12 +1,10 @@
 //! Poincaré sections and Lyapunov exponents.
 
 use numerics::lyapunov::{Span, exponents};
+use numerics::poincare::answer::Answer;
 use numerics::poincare::{SectionRequest, portrait};
-use numerics::row::{regime_as_text, tidy};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Serialize;
-use shared::model::regime::Regime;
 use shared::model::rig::Rig as Model;
 
 use crate::arguments::{self, StartArgument};
@@ -14,22 +12,6 @@ use crate::error::wrong;
 use crate::rig::Rig;
 use crate::values::{columns, record};
 use crate::work::How;
-
-#[derive(Serialize)]
-struct Answer {
-    rig: String,
-    gap_mm: f64,
-    frequency_hz: f64,
-    frequency_ratio: f64,
-    #[serde(serialize_with = "regime_as_text")]
-    regime: Regime,
-    force_n: f64,
-    force_ratio: f64,
-    points: u32,
-    transient: u32,
-    phases_turns: Vec<f64>,
-    steps_per_period: f64,
-}
 
 #[pyfunction]
 #[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, points, transient, phases_turns, start, progress))]
@@ -76,20 +58,7 @@ pub fn poincare<'py>(
         progress,
     };
     let seen = how.run(py, u64::from(points), |watch| portrait(&request, watch))?;
-    let params = &request.params;
-    let answer = Answer {
-        rig: rig.name.clone(),
-        gap_mm: tidy(params.gap_m * 1e3),
-        frequency_hz: tidy(request.frequency_hz),
-        frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
-        regime: seen.regime,
-        force_n: seen.force_n,
-        force_ratio: seen.force_n / params.weight_n(),
-        points,
-        transient,
-        phases_turns: request.phases.clone(),
-        steps_per_period: seen.steps_per_period,
-    };
+    let answer = Answer::new(&rig.name, &request, &seen, None);
     let rows: Vec<_> = seen.sections.iter().flatten().copied().collect();
     let found = record(py, &answer)?;
     found.set_item("section", columns(py, &rows)?)?;

@@ -13,8 +13,8 @@ use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
-use numerics::bifurcation::measured::{Distance, Measured};
-use numerics::bifurcation::{Change, Diagram, DiagramRequest, Twofold, changes, diagrams, rows};
+use numerics::bifurcation::answer::{Answer, DiagramAnswer};
+use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
 use numerics::pick::CartModel;
@@ -71,32 +71,6 @@ pub struct Args {
     pub output: OutputArgs,
 }
 
-/// The answer as JSON.
-#[derive(Debug, Serialize)]
-struct Answer {
-    rig: String,
-    section: &'static str,
-    cycles: u32,
-    recorded: u32,
-    simulations: u64,
-    diagrams: Vec<DiagramAnswer>,
-    twofold: Vec<Twofold>,
-    cart: CartModel,
-}
-
-/// One diagram.
-#[derive(Debug, Serialize)]
-struct DiagramAnswer {
-    gap_mm: f64,
-    direction: &'static str,
-    frequencies: usize,
-    not_settled: usize,
-    changes: Vec<Change>,
-    measured_displacement_mm: Option<Distance>,
-    measured_force_n: Option<Distance>,
-    failed: usize,
-}
-
 /// A change in a table.
 #[derive(Serialize)]
 struct ChangeRow {
@@ -127,7 +101,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let diagrams = diagrams(&request, &progress)?;
     progress.finish();
     let points = rows(&diagrams);
-    let answer = answer(&request, &diagrams, measured.as_ref());
+    let answer = Answer::new(&request, &diagrams, measured.as_ref());
     let failed: usize = answer.diagrams.iter().map(|d| d.failed).sum();
     if failed > 0 {
         output.note(&format!(
@@ -194,55 +168,6 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
         locate: true,
         rig,
     })
-}
-
-fn answer(request: &DiagramRequest, diagrams: &[Diagram], measured: Option<&Measured>) -> Answer {
-    let one = |d: &Diagram| DiagramAnswer {
-        gap_mm: d.gap_mm,
-        direction: d.direction.name(),
-        frequencies: d.stations.len(),
-        not_settled: d
-            .stations
-            .iter()
-            .filter(|s| !s.settled && !s.row.failed)
-            .count(),
-        changes: d.changes.clone(),
-        measured_displacement_mm: measured
-            .filter(|m| !m.displacement_mm.is_empty())
-            .map(|m| m.displacement_distance(d)),
-        measured_force_n: measured
-            .filter(|m| !m.force_n.is_empty())
-            .map(|m| m.force_distance(d)),
-        failed: d.stations.iter().filter(|s| s.row.failed).count(),
-    };
-    let of = |gap: f64, direction| {
-        diagrams
-            .iter()
-            .find(|d| d.gap_mm == gap && d.direction == direction)
-    };
-    let mut twofold = Vec::new();
-    for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
-        let gap = same[0].gap_mm;
-        if let (Some(up), Some(down)) = (of(gap, Direction::Up), of(gap, Direction::Down)) {
-            twofold.extend(changes::twofold(up, down));
-        }
-    }
-    let cart = CartModel::of(&request.rig.params);
-    Answer {
-        rig: request.rig.name.clone(),
-        section: match cart {
-            CartModel::Prescribed => {
-                "drive phase 0; displacement in the fixed frame and relative to the cart alike"
-            }
-            CartModel::Recoil => "drive phase 0; displacement relative to the cart, which recoils",
-        },
-        cycles: request.plan.cycles,
-        recorded: request.plan.recorded,
-        simulations: request.simulations(),
-        diagrams: diagrams.iter().map(one).collect(),
-        twofold,
-        cart,
-    }
 }
 
 fn change_rows(found: &DiagramAnswer) -> impl Iterator<Item = ChangeRow> {

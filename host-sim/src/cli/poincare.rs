@@ -1,7 +1,5 @@
 //! `host-sim poincare`.
 
-use serde::Serialize;
-
 use super::arguments::cycles::parse_start;
 use super::arguments::drive::Drive;
 use super::arguments::output::OutputArgs;
@@ -14,10 +12,10 @@ use numerics::NamedRig;
 use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
 use numerics::poincare::against::{self, Against, SectionSummary};
+use numerics::poincare::answer::Answer;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, portrait};
-use numerics::row::{regime_as_text, tidy};
+use numerics::row::tidy;
 use plot::chart::Chart;
-use shared::model::regime::Regime;
 
 /// What the section is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -70,25 +68,6 @@ pub struct Args {
 
     #[command(flatten)]
     pub output: OutputArgs,
-}
-
-/// The answer as JSON.
-#[derive(Debug, Serialize)]
-struct Answer {
-    rig: String,
-    gap_mm: f64,
-    frequency_hz: f64,
-    frequency_ratio: f64,
-    #[serde(serialize_with = "regime_as_text")]
-    regime: Regime,
-    force_n: f64,
-    force_ratio: f64,
-    points: u32,
-    transient: u32,
-    phases_turns: Vec<f64>,
-    steps_per_period: f64,
-    lyapunov: Option<Exponents>,
-    meaning: Option<&'static str>,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
@@ -155,7 +134,7 @@ fn run_section(
     let (portrait, exponents) = (portrait?, exponents?);
     progress.finish();
     let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
-    let answer = answer(rig, request, &portrait, exponents);
+    let answer = Answer::new(&rig.name, request, &portrait, exponents);
     if let Some(dir) = &output.out {
         let mut contents = output.tables(&output.name(""), &answer, &rows)?;
         contents.extend(drawn(&output.name(""), &figure(rig, request, &portrait))?);
@@ -179,30 +158,6 @@ fn exponents(request: &SectionRequest) -> Result<Exponents, UserError> {
         section,
         plan,
     )?)
-}
-
-fn answer(
-    rig: &NamedRig,
-    request: &SectionRequest,
-    portrait: &Portrait,
-    exponents: Option<Exponents>,
-) -> Answer {
-    let params = &request.params;
-    Answer {
-        rig: rig.name.clone(),
-        gap_mm: tidy(params.gap_m * 1e3),
-        frequency_hz: tidy(request.frequency_hz),
-        frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
-        regime: portrait.regime,
-        force_n: portrait.force_n,
-        force_ratio: portrait.force_n / params.weight_n(),
-        points: request.points,
-        transient: request.transient,
-        phases_turns: request.phases.clone(),
-        steps_per_period: portrait.steps_per_period,
-        meaning: exponents.as_ref().map(Exponents::meaning),
-        lyapunov: exponents,
-    }
 }
 
 fn heading(rig: &NamedRig, request: &SectionRequest) -> String {

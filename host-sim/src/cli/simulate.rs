@@ -1,7 +1,5 @@
 //! `host-sim simulate`.
 
-use serde::Serialize;
-
 use super::arguments::cycles::{CycleArgs, parse_start};
 use super::arguments::drive::Drive;
 use super::arguments::engine::EngineArgs;
@@ -12,10 +10,9 @@ use crate::pictures::regimes::regime_color;
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
-use numerics::engine::{
-    Engine, Method, Observation, Plan, Precision, Recorder, Sample, Start, machine, observe,
-};
-use numerics::row::{Row, tidy};
+use numerics::engine::answer::{Answer, SectionRow, contact_rows, section_rows};
+use numerics::engine::{Recorder, Sample, Start, machine, observe};
+use numerics::row::Row;
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
@@ -44,42 +41,6 @@ pub struct Args {
 
     #[command(flatten)]
     pub output: OutputArgs,
-}
-
-/// The answer as JSON.
-#[derive(Debug, Serialize)]
-struct Answer {
-    #[serde(flatten)]
-    row: Row,
-    contacts_recorded: usize,
-    rebound_speed_m_per_s: Option<f64>,
-    energy_per_blow_j: Option<f64>,
-    impulse_n_s: Option<f64>,
-    cycles: u32,
-    transient: u32,
-    engine: &'static str,
-    stepper: Option<&'static str>,
-    precision: &'static str,
-    tick_us: Option<f64>,
-}
-
-/// One contact as a table shows it.
-#[derive(Serialize)]
-struct ContactRow {
-    onset_s: f64,
-    duration_ms: f64,
-    approach_speed_m_per_s: f64,
-    rebound_speed_m_per_s: f64,
-    peak_force_n: f64,
-    impulse_n_s: f64,
-    energy_lost_j: f64,
-}
-
-/// One point of the section.
-#[derive(Serialize)]
-struct SectionRow {
-    relative_displacement_mm: f64,
-    relative_velocity_m_per_s: f64,
 }
 
 /// Drive periods shown in the time history.
@@ -121,41 +82,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.emit(&answer, row, || text(&answer, &recorder))
 }
 
-impl Answer {
-    fn new(
-        rig: &NamedRig,
-        engine: Engine,
-        plan: Plan,
-        seen: &Observation,
-        recorder: &Recorder,
-    ) -> Self {
-        let setting = match engine {
-            Engine::Event => None,
-            Engine::Switch(setting) => Some(setting),
-        };
-        Self {
-            row: Row::new(&rig.name, &rig.params, seen),
-            contacts_recorded: recorder.contacts.len(),
-            rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
-            energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
-            impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
-            cycles: plan.cycles,
-            transient: plan.transient,
-            engine: setting.map_or("event", |_| "switch"),
-            stepper: setting.map(|setting| match setting.method {
-                Method::Corrected => "corrected",
-                Method::Banded { .. } => "banded",
-                Method::Smoothed { .. } => "smoothed",
-            }),
-            precision: match setting.map(|setting| setting.precision) {
-                Some(Precision::F32) => "f32",
-                Some(Precision::F64) | None => "f64",
-            },
-            tick_us: setting.map(|setting| tidy(setting.tick_s * 1e6)),
-        }
-    }
-}
-
 /// JSON, and tables of the history, the section and the contacts.
 fn tables(
     output: &OutputArgs,
@@ -179,27 +105,6 @@ fn tables(
         contents.push((output.name("-history.parquet"), history));
     }
     Ok(contents)
-}
-
-fn section_rows(seen: &Observation, rig: &shared::model::rig::Rig<f64>) -> Vec<SectionRow> {
-    let row = |[q, v]: &[f64; 2]| SectionRow {
-        relative_displacement_mm: rig.relative_displacement(*q) * 1e3,
-        relative_velocity_m_per_s: rig.kinematics(*q, *v).rate,
-    };
-    seen.section.iter().map(row).collect()
-}
-
-fn contact_rows(recorder: &Recorder) -> Vec<ContactRow> {
-    let rows = recorder.contacts.iter().map(|c| ContactRow {
-        onset_s: c.onset_s,
-        duration_ms: c.duration_s * 1e3,
-        approach_speed_m_per_s: c.approach_speed_m_per_s,
-        rebound_speed_m_per_s: c.rebound_speed_m_per_s,
-        peak_force_n: c.peak_force_n,
-        impulse_n_s: c.impulse_n_s,
-        energy_lost_j: c.energy_lost_j,
-    });
-    rows.collect()
 }
 
 /// The samples of the last few periods, with time from their start.

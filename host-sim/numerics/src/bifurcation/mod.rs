@@ -5,6 +5,7 @@
 //! for its deviation from its course). A state that is carried on is the hammer's: a cart that recoils begins each run on
 //! its course.
 
+pub mod answer;
 pub mod changes;
 pub mod measured;
 

@@ -1,6 +1,7 @@
 //! The two engines behind one interface: the event-located reference and the switch model, observed
 //! drive period by drive period.
 
+pub mod answer;
 mod event;
 pub mod recorder;
 pub mod switch;

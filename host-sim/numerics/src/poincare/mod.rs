@@ -2,6 +2,7 @@
 //! needs; and how the smoothing method changes them (figure 3.4).
 
 pub mod against;
+pub mod answer;
 pub mod cloud;
 
 use std::f64::consts::TAU;

@@ -1,0 +1,122 @@
+//! One run as one answer, with its section and its contacts as rows.
+
+use serde::Serialize;
+use shared::model::rig::Rig;
+
+use super::{Engine, Method, Observation, Plan, Precision, Recorder};
+use crate::row::{NamedRig, Row, tidy};
+
+/// What a run showed. Units are in the names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// Regime and force.
+    #[serde(flatten)]
+    pub row: Row,
+    /// Finished contacts in the recorded cycles.
+    pub contacts_recorded: usize,
+    /// Rebound speed of the strongest contact, m/s.
+    pub rebound_speed_m_per_s: Option<f64>,
+    /// Energy that it took from the hammer, J.
+    pub energy_per_blow_j: Option<f64>,
+    /// Its impulse, N·s.
+    pub impulse_n_s: Option<f64>,
+    /// Drive cycles in all.
+    pub cycles: u32,
+    /// How many of the first were not recorded.
+    pub transient: u32,
+    /// "event" or "switch".
+    pub engine: &'static str,
+    /// How the switch engine handles the switch.
+    pub stepper: Option<&'static str>,
+    /// "f32" or "f64".
+    pub precision: &'static str,
+    /// Tick of the switch engine, µs.
+    pub tick_us: Option<f64>,
+}
+
+/// One contact as a table shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ContactRow {
+    /// When it began, s.
+    pub onset_s: f64,
+    /// How long it lasted, ms.
+    pub duration_ms: f64,
+    /// Approach speed, m/s.
+    pub approach_speed_m_per_s: f64,
+    /// Rebound speed, m/s.
+    pub rebound_speed_m_per_s: f64,
+    /// Largest force, N.
+    pub peak_force_n: f64,
+    /// ∫F dt, N·s.
+    pub impulse_n_s: f64,
+    /// Energy it took from the hammer, J.
+    pub energy_lost_j: f64,
+}
+
+/// One point of the section at drive phase 0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SectionRow {
+    /// l sin θ or Δ, mm.
+    pub relative_displacement_mm: f64,
+    /// Its rate, m/s.
+    pub relative_velocity_m_per_s: f64,
+}
+
+impl Answer {
+    /// Of the run of `rig` that showed `seen` and left `recorder`.
+    pub fn new(
+        rig: &NamedRig,
+        engine: Engine,
+        plan: Plan,
+        seen: &Observation,
+        recorder: &Recorder,
+    ) -> Self {
+        let setting = match engine {
+            Engine::Event => None,
+            Engine::Switch(setting) => Some(setting),
+        };
+        Self {
+            row: Row::new(&rig.name, &rig.params, seen),
+            contacts_recorded: recorder.contacts.len(),
+            rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
+            energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
+            impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
+            cycles: plan.cycles,
+            transient: plan.transient,
+            engine: setting.map_or("event", |_| "switch"),
+            stepper: setting.map(|setting| match setting.method {
+                Method::Corrected => "corrected",
+                Method::Banded { .. } => "banded",
+                Method::Smoothed { .. } => "smoothed",
+            }),
+            precision: match setting.map(|setting| setting.precision) {
+                Some(Precision::F32) => "f32",
+                Some(Precision::F64) | None => "f64",
+            },
+            tick_us: setting.map(|setting| tidy(setting.tick_s * 1e6)),
+        }
+    }
+}
+
+/// The section as rows.
+pub fn section_rows(seen: &Observation, rig: &Rig<f64>) -> Vec<SectionRow> {
+    let row = |[q, v]: &[f64; 2]| SectionRow {
+        relative_displacement_mm: rig.relative_displacement(*q) * 1e3,
+        relative_velocity_m_per_s: rig.kinematics(*q, *v).rate,
+    };
+    seen.section.iter().map(row).collect()
+}
+
+/// The finished contacts as rows.
+pub fn contact_rows(recorder: &Recorder) -> Vec<ContactRow> {
+    let rows = recorder.contacts.iter().map(|c| ContactRow {
+        onset_s: c.onset_s,
+        duration_ms: c.duration_s * 1e3,
+        approach_speed_m_per_s: c.approach_speed_m_per_s,
+        rebound_speed_m_per_s: c.rebound_speed_m_per_s,
+        peak_force_n: c.peak_force_n,
+        impulse_n_s: c.impulse_n_s,
+        energy_lost_j: c.energy_lost_j,
+    });
+    rows.collect()
+}

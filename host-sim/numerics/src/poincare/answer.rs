@@ -1,0 +1,67 @@
+//! A section as one answer.
+
+use serde::Serialize;
+use shared::model::regime::Regime;
+
+use super::{Portrait, SectionRequest};
+use crate::lyapunov::Exponents;
+use crate::row::{regime_as_text, tidy};
+
+/// What a section showed. Units are in the names.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// Name of the rig.
+    pub rig: String,
+    /// Clearance at rest, mm.
+    pub gap_mm: f64,
+    /// Drive frequency Ω/2π, Hz.
+    pub frequency_hz: f64,
+    /// Ω/ω.
+    pub frequency_ratio: f64,
+    /// Regime over all recorded periods.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
+    /// Largest contact force, N.
+    pub force_n: f64,
+    /// The same over m g.
+    pub force_ratio: f64,
+    /// Points of each section.
+    pub points: u32,
+    /// Drive periods before the first point.
+    pub transient: u32,
+    /// Drive phases of the sections, turns.
+    pub phases_turns: Vec<f64>,
+    /// Steps of the integrator per drive period.
+    pub steps_per_period: f64,
+    /// The Lyapunov exponents, if they were asked for.
+    pub lyapunov: Option<Exponents>,
+    /// What their sign says.
+    pub meaning: Option<&'static str>,
+}
+
+impl Answer {
+    /// Of the `portrait` made for `request` of the rig called `rig`.
+    pub fn new(
+        rig: &str,
+        request: &SectionRequest,
+        portrait: &Portrait,
+        exponents: Option<Exponents>,
+    ) -> Self {
+        let params = &request.params;
+        Self {
+            rig: rig.to_owned(),
+            gap_mm: tidy(params.gap_m * 1e3),
+            frequency_hz: tidy(request.frequency_hz),
+            frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
+            regime: portrait.regime,
+            force_n: portrait.force_n,
+            force_ratio: portrait.force_n / params.weight_n(),
+            points: request.points,
+            transient: request.transient,
+            phases_turns: request.phases.clone(),
+            steps_per_period: portrait.steps_per_period,
+            meaning: exponents.as_ref().map(Exponents::meaning),
+            lyapunov: exponents,
+        }
+    }
+}
