@@ -5,7 +5,7 @@ use shared::model::cart::Cart;
 use shared::model::rig::{Kinematics, Mode, Rig};
 use shared::model::step::Smoothed;
 
-use super::tableau::{A, B, C, E3, E5, STAGES, error};
+use super::tableau::{A, B, C, E3, E5, STAGES, error, length};
 use crate::dual::Dual;
 
 /// A scalar the reference integrates in.
@@ -228,12 +228,11 @@ impl<R: Scalar> Field<'_, R> {
         }
         let (mut dq, mut dv) = (R::ZERO, R::ZERO);
         let mut totals = Totals::default();
-        let length = h.to_f64();
         for &(i, weight) in B {
             let share = R::from_f64(weight);
             dq += rates[i].0 * share;
             dv += rates[i].1 * share;
-            let (p, w) = (powers[i], weight * length);
+            let (p, w) = (powers[i], weight * h.to_f64());
             totals = totals.plus(Totals {
                 impulse: w * p.impulse,
                 contact_work: w * p.contact_work,
@@ -247,16 +246,16 @@ impl<R: Scalar> Field<'_, R> {
                 q += w * rates[i].0.to_f64();
                 v += w * rates[i].1.to_f64();
             }
-            let hammer = (q / q_unit).hypot(v / v_unit);
+            let hammer = length(q / q_unit, v / v_unit);
             let Some((_, units)) = self.recoil else {
-                return hammer * length.abs();
+                return hammer * h.to_f64().abs();
             };
             let (mut e, mut w) = (0.0, 0.0);
             for &(i, weight) in weights {
                 e += weight * cart_rates[i][0].to_f64();
                 w += weight * cart_rates[i][1].to_f64();
             }
-            hammer.hypot((e / units.0).hypot(w / units.1)) * length.abs()
+            length(hammer, length(e / units.0, w / units.1)) * h.to_f64().abs()
         };
         Step {
             end: Point {
