@@ -1,4 +1,5 @@
-//! Measured points from CSV files, to compare a result with.
+//! Measured points from CSV files, to compare a result with. Each function tells `say` how the file was understood, if it was
+//! not in the plain form.
 
 use std::path::Path;
 
@@ -6,12 +7,18 @@ use files::{Line, Measurements, UserError};
 use numerics::{bifurcation, map, sweep};
 use shared::model::regime::{MAX_PERIODS, Regime};
 
+fn table(path: &Path, say: impl Fn(&str)) -> Result<Measurements, UserError> {
+    let table = Measurements::read(path)?;
+    table.said().into_iter().for_each(say);
+    Ok(table)
+}
+
 /// Reads a CSV with the columns frequency_hz and force_n (others are passed over).
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn force_curve(path: &Path) -> Result<sweep::Measured, UserError> {
-    let lines = Measurements::read(path)?.lines(&["frequency_hz", "force_n"])?;
+pub fn force_curve(path: &Path, say: impl Fn(&str)) -> Result<sweep::Measured, UserError> {
+    let lines = table(path, say)?.lines(&["frequency_hz", "force_n"])?;
     let points = lines.iter().map(|line| pair(line, "force_n"));
     let points = points.collect::<Result<_, _>>()?;
     Ok(sweep::Measured { points })
@@ -21,8 +28,11 @@ pub fn force_curve(path: &Path) -> Result<sweep::Measured, UserError> {
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn diagram(path: &Path) -> Result<bifurcation::measured::Measured, UserError> {
-    let table = Measurements::read(path)?;
+pub fn diagram(
+    path: &Path,
+    say: impl Fn(&str),
+) -> Result<bifurcation::measured::Measured, UserError> {
+    let table = table(path, say)?;
     let [displacement, force] = ["displacement_mm", "force_n"].map(|column| table.has(column));
     if !displacement && !force {
         return Err(table.complaint("there is no column displacement_mm and none force_n; the first line must be frequency_hz,displacement_mm,force_n (one of the last two may be missing)"));
@@ -57,7 +67,7 @@ fn pair(line: &Line, column: &str) -> Result<(f64, f64), UserError> {
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn regimes(path: &Path) -> Result<Vec<map::measured::Measured>, UserError> {
+pub fn regimes(path: &Path, say: impl Fn(&str)) -> Result<Vec<map::measured::Measured>, UserError> {
     let point = |line: &Line| {
         let frequency_hz = line.number("frequency_hz")?;
         if frequency_hz <= 0.0 {
@@ -75,7 +85,7 @@ pub fn regimes(path: &Path) -> Result<Vec<map::measured::Measured>, UserError> {
             regime,
         })
     };
-    let lines = Measurements::read(path)?.lines(&["gap_mm", "frequency_hz", "regime"])?;
+    let lines = table(path, say)?.lines(&["gap_mm", "frequency_hz", "regime"])?;
     lines.iter().map(point).collect()
 }
 
@@ -107,7 +117,7 @@ mod tests {
         let path = dir.path().join("m.csv");
         let complaint = |text: &str| {
             std::fs::write(&path, text).unwrap();
-            force_curve(&path).unwrap_err().to_string()
+            force_curve(&path, |_| {}).unwrap_err().to_string()
         };
         assert!(complaint("frequency_hz,force_n\n\n\nabc,1\n").contains("line 4: frequency_hz"));
         assert!(complaint("frequency_hz,force_n\r\n1,2\r\n3,x").contains("line 3: force_n"));

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use emulator::log::Reader;
+use files::table::{Plain, plain};
 use files::{UserError, read_table};
 use numerics::signal::{FEWEST_SAMPLES, Signal};
 
@@ -13,19 +14,23 @@ pub const COLUMNS: [&str; 3] = ["force_n", "displacement_mm", "cart_mm"];
 /// Largest value of a sensor, in N or mm, and latest time of a record, in s.
 const LARGEST: f64 = 1e9;
 
-/// Reads `path`: a log if it ends in `.parquet`, else CSV.
+/// Reads `path`: a log if it ends in `.parquet`, else CSV. `say` is told how the file was understood, if it was not in the
+/// plain form.
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn read(path: &Path) -> Result<Signal, UserError> {
+pub fn read(path: &Path, say: impl Fn(&str)) -> Result<Signal, UserError> {
     let parquet = path.extension().is_some_and(|e| e == "parquet");
     if parquet {
         return from_log(path);
     }
-    parse(&path.display().to_string(), &read_table(path)?)
+    let name = path.display().to_string();
+    let Plain { text, said } = plain(&name, read_table(path)?)?;
+    said.iter().for_each(|line| say(line));
+    parse(&name, &text)
 }
 
-/// From the text of a CSV called `name`.
+/// From the text of a CSV in the plain form, called `name`.
 ///
 /// # Errors
 /// One line naming file, line and mend.

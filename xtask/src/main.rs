@@ -8,6 +8,8 @@
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
 //! cargo xtask board         runs the board's image in a model of the board, in a closed loop and through its faults
 //! cargo xtask python        builds the Python package and tests it against the command line
+//! cargo xtask dist          builds what is handed out: archive, wheel, checksums
+//! cargo xtask site          builds the site: the pages of docs/, documentation of the code
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
@@ -21,6 +23,7 @@ mod budgets;
 mod checks;
 mod command;
 mod desktop;
+mod dist;
 mod firmware;
 mod first_answer;
 mod flash;
@@ -28,10 +31,13 @@ mod forecast;
 #[cfg(test)]
 mod layers;
 mod liveness;
+#[cfg(test)]
+mod metadata;
 mod msrv;
 mod pil;
 mod python;
 mod qemu;
+mod site;
 mod size;
 mod ticks;
 mod timing;
@@ -60,6 +66,12 @@ cargo xtask COMMAND
                               run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
                               the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name
   python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
+  dist [--check]              build what is handed out into target/dist: archive, Python wheel, checksums; try the
+                              program in a bare root of an older Debian and the wheel in an environment of its own;
+                              with --check only pack the program of the tests, twice, and look at the archive
+  site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
+                              documentation of the crates and of the Python package, the page; with --check the
+                              pages alone
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
@@ -81,6 +93,8 @@ enum Job {
     Pil(pil::Plan),
     Board(Vec<String>),
     Python(Vec<String>),
+    Dist(dist::Plan),
+    Site(site::Plan),
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
@@ -103,6 +117,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
         ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
         ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
+        ["dist", options @ ..] => dist::Plan::parse(options).map(Job::Dist),
+        ["site", options @ ..] => site::Plan::parse(options).map(Job::Site),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
@@ -139,6 +155,8 @@ fn run(job: Job) -> Outcome {
             let words: Vec<&str> = words.iter().map(String::as_str).collect();
             python::run(&words, &desktop::Build::Alone)?;
         }
+        Job::Dist(plan) => dist::run(&plan, &desktop::Build::Alone)?,
+        Job::Site(plan) => site::run(&plan)?,
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Msrv => drop(msrv::run()?),
         Job::OldestRust => println!("{}", msrv::OLDEST),
@@ -188,6 +206,8 @@ mod tests {
             "pil",
             "board",
             "python",
+            "dist",
+            "site",
             "bench-ticks",
             "size",
             "first-answer",

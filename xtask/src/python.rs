@@ -1,6 +1,10 @@
 //! The Python package: built as a wheel, installed into an environment of its own, and tested against the command line.
 
-use std::{fs, path::PathBuf, process::Command};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 use crate::{
     Outcome,
@@ -14,9 +18,7 @@ const PACKAGES: &[&str] = &["maturin>=1.9,<2", "numpy", "pandas", "xarray", "pyt
 /// Builds the package into `target/python`, and runs its tests with the words given.
 pub fn run(words: &[&str], build: &Build) -> Outcome {
     let environment = environment()?;
-    let wheel = wheel(&environment)?;
-    let mut install = pip(&environment);
-    command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))?;
+    install(&environment)?;
     let program = desktop::program("host-sim", build)?;
     let mut tests = Command::new(environment.join("bin/python"));
     tests.current_dir(root().join("python"));
@@ -24,22 +26,35 @@ pub fn run(words: &[&str], build: &Build) -> Outcome {
     command::run(tests.args(["-m", "pytest", "-q"]).args(words))
 }
 
+/// Builds the wheel and installs it into the environment.
+pub fn install(environment: &Path) -> Outcome {
+    let wheel = wheel(environment)?;
+    let mut install = pip(environment);
+    command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))
+}
+
 /// The environment in `target/python`, with everything in it.
-fn environment() -> Outcome<PathBuf> {
+pub fn environment() -> Outcome<PathBuf> {
     let place = root().join("target/python");
     if !place.join("bin/python").exists() {
-        let python = find("python3").ok_or(ADVICE)?;
-        let mut make = Command::new(python);
-        make.args(["-m", "venv"]).arg(&place);
-        command::run(&mut make).map_err(|error| format!("{error}; {ADVICE}"))?;
+        make_environment(&place)?;
     }
     command::run(pip(&place).args(PACKAGES))?;
     Ok(place)
 }
 
+/// Makes an empty environment.
+pub fn make_environment(place: &Path) -> Outcome {
+    let python = find("python3").ok_or(ADVICE)?;
+    let mut make = Command::new(python);
+    make.args(["-m", "venv"]).arg(place);
+    command::run(&mut make).map_err(|error| format!("{error}; {ADVICE}").into())
+}
+
 const ADVICE: &str = "the Python package needs Python 3.9 or later with venv (Debian: apt-get install --no-install-recommends python3-venv)";
 
-fn pip(environment: &std::path::Path) -> Command {
+/// Installs into an environment what it is given.
+pub fn pip(environment: &Path) -> Command {
     let mut pip = Command::new(environment.join("bin/python"));
     pip.args([
         "-m",
@@ -52,7 +67,7 @@ fn pip(environment: &std::path::Path) -> Command {
 }
 
 /// The wheel, in the profile of the tests: the same numbers as a release, compiled once for both.
-fn wheel(environment: &std::path::Path) -> Outcome<PathBuf> {
+fn wheel(environment: &Path) -> Outcome<PathBuf> {
     let place = root().join("target/wheels");
     if place.exists() {
         fs::remove_dir_all(&place)?;

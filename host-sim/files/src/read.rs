@@ -22,13 +22,36 @@ pub fn read_text(path: &Path) -> Result<String, UserError> {
     read_text_of(path, MOST_TEXT)
 }
 
-/// The same for a table, of at most `MOST_TABLE` bytes.
+/// The same for a table, of at most `MOST_TABLE` bytes. A file of measuring programs that is no text is named.
 ///
 /// # Errors
 /// As [`read_text`].
 pub fn read_table(path: &Path) -> Result<String, UserError> {
-    read_text_of(path, MOST_TABLE)
+    let bytes = read_bytes(path, MOST_TABLE)?;
+    if let Some((_, kind)) = NO_TABLES.iter().find(|(start, _)| bytes.starts_with(start)) {
+        let what = format!("it is {kind}");
+        let mend = "write it as CSV: docs/recordings.md has the lines of Python for it";
+        return Err(cannot(path, &what, mend));
+    }
+    text_of(path, bytes)
 }
+
+/// How files begin that people have in place of a CSV.
+const NO_TABLES: &[(&[u8], &str)] = &[
+    (b"MATLAB 5.0 MAT-file", "a MAT file"),
+    (
+        b"\x89HDF\r\n\x1a\n",
+        "an HDF5 file (or a MAT file of version 7.3)",
+    ),
+    (b"TDSm", "a TDMS file"),
+    (b"PK\x03\x04", "a workbook or a zip file"),
+    (b"\x0f\x0f:WFM#", "a WFM file"),
+    (b"\xf0\xf0:WFM#", "a WFM file"),
+    (
+        b"PAR1",
+        "a Parquet file whose name does not end in .parquet",
+    ),
+];
 
 /// Opens the ordinary file `path`, for what is not read in one go.
 ///
@@ -52,7 +75,11 @@ pub fn line_at(text: &str, byte: usize) -> usize {
 }
 
 fn read_text_of(path: &Path, most: u64) -> Result<String, UserError> {
-    String::from_utf8(read_bytes(path, most)?)
+    text_of(path, read_bytes(path, most)?)
+}
+
+fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, UserError> {
+    String::from_utf8(bytes)
         .map_err(|_| cannot(path, &"it is not UTF-8 text", "save it as UTF-8 text"))
 }
 

@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let measured = args
         .measured
         .as_deref()
-        .map(crate::measured::diagram)
+        .map(|file| crate::measured::diagram(file, |line| output.note(line)))
         .transpose()?;
     let progress = Progress::new("simulations", request.simulations(), output.quiet);
     let diagrams = diagrams(&request, &progress)?;

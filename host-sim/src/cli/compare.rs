@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             return Err(UserError::new(format!("{option} is NaN, must be a number")));
         }
     }
-    let whole = crate::record::read(&args.file)?;
+    let whole = crate::record::read(&args.file, |line| output.note(line))?;
     let signal = whole.between(
         args.from_s.unwrap_or(f64::NEG_INFINITY),
         args.to_s.unwrap_or(f64::INFINITY),

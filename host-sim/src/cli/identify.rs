@@ -117,7 +117,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let families = families(args)?;
     let rig = args.rig.load()?;
     let output = &output.about([&rig])?;
-    let signal = crate::record::read(file)?;
+    let signal = crate::record::read(file, |line| output.note(line))?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
     let misfits = args

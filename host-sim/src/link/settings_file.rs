@@ -359,6 +359,7 @@ mod tests {
     use super::*;
     use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
     use shared::model::params::{BEAM_150, PRESETS, RigParams, WIRES};
+    use shared::settings::{DriveSettings, Interlock};
 
     #[test]
     fn what_is_written_reads_back_the_same_onto_any_base() {
@@ -380,6 +381,37 @@ mod tests {
                 assert_eq!(overlay(&onto_its_kind, &text).unwrap(), settings, "{name}");
             }
         }
+    }
+
+    /// The settings of `shared/src/link/store/layout-1.bin` as version 0.2.0 wrote them into a file.
+    #[test]
+    fn a_file_of_version_0_2_gives_the_settings_that_version_had() {
+        let told = Settings {
+            drive: DriveSettings {
+                kind: DriveKind::Motor,
+                frequency_slew_hz_per_s: 0.125,
+                ..Settings::for_rig(&WIRES).drive
+            },
+            ..Settings::for_rig(&WIRES)
+        };
+        let text = include_str!("settings_file/version-0.2.toml");
+        let read = overlay(&Settings::for_rig(&WIRES), text).unwrap();
+        assert_eq!(read.rig.gap_m, 1.25e-3);
+        assert_eq!(read.force.zero_code, 611.5);
+        assert_eq!(read.hammer.unit_per_code, -told.hammer.unit_per_code);
+        assert_eq!(read.drive, told.drive);
+        assert_eq!(read.limits.min_frequency_hz, 1.365);
+        assert_eq!(read.trips.link_timeout_s, 1.5);
+        assert_eq!(read.detection.refractory_s, 1.75e-3);
+        // What version 0.2.0 did not have stays as it is on the board.
+        let base = Settings {
+            interlock: Interlock {
+                relay: true,
+                ready: false,
+            },
+            ..Settings::for_rig(&WIRES)
+        };
+        assert!(overlay(&base, text).unwrap().interlock.relay);
     }
 
     #[test]

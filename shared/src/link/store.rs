@@ -36,10 +36,19 @@
 //! damaged or both hold something; or the newest is of a layout this program does not know, or is out of
 //! range. The last two are not passed over in favour of the older slot: after a change of firmware it may be
 //! years old. The controller reports [`crate::fault::Fault::CorruptSettings`] and does not start until
-//! settings are sent. Settings of another layout are therefore not carried over an update.
+//! settings are sent.
+//!
+//! ## Settings of an earlier program
+//!
+//! Settings of layouts 1 (version 0.2.0) and 2 are taken over (`layouts.rs`): what they do not have gets the value
+//! that their program worked with. They are checked like all others, and are corrupt if today's check refuses them. The slot
+//! stays as it is until settings are sent, the same ones included. An earlier program does not know a later layout: to
+//! it they are corrupt.
 //!
 //! Writing and erasing stalls a microcontroller with a single flash bank (up to 2 s for 128 KiB on an
 //! STM32F446): the caller sees to it that the controller is in Idle with the drive off.
+
+mod layouts;
 
 use core::ops::Range;
 
@@ -48,7 +57,7 @@ use embedded_storage::nor_flash::{MultiwriteNorFlash, ReadNorFlash};
 use crate::crc_32::CRC_32;
 use crate::settings::Settings;
 
-/// Layout of the payload: changes whenever [`Settings`] does.
+/// Layout of the payload: changes whenever [`Settings`] does. `layouts.rs` then keeps the layout before.
 pub const LAYOUT: u16 = 3;
 
 /// Bytes of a slot that are used.
@@ -131,8 +140,10 @@ enum Slot {
     /// Its CRC is right.
     Whole {
         sequence: u32,
-        /// None: another layout, or out of range.
+        /// None: a layout that is not known, or out of range.
         settings: Option<Settings>,
+        /// Written by an earlier program.
+        earlier: bool,
         /// There were newer ones that are lost.
         in_doubt: bool,
     },
@@ -141,17 +152,14 @@ enum Slot {
 impl Slot {
     fn of(image: &Image) -> Self {
         if let Some((sequence, layout, payload)) = whole(image) {
-            let decoded = postcard::take_from_bytes::<Settings>(payload);
-            let settings = match decoded {
-                Ok((settings, [])) if layout == LAYOUT => Some(settings),
-                _ => None,
-            };
+            let settings = layouts::decode(layout, payload);
             let settings = settings.filter(|settings| settings.check().is_ok());
             let doubt = image.get(DOUBT_AT).unwrap_or(&[]).iter();
             let zeros = doubt.map(|byte| byte.count_zeros()).sum::<u32>();
             return Self::Whole {
                 sequence,
                 settings,
+                earlier: layout < LAYOUT,
                 in_doubt: zeros > DOUBT_ERRORS,
             };
         }
@@ -264,7 +272,9 @@ impl<F: MultiwriteNorFlash> Store<F> {
         let slots = self.read_slots()?;
         let newest = newest(&slots);
         let sequence = newest.map_or(1, |(_, sequence)| sequence.wrapping_add(1));
-        if choose(&slots) == Loaded::Settings(*settings) {
+        let held = newest.and_then(|(slot, _)| slots.get(slot));
+        let earlier = matches!(held, Some(Slot::Whole { earlier: true, .. }));
+        if !earlier && choose(&slots) == Loaded::Settings(*settings) {
             return Ok(Saved::Unchanged);
         }
         let (image, end) = image_of(settings, sequence).ok_or(SaveError::NotSuited)?;

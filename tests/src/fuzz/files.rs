@@ -75,8 +75,9 @@ pub fn table(data: &[u8]) {
 
 /// A sensor's record: times rise and every column is as long.
 pub fn signal(data: &[u8]) {
-    let text = String::from_utf8_lossy(data);
-    match host_sim::record::parse("fuzz.csv", &text) {
+    let text = String::from_utf8_lossy(data).into_owned();
+    let plain = files::table::plain("fuzz.csv", text);
+    match plain.and_then(|plain| host_sim::record::parse("fuzz.csv", &plain.text)) {
         Err(error) => one_line(&error),
         Ok(signal) => {
             assert!(signal.time_s.is_sorted_by(|a, b| a < b));

@@ -59,6 +59,23 @@ impl Apt {
         Ok(Self { config, debs })
     }
 
+    /// The same for another release of the system's mirror.
+    pub fn of_release(folder: &Path, release: &str) -> Outcome<Self> {
+        let apt = Self::new(folder)?;
+        let mut ask = apt.command("apt-get");
+        let places = output(ask.args(["indextargets", "--format", "$(REPO_URI)"]))?;
+        let mirror = mirror(&places).ok_or("apt's sources name no mirror of Debian")?;
+        let sources = folder.join("sources.list");
+        fs::write(&sources, format!("deb {mirror} {release} main\n"))?;
+        let mut config = fs::read_to_string(&apt.config)?;
+        config += &format!(
+            "Dir::Etc::SourceList \"{}\";\nDir::Etc::SourceParts \"/dev/null\";\n",
+            sources.display()
+        );
+        fs::write(&apt.config, config)?;
+        Ok(apt)
+    }
+
     fn command(&self, program: &str) -> Command {
         let mut command = Command::new(program);
         command.env("LC_ALL", "C").current_dir(&self.debs);
@@ -112,6 +129,13 @@ fn apt_config(folder: &Path) -> String {
     text
 }
 
+/// The mirror of Debian itself among the places that apt's sources name, a line each.
+fn mirror(places: &str) -> Option<&str> {
+    places
+        .lines()
+        .find(|place| place.trim_end_matches('/').ends_with("/debian"))
+}
+
 /// Reads what `apt-get -s install` would install: `Inst name (version …`.
 fn resolved(simulation: &str) -> Vec<Package> {
     let lines = simulation
@@ -146,6 +170,13 @@ mod tests {
                 "qemu-system-arm=1:7.2+dfsg-7+deb12u18+b3"
             ]
         );
+    }
+
+    #[test]
+    fn the_mirror_is_the_one_of_debian_itself() {
+        let places = "http://x.example/debian-security/\nhttp://x.example/debian/\n";
+        assert_eq!(mirror(places), Some("http://x.example/debian/"));
+        assert_eq!(mirror("http://x.example/ubuntu/"), None);
     }
 
     #[test]

@@ -151,7 +151,8 @@ impl Bundle {
 /// Names the packages of an unpacked bundle and their versions.
 const STAMP: &str = "packages";
 
-fn remove(folder: &Path) -> Outcome {
+/// Removes a folder, if it is there.
+pub fn remove(folder: &Path) -> Outcome {
     match fs::remove_dir_all(folder) {
         Err(e) if e.kind() != ErrorKind::NotFound => {
             Err(format!("cannot remove {}: {e}", folder.display()).into())
@@ -161,7 +162,7 @@ fn remove(folder: &Path) -> Outcome {
 }
 
 /// Held by whoever unpacks; the system releases it when that process ends, however it ends.
-fn lock() -> Outcome<File> {
+pub fn lock() -> Outcome<File> {
     fs::create_dir_all(tools())?;
     let file = File::create(tools().join("lock"))?;
     match file.try_lock() {

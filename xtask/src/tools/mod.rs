@@ -4,6 +4,7 @@
 mod apt;
 pub mod debian;
 pub mod flip_link;
+pub mod old;
 pub mod toolchain;
 mod tree;
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-/// A field of a message: its name (with the unit), its JSON type, what it is.
+/// A field of a message: its name (with the unit), its JSON type (or `time`, seconds and nanoseconds), what it is.
 type Field = (&'static str, &'static str, &'static str);
 
 /// A channel: topic, the name of its schema, its fields.
@@ -113,10 +113,23 @@ pub(super) const CONTACTS: Channel = Channel {
     ],
 };
 
+/// Foxglove's log panel knows a message by the name of this schema, and by the fields from `timestamp` on.
 pub(super) const EVENTS: Channel = Channel {
     topic: "/events",
-    schema: "event",
-    fields: &[("text", "string", "What happened")],
+    schema: "foxglove.Log",
+    fields: &[
+        ("text", "string", "What happened"),
+        ("timestamp", "time", "When"),
+        ("level", "integer", "2 information, 4 error"),
+        ("message", "string", "What happened"),
+        (
+            "name",
+            "string",
+            "Who says it: controller, or rig for what the scenario does",
+        ),
+        ("file", "string", "None"),
+        ("line", "integer", "None"),
+    ],
 };
 
 pub(super) const FAULTS: Channel = Channel {
@@ -141,7 +154,18 @@ impl Channel {
             .fields
             .iter()
             .map(|(name, kind, what)| {
-                let field = json!({ "type": kind, "description": what });
+                let field = match *kind {
+                    "time" => json!({
+                        "type": "object",
+                        "title": "time",
+                        "description": what,
+                        "properties": {
+                            "sec": { "type": "integer", "minimum": 0 },
+                            "nsec": { "type": "integer", "minimum": 0, "maximum": 999_999_999 },
+                        },
+                    }),
+                    kind => json!({ "type": kind, "description": what }),
+                };
                 ((*name).to_owned(), field)
             })
             .collect();

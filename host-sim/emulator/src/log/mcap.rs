@@ -6,7 +6,7 @@
 //! | `/force` | contact force, sensor and true, N | one of every [`FORCE_TICKS`]: the largest |
 //! | `/displacement` | hammer and cart, sensors and true, mm | one of every [`DISPLACEMENT_TICKS`]: the farthest |
 //! | `/contacts` | every contact as it truly was | each, at its onset |
-//! | `/events` | what happened, in words | each |
+//! | `/events` | what happened, in words, as Foxglove's log panel reads it | each |
 //! | `/faults` | faults that tripped | each |
 //!
 //! Times are nanoseconds from the start of the run. Of each window the largest value is kept, so that a contact keeps
@@ -27,7 +27,7 @@ use super::channels::{CHANNELS, CONTACTS, Channel, DISPLACEMENT, EVENTS, FAULTS,
 use super::columns::{FORMAT, VERSION};
 use super::writer::failed;
 use super::{Block, Cell, Header, TICK_US, Tick, cells, names};
-use crate::record::Contact;
+use crate::record::{Contact, Event, EventKind};
 use files::UserError;
 use files::columns::PROGRAM;
 use files::write::Staged;
@@ -168,12 +168,28 @@ impl Writer {
         self.write(&CONTACTS, nanoseconds(contact.onset_s), contact)
     }
 
-    /// Something that happened at `time_s`, in words.
+    /// Something that happened.
     ///
     /// # Errors
     /// The disk refuses.
-    pub fn event(&mut self, time_s: f64, text: &str) -> Result<(), UserError> {
-        self.write(&EVENTS, nanoseconds(time_s), &json!({ "text": text }))
+    pub fn event(&mut self, event: &Event) -> Result<(), UserError> {
+        let at_ns = nanoseconds(event.time_s);
+        let text = event.what.to_string();
+        let (level, name) = match event.what {
+            EventKind::Scenario { .. } => (INFORMATION, "rig"),
+            EventKind::Fault { .. } => (ERROR, "controller"),
+            _ => (INFORMATION, "controller"),
+        };
+        let message = json!({
+            "text": text,
+            "timestamp": { "sec": at_ns / NS_PER_S, "nsec": at_ns % NS_PER_S },
+            "level": level,
+            "message": text,
+            "name": name,
+            "file": "",
+            "line": 0,
+        });
+        self.write(&EVENTS, at_ns, &message)
     }
 
     /// A fault that tripped at `time_s`.
@@ -294,6 +310,11 @@ impl Writer {
     }
 }
 
+/// Levels of `foxglove.Log`.
+const INFORMATION: u8 = 2;
+const ERROR: u8 = 4;
+
+const NS_PER_S: u64 = 1_000_000_000;
 const NS_PER_TICK: u64 = TICK_US as u64 * 1000;
 
 fn nanoseconds(time_s: f64) -> u64 {

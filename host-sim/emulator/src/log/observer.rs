@@ -111,7 +111,7 @@ impl Observer for Logs {
 
     fn event(&mut self, event: &Event) {
         let at_s = event.time_s;
-        let mut done = self.mcap.event(at_s, &event.what.to_string());
+        let mut done = self.mcap.event(event);
         if let EventKind::Fault {
             fault,
             origin,

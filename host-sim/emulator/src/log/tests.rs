@@ -1,3 +1,5 @@
+mod foxglove;
+
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -323,86 +325,4 @@ fn another_version_is_named() {
         assert!(line.contains(&named), "{line}");
         assert!(line.contains("reads versions 1 to 5"), "{line}");
     }
-}
-
-#[test]
-fn foxglove_gets_every_channel_and_the_peak() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("run.mcap");
-    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
-    let blocks = 400; // 4000 ticks, 0.2 s
-    for k in 0..blocks {
-        writer.block(&block(k)).unwrap();
-    }
-    let contact = Contact {
-        onset_s: 0.0067,
-        peak_force_n: 96.0,
-        ..Contact::default()
-    };
-    writer.contact(&contact).unwrap();
-    writer.event(0.1, "the gap widens").unwrap();
-    let fault = writer.fault(0.15, Fault::OverForce, Origin::Force, 400.0);
-    fault.unwrap();
-    writer.finish().unwrap();
-
-    let bytes = fs::read(&path).unwrap();
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    let mut strongest: (f64, u64) = (0.0, 0);
-    for message in ::mcap::MessageStream::new(&bytes).unwrap() {
-        let message = message.unwrap();
-        let channel = &message.channel;
-        let schema = channel.schema.as_ref().unwrap();
-        assert_eq!(
-            (channel.message_encoding.as_str(), schema.encoding.as_str()),
-            ("json", "jsonschema")
-        );
-        let schema: serde_json::Value = serde_json::from_slice(&schema.data).unwrap();
-        assert_eq!(schema["type"], "object");
-        let data: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
-        for key in data.as_object().unwrap().keys() {
-            assert!(
-                schema["properties"][key]["type"].is_string(),
-                "{key} is not in the schema of {}",
-                channel.topic
-            );
-        }
-        if channel.topic == "/force" && data["true_n"].as_f64().unwrap() > strongest.0 {
-            strongest = (data["true_n"].as_f64().unwrap(), message.log_time);
-        }
-        *counts.entry(channel.topic.clone()).or_default() += 1;
-    }
-    let expected = [
-        ("/contacts", 1),
-        ("/displacement", 40),
-        ("/events", 1),
-        ("/faults", 1),
-        ("/force", 20),
-        // Every 200 ticks, the first block's, and the change of state in block 7.
-        ("/status", 20 + 2),
-    ];
-    let expected = expected.map(|(topic, count)| (topic.to_owned(), count));
-    assert_eq!(counts, BTreeMap::from(expected));
-    // The spike of tick 134, at 6.7 ms, has kept its height and time.
-    assert_eq!(strongest, (96.0, 134 * 50_000));
-}
-
-#[test]
-fn an_unchanged_status_is_logged_ten_times_a_second() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("still.mcap");
-    let mut writer = mcap::Writer::create(&path, &header()).unwrap();
-    for k in 0..2000 {
-        let mut still = block(0);
-        still.status = Some(Status {
-            tick: k,
-            measured_amplitude_m: 0.0,
-            ..status(0)
-        });
-        writer.block(&still).unwrap(); // a second in all
-    }
-    writer.finish().unwrap();
-    let bytes = fs::read(&path).unwrap();
-    let messages = ::mcap::MessageStream::new(&bytes).unwrap();
-    let found = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/status");
-    assert_eq!(found.count(), 1 + 10);
 }

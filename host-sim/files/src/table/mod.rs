@@ -1,11 +1,13 @@
 //! Tables: rows of any kind as CSV or Parquet, and back from CSV.
 
+mod dialect;
 mod parquet;
 mod read;
 mod rows;
 
 use serde::Serialize;
 
+pub use self::dialect::{Plain, plain};
 pub use self::parquet::{parquet_with, to_parquet};
 pub use self::read::{Line, Measurements};
 

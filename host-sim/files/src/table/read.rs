@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::dialect::{Plain, plain};
 use crate::{UserError, read_table};
 
 /// A measured table in memory.
@@ -11,6 +12,7 @@ pub struct Measurements {
     place: Arc<str>,
     text: String,
     columns: Vec<String>,
+    said: Option<String>,
 }
 
 /// One line of a table: the fields asked for, and where it stands.
@@ -23,7 +25,7 @@ pub struct Line {
 }
 
 impl Measurements {
-    /// Reads the CSV file at `path`.
+    /// Reads the CSV file at `path`, as instruments and spreadsheets write it ([`plain`]).
     ///
     /// # Errors
     /// The file cannot be read, or its first line is no CSV.
@@ -36,6 +38,7 @@ impl Measurements {
     /// # Errors
     /// The first line is no CSV.
     pub fn new(place: &str, text: String) -> Result<Self, UserError> {
+        let Plain { text, said } = plain(place, text)?;
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let names = reader.headers();
         let names = names.map_err(|e| UserError::new(format!("{place}, line 1: {e}")))?;
@@ -44,7 +47,13 @@ impl Measurements {
             place: place.into(),
             text,
             columns,
+            said,
         })
+    }
+
+    /// How the file was understood, if it was not in the plain form.
+    pub fn said(&self) -> Option<&str> {
+        self.said.as_deref()
     }
 
     /// Whether the first line names this column.

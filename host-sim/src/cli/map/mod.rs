@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let points = args
         .measured
         .as_deref()
-        .map(crate::measured::regimes)
+        .map(|file| crate::measured::regimes(file, |line| args.output.note(line)))
         .transpose()?;
     let work = || make(args, &requests, points.as_deref());
     match args.threads {

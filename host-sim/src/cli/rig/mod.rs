@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     let mut described = describe(&answers)?;
     if described.contact_open {
-        let contact = identified(&answers, &mut described)?;
+        let contact = identified(&answers, &mut described, new.quiet)?;
         let file = answers.drop_test.as_deref().unwrap_or(Path::new(""));
         let source = format!("drop test {}", file.display());
         described.contact(&contact, [&source, &source]);
@@ -86,9 +86,13 @@ fn refuse_to_replace(file: &Path) -> Result<(), UserError> {
 }
 
 /// The contact that a drop test shows.
-fn identified(answers: &Answers, described: &mut Described) -> Result<Contact, UserError> {
+fn identified(
+    answers: &Answers,
+    described: &mut Described,
+    quiet: bool,
+) -> Result<Contact, UserError> {
     let file = answers.drop_test.as_deref().unwrap_or(Path::new(""));
-    let signal = crate::record::read(file)?;
+    let signal = crate::record::read(file, |line| note(quiet, line))?;
     let settings = Settings {
         release_m: super::identify::release_mm(answers.release_mm, &signal)? * 1e-3,
         impacts: 6,

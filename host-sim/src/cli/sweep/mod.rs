@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let measured = args
         .measured
         .as_deref()
-        .map(crate::measured::force_curve)
+        .map(|file| crate::measured::force_curve(file, |line| output.note(line)))
         .transpose()?;
     // The picture shows both directions, so that a jump is seen.
     let both = args.direction != Direction::Rest && output.out.is_some();

@@ -1,5 +1,7 @@
 //! A flash that loses power at every step, and worse.
 
+mod earlier;
+
 use std::vec::Vec;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind};
@@ -309,7 +311,8 @@ fn settings_that_are_whole_but_cannot_be_used_are_corrupt_even_beside_older_ones
     let mut bad = settings(2);
     bad.trips.force_n = f32::NAN;
     let out_of_range = image_of(&bad, 2).unwrap().0;
-    let others = [LAYOUT - 1, LAYOUT + 1].map(of_layout);
+    // The payload of one layout does not pass for that of another.
+    let others = [0, 1, 2, LAYOUT + 1].map(of_layout);
     for image in others.into_iter().chain([out_of_range]) {
         let mut store = Store::new(Flash::<4>::new(), SLOTS);
         store.save(&settings(1)).unwrap();

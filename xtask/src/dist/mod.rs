@@ -1,0 +1,282 @@
+//! What is handed out: an archive with the program and all that belongs to it, the wheel of the Python package, the page,
+//! and their checksums, in `target/dist`.
+
+mod archive;
+mod build;
+mod expression;
+mod glibc;
+mod licences;
+mod old_debian;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use archive::Files;
+use build::Linking;
+
+use crate::{
+    Outcome,
+    command::{self, root},
+    desktop::{self, Build},
+    python,
+};
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plan {
+    /// Build everything and try it.
+    Whole,
+    /// Pack the program of the tests, and look at the archive.
+    Check,
+}
+
+impl Plan {
+    /// Reads the options behind `cargo xtask dist`.
+    pub fn parse(words: &[&str]) -> Result<Self, String> {
+        match words {
+            [] => Ok(Self::Whole),
+            ["--check"] => Ok(Self::Check),
+            [other, ..] => Err(format!("no option `{other}`; see `cargo xtask help`")),
+        }
+    }
+}
+
+/// Does it.
+pub fn run(plan: &Plan, build: &Build) -> Outcome {
+    match plan {
+        Plan::Whole => whole(),
+        Plan::Check => check(build),
+    }
+}
+
+fn whole() -> Outcome {
+    let target = build::target()?;
+    // Quick, and the likeliest to fail: it comes first.
+    let licences = licences::gather(&target)?;
+    let linking = Linking::choose(&target)?;
+    let program = linking.program(&target)?;
+    let seconds = archive::time()?;
+
+    let place = root().join("target/dist");
+    let part = root().join("target/dist.part");
+    for folder in [&place, &part] {
+        if folder.exists() {
+            fs::remove_dir_all(folder)?;
+        }
+    }
+    fs::create_dir_all(&part)?;
+    let wheel = linking.wheel(&target, &part, seconds)?;
+    let mut handed_out = vec![wheel];
+    let page = root().join("target/web/index.html");
+    let page = page.is_file().then_some(page);
+    match &page {
+        Some(page) => {
+            let path = part.join("vibroimpact.html");
+            archive::write(&path, &fs::read(page)?)?;
+            handed_out.push(path);
+        }
+        None => println!("the page is left out: there is no target/web/index.html"),
+    }
+    let files = files(&program, &licences, page.as_deref())?;
+    let path = part.join(format!("{}.tar.gz", name(&target)));
+    archive::write(&path, &files.archive(&name(&target), seconds)?)?;
+    handed_out.push(path);
+    handed_out.sort();
+    archive::write(
+        &part.join("SHA256SUMS"),
+        archive::sums(&handed_out)?.as_bytes(),
+    )?;
+
+    println!("\n{}", about(&program)?);
+    println!("{}", tried(&program)?);
+    println!("{}", wheel_tried(&handed_out)?);
+    fs::rename(&part, &place)?;
+    for file in fs::read_dir(&place)? {
+        let file = file?;
+        let megabytes = file.metadata()?.len() as f64 / 1e6;
+        println!("{:>7.2} MB  {}", megabytes, file.path().display());
+    }
+    Ok(())
+}
+
+/// The name of the archive and of the folder in it.
+fn name(target: &str) -> String {
+    format!("vibroimpact-{}-{target}", env!("CARGO_PKG_VERSION"))
+}
+
+/// What stands in the archive.
+fn files(program: &Path, licences: &str, page: Option<&Path>) -> Outcome<Files> {
+    let mut files = Files::default();
+    files.add_program(
+        format!("bin/host-sim{}", std::env::consts::EXE_SUFFIX),
+        fs::read(program)?,
+    );
+    for (shell, path) in COMPLETIONS {
+        let script = command::output(Command::new(program).args(["completions", shell]))?;
+        files.add(*path, script);
+    }
+    let pages = root().join("target/man.part");
+    if pages.exists() {
+        fs::remove_dir_all(&pages)?;
+    }
+    command::output(Command::new(program).arg("man").arg(&pages))?;
+    files.add_folder("share/man/man1", &pages)?;
+    fs::remove_dir_all(&pages)?;
+    for name in ["README.md", "LICENSE", "CHANGELOG.md"] {
+        files.add(name, fs::read(root().join(name))?);
+    }
+    files.add_folder("docs", &root().join("docs"))?;
+    files.add("LICENSES-OF-DEPENDENCIES.txt", licences);
+    files.add("INSTALL.txt", install(program)?);
+    if let Some(page) = page {
+        files.add("vibroimpact.html", fs::read(page)?);
+    }
+    Ok(files)
+}
+
+/// The shells, and where each looks for what it completes.
+const COMPLETIONS: &[(&str, &str)] = &[
+    ("bash", "share/bash-completion/completions/host-sim"),
+    ("zsh", "share/zsh/site-functions/_host-sim"),
+    ("fish", "share/fish/vendor_completions.d/host-sim.fish"),
+];
+
+fn install(program: &Path) -> Outcome<String> {
+    Ok(format!(
+        "bin/host-sim runs from wherever it stands; it {}.\n\n\
+         To have it in the path, with its manual and the completions of the shell, for all users of the machine:\n\n    \
+         sudo cp -r bin share /usr/local/\n\n\
+         For yourself alone, with ~/.local/bin in the path:\n\n    \
+         cp -r bin share ~/.local/\n\n\
+         Begin with README.md.\n",
+        needs(program)?
+    ))
+}
+
+fn needs(program: &Path) -> Outcome<String> {
+    if !cfg!(target_os = "linux") {
+        return Ok("needs nothing but the system".into());
+    }
+    Ok(match glibc::needed(&fs::read(program)?)? {
+        Some(version) => glibc::words(version),
+        None => "needs no C library".into(),
+    })
+}
+
+fn about(program: &Path) -> Outcome<String> {
+    Ok(format!("the program {}", needs(program)?))
+}
+
+/// The program's first answer in a bare root of an older Debian, against the one it gives here.
+fn tried(program: &Path) -> Outcome<String> {
+    let words = ["pick", "--format", "json"];
+    let here = command::output(Command::new(program).args(words).current_dir("/"))?;
+    Ok(match old_debian::run(program, &words)? {
+        Ok(there) if there == here => {
+            format!(
+                "in {} `pick` gives the same bytes as here",
+                old_debian::name()
+            )
+        }
+        Ok(there) => format!(
+            "in {} `pick` gives other digits than here: {}",
+            old_debian::name(),
+            first_difference(&here, &there)
+        ),
+        Err(why) => why,
+    })
+}
+
+/// The first line that differs, in both.
+fn first_difference(here: &str, there: &str) -> String {
+    let differs = here.lines().zip(there.lines()).find(|(a, b)| a != b);
+    differs.map_or("one is longer".into(), |(a, b)| {
+        format!("{} here, {} there", a.trim(), b.trim())
+    })
+}
+
+/// The wheel in an environment with nothing else in it.
+fn wheel_tried(files: &[PathBuf]) -> Outcome<String> {
+    let wheel = files
+        .iter()
+        .find(|file| file.extension().is_some_and(|ending| ending == "whl"))
+        .ok_or("there is no wheel")?;
+    let place = root().join("target/dist-environment");
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
+    }
+    python::make_environment(&place)?;
+    command::run(python::pip(&place).arg(wheel))?;
+    let script = "import vibroimpact as vi; print(vi.pick(vi.Rig('wires')).operating_frequency_hz)";
+    let mut python = Command::new(place.join("bin/python"));
+    let answer = command::output(python.args(["-c", script]).current_dir("/"))?;
+    fs::remove_dir_all(&place)?;
+    Ok(format!(
+        "the wheel, in an environment of its own: pick gives {} Hz",
+        answer.trim()
+    ))
+}
+
+/// The files that an archive must have.
+const EXPECTED: &[&str] = &[
+    "CHANGELOG.md",
+    "INSTALL.txt",
+    "LICENSE",
+    "LICENSES-OF-DEPENDENCIES.txt",
+    "README.md",
+    "bin/host-sim",
+    "docs/tutorial.md",
+    "share/bash-completion/completions/host-sim",
+    "share/fish/vendor_completions.d/host-sim.fish",
+    "share/man/man1/host-sim-pick.1",
+    "share/man/man1/host-sim.1",
+    "share/zsh/site-functions/_host-sim",
+];
+
+/// Packs the program of the tests twice, and holds the archive to what it must be.
+fn check(build: &Build) -> Outcome {
+    let target = build::target()?;
+    let licences = licences::gather(&target)?;
+    let program = desktop::program("host-sim", build)?;
+    let files = files(&program, &licences, None)?;
+    if let Some(missing) = EXPECTED
+        .iter()
+        .find(|&&path| !files.paths().any(|there| there == path))
+    {
+        return Err(format!("the archive has no {missing}").into());
+    }
+    let seconds = archive::time()?;
+    let once = files.archive(&name(&target), seconds)?;
+    let again = self::files(&program, &licences, None)?.archive(&name(&target), seconds)?;
+    if once != again {
+        return Err("packed twice, the same program gives two archives".into());
+    }
+    println!(
+        "{} files, {:.1} MB, the same bytes twice; {}",
+        files.paths().count(),
+        once.len() as f64 / 1e6,
+        about(&program)?
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read() {
+        assert_eq!(Plan::parse(&[]), Ok(Plan::Whole));
+        assert_eq!(Plan::parse(&["--check"]), Ok(Plan::Check));
+        assert!(Plan::parse(&["--chek"]).unwrap_err().contains("--chek"));
+    }
+
+    #[test]
+    fn a_difference_is_shown_by_its_first_line() {
+        let said = first_difference("a\n  b: 1\nc", "a\n  b: 2\nc");
+        assert_eq!(said, "b: 1 here, b: 2 there");
+    }
+}
