@@ -8,6 +8,8 @@
 //! cargo xtask pil           runs the image in a closed loop, and compares it with the desktop bit for bit
 //! cargo xtask board         runs the board's image in a model of the board, in a closed loop and through its faults
 //! cargo xtask python        builds the Python package and tests it against the command line
+//! cargo xtask web           builds the page; with --test also tests it in a browser
+//! cargo xtask lab           builds the page and the program with it, and opens it
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
@@ -36,6 +38,7 @@ mod size;
 mod ticks;
 mod timing;
 mod tools;
+mod web;
 
 use std::process::ExitCode;
 
@@ -60,6 +63,11 @@ cargo xtask COMMAND
                               run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
                               the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name
   python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
+  web [--test [WORDS]]        build the page into target/web/index.html; --test runs it in headless Chromium, too, and
+                              compares its numbers with host-sim's; WORDS go to pytest
+  lab [--board PORT] [OPTIONS]
+                              build the page and the program with it, and run `host-sim lab`; with a board,
+                              `host-sim link PORT --page`; OPTIONS (such as --no-open) go to the program
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
@@ -81,6 +89,9 @@ enum Job {
     Pil(pil::Plan),
     Board(Vec<String>),
     Python(Vec<String>),
+    Web,
+    WebTest(Vec<String>),
+    Lab(Vec<String>),
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
@@ -103,6 +114,11 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["pil", options @ ..] => pil::Plan::parse(options).map(Job::Pil),
         ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
         ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
+        ["web"] => Ok(Job::Web),
+        ["web", "--test", words @ ..] => Ok(Job::WebTest(
+            words.iter().map(|&word| word.into()).collect(),
+        )),
+        ["lab", words @ ..] => Ok(Job::Lab(words.iter().map(|&word| word.into()).collect())),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
@@ -138,6 +154,15 @@ fn run(job: Job) -> Outcome {
         Job::Python(words) => {
             let words: Vec<&str> = words.iter().map(String::as_str).collect();
             python::run(&words, &desktop::Build::Alone)?;
+        }
+        Job::Web => println!("{}", web::build()?.display()),
+        Job::WebTest(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            web::test(&words, &desktop::Build::Alone)?;
+        }
+        Job::Lab(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            web::lab(&words)?;
         }
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Msrv => drop(msrv::run()?),
@@ -188,6 +213,8 @@ mod tests {
             "pil",
             "board",
             "python",
+            "web",
+            "lab",
             "bench-ticks",
             "size",
             "first-answer",

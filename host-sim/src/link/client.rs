@@ -327,7 +327,7 @@ impl<P: Read + Write> Client<P> {
 }
 
 /// Whether a read or write only timed out.
-pub(super) fn is_patience(error: &io::Error) -> bool {
+pub(crate) fn is_patience(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted

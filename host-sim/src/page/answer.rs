@@ -4,6 +4,8 @@ use std::io::{self, ErrorKind, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
+use crate::link::client::is_patience;
+
 /// A browser takes the whole page within this time, or gets no more of it.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -73,12 +75,4 @@ fn write_until(stream: &mut TcpStream, bytes: &[u8], until: Instant) -> io::Resu
         }
     }
     Ok(())
-}
-
-/// Whether a read or write only took too long.
-pub fn is_patience(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-    )
 }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use serialport::SerialPort;
 use shared::link::Hello;
 
-use super::answer::is_patience;
 use super::hub::Hub;
 use super::mailbox::Mailbox;
+use crate::link::client::is_patience;
 use crate::link::client::{self, Client};
 
 /// Pages at one board at most.

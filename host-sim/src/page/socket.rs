@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use super::answer::is_patience;
 use super::mailbox::{FromPage, Mailbox, ToPage};
+use crate::link::client::is_patience;
 
 /// How long a read or write of the connection may wait.
 const TURN: Duration = Duration::from_millis(4);

@@ -1,11 +1,14 @@
 //! Tables: rows of any kind as CSV or Parquet, and back from CSV.
 
+#[cfg(feature = "disk")]
 mod parquet;
 mod read;
+#[cfg(feature = "disk")]
 mod rows;
 
 use serde::Serialize;
 
+#[cfg(feature = "disk")]
 pub use self::parquet::{parquet_with, to_parquet};
 pub use self::read::{Line, Measurements};
 

@@ -18,12 +18,13 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 use super::arguments::output::Format;
 use super::terminal::{print, say};
 use crate::link::client::{self, Client};
-use crate::link::{recording, settings_file};
+use crate::link::recording;
 use check::check;
 use files::UserError;
 use files::made_from::MadeFrom;
 use files::read_text;
 use files::rigfile;
+use files::settings_file;
 use show::line;
 use sweep::{Sweep, sweep};
 
