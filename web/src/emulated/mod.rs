@@ -233,3 +233,6 @@ fn truth(_argument: &[u8]) -> Result<Vec<u8>, String> {
         answer
     })
 }
+
+#[cfg(test)]
+mod tests;

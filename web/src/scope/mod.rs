@@ -170,3 +170,6 @@ impl Scope {
         out
     }
 }
+
+#[cfg(test)]
+mod tests;
