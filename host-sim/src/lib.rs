@@ -12,6 +12,7 @@
 //! | [`tiles`] | the tiles of an unfinished map, on disk |
 //! | `kept` | the rows of an unfinished answer, on disk |
 //! | [`mod@link`] | a board, or an emulated one, on a serial port |
+//! | [`page`] | the page in a browser, and a board behind it |
 //! | [`replay`] | a log through the controller again |
 //! | [`words`] | sentences that put an answer into words |
 //! | [`progress`] | the progress bar |
@@ -23,6 +24,7 @@ mod kept;
 pub mod link;
 pub mod measured;
 pub mod own_rig;
+pub mod page;
 pub mod pictures;
 pub mod progress;
 pub mod record;

@@ -24,6 +24,12 @@ mod map;
 mod map_tiles;
 mod modes;
 mod orbits;
+#[cfg(unix)]
+mod page;
+#[cfg(unix)]
+mod page_drive;
+#[cfg(unix)]
+mod page_rig;
 mod pick;
 mod pick_limits;
 mod pick_over;

@@ -10,6 +10,8 @@
 //! cargo xtask python        builds the Python package and tests it against the command line
 //! cargo xtask dist          builds what is handed out: archive, wheel, checksums
 //! cargo xtask site          builds the site: the pages of docs/, documentation of the code
+//! cargo xtask web           builds the page; with --test also tests it in a browser
+//! cargo xtask lab           builds the page and the program with it, and opens it
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
@@ -42,6 +44,7 @@ mod size;
 mod ticks;
 mod timing;
 mod tools;
+mod web;
 
 use std::process::ExitCode;
 
@@ -72,6 +75,11 @@ cargo xtask COMMAND
   site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
                               documentation of the crates and of the Python package, the page; with --check the
                               pages alone
+  web [--test [WORDS]]        build the page into target/web/index.html; --test runs it in headless Chromium, too, and
+                              compares its numbers with host-sim's; WORDS go to pytest
+  lab [--board PORT] [OPTIONS]
+                              build the page and the program with it, and run `host-sim lab`; with a board,
+                              `host-sim link PORT --page`; OPTIONS (such as --no-open) go to the program
   bench-ticks                 count the instructions of each tick of the model and of a
                               forecast, under QEMU; the forecast must be this machine's
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
@@ -95,6 +103,9 @@ enum Job {
     Python(Vec<String>),
     Dist(dist::Plan),
     Site(site::Plan),
+    Web,
+    WebTest(Vec<String>),
+    Lab(Vec<String>),
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
@@ -119,6 +130,11 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
         ["dist", options @ ..] => dist::Plan::parse(options).map(Job::Dist),
         ["site", options @ ..] => site::Plan::parse(options).map(Job::Site),
+        ["web"] => Ok(Job::Web),
+        ["web", "--test", words @ ..] => Ok(Job::WebTest(
+            words.iter().map(|&word| word.into()).collect(),
+        )),
+        ["lab", words @ ..] => Ok(Job::Lab(words.iter().map(|&word| word.into()).collect())),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
@@ -157,6 +173,15 @@ fn run(job: Job) -> Outcome {
         }
         Job::Dist(plan) => dist::run(&plan, &desktop::Build::Alone)?,
         Job::Site(plan) => site::run(&plan)?,
+        Job::Web => println!("{}", web::build()?.display()),
+        Job::WebTest(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            web::test(&words, &desktop::Build::Alone)?;
+        }
+        Job::Lab(words) => {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            web::lab(&words)?;
+        }
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
         Job::Msrv => drop(msrv::run()?),
         Job::OldestRust => println!("{}", msrv::OLDEST),
@@ -208,6 +233,8 @@ mod tests {
             "python",
             "dist",
             "site",
+            "web",
+            "lab",
             "bench-ticks",
             "size",
             "first-answer",

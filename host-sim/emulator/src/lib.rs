@@ -18,6 +18,7 @@
 //! | [`stuck`] | the motion of a drive that does not obey |
 //! | [`world`] | everything outside the controller: plant, sensors, shaker |
 //! | [`under_test`], [`local`] | the controller under test, wherever it runs; the one in this process |
+//! | [`board`] | a board: the controller, its end of the serial link, a buffer of recorded blocks |
 //! | [`in_the_loop`] | in an emulated processor and in this process, compared |
 //! | [`run`] | world and controller, block by block |
 //! | [`optimum`] | the best the true rig can do |
@@ -26,7 +27,10 @@
 //! | [`log`] | the log of a run: Parquet, and MCAP for Foxglove |
 //! | [`timeline`] | the events of a run, in words |
 //! | [`record`] | what an observer of a run gets |
+//!
+//! Without the feature `disk` it reads and writes no logs on disk, and compiles for a browser.
 
+pub mod board;
 pub mod bodies;
 pub mod cart;
 pub mod chain;
@@ -34,6 +38,7 @@ pub mod filter;
 pub mod ground;
 pub mod in_the_loop;
 pub mod local;
+#[cfg(feature = "columns")]
 pub mod log;
 pub mod motor;
 pub mod names;

@@ -1,5 +1,6 @@
 //! A run: the world and the controller, block by block.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use shared::control::{self, Command, MAX_BLOCK};
@@ -33,12 +34,13 @@ pub fn run(
     Ok(run.summary)
 }
 
-struct Run<'a, C, O> {
-    scenario: &'a Scenario,
-    control: &'a mut C,
-    observer: &'a mut O,
+/// A run under way. [`run`] is one from beginning to end.
+pub struct Run<C, O> {
+    scenario: Scenario,
+    control: C,
+    observer: O,
     world: World,
-    due: std::iter::Peekable<std::vec::IntoIter<Due>>,
+    due: VecDeque<Due>,
     /// Due between blocks.
     waiting: Vec<Due>,
     tick: u64,
@@ -56,18 +58,17 @@ struct Run<'a, C, O> {
     summary: Summary,
 }
 
-impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
-    fn new(
-        scenario: &'a Scenario,
-        control: &'a mut C,
-        observer: &'a mut O,
-    ) -> Result<Self, UserError> {
+impl<C: ControlUnderTest, O: Observer> Run<C, O> {
+    /// Before its first block.
+    ///
+    /// # Errors
+    /// `true_rig` is invalid.
+    pub fn new(scenario: &Scenario, control: C, observer: O) -> Result<Self, UserError> {
         Ok(Self {
-            scenario,
             control,
             observer,
             world: World::new(scenario)?,
-            due: schedule(scenario).into_iter().peekable(),
+            due: schedule(scenario).into(),
             waiting: Vec::new(),
             tick: 0,
             born: 0,
@@ -80,10 +81,29 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
             given: Vec::new(),
             was_on: false,
             summary: Summary::new(scenario),
+            scenario: scenario.clone(),
         })
     }
 
-    fn time_s(&self) -> f64 {
+    /// The controller under test.
+    pub fn control(&mut self) -> &mut C {
+        &mut self.control
+    }
+
+    /// Who watches.
+    pub fn observer(&mut self) -> &mut O {
+        &mut self.observer
+    }
+
+    /// What `scenario` has in store from now on takes the place of what this run's has.
+    pub fn reschedule(&mut self, scenario: &Scenario) {
+        let mut due = schedule(scenario);
+        due.retain(|due| due.tick >= self.tick);
+        self.due = due.into();
+    }
+
+    /// True rig time, s.
+    pub fn time_s(&self) -> f64 {
         self.tick as f64 * self.scenario.tick_s()
     }
 
@@ -98,7 +118,8 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
         self.observer.event(&event);
     }
 
-    fn block(&mut self) {
+    /// The next block.
+    pub fn block(&mut self) {
         let ticks = self.scenario.block_ticks;
         let first = self.tick;
         self.world.drift();
@@ -176,7 +197,9 @@ impl<'a, C: ControlUnderTest, O: Observer> Run<'a, C, O> {
     /// Carries out the due events of the rig; those of the controller wait for the end of the block.
     #[inline]
     fn happen(&mut self) {
-        while let Some(due) = self.due.next_if(|due| due.tick <= self.tick) {
+        while self.due.front().is_some_and(|due| due.tick <= self.tick)
+            && let Some(due) = self.due.pop_front()
+        {
             if !due.what.is_physical() {
                 self.waiting.push(due);
                 continue;

@@ -50,6 +50,35 @@ pub trait ControlUnderTest {
     fn settings(&self) -> &Settings;
 }
 
+/// One that is lent.
+impl<T: ControlUnderTest + ?Sized> ControlUnderTest for &mut T {
+    #[inline]
+    fn exchange(&mut self, frames: &[Frame], outputs: &mut [Output], slices: u32) {
+        (**self).exchange(frames, outputs, slices);
+    }
+    fn exchange_blind(&mut self, outputs: &mut [Output], slices: u32) {
+        (**self).exchange_blind(outputs, slices);
+    }
+    fn command(&mut self, command: Command) -> Result<(), Refused> {
+        (**self).command(command)
+    }
+    fn status(&mut self) -> Status {
+        (**self).status()
+    }
+    fn take_event(&mut self) -> Option<Event> {
+        (**self).take_event()
+    }
+    fn note_overrun(&mut self) {
+        (**self).note_overrun();
+    }
+    fn reset(&mut self, cause: Reset) -> BootInfo {
+        (**self).reset(cause)
+    }
+    fn settings(&self) -> &Settings {
+        (**self).settings()
+    }
+}
+
 /// The simplest controller there is: the frequency and amplitude of its settings or of a set-point, ramped
 /// up over a second, no feedback and no fault but the emergency stop. For tests of the plant and the run around it.
 #[derive(Clone, Debug)]

@@ -1,16 +1,21 @@
 //! Reading and writing: rig files, tables, columns, and files that are whole or absent.
 //!
+//! Without the feature `disk` it has rig files, words and tables as CSV, and compiles for a browser.
+//!
 //! Whatever a person can mend ends in a [`UserError`]: one line that says what is wrong, where, and what to do.
 
+#[cfg(feature = "columns")]
 pub mod columns;
 mod error;
 pub mod made_from;
 pub mod quiet;
 mod read;
 pub mod rigfile;
+pub mod settings_file;
 pub mod table;
 mod wording;
 pub mod words;
+#[cfg(feature = "disk")]
 pub mod write;
 
 pub use error::UserError;

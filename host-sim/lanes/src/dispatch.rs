@@ -1,6 +1,8 @@
 //! One kernel for each instruction set and precision, chosen when it runs.
 
-use pulp::{Arch, Simd, WithSimd};
+#[cfg(not(target_arch = "wasm32"))]
+use pulp::Arch;
+use pulp::{Simd, WithSimd};
 
 use super::constants::{Constants, Kind};
 use super::job::{Job, Tuning, Work};
@@ -13,7 +15,8 @@ use super::{Cell, CellPlan, Outcome};
 /// The floating-point format of the lanes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// f32: faster by half, but sections converge only to its grain, so that cells stop later.
+    /// f32: faster by half, but sections converge only to its grain, so that cells stop later. In WebAssembly, f64 all the
+    /// same.
     Single,
     /// f64.
     #[default]
@@ -176,6 +179,10 @@ impl<const RECOIL: bool> WithSimd for OfCart<'_, RECOIL> {
             jobs,
             plan,
         } = self.0;
+        // A page has one kernel: of f64 in the one instruction set that it was compiled for.
+        if const { cfg!(target_arch = "wasm32") } {
+            return run::<_, RECOIL>(Pair(Double(simd)), beams, jobs, plan, tuning);
+        }
         // Without vectors a pair would only make the kernel larger.
         if const { S::F64_LANES == 1 } {
             return match precision {
@@ -199,6 +206,7 @@ fn dispatch(instructions: Instructions, recoil: bool, op: Run<'_>) -> (Vec<Optio
 }
 
 /// Runs `op`. The compiler makes a kernel of every call of `dispatch`: this is the only one.
+#[cfg(not(target_arch = "wasm32"))]
 fn on<O: WithSimd>(instructions: Instructions, op: O) -> O::Output {
     let arch = match instructions {
         Instructions::Widest => Arch::new(),
@@ -207,4 +215,13 @@ fn on<O: WithSimd>(instructions: Instructions, op: O) -> O::Output {
         _ => Arch::Scalar,
     };
     arch.dispatch(op)
+}
+
+/// The same in a page, which is compiled for 128-bit vectors and does not run where there are none.
+#[cfg(target_arch = "wasm32")]
+fn on<O: WithSimd>(_: Instructions, op: O) -> O::Output {
+    match pulp::wasm::Simd128::try_new() {
+        Some(simd) => Simd::vectorize(simd, op),
+        None => panic!("the module is compiled without simd128"),
+    }
 }

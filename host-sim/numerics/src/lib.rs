@@ -20,6 +20,7 @@ pub mod accuracy;
 pub mod basins;
 pub mod bifurcation;
 pub mod branch;
+#[cfg(not(target_family = "wasm"))]
 pub mod compare;
 pub mod contact_law;
 pub mod continuation;
@@ -31,6 +32,7 @@ pub mod error;
 #[cfg(test)]
 mod fingerprint;
 pub mod golden;
+#[cfg(not(target_family = "wasm"))]
 pub mod identify;
 pub mod knob;
 pub mod lanes;

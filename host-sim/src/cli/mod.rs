@@ -14,6 +14,7 @@ mod emulate;
 mod figures;
 mod identify;
 mod interrupt;
+mod lab;
 mod link;
 mod map;
 mod modes;
@@ -127,9 +128,14 @@ enum Command {
     Replay(replay::Args),
     /// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
     #[command(
-        after_help = "Examples:\n  host-sim link /dev/ttyACM0 status\n  host-sim link /dev/ttyACM0 sweep --from-hz 3 --to-hz 4 --step-hz 0.1 --csv curve.csv"
+        after_help = "Examples:\n  host-sim link /dev/ttyACM0 status\n  host-sim link /dev/ttyACM0 --page\n  host-sim link /dev/ttyACM0 sweep --from-hz 3 --to-hz 4 --step-hz 0.1 --csv curve.csv"
     )]
     Link(link::Args),
+    /// Open the page in a browser: explore a rig, run an emulated one, watch a board
+    #[command(
+        after_help = "Examples:\n  host-sim lab\n  host-sim lab --port 8420 --no-open\n\nThe page of a board: host-sim link PORT --page"
+    )]
+    Lab(lab::Args),
     /// The desktop's half of `cargo xtask pil`
     #[command(hide = true)]
     Pil(pil::Args),
@@ -241,6 +247,7 @@ impl Command {
             Self::Scenarios(_)
             | Self::Replay(_)
             | Self::Link(_)
+            | Self::Lab(_)
             | Self::Pil(_)
             | Self::Figures(_)
             | Self::Rig(_)
@@ -277,6 +284,7 @@ fn execute(command: &Command) -> i32 {
         Command::Trials(args) => trials::run(args).map(|()| 0),
         Command::Scenarios(args) => scenarios::run(args).map(|()| 0),
         Command::Link(args) => link::run(args),
+        Command::Lab(args) => lab::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Pil(args) => pil::run(args),
         Command::Chapter(args) => chapter::run(args).map(|()| 0),

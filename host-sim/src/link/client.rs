@@ -7,9 +7,10 @@ use std::time::{Duration, Instant, SystemTime};
 use serialport::SerialPort;
 use shared::control::{Command, Refused, SettingsState, Status};
 use shared::link::{
-    Act, Answer, BoardState, Decoder, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet,
-    Refusal, SESSION_S, ToBoard, encode,
+    Act, Answer, BoardState, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, Refusal,
+    SESSION_S, ToBoard, encode,
 };
+use wire::Caller;
 
 use files::UserError;
 
@@ -32,14 +33,8 @@ const KEPT: usize = 2000;
 pub struct Client<P> {
     port: P,
     name: String,
-    decoder: Decoder,
-    sequence: u16,
+    caller: Caller,
     streamed: VecDeque<FromBoard>,
-    last_heard: Option<u16>,
-    lost: u64,
-    /// The session, once it is granted, and the number of the last act in it.
-    session: Option<u32>,
-    act: u32,
 }
 
 /// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers.
@@ -80,21 +75,26 @@ impl<P: Read + Write> Client<P> {
         Self {
             port,
             name: name.to_owned(),
-            decoder: Decoder::new(),
-            sequence,
+            caller: Caller::new(sequence),
             streamed: VecDeque::new(),
-            last_heard: None,
-            lost: 0,
-            session: None,
-            act: 0,
         }
     }
 
     /// The same, with packets numbered from `sequence` on: so that two conversations are the same, byte by byte.
     #[must_use]
     pub fn numbered_from(mut self, sequence: u16) -> Self {
-        self.sequence = sequence;
+        self.caller = Caller::new(sequence);
         self
+    }
+
+    /// The port, to talk to it beside the conversation.
+    pub fn port(&mut self) -> &mut P {
+        &mut self.port
+    }
+
+    /// The port, and the number of the last request.
+    pub fn into_parts(self) -> (P, u16) {
+        (self.port, self.caller.sequence())
     }
 
     /// The port's name.
@@ -104,7 +104,7 @@ impl<P: Read + Write> Client<P> {
 
     /// Packets of the board that did not arrive.
     pub fn lost(&self) -> u64 {
-        self.lost
+        self.caller.lost()
     }
 
     /// Asks for name and protocol of the board. This also ends every stream.
@@ -125,7 +125,7 @@ impl<P: Read + Write> Client<P> {
             )));
         }
         self.streamed.clear();
-        self.lost = 0;
+        self.caller.count_anew();
         Ok(hello)
     }
 
@@ -134,7 +134,7 @@ impl<P: Read + Write> Client<P> {
     ///
     /// # Errors
     /// If the port fails, or the board does not answer.
-    pub fn ask(&mut self, mut request: ToBoard) -> Result<Answer, UserError> {
+    pub fn ask(&mut self, request: ToBoard) -> Result<Answer, UserError> {
         let (patience, attempts) = match request {
             ToBoard::Steer { act, .. } => patience_for(&act),
             // A second one would name a number that is no longer the board's.
@@ -142,18 +142,9 @@ impl<P: Read + Write> Client<P> {
             _ => (PATIENCE, ATTEMPTS),
         };
         for _ in 0..attempts {
-            if let ToBoard::Steer { number, .. } = &mut request {
-                self.act += 1;
-                *number = self.act;
-            }
-            self.sequence = self.sequence.wrapping_add(1);
-            let packet = Packet {
-                sequence: self.sequence,
-                message: request,
-            };
-            let mut frame = [0; MAX_FRAME];
-            let frame = encode(&packet, &mut frame).ok_or_else(|| self.complaint("too long"))?;
-            self.write(frame)?;
+            let frame = self.caller.frame(request);
+            let frame = frame.ok_or_else(|| self.complaint("too long"))?;
+            self.write(&frame)?;
             if let Some(answer) = self.await_answer(patience)? {
                 return Ok(answer);
             }
@@ -207,7 +198,7 @@ impl<P: Read + Write> Client<P> {
             };
             return match self.ask(request)? {
                 Answer::Session(session) => {
-                    (self.session, self.act) = (Some(session), 0);
+                    self.caller.granted(session);
                     Ok(())
                 }
                 Answer::Refused(refusal) => Err(self.complaint(reason(refusal))),
@@ -221,14 +212,9 @@ impl<P: Read + Write> Client<P> {
     /// # Errors
     /// As those of [`Client::tell`].
     pub fn steer(&mut self, act: Act) -> Result<(), UserError> {
-        let session = self.session;
-        let session = session.ok_or_else(|| self.complaint(reason(Refusal::NoSession)))?;
+        let request = self.caller.steer(act);
         // Each attempt gets a number of its own.
-        self.tell(ToBoard::Steer {
-            session,
-            number: 0,
-            act,
-        })
+        self.tell(request.map_err(|why| self.complaint(reason(why)))?)
     }
 
     /// Gives a command; a stop needs no session.
@@ -299,15 +285,11 @@ impl<P: Read + Write> Client<P> {
         };
         let mut found = None;
         for byte in &bytes[..count] {
-            let Some(packet) = self.decoder.push::<FromBoard>(*byte) else {
+            let Some(message) = self.caller.hear(*byte) else {
                 continue;
             };
-            if let Some(last) = self.last_heard {
-                self.lost += u64::from(packet.sequence.wrapping_sub(last).wrapping_sub(1));
-            }
-            self.last_heard = Some(packet.sequence);
-            match packet.message {
-                FromBoard::Answer { request, answer } if request == self.sequence => {
+            match message {
+                FromBoard::Answer { request, answer } if request == self.caller.sequence() => {
                     found = Some(answer);
                 }
                 // A late answer to a request that was given up.
@@ -315,7 +297,7 @@ impl<P: Read + Write> Client<P> {
                 streamed => {
                     if self.streamed.len() >= KEPT {
                         self.streamed.pop_front();
-                        self.lost += 1;
+                        self.caller.lose(1);
                     }
                     self.streamed.push_back(streamed);
                 }
@@ -345,7 +327,7 @@ impl<P: Read + Write> Client<P> {
 }
 
 /// Whether a read or write only timed out.
-pub(super) fn is_patience(error: &io::Error) -> bool {
+pub(crate) fn is_patience(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted

@@ -6,11 +6,9 @@ use std::time::{Duration, Instant};
 use serialport::{SerialPort, TTYPort};
 use shared::control::{BootInfo, Command, Event, Refused, Status};
 use shared::io::{Frame, Output};
-use shared::link::Device;
 use shared::settings::{Settings, TICK_S};
 
-use super::{Board, Server};
-use emulator::local::birth;
+use emulator::board::Served;
 use emulator::under_test::{ControlUnderTest, Reset};
 use files::UserError;
 
@@ -20,10 +18,7 @@ const SLACK: Duration = Duration::from_millis(100);
 /// A controller under test that listens on a pseudo-terminal.
 #[derive(Debug)]
 pub struct Live {
-    board: Board,
-    settings: Settings,
-    server: Server,
-    wire: TTYPort,
+    board: Served<TTYPort>,
     /// Held open: without an opener at the far end, the wire reads as broken.
     far_end: TTYPort,
     /// Times faster than real time.
@@ -45,10 +40,7 @@ impl Live {
         let (mut wire, far_end) = TTYPort::pair().map_err(failed)?;
         wire.set_timeout(Duration::ZERO).map_err(failed)?;
         Ok(Self {
-            board: Board::new(settings, block_ticks)?,
-            settings: *settings,
-            server: Server::new(),
-            wire,
+            board: Served::new(settings, block_ticks, wire)?,
             far_end,
             speed,
             due: Instant::now(),
@@ -60,7 +52,7 @@ impl Live {
         self.far_end.name().unwrap_or_default()
     }
 
-    /// Waits until the block is due, and handles what came over the link meanwhile.
+    /// Waits until the block is due.
     fn turn(&mut self, ticks: usize) {
         let block = Duration::from_secs_f64(ticks as f64 * TICK_S / self.speed);
         let now = Instant::now();
@@ -70,8 +62,6 @@ impl Live {
             None => {}
         }
         self.due += block;
-        // A program that closed the far end may come back; until then there is nothing to read.
-        let _ = self.server.step(&mut self.board, &mut self.wire);
     }
 }
 
@@ -87,15 +77,15 @@ impl ControlUnderTest for Live {
     }
 
     fn command(&mut self, command: Command) -> Result<(), Refused> {
-        Device::command(&mut self.board, command)
+        self.board.command(command)
     }
 
     fn status(&mut self) -> Status {
-        Device::status(&mut self.board)
+        self.board.status()
     }
 
     fn take_event(&mut self) -> Option<Event> {
-        self.board.lockstep().controller.take_event()
+        self.board.take_event()
     }
 
     fn note_overrun(&mut self) {
@@ -103,14 +93,10 @@ impl ControlUnderTest for Live {
     }
 
     fn reset(&mut self, cause: Reset) -> BootInfo {
-        let birth = birth(cause, &self.board.lockstep().controller.persisted());
-        // What came over the link is in flash, and was checked.
-        let settings = self.board.settings();
-        let _ = self.board.reset(&settings, &birth);
-        birth
+        self.board.reset(cause)
     }
 
     fn settings(&self) -> &Settings {
-        &self.settings
+        self.board.settings()
     }
 }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use shared::control::{BootInfo, Command, State};
-use shared::link::{Act, Answer, FromBoard, Hello, RecordedBlock, ToBoard};
+use shared::link::{Act, Answer, FromBoard, Hello, ToBoard};
 
 use super::client::Client;
-use emulator::log::{Block, Header, Input, Samples, Tick, Writer};
+use emulator::log::{Block, Header, Writer};
 use emulator::names::state_name;
 use files::UserError;
 use files::made_from::{self, MadeFrom};
@@ -119,36 +119,7 @@ fn stream<P: Read + Write>(
             )));
         }
         expected = Some(next.wrapping_add(exchange.frames.len() as u32));
-        writer.block(&block(&exchange))?;
+        writer.block(&Block::from(&exchange))?;
     }
     Ok(())
-}
-
-/// A block as the log has it.
-fn block(exchange: &RecordedBlock) -> Block {
-    let notes = &exchange.notes;
-    // A command that was refused changed nothing.
-    let obeyed = notes.given.iter().filter(|given| given.refused.is_none());
-    let commands = obeyed.map(|given| Input::Command(given.command));
-    let overrun = notes.overrun.then_some(Input::Overrun);
-    let pairs = exchange.frames.iter().zip(&exchange.outputs);
-    Block {
-        inputs: commands.chain(overrun).collect(),
-        samples: if notes.stale {
-            Samples::Blind
-        } else {
-            Samples::Came
-        },
-        forecast: Some(notes.forecast_delivered),
-        slices: None,
-        ticks: pairs
-            .map(|(frame, output)| Tick {
-                frame: *frame,
-                output: *output,
-                truth: None,
-            })
-            .collect(),
-        status: None,
-        state: Some(notes.state),
-    }
 }

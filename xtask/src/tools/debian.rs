@@ -56,6 +56,14 @@ pub const LLD: Bundle = Bundle {
     oldest: "",
 };
 
+/// A browser without a window, and letters for it.
+pub const CHROMIUM: Bundle = Bundle {
+    name: "chromium",
+    packages: &["chromium-headless-shell", "fonts-dejavu-core"],
+    programs: &["chromium-headless-shell"],
+    oldest: "",
+};
+
 /// Every tool's folder.
 pub fn tools() -> PathBuf {
     command::root().join("target/tools")
@@ -198,7 +206,7 @@ mod tests {
 
     #[test]
     fn no_wanted_package_is_left_to_the_system() {
-        for bundle in [QEMU, RUST, LLD] {
+        for bundle in [QEMU, RUST, LLD, CHROMIUM] {
             for package in bundle.packages {
                 assert!(
                     !super::super::apt::FROM_SYSTEM

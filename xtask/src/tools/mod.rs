@@ -15,7 +15,7 @@ use crate::{
     command::{self, find},
 };
 use debian::Bundle;
-use toolchain::{Missing, TARGET, Toolchain};
+use toolchain::{Missing, TARGET, Toolchain, WASM};
 
 /// QEMU's system emulator for Arm.
 const QEMU: &str = "qemu-system-arm";
@@ -32,7 +32,7 @@ pub fn qemu() -> Outcome<PathBuf> {
 pub fn toolchain() -> Outcome<Toolchain> {
     // Twice something may be missing: the Rust, then its linker.
     for _ in 0..2 {
-        match toolchain::choose(&toolchain::look()) {
+        match toolchain::choose(&toolchain::look(TARGET)) {
             Ok(toolchain) => return Ok(toolchain),
             Err(missing) => {
                 let bundle = match missing {
@@ -43,8 +43,40 @@ pub fn toolchain() -> Outcome<Toolchain> {
             }
         }
     }
-    toolchain::choose(&toolchain::look()).map_err(|missing| advice(&missing).into())
+    toolchain::choose(&toolchain::look(TARGET)).map_err(|missing| advice(&missing).into())
 }
+
+/// A way to build the page's module: the Rust in use, or Debian's, installed or unpacked.
+pub fn wasm_toolchain() -> Outcome<Toolchain> {
+    let choose = || toolchain::choose_for_wasm(&toolchain::look(WASM));
+    let advice =
+        |_: &Missing| format!("no Rust here builds for {WASM}; type: rustup target add {WASM}");
+    match choose() {
+        Err(Missing::Rust) => {
+            provide(&debian::RUST, || advice(&Missing::Rust))?;
+            choose().map_err(|missing| advice(&missing).into())
+        }
+        chosen => chosen.map_err(|missing| advice(&missing).into()),
+    }
+}
+
+/// The browser that the page is tested in: the one in the path, or Debian's, unpacked.
+pub fn chromium() -> Outcome<PathBuf> {
+    let names = ["chromium", "chromium-browser", "google-chrome", CHROMIUM];
+    if let Some(program) = names.iter().find_map(|name| find(name)) {
+        return Ok(program);
+    }
+    let advice = || {
+        format!(
+            "no Chromium here; install it (Debian: {})",
+            debian::CHROMIUM.install_line()
+        )
+    };
+    provide(&debian::CHROMIUM, advice).map(|()| debian::CHROMIUM.starters().join(CHROMIUM))
+}
+
+/// Debian's browser without a window.
+const CHROMIUM: &str = "chromium-headless-shell";
 
 /// Unpacks a bundle on Debian. Where there is no Debian, or it fails, the error says what to type.
 fn provide(bundle: &Bundle, advice: impl Fn() -> String) -> Outcome {

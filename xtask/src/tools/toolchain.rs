@@ -15,6 +15,9 @@ use crate::command;
 /// The microcontroller, as Rust calls it: Cortex-M4 with a single-precision FPU.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The browser, as Rust calls it.
+pub const WASM: &str = "wasm32-unknown-unknown";
+
 /// Where Debian installs its Rust.
 const DEBIAN_BIN: &str = "/usr/bin";
 
@@ -29,9 +32,11 @@ pub struct Found {
     pub debian_rust: Option<PathBuf>,
     /// A linker that can be named to either.
     pub lld: Option<PathBuf>,
+    /// The `rust-lld` of the Rust in use: as new as its objects, and it links for a browser, too.
+    pub own_lld: Option<PathBuf>,
 }
 
-/// How the firmware gets built.
+/// How the firmware gets built, or the page's module.
 #[derive(Debug, PartialEq)]
 pub enum Toolchain {
     /// The Rust in use, as it is; with a linker where it has none.
@@ -70,15 +75,25 @@ pub fn choose(found: &Found) -> Result<Toolchain, Missing> {
     })
 }
 
-/// Looks around on this machine.
-pub fn look() -> Found {
+/// Chooses for the page's module. Its linker is a `rust-lld`: Debian's `ld.lld` is too old for the objects.
+pub fn choose_for_wasm(found: &Found) -> Result<Toolchain, Missing> {
+    if found.target_core {
+        return Ok(Toolchain::InUse(None));
+    }
+    let bin = found.debian_rust.clone().ok_or(Missing::Rust)?;
+    let linker = found.own_lld.clone().ok_or(Missing::Linker)?;
+    Ok(Toolchain::Debian { bin, linker })
+}
+
+/// Looks around on this machine for what builds for `target`.
+pub fn look(target: &str) -> Found {
     let rustc = || Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     let own_tools = command::ask(rustc().args(["--print", "target-libdir"]))
         .map(|libdir| Path::new(&libdir).with_file_name("bin"));
     let own_lld = own_tools
         .map(|bin| bin.join("rust-lld"))
         .filter(|file| file.is_file());
-    let libdir = command::ask(rustc().args(["--print", "target-libdir", "--target", TARGET]));
+    let libdir = command::ask(rustc().args(["--print", "target-libdir", "--target", target]));
     let unpacked_lld = Some(debian::LLD.starters().join("ld.lld")).filter(|file| file.is_file());
     Found {
         target_core: libdir.is_some_and(|libdir| holds_core(Path::new(&libdir))),
@@ -86,7 +101,8 @@ pub fn look() -> Found {
         debian_rust: [PathBuf::from(DEBIAN_BIN), debian::RUST.starters()]
             .into_iter()
             .find(|bin| is_debian_rust(bin)),
-        lld: command::find("ld.lld").or(own_lld).or(unpacked_lld),
+        lld: command::find("ld.lld").or(own_lld.clone()).or(unpacked_lld),
+        own_lld: own_lld.or_else(|| command::find("rust-lld")),
     }
 }
 
@@ -148,7 +164,7 @@ impl Toolchain {
                 command.arg(subcommand);
                 command
             }
-            Self::Debian { bin, .. } => debian_cargo(bin, subcommand),
+            Self::Debian { bin, .. } => debian_cargo(bin, subcommand, "core"),
         };
         if let Some(linker) = self.linker() {
             command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
@@ -158,6 +174,30 @@ impl Toolchain {
             .env_remove("RUSTFLAGS")
             .env_remove("CARGO_ENCODED_RUSTFLAGS");
         command.args(["--target", TARGET, "--target-dir", "target/thumb"]);
+        command
+    }
+
+    /// The same for a browser. The module needs 128-bit vectors, which every browser since 2023 has.
+    pub fn wasm_cargo(&self, subcommand: &str) -> Command {
+        let mut command = match self {
+            Self::InUse(_) => {
+                let mut command = command::cargo();
+                command.arg(subcommand);
+                command
+            }
+            Self::Debian { bin, .. } => debian_cargo(bin, subcommand, "std,panic_abort"),
+        };
+        if let Some(linker) = self.linker() {
+            command.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", linker);
+        }
+        command
+            .env_remove("RUSTFLAGS")
+            .env_remove("CARGO_ENCODED_RUSTFLAGS")
+            .env(
+                "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
+                "-Ctarget-feature=+simd128",
+            );
+        command.args(["--target", WASM, "--target-dir", "target/wasm"]);
         command
     }
 
@@ -209,9 +249,9 @@ impl Toolchain {
     }
 }
 
-/// Building `core` is not a stable feature of cargo: `RUSTC_BOOTSTRAP` allows it,
+/// Building `core` (or all of `std`) is not a stable feature of cargo: `RUSTC_BOOTSTRAP` allows it,
 /// on this one command and nowhere else.
-fn debian_cargo(bin: &Path, subcommand: &str) -> Command {
+fn debian_cargo(bin: &Path, subcommand: &str, std: &str) -> Command {
     // cargo would find another toolchain's clippy first: start Debian's directly.
     let clippy = subcommand == "clippy";
     let mut command = Command::new(bin.join(if clippy { "cargo-clippy" } else { "cargo" }));
@@ -222,7 +262,7 @@ fn debian_cargo(bin: &Path, subcommand: &str) -> Command {
     if clippy {
         command.env("CARGO", bin.join("cargo"));
     }
-    command.args([subcommand, "-Zbuild-std=core"]);
+    command.arg(subcommand).arg(format!("-Zbuild-std={std}"));
     command
 }
 
@@ -248,6 +288,7 @@ mod tests {
             own_linker: true,
             debian_rust: Some(DEBIAN_BIN.into()),
             lld: lld(),
+            own_lld: None,
         };
         assert_eq!(choose(&found), Ok(Toolchain::InUse(None)));
     }
@@ -271,6 +312,37 @@ mod tests {
             ..Found::default()
         };
         assert_eq!(choose(&found), Ok(debian()));
+    }
+
+    #[test]
+    fn a_browser_s_module_is_linked_by_the_rust_lld_of_the_rust_in_use() {
+        let found = Found {
+            debian_rust: Some(DEBIAN_BIN.into()),
+            lld: lld(),
+            ..Found::default()
+        };
+        assert_eq!(choose_for_wasm(&found), Err(Missing::Linker));
+        let own_lld: PathBuf = "/rust/bin/rust-lld".into();
+        let found = Found {
+            own_lld: Some(own_lld.clone()),
+            ..found
+        };
+        let chosen = choose_for_wasm(&found).unwrap();
+        assert_eq!(chosen.linker(), Some(own_lld.as_path()));
+        let words: Vec<_> = chosen
+            .wasm_cargo("build")
+            .get_args()
+            .map(|w| w.to_owned())
+            .collect();
+        assert!(
+            words.contains(&"-Zbuild-std=std,panic_abort".into()),
+            "{words:?}"
+        );
+        let found = Found {
+            target_core: true,
+            ..found
+        };
+        assert_eq!(choose_for_wasm(&found), Ok(Toolchain::InUse(None)));
     }
 
     #[test]

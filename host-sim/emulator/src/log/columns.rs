@@ -7,6 +7,7 @@ use files::columns::{Field, Kind, Packing};
 /// there is the episode, from 5 on the events that were dropped, and settings with the shaker's loop.
 pub(super) const VERSION: u32 = 5;
 
+#[cfg(feature = "disk")]
 /// The first version whose bytes are under check sums.
 pub(super) const CHECKED: u32 = 3;
 

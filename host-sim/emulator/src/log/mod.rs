@@ -7,13 +7,18 @@
 //!
 //! Both files have a temporary name until [`Writer::finish`]; a run that is broken off leaves neither.
 
+#[cfg(feature = "disk")]
 mod channels;
 mod columns;
+#[cfg(feature = "disk")]
 pub mod mcap;
+#[cfg(feature = "disk")]
 mod observer;
+#[cfg(feature = "disk")]
 mod reader;
+mod recorded;
 mod status;
-#[cfg(test)]
+#[cfg(all(test, feature = "disk"))]
 mod tests;
 mod writer;
 
@@ -22,10 +27,14 @@ use shared::control::{BootInfo, Command, State, Status};
 use shared::io::{Frame, Output};
 use shared::settings::Settings;
 
+#[cfg(feature = "disk")]
 pub use observer::Logs;
+#[cfg(feature = "disk")]
 pub use reader::{Logged, Reader};
 pub use status::{Cell, cells, names};
+#[cfg(feature = "disk")]
 pub use writer::Writer;
+pub use writer::WriterTo;
 
 /// Microseconds in a control tick.
 pub const TICK_US: i64 = 1_000_000 / shared::settings::TICK_RATE_HZ as i64;
@@ -82,6 +91,7 @@ impl Samples {
         }
     }
 
+    #[cfg(feature = "disk")]
     fn from_name(name: &[u8]) -> Option<Self> {
         let all = [Self::Came, Self::Blind, Self::Lost];
         all.into_iter().find(|s| s.name().as_bytes() == name)

@@ -1,6 +1,7 @@
 //! Writing a log, block by block, in bounded memory.
 
 use std::fmt::Display;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use shared::settings::TICK_RATE_HZ;
@@ -11,20 +12,26 @@ use super::{Block, Cell, Header, TICK_US, Tick, cells};
 use crate::names::state_name;
 use files::UserError;
 use files::columns::{self, Column, PROGRAM, Value};
+#[cfg(feature = "disk")]
 use files::write::Staged;
 
 /// Rows of a row group: ten seconds. Held in memory until they are written.
 const GROUP_ROWS: usize = 200_000;
 
-/// Writes a log. Dropped before [`finish`](Self::finish), it leaves nothing.
-pub struct Writer {
-    file: columns::Writer<Staged>,
+/// Writes a log into a file. Dropped before `finish`, it leaves nothing.
+#[cfg(feature = "disk")]
+pub type Writer = WriterTo<Staged>;
+
+/// Writes a log into anything that takes bytes.
+pub struct WriterTo<W: Write + Send> {
+    file: columns::Writer<W>,
     target: PathBuf,
     columns: Vec<Column>,
     rows: usize,
     next: i64,
 }
 
+#[cfg(feature = "disk")]
 impl Writer {
     /// Begins the log `path`; an older one stays until this one is whole.
     ///
@@ -33,8 +40,26 @@ impl Writer {
     pub fn create(path: impl AsRef<Path>, header: &Header) -> Result<Self, UserError> {
         let staged = Staged::new(path)?;
         let target = staged.path().to_owned();
+        Self::over(staged, target, header)
+    }
+
+    /// Closes the log and gives it its name; returns where it is.
+    ///
+    /// # Errors
+    /// The disk refuses; nothing is left then.
+    pub fn finish(self) -> Result<PathBuf, UserError> {
+        Ok(self.close()?.commit()?)
+    }
+}
+
+impl<W: Write + Send> WriterTo<W> {
+    /// Begins a log in `sink`, which errors call `target`.
+    ///
+    /// # Errors
+    /// The sink takes nothing.
+    pub fn over(sink: W, target: PathBuf, header: &Header) -> Result<Self, UserError> {
         let fields = fields(VERSION);
-        let file = columns::Writer::new(staged, "run", &fields, metadata(header)?);
+        let file = columns::Writer::new(sink, "run", &fields, metadata(header)?);
         Ok(Self {
             file: file.map_err(|e| failed(&target, e))?,
             target,
@@ -72,16 +97,11 @@ impl Writer {
         self.next as u64
     }
 
-    /// Closes the log and gives it its name; returns where it is.
+    /// Writes what is left; the sink has the whole log then. (A file still has its temporary name.)
     ///
     /// # Errors
-    /// The disk refuses; nothing is left then.
-    pub fn finish(self) -> Result<PathBuf, UserError> {
-        Ok(self.close()?.commit()?)
-    }
-
-    /// Writes what is left; the file is whole then and still has its temporary name.
-    pub(super) fn close(mut self) -> Result<Staged, UserError> {
+    /// The sink takes nothing more.
+    pub fn close(mut self) -> Result<W, UserError> {
         self.flush()?;
         let target = self.target;
         self.file.finish().map_err(|e| failed(&target, e))

@@ -149,6 +149,7 @@ impl Column {
         self.present.get(row).is_some_and(|level| *level > 0)
     }
 
+    #[cfg(feature = "disk")]
     /// From now on rows may lack a value.
     pub(crate) fn make_optional(&mut self) {
         self.optional = true;

@@ -1,9 +1,11 @@
 //! `host-sim link PORT …`.
 
+mod check;
+mod page;
 mod show;
 mod sweep;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Subcommand;
@@ -13,16 +15,18 @@ use shared::control::{self, Mode, State};
 use shared::link::{Act, Answer, Hello, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
-use super::arguments::output::{Format, check_format};
+use super::arguments::output::Format;
 use super::terminal::{print, say};
 use crate::link::client::{self, Client};
-use crate::link::{recording, settings_file};
+use crate::link::recording;
+use check::check;
 use files::UserError;
 use files::made_from::MadeFrom;
 use files::read_text;
 use files::rigfile;
+use files::settings_file;
 use show::line;
-use sweep::{Sweep, frequencies, sweep};
+use sweep::{Sweep, sweep};
 
 type Port = Client<Box<dyn SerialPort>>;
 
@@ -39,8 +43,30 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = shared::link::BAUD)]
     baud: u32,
 
+    /// Show the board in a browser, until interrupted: one page commands, others watch
+    #[arg(long)]
+    page: bool,
+
+    /// With --page: port of this machine's loopback to serve at [default: any that is free]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        requires = "page"
+    )]
+    page_port: u16,
+
+    /// With --page: print the address only; open no browser
+    #[arg(long, requires = "page")]
+    no_open: bool,
+
+    /// With --page: serve this file in place of the page in the program
+    #[arg(long, value_name = "FILE", hide = true, requires = "page")]
+    page_file: Option<PathBuf>,
+
     #[command(subcommand)]
-    what: What,
+    what: Option<What>,
 
     /// What is asked for, as answers and recordings carry it.
     #[arg(skip)]
@@ -161,14 +187,29 @@ fn text_or_json() -> impl TypedValueParser<Value = Format> {
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
-    check(&args.what)?;
-    if matches!(args.what, What::Stop) && client::stop_beside_another(&args.port, args.baud)? {
+    let what = match &args.what {
+        Some(what) if !args.page => what,
+        None if args.page => return page::run(args),
+        Some(_) => {
+            return Err(UserError::new(
+                "--page and a command do not go together; leave one of them out",
+            ));
+        }
+        None => {
+            return Err(UserError::new(format!(
+                "what is it to do? for example `host-sim link {0} status`, or `host-sim link {0} --page`; see --help",
+                args.port
+            )));
+        }
+    };
+    check(what)?;
+    if matches!(what, What::Stop) && client::stop_beside_another(&args.port, args.baud)? {
         print("sent; another program uses the port, and only it hears whether the drive stops\n");
         return Ok(0);
     }
     let (mut port, hello) = client::open(&args.port, args.baud)?;
     let port = &mut port;
-    let done = match &args.what {
+    let done = match what {
         What::Status { format } => show::status(port, &hello, *format, &args.made_from),
         What::Start(start) => in_session(port, start.session, |port| {
             if start.manual {
@@ -200,56 +241,6 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         What::Monitor { duration_s, rate } => show::monitor(port, *duration_s, *rate),
     };
     done.map(|()| 0)
-}
-
-/// Refuses numbers out of range before anything is sent to a board.
-fn check(what: &What) -> Result<(), UserError> {
-    let positive = |option: &str, value: f64| {
-        if value > 0.0 && value.is_finite() {
-            return Ok(());
-        }
-        Err(UserError::new(format!(
-            "{option} is {value}, must be a positive number"
-        )))
-    };
-    let given = |option: &str, value: Option<f64>| value.map_or(Ok(()), |v| positive(option, v));
-    match what {
-        What::Start(start) => {
-            given("--frequency", start.frequency)?;
-            given("--amplitude", start.amplitude)?;
-            given("--for", start.duration_s)
-        }
-        What::Record(record) => {
-            positive("--for", record.duration_s)?;
-            unless_there([record.out.as_path()], record.replace)
-        }
-        What::Sweep(plan) => {
-            positive("--from-hz", plan.from_hz)?;
-            positive("--step-hz", plan.step_hz)?;
-            positive("--settle", plan.settle)?;
-            positive("--measure", plan.measure)?;
-            given("--amplitude", plan.amplitude)?;
-            frequencies(plan)?;
-            unless_there([&plan.csv, &plan.csv.with_extension("json")], plan.replace)
-        }
-        What::Monitor { duration_s, rate } => {
-            positive("--rate", *rate)?;
-            given("--for", *duration_s)
-        }
-        What::Forecast { format } => check_format(*format, false),
-        _ => Ok(()),
-    }
-}
-
-/// Refuses to replace what was measured before.
-fn unless_there<const N: usize>(files: [&Path; N], replace: bool) -> Result<(), UserError> {
-    match files.into_iter().find(|file| file.exists()) {
-        Some(file) if !replace => Err(UserError::new(format!(
-            "{} is there already; give another name, or --replace to replace it",
-            file.display()
-        ))),
-        _ => Ok(()),
-    }
 }
 
 /// Does `work` in a session, which ends with it, however that ends.

@@ -3,8 +3,8 @@
 use shared::settings::{Calibration, DriveKind, Settings};
 use toml::{Table, Value};
 
-use files::UserError;
-use files::rigfile::{self, nearest};
+use crate::UserError;
+use crate::rigfile::{self, nearest};
 
 /// Every number: section, key, meaning.
 const NUMBERS: [(&str, &str, &str); 27] = [

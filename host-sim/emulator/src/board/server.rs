@@ -1,10 +1,8 @@
 //! The board's side of the link over a stream, for an emulated board.
 
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 
 use shared::link::{Device, Session};
-
-use super::client::is_patience;
 
 /// Bytes of the emulated board's queue: more than a second of recording, for a computer with much to do.
 const QUEUE: usize = 1 << 18;
@@ -61,4 +59,12 @@ impl Server {
             Err(e) => Err(e),
         }
     }
+}
+
+/// Whether a read or write only timed out.
+fn is_patience(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
 }

@@ -1,5 +1,11 @@
 //! An emulated board as the link sees it: the controller in lock-step, and a buffer of recorded blocks.
 
+mod served;
+mod server;
+
+pub use served::Served;
+pub use server::Server;
+
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, RandomState};
 

@@ -1,0 +1,35 @@
+//! A block as a board records it, as a block of a log.
+
+use shared::link::RecordedBlock;
+
+use super::{Block, Input, Samples, Tick};
+
+impl From<&RecordedBlock> for Block {
+    fn from(exchange: &RecordedBlock) -> Self {
+        let notes = &exchange.notes;
+        // A command that was refused changed nothing.
+        let obeyed = notes.given.iter().filter(|given| given.refused.is_none());
+        let commands = obeyed.map(|given| Input::Command(given.command));
+        let overrun = notes.overrun.then_some(Input::Overrun);
+        let pairs = exchange.frames.iter().zip(&exchange.outputs);
+        Self {
+            inputs: commands.chain(overrun).collect(),
+            samples: if notes.stale {
+                Samples::Blind
+            } else {
+                Samples::Came
+            },
+            forecast: Some(notes.forecast_delivered),
+            slices: None,
+            ticks: pairs
+                .map(|(frame, output)| Tick {
+                    frame: *frame,
+                    output: *output,
+                    truth: None,
+                })
+                .collect(),
+            status: None,
+            state: Some(notes.state),
+        }
+    }
+}

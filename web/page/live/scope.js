@@ -1,0 +1,94 @@
+// The scope: force, hammer and cart over the last seconds, one column per pixel with the least and the largest value in it. A gap is
+// a column without a line.
+import { element } from "../common/dom.js";
+import { around, digits, ticks } from "../common/numbers.js";
+import { SERIES } from "../common/colours.js";
+import { onTheme, themeColour } from "../common/theme.js";
+
+const SIGNALS = ["force, N", "hammer, mm", "cart, mm"];
+const LEFT = 58;
+const STRIP = 120;
+const BELOW = 30;
+
+export class Scope {
+  constructor() {
+    this.canvas = element("canvas", { role: "img", "aria-label": "contact force, hammer and cart over time", class: "scope" });
+    this.figure = element("figure", {}, this.canvas);
+    this.last = null;
+    new ResizeObserver(() => this.draw(this.last)).observe(this.figure);
+    onTheme(() => this.draw(this.last));
+  }
+
+  // Columns to ask the board's scope for.
+  columns() {
+    return Math.max(50, Math.floor((this.figure.clientWidth || 600) - LEFT - 8));
+  }
+
+  // Draws [left edge, right edge, then (least, largest) of each signal per column].
+  draw(values) {
+    if (!values) return;
+    this.last = values;
+    const ratio = window.devicePixelRatio || 1;
+    const width = Math.max(200, this.figure.clientWidth || 600);
+    const height = SIGNALS.length * STRIP + BELOW;
+    const { canvas } = this;
+    if (canvas.width !== Math.round(width * ratio)) {
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+      canvas.style.height = `${height}px`;
+    }
+    const pen = canvas.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.font = '12px system-ui, "DejaVu Sans", sans-serif';
+    const columns = (values.length - 2) / (2 * SIGNALS.length);
+    const step = (width - LEFT - 8) / columns;
+    SIGNALS.forEach((name, signal) => this.strip(pen, values, { name, signal, columns, step, width }));
+    this.times(pen, values, { columns, step, height });
+  }
+
+  strip(pen, values, { name, signal, columns, step, width }) {
+    const top = signal * STRIP + 6;
+    const bottom = top + STRIP - 18;
+    const at = (column, edge) => values[2 + 2 * (SIGNALS.length * column + signal) + edge];
+    const all = [];
+    for (let column = 0; column < columns; column += 1) all.push(at(column, 0), at(column, 1));
+    const [low, high] = around(all, 0.08);
+    const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
+    pen.lineWidth = 1;
+    pen.fillStyle = themeColour("ink");
+    pen.strokeStyle = themeColour("faint");
+    pen.textAlign = "right";
+    for (const { value, text } of ticks(low, high, 3)) {
+      pen.beginPath();
+      pen.moveTo(LEFT, y(value));
+      pen.lineTo(width - 8, y(value));
+      pen.stroke();
+      pen.fillText(text, LEFT - 5, y(value) + 4);
+    }
+    pen.textAlign = "left";
+    pen.fillText(name, LEFT + 4, top + 10);
+    pen.strokeStyle = SERIES[signal];
+    pen.lineWidth = Math.max(1, step);
+    pen.beginPath();
+    for (let column = 0; column < columns; column += 1) {
+      const [least, largest] = [at(column, 0), at(column, 1)];
+      if (Number.isNaN(least)) continue;
+      const x = LEFT + (column + 0.5) * step;
+      // A column of one value is still seen.
+      pen.moveTo(x, y(least) + 0.6);
+      pen.lineTo(x, y(largest) - 0.6);
+    }
+    pen.stroke();
+  }
+
+  times(pen, values, { columns, step, height }) {
+    const [from, to] = values;
+    const x = (time) => LEFT + ((time - from) / (to - from)) * columns * step;
+    pen.fillStyle = themeColour("ink");
+    pen.textAlign = "center";
+    for (const { value, text } of ticks(Math.max(0, from), to, 6)) pen.fillText(text, x(value), height - 14);
+    pen.fillText("time, s", LEFT + (columns * step) / 2, height - 1);
+    this.canvas.setAttribute("aria-label", `contact force, hammer and cart from ${digits(Math.max(0, from))} to ${digits(to)} s`);
+  }
+}

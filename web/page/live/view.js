@@ -1,0 +1,247 @@
+// What is seen of a board and what steers it: state, limits, faults, scope, force and phase per blow, spectrum; start, stop, set-points,
+// settings, recording. The same for a board on a port and for the emulated one.
+import { Chart } from "../common/chart.js";
+import { element, fresh } from "../common/dom.js";
+import { digits } from "../common/numbers.js";
+import { SERIES } from "../common/colours.js";
+import { Scope } from "./scope.js";
+
+// How often the pictures are drawn, ms.
+const DRAW = 120;
+const SPECTRUM = 700;
+
+const SIGNALS = [["force", "N", 2000], ["hammer", "mm", 60], ["cart", "mm", 60]];
+
+// A number field with its unit.
+function field(label, unit, attributes) {
+  const input = element("input", { type: "number", step: "any", size: 8, ...attributes });
+  return { input, node: element("label", { class: "field" }, `${label}, ${unit} `, input) };
+}
+
+export class View {
+  // `name` is what recordings are called; `title` of its panel.
+  constructor(container, { name }) {
+    this.name = name;
+    this.board = null;
+    this.status = null;
+    this.heard = {};
+    this.build(container);
+    this.timers = [setInterval(() => this.drawScope(), DRAW), setInterval(() => this.drawSpectrum(), SPECTRUM)];
+    // Escape stops, wherever the focus is, while this part of the page is shown.
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Escape" && container.offsetParent !== null && this.board) this.stop();
+    });
+    this.enable();
+  }
+
+  build(container) {
+    this.buildControls();
+    this.facts = element("table", { class: "facts" });
+    this.said = element("p", { role: "status", class: "said" });
+    this.wrong = element("p", { role: "alert", class: "wrong" });
+    this.gaps = element("p", { class: "note gaps" });
+    this.scope = new Scope();
+    this.seconds = element("select", { onchange: () => this.drawScope() },
+      ...[0.5, 1, 2, 5, 10].map((s) => element("option", { value: s, selected: s === 2 }, `${s} s`)));
+    this.force = new Chart({ height: 200, label: "force per blow" });
+    this.phase = new Chart({ height: 200, label: "phase of the blow" });
+    this.spectrum = new Chart({ height: 220, label: "spectrum" });
+    this.signal = element("select", { onchange: () => this.drawSpectrum() },
+      ...SIGNALS.map(([label], at) => element("option", { value: at }, label)));
+    this.panel = element("div", { class: "live" },
+      this.controls, this.said, this.wrong,
+      element("div", { class: "live-grid" },
+        element("section", { class: "panel", "aria-label": "state" }, element("h2", {}, "State"), element("div", { class: "scroll" }, this.facts), this.gaps),
+        element("section", { class: "panel wide", "aria-label": "scope" },
+          element("div", { class: "row" }, element("h2", {}, "Scope"), element("label", {}, "shows ", this.seconds)), this.scope.figure),
+        element("section", { class: "panel", "aria-label": "blows" }, element("h2", {}, "Blow by blow"), this.force.figure, this.phase.figure),
+        element("section", { class: "panel", "aria-label": "spectrum" },
+          element("div", { class: "row" }, element("h2", {}, "Spectrum"), element("label", {}, "of ", this.signal)), this.spectrum.figure),
+        this.buildSettings(),
+        this.buildRecording(),
+      ));
+    container.append(this.panel);
+  }
+
+  buildControls() {
+    const button = (text, act, extra) => element("button", { type: "button", onclick: () => this.attempt(act), ...extra }, text);
+    this.stopButton = element("button", { type: "button", class: "stop", onclick: () => this.stop(), title: "Escape does the same" }, "Stop");
+    this.start = button("Start", () => this.board.ask({ kind: "start", manual: false }));
+    this.manual = button("Start by hand", () => this.board.ask({ kind: "start", manual: true }));
+    this.clear = button("Clear the fault", () => this.board.ask({ kind: "clear-fault" }));
+    this.hz = field("Frequency", "Hz", { min: 0.1, value: 3 });
+    this.mm = field("Amplitude", "mm", { min: 0, value: 0.5 });
+    this.set = button("Set", () => this.board.ask({
+      kind: "set-point", frequency_hz: Number(this.hz.input.value), amplitude_mm: Number(this.mm.input.value),
+    }));
+    this.controls = element("div", { class: "controls row" }, this.stopButton, this.start, this.manual, this.hz.node, this.mm.node, this.set, this.clear);
+  }
+
+  buildSettings() {
+    const id = fresh("settings");
+    this.toml = element("textarea", { id, rows: 10, spellcheck: "false" });
+    this.readButton = element("button", { type: "button", onclick: () => this.attempt(async () => {
+      this.toml.value = (await this.board.ask({ kind: "settings" })).toml;
+      return "settings read";
+    }) }, "Read");
+    this.check = element("button", { type: "button", onclick: () => this.attempt(async () => {
+      this.board.checkSettings(this.toml.value);
+      return "these settings are in order; they have not been written";
+    }) }, "Check");
+    this.write = element("button", { type: "button", onclick: () => this.attempt(async () => {
+      await this.board.ask({ kind: "set-settings", toml: this.toml.value });
+      await this.board.ask({ kind: "settings" });
+      return "the settings are in use and stored";
+    }) }, "Write");
+    return element("section", { class: "panel", "aria-label": "settings" }, element("h2", {}, "Settings"),
+      element("div", { class: "row" }, this.readButton, this.check, this.write),
+      element("p", { class: "note" }, "Written in idle only, checked as a whole."),
+      element("label", { for: id, class: "note" }, "As a TOML file; what is left out stays"), this.toml);
+  }
+
+  buildRecording() {
+    this.record = element("button", { type: "button", onclick: () => this.attempt(() => this.beginRecording()) }, "Record");
+    this.save = element("button", { type: "button", onclick: () => this.attempt(() => this.endRecording()) }, "End and save");
+    this.recorded = element("p", { class: "note" });
+    return element("section", { class: "panel", "aria-label": "recording" }, element("h2", {}, "Recording"),
+      element("div", { class: "row" }, this.record, this.save), this.recorded,
+      element("p", { class: "note" }, "Begins in idle: the controller is restarted with its own settings, so that ",
+        element("code", {}, "host-sim replay"), " can begin there. ", element("code", {}, "host-sim compare"), " reads it, too."));
+  }
+
+  // Shows `board` from now on; null: none.
+  show(board) {
+    this.board = board;
+    this.status = null;
+    this.heard = {};
+    if (board) board.onheard = (heard) => this.take(heard);
+    this.enable();
+  }
+
+  take(heard) {
+    if (heard.status) this.status = heard.status;
+    this.heard = heard;
+    this.dirty = true;
+  }
+
+  // Does something that may be refused, and says what came of it.
+  async attempt(act) {
+    this.wrong.textContent = "";
+    try {
+      const done = await act();
+      this.said.textContent = typeof done === "string" ? done : "";
+    } catch (error) {
+      this.wrong.textContent = error.message;
+    }
+    this.enable();
+  }
+
+  stop() {
+    this.attempt(async () => {
+      await this.board.stop();
+      return "stop: the drive ramps down";
+    });
+  }
+
+  async beginRecording() {
+    if (this.status?.state !== "idle") throw new Error("a recording begins in idle, so that it can be replayed: stop first");
+    this.board.record({ command: `the page, ${this.name}`, at: new Date().toISOString() });
+    await this.board.ask({ kind: "set-settings", toml: "" });
+    this.recording = true;
+    return "recording";
+  }
+
+  async endRecording() {
+    this.recording = false;
+    const bytes = this.board.recording();
+    const link = element("a", {
+      href: URL.createObjectURL(new Blob([bytes], { type: "application/vnd.apache.parquet" })), download: `${this.name}.parquet`,
+    });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    this.lastRecording = bytes;
+    return `saved ${this.name}.parquet: host-sim replay ${this.name}.parquet`;
+  }
+
+  // What can be done now.
+  enable() {
+    const commands = Boolean(this.board?.commands);
+    const state = this.status?.state;
+    this.stopButton.disabled = !this.board;
+    this.start.disabled = !(commands && state === "idle");
+    this.manual.disabled = !(commands && state === "idle");
+    this.set.disabled = !(commands && ["manual", "prove", "ramp", "self-test"].includes(state));
+    this.clear.disabled = !(commands && state === "fault");
+    this.readButton.disabled = !this.board;
+    this.check.disabled = !this.board;
+    this.write.disabled = !(commands && ["idle", "fault"].includes(state));
+    this.record.disabled = !(commands && state === "idle" && !this.recording);
+    this.save.disabled = !(this.board && this.recording);
+  }
+
+  drawScope() {
+    if (!this.board || !this.dirty || this.panel.offsetParent === null) return;
+    this.dirty = false;
+    this.enable();
+    this.drawFacts();
+    this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()));
+    const blows = this.board.blows().slice(-60);
+    const draw = (chart, title, y, value, colour) => chart.draw({
+      title, x: "time, s", y, description: `${blows.length} blows`,
+      series: [{ points: blows.filter((blow) => value(blow) !== null).map((blow) => [blow.time_s, value(blow)]), colour, kind: "points" }],
+    });
+    draw(this.force, "Peak force per blow, as the sensor reads it", "force, N", (blow) => blow.peak_n, SERIES[0]);
+    draw(this.phase, "Phase of the cart's motion at the blow", "phase, degrees", (blow) => blow.phase_deg, SERIES[1]);
+  }
+
+  drawSpectrum() {
+    if (!this.board || this.panel.offsetParent === null) return;
+    const [label, unit, highest] = SIGNALS[Number(this.signal.value)];
+    const [step, ...values] = this.board.spectrum(Number(this.signal.value), highest);
+    const points = values.map((value, at) => [at * step, value]);
+    this.spectrum.draw({
+      title: values.length ? `Spectrum of the ${label}, last 3.3 s` : "Spectrum: 3.3 s without a gap are needed",
+      x: "frequency, Hz", y: `amplitude, ${unit}`,
+      series: [{ points: thinned(points, 800), colour: SERIES[2], kind: "line" }],
+    });
+  }
+
+  drawFacts() {
+    const s = this.status;
+    if (!s) return;
+    const fault = s.fault ? `${s.fault.code} ${s.fault.name}` : "none";
+    const rows = [
+      ["state", s.state],
+      ["fault", fault],
+      ["limited by", s.limits.join(", ") || "nothing"],
+      ["drive frequency", `${digits(s.frequency_hz, 5)} Hz`],
+      ["cart amplitude", `${digits(s.measured_amplitude_mm)} mm of ${digits(s.amplitude_mm)} mm`],
+      ["regime", s.regime],
+      ["peak force", `${digits(s.peak_n)} N`],
+      ["impulse per blow", `${digits(s.impulse_n_s)} N·s`],
+      ["target", s.target_hz > 0 ? `${digits(s.target_hz, 5)} Hz, ${digits(s.target_n)} N` : "none yet"],
+      ["basin", s.basin],
+      ["overruns", String(s.overruns)],
+      ["board's time", `${digits(s.time_s, 6)} s`],
+    ];
+    this.facts.dataset.state = s.state;
+    this.facts.replaceChildren(...rows.map(([name, value]) => element("tr", { class: name === "fault" && s.fault ? "wrong" : null },
+      element("th", { scope: "row" }, name), element("td", {}, value))));
+    const h = this.heard;
+    this.gaps.textContent = h.lost || h.gaps
+      ? `lost: ${h.lost} messages; ${h.gaps} gaps with ${h.lost_ticks} ticks (${digits(h.lost_ticks / 20000)} s) on the scope`
+      : "nothing lost";
+    this.recorded.textContent = h.recording_broke ?? (h.recorded_s === null || h.recorded_s === undefined ? "" : `${digits(h.recorded_s)} s recorded`);
+  }
+}
+
+// The largest of each few points: a peak is not lost.
+function thinned(points, most) {
+  const every = Math.ceil(points.length / most);
+  if (every < 2) return points;
+  const kept = [];
+  for (let at = 0; at < points.length; at += every) {
+    kept.push(points.slice(at, at + every).reduce((a, b) => (b[1] > a[1] ? b : a)));
+  }
+  return kept;
+}

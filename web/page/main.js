@@ -1,0 +1,50 @@
+// The frame: tabs, each a part of the page with `start(container)`, run when it is first shown.
+import { element } from "./common/dom.js";
+import { startTheme } from "./common/theme.js";
+import { parts } from "./parts.js";
+
+const tabs = document.getElementById("tabs");
+const panels = document.getElementById("panels");
+
+function show(wanted) {
+  for (const part of parts) {
+    const chosen = part === wanted;
+    part.tab.setAttribute("aria-selected", String(chosen));
+    part.tab.tabIndex = chosen ? 0 : -1;
+    part.panel.hidden = !chosen;
+  }
+  if (!wanted.started) {
+    wanted.started = true;
+    wanted.start(wanted.panel);
+  }
+}
+
+for (const part of parts) {
+  part.tab = element("button", {
+    type: "button", role: "tab", id: `tab-${part.id}`, "aria-controls": `part-${part.id}`,
+    onclick: () => {
+      history.replaceState(null, "", `#${part.id}`);
+      part.onshown?.();
+      show(part);
+    },
+  }, part.title);
+  part.panel = element("section", { role: "tabpanel", id: `part-${part.id}`, "aria-labelledby": `tab-${part.id}`, class: `part ${part.id}` });
+  tabs.append(part.tab);
+  panels.append(part.panel);
+}
+
+// Arrow keys go from tab to tab, as in every tab list.
+tabs.addEventListener("keydown", (event) => {
+  const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+  if (!step) return;
+  const at = parts.findIndex((part) => part.tab === document.activeElement);
+  const next = parts[(at + step + parts.length) % parts.length];
+  next.tab.focus();
+  next.tab.click();
+  event.preventDefault();
+});
+
+startTheme(document.getElementById("theme"));
+tabs.hidden = parts.length < 2;
+const asked = location.hash.slice(1).split("?")[0];
+show(parts.find((part) => part.id === asked) ?? parts[0]);

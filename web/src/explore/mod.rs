@@ -1,0 +1,18 @@
+//! What the page's part "Explore" computes.
+
+mod map;
+mod orbit;
+mod pick;
+mod rig;
+
+use crate::Function;
+
+/// Its functions.
+pub const FUNCTIONS: &[(&str, Function)] = &[
+    ("explore.rig", rig::rig),
+    ("explore.presets", rig::presets),
+    ("explore.map", map::map),
+    ("explore.orbit", orbit::orbit),
+    ("explore.neighbours", orbit::neighbours),
+    ("explore.pick", pick::pick),
+];

@@ -1,0 +1,119 @@
+//! What the page asks of a board.
+
+use serde::Deserialize;
+use shared::control::{Command, Mode};
+use shared::link::{Act, ToBoard};
+use shared::settings::Settings;
+use wire::Caller;
+
+use super::overlaid;
+
+/// A request as the page's scripts write it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Wanted {
+    /// Versions and names.
+    Hello,
+    /// What the controller is doing.
+    Status,
+    /// The settings in use.
+    Settings,
+    /// What must be known before steering.
+    Board,
+    /// Status messages, every so many ticks.
+    Telemetry {
+        /// 0: none.
+        decimation: u32,
+    },
+    /// Every tick, or no more.
+    Frames {
+        /// Whether.
+        on: bool,
+    },
+    /// The session.
+    Open {
+        /// As the board said.
+        boot: u32,
+        /// As the board said.
+        granted: u32,
+        /// From who has it.
+        take_over: bool,
+    },
+    /// The session ends.
+    Release,
+    /// A sign of life.
+    Alive,
+    /// Ramp down.
+    Stop,
+    /// Start, by itself or by hand.
+    Start {
+        /// By hand.
+        manual: bool,
+    },
+    /// By hand: frequency and amplitude.
+    SetPoint {
+        /// Hz.
+        frequency_hz: f32,
+        /// mm.
+        amplitude_mm: f32,
+    },
+    /// Clear the fault.
+    ClearFault,
+    /// Confirm the older copy of the settings.
+    Confirm,
+    /// New settings: what differs from those in use.
+    SetSettings {
+        /// As `host-sim link PORT get` prints them; empty: the same again.
+        toml: String,
+    },
+}
+
+impl Wanted {
+    /// The message to send.
+    ///
+    /// # Errors
+    /// There is no session, or the settings are wrong: one line.
+    pub fn message(&self, caller: &Caller, now: Option<&Settings>) -> Result<ToBoard, String> {
+        let act = match self {
+            Self::Hello => return Ok(ToBoard::Hello),
+            Self::Status => return Ok(ToBoard::GetStatus),
+            Self::Settings => return Ok(ToBoard::GetSettings),
+            Self::Board => return Ok(ToBoard::GetBoard),
+            Self::Telemetry { decimation } => {
+                let decimation = *decimation;
+                return Ok(ToBoard::StreamTelemetry { decimation });
+            }
+            Self::Frames { on } => return Ok(ToBoard::StreamFrames { on: *on }),
+            Self::Open {
+                boot,
+                granted,
+                take_over,
+            } => {
+                return Ok(ToBoard::OpenSession {
+                    boot: *boot,
+                    granted: *granted,
+                    take_over: *take_over,
+                });
+            }
+            // Needs no session.
+            Self::Stop => return Ok(ToBoard::Command(Command::Stop)),
+            Self::Release => Act::Release,
+            Self::Alive => Act::Command(Command::Alive),
+            Self::Start { manual: true } => Act::Command(Command::Start(Mode::Manual)),
+            Self::Start { manual: false } => Act::Command(Command::Start(Mode::Automatic)),
+            Self::SetPoint {
+                frequency_hz,
+                amplitude_mm,
+            } => Act::Command(Command::SetPoint {
+                frequency_hz: *frequency_hz,
+                amplitude_m: 1e-3 * amplitude_mm,
+            }),
+            Self::ClearFault => Act::Command(Command::ClearFault),
+            Self::Confirm => Act::Command(Command::ConfirmSettings),
+            Self::SetSettings { toml } => Act::SetSettings(overlaid(now, toml)?),
+        };
+        caller
+            .steer(act)
+            .map_err(|_| "this page does not command the board; take the command first".into())
+    }
+}

@@ -1,0 +1,331 @@
+"""The page's parts "Emulated rig" and "Live" in a browser. Boards are emulated: in the page, behind `host-sim link PORT --page`,
+and behind a Web Serial that is put in the browser's place."""
+
+import os
+import pathlib
+import subprocess
+import time
+
+import pytest
+
+from conftest import PAGE, PATIENCE_MS, host_sim
+
+SHOTS = pathlib.Path(os.environ["SHOTS"])
+
+
+def state(page, wanted):
+    """Waits until the board is in one of these states."""
+    page.wait_for_function(
+        "wanted => [...document.querySelectorAll('.facts')].some(t => t.offsetParent && wanted.includes(t.dataset.state))",
+        arg=wanted,
+    )
+
+
+def power(page, on):
+    """Waits until the emulated drive truly has power, or none."""
+    page.wait_for_selector(f".truth[data-powered={'true' if on else 'false'}]")
+
+
+def press(page, name):
+    """Presses the button of that name in the part that is shown."""
+    page.locator(f"button:visible:text-is('{name}')").click()
+
+
+def wrong(page):
+    """What the part that is shown complains of."""
+    return " ".join(page.locator(".wrong:visible").all_inner_texts()).strip()
+
+
+def shot(page, name):
+    SHOTS.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=SHOTS / f"{name}.png", full_page=True)
+
+
+def emulated(opened, scenario="field", events=False, speed="10", **more):
+    """The emulated rig, begun anew."""
+    page = opened("#emulated", **more).page
+    page.wait_for_selector(".facts[data-state]")
+    page.get_by_label("scenario", exact=True).select_option(scenario)
+    page.get_by_label("with its events").set_checked(events)
+    page.get_by_label("Speed").select_option(speed)
+    press(page, "Begin")
+    page.wait_for_function("document.querySelector('.timeline').children.length === 0 || true")
+    page.wait_for_selector(".facts[data-state=idle]")
+    return page
+
+
+def test_a_scenario_runs_and_holds(opened):
+    page = emulated(opened, events=True)
+    power(page, True)
+    state(page, ["hold"])
+    assert wrong(page) == ""
+    factor = float(page.locator(".factor").get_attribute("data-factor"))
+    print(f"emulated rig: {factor:.2f} times real time was measured at 10 times")
+    assert factor > 0
+    page.wait_for_function("document.querySelectorAll('figure svg.chart circle').length > 20")
+    shot(page, "emulated-1280")
+
+
+@pytest.mark.parametrize(("width", "dark"), [(1280, True), (360, False), (360, True)])
+def test_it_is_shown_at_every_width_and_theme(opened, width, dark):
+    page = emulated(opened, events=True, width=width, height=800, dark=dark)
+    power(page, True)
+    page.wait_for_timeout(1500)
+    wide = page.evaluate("document.documentElement.scrollWidth")
+    assert wide <= width, f"{wide} of {width}"
+    shot(page, f"emulated-{width}-{'dark' if dark else 'light'}")
+
+
+def test_start_break_clear_and_stop(opened):
+    page = emulated(opened)
+    press(page, "Start")
+    power(page, True)
+    # A broken sensor switches the drive off, by what is true of the rig.
+    page.get_by_label("sensor", exact=True).select_option("force")
+    page.get_by_label("defect").select_option(label="open wire")
+    press(page, "for 2 s")
+    state(page, ["fault"])
+    power(page, False)
+    assert "open" in page.locator(".facts tr.wrong").inner_text()
+    page.wait_for_timeout(500)
+    press(page, "Clear the fault")
+    state(page, ["idle"])
+    press(page, "Start")
+    power(page, True)
+    page.keyboard.press("Escape")
+    power(page, False)
+    state(page, ["idle"])
+
+
+def test_set_points_by_hand(opened):
+    page = emulated(opened)
+    press(page, "Start by hand")
+    state(page, ["manual"])
+    page.get_by_label("Frequency, Hz").fill("2.5")
+    page.get_by_label("Amplitude, mm").fill("0.4")
+    press(page, "Set")
+    page.wait_for_function("[...document.querySelectorAll('.facts td')].some(cell => cell.textContent.startsWith('2.5 Hz'))")
+    press(page, "Stop")
+    state(page, ["idle"])
+
+
+def test_everything_that_can_be_done_to_the_rig(opened):
+    page = emulated(opened)
+    deeds = page.locator(".deed").all_inner_texts()
+    assert len(deeds) >= 8
+    for deed in deeds:
+        page.locator(f".deed:text-is('{deed}')").click()
+        page.wait_for_function("before => document.querySelectorAll('.timeline li').length >= 1", arg=0)
+    for kind in page.get_by_label("defect").locator("option").all_inner_texts():
+        page.get_by_label("defect").select_option(label=kind)
+        press(page, "for 2 s")
+    page.wait_for_timeout(1500)
+    assert wrong(page) == ""
+
+
+def test_every_scenario_begins(opened):
+    page = emulated(opened)
+    for name in page.get_by_label("scenario", exact=True).locator("option").all_inner_texts():
+        page.get_by_label("scenario", exact=True).select_option(name)
+        press(page, "Begin")
+        page.wait_for_function("document.querySelector('.truth').textContent.includes('0 contacts') || true")
+    page.wait_for_timeout(500)
+    assert wrong(page) == ""
+
+
+def test_settings_are_read_checked_and_written(opened):
+    page = emulated(opened)
+    press(page, "Read")
+    page.wait_for_function("document.querySelector('.live textarea').value.includes('[trips]')")
+    box = page.locator(".live textarea:visible")
+    box.fill("[trips]\nforce = 1\n")
+    press(page, "Check")
+    page.wait_for_function("document.body.innerText.includes(\"did you mean 'force_n'\")")
+    box.fill("[trips]\nno_contact_s = 7.5\n")
+    press(page, "Check")
+    page.wait_for_function("document.body.innerText.includes('in order')")
+    press(page, "Write")
+    page.wait_for_function("document.body.innerText.includes('in use and stored')")
+    press(page, "Read")
+    page.wait_for_function("document.querySelector('.live textarea').value.includes('no_contact_s = 7.5')")
+
+
+def test_a_recording_replays_bit_for_bit_on_this_machine(opened, tmp_path):
+    page = emulated(opened)
+    press(page, "Record")
+    page.wait_for_function("document.body.innerText.includes(' s recorded')")
+    press(page, "Start")
+    power(page, True)
+    page.wait_for_timeout(1000)
+    with page.expect_download() as download:
+        press(page, "End and save")
+    path = tmp_path / "page.parquet"
+    download.value.save_as(path)
+    replayed = host_sim("replay", path, "--quiet")
+    assert "same decisions" in replayed, replayed
+    print(f"recorded in the page: {path.stat().st_size} bytes; {replayed.strip().splitlines()[-1]}")
+
+
+class Server:
+    """`host-sim link PORT --page` at an emulated board."""
+
+    def __init__(self):
+        self.board = self.begin("emulate", "field", "--pty")
+        self.port = self.board.stdout.readline().strip()
+        self.server = self.begin("link", self.port, "--page", "--no-open", "--page-file", str(PAGE))
+        self.address = self.server.stdout.readline().strip()
+
+    @staticmethod
+    def begin(*words):
+        command = [os.environ["HOST_SIM"], *words]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+
+    def end(self):
+        for program in (self.server, self.board):
+            program.kill()
+            program.wait()
+
+
+@pytest.fixture
+def server():
+    found = Server()
+    yield found
+    found.end()
+
+
+def connected(context, server):
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    said = []
+    page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.goto(server.address + "#live")
+    press(page, f"Connect to {server.port}")
+    page.wait_for_selector(".live .facts[data-state]")
+    page.said = said
+    return page
+
+
+def test_two_pages_at_one_board(browser, server):
+    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    one, other = connected(context, server), connected(context, server)
+    assert one.locator("button:visible:text-is('Start')").is_disabled()
+    press(one, "Take the command")
+    one.wait_for_selector("button:text-is('Start'):not([disabled])")
+    other.wait_for_function("document.body.innerText.includes('commands, this page watches')")
+    assert other.locator("button:visible:text-is('Start')").is_disabled()
+    press(one, "Start")
+    state(one, ["prove", "ramp", "seek"])
+    state(other, ["prove", "ramp", "seek"])
+    one.wait_for_timeout(3000)
+    shot(one, "live-1280")
+    # The other takes over, and the drive goes on.
+    other.locator("button:visible", has_text="Take over from page").click()
+    one.wait_for_function("document.body.innerText.includes('this page watches')")
+    other.wait_for_timeout(2500)
+    state(other, ["prove", "ramp", "seek", "hold"])
+    # A watcher may stop.
+    one.keyboard.press("Escape")
+    state(other, ["stop", "idle"])
+    state(other, ["idle"])
+    # The page that drives is closed: the board is stopped.
+    press(other, "Start")
+    state(one, ["prove", "ramp", "seek"])
+    began = time.monotonic()
+    other.close()
+    state(one, ["stop", "idle"])
+    print(f"the page that drives is closed: seen as stopping after {time.monotonic() - began:.2f} s")
+    state(one, ["idle"])
+    assert one.said == [], one.said
+    context.close()
+
+
+def test_the_policy_lets_the_whole_page_work(browser, server):
+    context = browser.new_context()
+    page = connected(context, server)
+    page.get_by_role("tab", name="Emulated rig").click()
+    page.wait_for_selector(".emulated .facts[data-state]")
+    page.get_by_role("tab", name="Explore").click()
+    page.wait_for_timeout(2000)
+    assert page.said == [], page.said
+    context.close()
+
+
+def test_a_site_of_the_same_browser_gets_nothing(browser, server, tmp_path):
+    """A page from a file has the origin null; it knows the port, and even the secret."""
+    stranger = tmp_path / "stranger.html"
+    stranger.write_text("<!doctype html><title>stranger</title>")
+    context = browser.new_context()
+    page = context.new_page()
+    page.goto(stranger.as_uri())
+    tried = page.evaluate(
+        """async (address) => {
+            const socket = new WebSocket(address.replace("http", "ws") + "wire");
+            const open = await new Promise((resolve) => { socket.onopen = () => resolve("open"); socket.onerror = () => resolve("refused"); });
+            const read = await fetch(address + "board").then((answer) => answer.text(), () => "refused");
+            const frame = document.createElement("iframe");
+            frame.src = address;
+            document.body.append(frame);
+            await new Promise((resolve) => setTimeout(resolve, 1000));
+            let framed = "refused";
+            try { if (frame.contentDocument?.getElementById("tabs")) framed = "framed"; } catch { framed = "refused"; }
+            return [open, read, framed];
+        }""",
+        server.address,
+    )
+    assert tried == ["refused", "refused", "refused"], tried
+    context.close()
+
+
+# A Web Serial whose one port leads to the emulated rig's worker of the page itself.
+SERIAL = """
+navigator.serial ?? Object.defineProperty(navigator, "serial", { value: {}, configurable: true });
+Object.defineProperty(navigator, "serial", { configurable: true, value: { async requestPort() {
+  return {
+    async open({ baudRate }) {
+      window.baud = baudRate;
+      const code = document.getElementById("emulated-worker").textContent;
+      const worker = new Worker(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
+      const coded = document.getElementById("module").textContent;
+      const bytes = Uint8Array.from(atob(coded), (letter) => letter.charCodeAt(0));
+      const module = await WebAssembly.compile(bytes);
+      let give;
+      this.readable = new ReadableStream({ start: (controller) => { give = (bytes) => controller.enqueue(bytes); } });
+      this.writable = new WritableStream({ write: (bytes) => worker.postMessage({ bytes }) });
+      await new Promise((resolve) => {
+        worker.onmessage = ({ data }) => {
+          if (data.scenarios) worker.postMessage({ scenario: { name: "field", events: false } });
+          if (data.started) resolve();
+          if (data.bytes) give(data.bytes);
+          if (data.truth) window.truth = data.truth;
+        };
+        worker.postMessage({ module });
+      });
+    },
+    async close() { window.closed = true; },
+  };
+} } });
+"""
+
+
+def test_web_serial(browser):
+    context = browser.new_context(viewport={"width": 360, "height": 800})
+    context.add_init_script(SERIAL)
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    page.goto(PAGE.as_uri() + "#live")
+    press(page, "Connect by Web Serial")
+    page.wait_for_selector(".live .facts[data-state=idle]")
+    assert page.evaluate("window.baud") == 2_250_000
+    press(page, "Take the command")
+    page.wait_for_selector("button:text-is('Start'):not([disabled])")
+    press(page, "Start")
+    page.wait_for_function("window.truth?.powered")
+    page.wait_for_timeout(2000)
+    shot(page, "live-360")
+    wide = page.evaluate("document.documentElement.scrollWidth")
+    assert wide <= 360, wide
+    press(page, "Disconnect")
+    page.wait_for_function("!window.truth.powered")
+    page.wait_for_function("window.closed")
+    context.close()

@@ -1,0 +1,68 @@
+//! The page: its module compiled to WebAssembly, and everything put into one file that needs no network and no server.
+
+mod base64;
+mod bundle;
+
+use std::{fs, path::PathBuf};
+
+use crate::{
+    Outcome,
+    command::{self, root},
+    desktop::Build,
+    tools,
+};
+
+/// Most bytes of the page.
+const MOST_BYTES: usize = 3_000_000;
+
+/// Builds the page; where it is.
+pub fn build() -> Outcome<PathBuf> {
+    let module = module()?;
+    let page = bundle::page(&root().join("web/page"), &base64::encode(&module))?;
+    let place = root().join("target/web");
+    fs::create_dir_all(&place)?;
+    let whole = place.join("index.html");
+    let part = place.join("index.html.part");
+    fs::write(&part, &page)?;
+    fs::rename(&part, &whole)?;
+    println!(
+        "the page: {:.2} MB, of which the module is {:.2} MB ({:.2} MB before it became text)",
+        page.len() as f64 / 1e6,
+        module.len().div_ceil(3) as f64 * 4.0 / 1e6,
+        module.len() as f64 / 1e6
+    );
+    if page.len() > MOST_BYTES {
+        return Err(format!("the page has {} bytes, more than {MOST_BYTES}", page.len()).into());
+    }
+    Ok(whole)
+}
+
+/// Compiles the module; its bytes.
+fn module() -> Outcome<Vec<u8>> {
+    let toolchain = tools::wasm_toolchain()?;
+    let mut cargo = toolchain.wasm_cargo("build");
+    cargo.args(["--locked", "--package", "web", "--lib", "--profile", "web"]);
+    command::run(&mut cargo)?;
+    let place = "target/wasm/wasm32-unknown-unknown/web/web.wasm";
+    Ok(fs::read(root().join(place))?)
+}
+
+/// Builds the page and the program with it, and runs that: the page alone, or with a board (`--board PORT`).
+pub fn lab(words: &[&str]) -> Outcome {
+    build()?;
+    let mut cargo = command::cargo();
+    cargo.args(["run", "--release", "--package", "host-sim"]);
+    cargo.args(["--features", "page", "--"]);
+    match words {
+        ["--board", port, options @ ..] => cargo.args(["link", port, "--page"]).args(options),
+        options => cargo.arg("lab").args(options),
+    };
+    command::run_attended(&mut cargo)
+}
+
+/// Builds the page and tests it in a browser.
+pub fn test(words: &[&str], build_of: &Build) -> Outcome {
+    let _page = build()?;
+    let _ = (words, build_of);
+    tools::chromium().map(drop)
+}
