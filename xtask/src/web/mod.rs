@@ -1,14 +1,16 @@
 //! The page: its module compiled to WebAssembly, and everything put into one file that needs no network and no server.
 
 mod base64;
+mod browser;
 mod bundle;
+
+pub use browser::test;
 
 use std::{fs, path::PathBuf};
 
 use crate::{
     Outcome,
     command::{self, root},
-    desktop::Build,
     tools,
 };
 
@@ -45,11 +47,4 @@ fn module() -> Outcome<Vec<u8>> {
     command::run(&mut cargo)?;
     let place = "target/wasm/wasm32-unknown-unknown/web/web.wasm";
     Ok(fs::read(root().join(place))?)
-}
-
-/// Builds the page and tests it in a browser.
-pub fn test(words: &[&str], build_of: &Build) -> Outcome {
-    let _page = build()?;
-    let _ = (words, build_of);
-    tools::chromium().map(drop)
 }
