@@ -17,7 +17,7 @@ const PACKAGES: &[&str] = &["maturin>=1.9,<2", "numpy", "pandas", "xarray", "pyt
 
 /// Builds the package into `target/python`, and runs its tests with the words given.
 pub fn run(words: &[&str], build: &Build) -> Outcome {
-    let environment = environment()?;
+    let environment = own_environment()?;
     install(&environment)?;
     let program = desktop::program("host-sim", build)?;
     let mut tests = Command::new(environment.join("bin/python"));
@@ -33,13 +33,18 @@ pub fn install(environment: &Path) -> Outcome {
     command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))
 }
 
-/// The environment in `target/python`, with everything in it.
-pub fn environment() -> Outcome<PathBuf> {
-    let place = root().join("target/python");
+/// The environment in `target/python`, with what builds the package and runs its tests in it.
+pub fn own_environment() -> Outcome<PathBuf> {
+    environment("python", PACKAGES)
+}
+
+/// The environment in the folder `target/NAME`, with these packages in it.
+pub fn environment(name: &str, packages: &[&str]) -> Outcome<PathBuf> {
+    let place = root().join("target").join(name);
     if !place.join("bin/python").exists() {
         make_environment(&place)?;
     }
-    command::run(pip(&place).args(PACKAGES))?;
+    command::run(pip(&place).args(packages))?;
     Ok(place)
 }
 
@@ -51,7 +56,7 @@ pub fn make_environment(place: &Path) -> Outcome {
     command::run(&mut make).map_err(|error| format!("{error}; {ADVICE}").into())
 }
 
-const ADVICE: &str = "the Python package needs Python 3.9 or later with venv (Debian: apt-get install --no-install-recommends python3-venv)";
+const ADVICE: &str = "this needs Python 3.9 or later with venv (Debian: apt-get install --no-install-recommends python3-venv)";
 
 /// Installs into an environment what it is given.
 pub fn pip(environment: &Path) -> Command {

@@ -51,9 +51,10 @@ function mark(shape, x, y, colour) {
   return svg("circle", { cx: x, cy: y, r: 2.5, fill: colour });
 }
 
-// A chart with a caption below it. `draw` takes { title, x, y: names with units, series, bands, lines, description }; a series is
-// { label, points: [[x, y], …], colour, kind: "line" or "points", dash, shape }, a band { from, to, label } over x, a line
-// { at, label } across.
+// A chart with a caption below it. `draw` takes { title, x, y: names with units, series, bands, lines, circles, description }. A
+// series is { label, points: [[x, y], …], colour, kind: "line" or "points", dash, shape }, a band { from, to, colour } over x, a
+// line { at } across, a circle { radius } about the origin. The ranges are those of the points, unless rangeX or rangeY say
+// otherwise; `tight` leaves no margin over x, `least` are the narrowest spans, `equal` gives x the scale of y.
 export class Chart {
   constructor({ height = 260, label = "chart" } = {}) {
     this.height = height;
@@ -81,8 +82,12 @@ export class Chart {
       width: width - MARGIN.left - MARGIN.right, height: this.height - MARGIN.top - MARGIN.bottom,
     };
     const all = data.series.flatMap((one) => one.points);
-    const rangeX = data.rangeX ?? around(all.map((p) => p[0]), data.series.some((s) => s.kind === "points") ? 0.04 : 0);
-    const rangeY = data.rangeY ?? around(all.map((p) => p[1]).concat((data.lines ?? []).map((l) => l.at)));
+    let rangeX = data.rangeX ?? around(all.map((p) => p[0]), data.tight ? 0 : 0.04, data.least?.[0]);
+    const rangeY = data.rangeY ?? around(all.map((p) => p[1]).concat((data.lines ?? []).map((l) => l.at)), 0.04, data.least?.[1]);
+    if (data.equal) {
+      const half = ((rangeY[1] - rangeY[0]) / 2) * (plot.width / plot.height);
+      rangeX = [(rangeX[0] + rangeX[1]) / 2 - half, (rangeX[0] + rangeX[1]) / 2 + half];
+    }
     const x = scale(rangeX, [plot.left, plot.left + plot.width]);
     const y = scale(rangeY, [plot.top + plot.height, plot.top]);
     this.space = { x, y, plot };

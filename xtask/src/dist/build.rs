@@ -31,7 +31,7 @@ pub struct Linking {
 impl Linking {
     /// With Zig where the system has the GNU C library and Zig can be had.
     pub fn choose(target: &str) -> Outcome<Self> {
-        let environment = python::environment()?;
+        let environment = python::own_environment()?;
         let gnu = target.ends_with("-linux-gnu");
         let zig = gnu && {
             let got = command::run(python::pip(&environment).args(ZIG));

@@ -97,7 +97,7 @@ fn elsewhere(place: &Path) -> Outcome<Elsewhere> {
 
 /// Written by pdoc from the installed package.
 fn python_docs(place: &Path) -> Outcome<String> {
-    let environment = python::environment()?;
+    let environment = python::own_environment()?;
     command::run(python::pip(&environment).arg("pdoc>=15,<17"))?;
     python::install(&environment)?;
     let mut pdoc = Command::new(environment.join("bin/pdoc"));

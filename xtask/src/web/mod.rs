@@ -1,14 +1,16 @@
 //! The page: its module compiled to WebAssembly, and everything put into one file that needs no network and no server.
 
 mod base64;
+mod browser;
 mod bundle;
+
+pub use browser::test;
 
 use std::{fs, path::PathBuf};
 
 use crate::{
     Outcome,
     command::{self, root},
-    desktop::Build,
     tools,
 };
 
@@ -58,11 +60,4 @@ pub fn lab(words: &[&str]) -> Outcome {
         options => cargo.arg("lab").args(options),
     };
     command::run_attended(&mut cargo)
-}
-
-/// Builds the page and tests it in a browser.
-pub fn test(words: &[&str], build_of: &Build) -> Outcome {
-    let _page = build()?;
-    let _ = (words, build_of);
-    tools::chromium().map(drop)
 }
