@@ -10,13 +10,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use serde::Deserialize;
 use shared::control::Command;
-use shared::link::{Answer, Decoder, FromBoard, Hello, Packet, Refusal, ToBoard};
+use shared::link::{Answer, Decoder, FromBoard, Hello, Packet, ToBoard};
 
 use super::guest::Guest;
 use super::mailbox::{FromPage, Mailbox, Notice};
 use super::requests::{Asker, Requests};
+use super::rules::{self, Act};
 
 /// The page that commands must be heard this often; after that the drive is stopped.
 pub const SILENCE: Duration = Duration::from_secs(1);
@@ -33,20 +33,6 @@ const TELEMETRY_TICKS: u32 = 200;
 
 /// A stream that is wanted and has not come for so long is asked for again: the board may have been reset.
 const STREAM_AGAIN: Duration = Duration::from_secs(1);
-
-/// What a page says to the server.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(tag = "act", rename_all = "kebab-case")]
-enum Act {
-    /// It takes the free seat.
-    Take,
-    /// It takes the seat from the page that has it.
-    TakeOver,
-    /// It leaves the seat.
-    Leave,
-    /// It is there.
-    Here,
-}
 
 /// The page that commands.
 #[derive(Clone, Copy, Debug)]
@@ -318,16 +304,7 @@ impl Hub {
                 // The board's own answer says whether it can.
                 (recorded || !on).then_some(Answer::Done)
             }
-            ToBoard::OpenSession { .. } | ToBoard::Steer { .. } if !commands => {
-                Some(Answer::Refused(if nobody {
-                    Refusal::NoSession
-                } else {
-                    Refusal::SomebodySteers
-                }))
-            }
-            ToBoard::Command(Command::Stop) => None,
-            ToBoard::Command(_) => Some(Answer::Refused(Refusal::NoSession)),
-            _ => None,
+            ref other => rules::refusal(other, commands, nobody).map(Answer::Refused),
         };
         match answer {
             Some(answer) => guest.answer(number, answer),

@@ -9,7 +9,7 @@
 //! | `mailbox` | what waits on the way to and from a page, bounded |
 //! | `socket` | the WebSocket of a page |
 //! | `hub` | many pages, one board: who commands, who gets which stream |
-//! | `guest`, `requests` | a page in it, and whose answer is whose |
+//! | `guest`, `requests`, `rules` | a page in it; whose answer is whose; what a page may not do |
 //! | [`bridge`] | the hub at a serial port |
 //!
 //! ## How a rig is kept safe from a browser
@@ -30,6 +30,7 @@ mod mailbox;
 mod policy;
 mod request;
 mod requests;
+mod rules;
 mod secret;
 pub mod server;
 mod socket;

@@ -154,6 +154,7 @@ export class Board {
   close() {
     clearInterval(this.timer);
     this.commands = false;
+    this.transport.onclose = () => {};
     this.transport.close();
   }
 }
