@@ -1,12 +1,13 @@
 //! The page: its module compiled to WebAssembly, and everything put into one file that needs no network and no server.
 
-mod base64;
 mod browser;
 mod bundle;
 
 pub use browser::test;
 
 use std::{fs, path::PathBuf};
+
+use base64::{Engine, prelude::BASE64_STANDARD};
 
 use crate::{
     Outcome,
@@ -20,7 +21,7 @@ const MOST_BYTES: usize = 3_000_000;
 /// Builds the page; where it is.
 pub fn build() -> Outcome<PathBuf> {
     let module = module()?;
-    let page = bundle::page(&root().join("web/page"), &base64::encode(&module))?;
+    let page = bundle::page(&root().join("web/page"), &BASE64_STANDARD.encode(&module))?;
     let place = root().join("target/web");
     fs::create_dir_all(&place)?;
     let whole = place.join("index.html");
