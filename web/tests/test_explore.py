@@ -290,7 +290,7 @@ def test_pictures_are_files_that_say_what_they_were_made_from(opened):
     page.page.wait_for_selector(".motion[data-state=shown]")
     for name in ["map", "pick-curve", "time-history", "force", "phase-plane", "section", "multipliers"]:
         text = page.saved(f"save {name} as SVG").decode()
-        assert text.startswith("<svg") and '"made_from"' in text and "undefined" not in text and "NaN" not in text, name
+        assert text.startswith("<svg") and 'id="made_from"' in text and "undefined" not in text and "NaN" not in text, name
         png = page.saved(f"save {name} as PNG")
         assert png.startswith(b"\x89PNG")
         at = png.index(b"iTXtmade_from\0")

@@ -77,13 +77,14 @@ export class Chart {
     const { data, picture } = this;
     const width = Math.max(240, this.figure.clientWidth || 480);
     if (!data) return;
-    const plot = {
-      left: MARGIN.left, top: MARGIN.top,
-      width: width - MARGIN.left - MARGIN.right, height: this.height - MARGIN.top - MARGIN.bottom,
-    };
     const all = data.series.flatMap((one) => one.points);
     let rangeX = data.rangeX ?? around(all.map((p) => p[0]), data.tight ? 0 : 0.04, data.least?.[0]);
     const rangeY = data.rangeY ?? around(all.map((p) => p[1]).concat((data.lines ?? []).map((l) => l.at)), 0.04, data.least?.[1]);
+    const tall = this.height - MARGIN.top - MARGIN.bottom;
+    // Room for the longest number beside the axis's name.
+    const letters = Math.max(...ticks(...rangeY, Math.max(2, tall / 45)).map(({ text }) => text.length), 0);
+    const left = Math.max(MARGIN.left, 32 + 7.2 * letters);
+    const plot = { left, top: MARGIN.top, width: width - left - MARGIN.right, height: tall };
     if (data.equal) {
       const half = ((rangeY[1] - rangeY[0]) / 2) * (plot.width / plot.height);
       rangeX = [(rangeX[0] + rangeX[1]) / 2 - half, (rangeX[0] + rangeX[1]) / 2 + half];
@@ -159,7 +160,7 @@ export class Chart {
     copy.setAttribute("height", height);
     const colours = ["paper", "plot", "ink", "line", "faint"].map((name) => `--${name}: ${themeColour(name)};`).join(" ");
     copy.querySelector("style").prepend(`svg { ${colours} }`);
-    const said = svg("metadata", {}, JSON.stringify({ made_from: madeFrom }));
+    const said = svg("metadata", { id: "made_from" }, JSON.stringify(madeFrom));
     copy.querySelector("title").after(said);
     return new XMLSerializer().serializeToString(copy);
   }

@@ -15,7 +15,7 @@ export function mapFile(map, madeFrom) {
   const colours = ["paper", "plot", "ink", "line", "faint", "accent"].map((name) => `--${name}: ${themeColour(name)};`).join(" ");
   all.append(
     svg("title", {}, `Map of ${madeFrom.rig.name}: ${map.colour === "force" ? "force of 1/1" : "regimes z = p/n"} over frequency and gap`),
-    svg("metadata", {}, JSON.stringify({ made_from: madeFrom })),
+    svg("metadata", { id: "made_from" }, JSON.stringify(madeFrom)),
     svg("style", {}, `svg { ${colours} } ${PLANE_STYLE}`),
     svg("rect", { width, height: height + rows * LEGEND + 6, fill: "var(--paper)" }),
     svg("image", { href: map.canvas.toDataURL(), width, height }),
