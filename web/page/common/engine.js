@@ -3,11 +3,12 @@
 const letters = new TextEncoder();
 const text = new TextDecoder();
 
-// The compiled module: its letters stand in the page.
+// The compiled module: it stands in the page, compressed and as letters.
 export async function compileModule() {
   const coded = document.getElementById("module").textContent;
-  const bytes = Uint8Array.from(atob(coded), (letter) => letter.charCodeAt(0));
-  return WebAssembly.compile(bytes);
+  const packed = Uint8Array.from(atob(coded), (letter) => letter.charCodeAt(0));
+  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(unpacked).arrayBuffer());
 }
 
 // An instance of the module. It has memory of its own and does one thing at a time: use it in a worker.
