@@ -4,11 +4,10 @@ import { REGIMES, regimeIndex } from "../common/colours.js";
 import { element, svg } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
 import { onTheme, themeColour } from "../common/theme.js";
-import { HOME } from "./state.js";
-import { DETAILS, SIDE, Tiles, cell, middles, wanted } from "./tiles.js";
+import { HOME, within } from "./state.js";
+import { DETAILS, NOTHING, SIDE, Tiles, cell, middles, wanted } from "./tiles.js";
 
 const MARGIN = { left: 58, right: 10, top: 8, bottom: 42 };
-const NARROWEST = 1e-4;
 
 // How a cell of the map is run: the chapter's cycles.
 const PLAN = { cycles: 300, recorded: 100 };
@@ -73,9 +72,7 @@ export class PlaneMap {
   }
 
   setView(view) {
-    const width = Math.max(NARROWEST, view.x[1] - view.x[0]);
-    const left = Math.max(0.02, view.x[0]);
-    this.view = { x: [left, left + width], y: [view.y[0], Math.max(view.y[0] + NARROWEST, view.y[1])] };
+    this.view = within(view);
     this.hear.view(this.view);
     this.redraw(true);
   }
@@ -128,8 +125,13 @@ export class PlaneMap {
       const argument = { rig, ...middles(tile), ...PLAN };
       // The finest pass waits for everything else.
       const order = [2, 4, 6][tile.pass];
-      this.pool.run("explore.map", argument, { order, signal: leave.signal, finish: true }).then(({ answer }) => {
-        if (rig !== this.rig) return;
+      const asked = this.pool.run("explore.map", argument, { order, signal: leave.signal, finish: true });
+      asked.catch((error) => {
+        // A gap that this rig cannot have, say: such a tile stays empty.
+        if (!leave.signal.aborted) this.hear.failed(error);
+        return { answer: NOTHING };
+      }).then(({ answer }) => {
+        if (rig !== this.rig || (answer === NOTHING && leave.signal.aborted)) return;
         this.tiles.put(tile, answer);
         this.paint();
         if (leave.signal.aborted) return;
@@ -137,8 +139,6 @@ export class PlaneMap {
         left[tile.pass] -= 1;
         this.count(done, all.length);
         if (left[tile.pass] === 0) this.hear.measured(DETAILS[tile.pass], performance.now() - this.began);
-      }, (error) => {
-        if (!leave.signal.aborted) this.hear.failed(error);
       });
     }
     if (!missing.length) this.hear.measured(this.detail, performance.now() - this.began);
@@ -233,7 +233,7 @@ export class PlaneMap {
       svg("rect", { class: "frame", x: plot.left, y: plot.top, width: plot.width, height: plot.height }),
       inside,
     );
-    const within = (ratio, gap) => ratio >= this.view.x[0] && ratio <= this.view.x[1] && gap >= this.view.y[0] && gap <= this.view.y[1];
+    const inView = (ratio, gap) => ratio >= this.view.x[0] && ratio <= this.view.x[1] && gap >= this.view.y[0] && gap <= this.view.y[1];
     const { gap, band, best, point } = this.marks;
     if (gap !== undefined && gap >= this.view.y[0] && gap <= this.view.y[1]) {
       inside.append(svg("line", { class: "halo", x1: plot.left, x2: plot.left + plot.width, y1: y(gap), y2: y(gap) }), svg("line", { class: "gapline", x1: plot.left, x2: plot.left + plot.width, y1: y(gap), y2: y(gap) }));
@@ -241,9 +241,9 @@ export class PlaneMap {
         const [a, b] = band.map((ratio) => Math.max(plot.left, Math.min(plot.left + plot.width, x(ratio))));
         inside.append(svg("line", { class: "halo", x1: a, x2: b, y1: y(gap), y2: y(gap), "stroke-width": 8 }), svg("line", { class: "band", x1: a, x2: b, y1: y(gap), y2: y(gap) }));
       }
-      if (best && within(best, gap)) inside.append(svg("path", { class: "best", d: `M${x(best)} ${y(gap) - 9}l9 9l-9 9l-9 -9z` }));
+      if (best && inView(best, gap)) inside.append(svg("path", { class: "best", d: `M${x(best)} ${y(gap) - 9}l9 9l-9 9l-9 -9z` }));
     }
-    if (point && within(...point)) {
+    if (point && inView(...point)) {
       const [px, py] = [x(point[0]), y(point[1])];
       for (const name of ["halo", "cross"]) inside.append(svg("path", { class: name, d: `M${px - 11} ${py}h22M${px} ${py - 11}v22` }));
     }
