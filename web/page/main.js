@@ -6,7 +6,10 @@ import { parts } from "./parts.js";
 const tabs = document.getElementById("tabs");
 const panels = document.getElementById("panels");
 
+let shown = null;
+
 function show(wanted) {
+  shown = wanted;
   for (const part of parts) {
     const chosen = part === wanted;
     part.tab.setAttribute("aria-selected", String(chosen));
@@ -23,8 +26,10 @@ for (const part of parts) {
   part.tab = element("button", {
     type: "button", role: "tab", id: `tab-${part.id}`, "aria-controls": `part-${part.id}`,
     onclick: () => {
-      history.replaceState(null, "", `#${part.id}`);
-      part.onshown?.();
+      if (part === shown) return;
+      // Each part finds its own address again.
+      shown.address = location.hash;
+      history.replaceState(null, "", part.address ?? `#${part.id}`);
       show(part);
     },
   }, part.title);

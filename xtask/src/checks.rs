@@ -63,6 +63,7 @@ const HOST: &[Step] = &[
     ("Python package", || {
         silent(crate::python::run(&[], &Build::Tested))
     }),
+    ("page in a browser", page),
 ];
 
 const FIRMWARE: &[Step] = &[
@@ -90,6 +91,17 @@ const FIRMWARE: &[Step] = &[
 
 fn silent(outcome: Outcome) -> Outcome<String> {
     outcome.map(|()| String::new())
+}
+
+/// A machine for which no browser, or no Rust for one, can be had does without.
+fn page() -> Outcome<String> {
+    let lacking = tools::wasm_toolchain().err().or(tools::chromium().err());
+    if let Some(error) = lacking {
+        let remark = format!("skipped: {error}");
+        println!("{remark}");
+        return Ok(remark.lines().next().unwrap_or_default().into());
+    }
+    silent(crate::web::test(&[], &Build::Tested))
 }
 
 /// Known faults are not looked up: they are fetched from the network, and may be new without any change here.

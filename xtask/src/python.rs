@@ -13,7 +13,7 @@ const PACKAGES: &[&str] = &["maturin>=1.9,<2", "numpy", "pandas", "xarray", "pyt
 
 /// Builds the package into `target/python`, and runs its tests with the words given.
 pub fn run(words: &[&str], build: &Build) -> Outcome {
-    let environment = environment()?;
+    let environment = environment("python", PACKAGES)?;
     let wheel = wheel(&environment)?;
     let mut install = pip(&environment);
     command::run(install.args(["--force-reinstall", "--no-deps"]).arg(&wheel))?;
@@ -24,20 +24,20 @@ pub fn run(words: &[&str], build: &Build) -> Outcome {
     command::run(tests.args(["-m", "pytest", "-q"]).args(words))
 }
 
-/// The environment in `target/python`, with everything in it.
-fn environment() -> Outcome<PathBuf> {
-    let place = root().join("target/python");
+/// The environment in the folder `target/NAME`, with these packages in it.
+pub fn environment(name: &str, packages: &[&str]) -> Outcome<PathBuf> {
+    let place = root().join("target").join(name);
     if !place.join("bin/python").exists() {
         let python = find("python3").ok_or(ADVICE)?;
         let mut make = Command::new(python);
         make.args(["-m", "venv"]).arg(&place);
         command::run(&mut make).map_err(|error| format!("{error}; {ADVICE}"))?;
     }
-    command::run(pip(&place).args(PACKAGES))?;
+    command::run(pip(&place).args(packages))?;
     Ok(place)
 }
 
-const ADVICE: &str = "the Python package needs Python 3.9 or later with venv (Debian: apt-get install --no-install-recommends python3-venv)";
+const ADVICE: &str = "this needs Python 3.9 or later with venv (Debian: apt-get install --no-install-recommends python3-venv)";
 
 fn pip(environment: &std::path::Path) -> Command {
     let mut pip = Command::new(environment.join("bin/python"));

@@ -132,6 +132,20 @@ mod tests {
         assert_eq!(regime_group("12/1"), OTHER_PERIODIC);
     }
 
+    #[test]
+    fn the_page_has_the_same_colours() {
+        let page = include_str!("../../../web/page/common/colours.js");
+        let hex = |Color(r, g, b): Color| format!("#{r:02X}{g:02X}{b:02X}");
+        let lines =
+            REGIMES.map(|(name, _)| format!("  [\"{name}\", \"{}\"],", hex(regime_fill(name))));
+        assert!(page.contains(&lines.join("\n")), "{}", lines.join("\n"));
+        let series: Vec<_> = (0..6)
+            .map(|i| format!("\"{}\"", hex(Color::series(i))))
+            .collect();
+        let series = format!("export const SERIES = [{}];", series.join(", "));
+        assert!(page.contains(&series), "{series}");
+    }
+
     /// As a reader without green cones sees a colour, linear RGB (Viénot, Brettel and Mollon 1999, deuteranopia:
     /// <https://doi.org/10.1002/(SICI)1520-6378(199908)24:4%3C243::AID-COL5%3E3.0.CO;2-3>).
     fn deuteranope(Color(r, g, b): Color) -> [f64; 3] {

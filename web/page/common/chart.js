@@ -51,9 +51,10 @@ function mark(shape, x, y, colour) {
   return svg("circle", { cx: x, cy: y, r: 2.5, fill: colour });
 }
 
-// A chart with a caption below it. `draw` takes { title, x, y: names with units, series, bands, lines, description }; a series is
-// { label, points: [[x, y], …], colour, kind: "line" or "points", dash, shape }, a band { from, to, label } over x, a line
-// { at, label } across.
+// A chart with a caption below it. `draw` takes { title, x, y: names with units, series, bands, lines, circles, description }. A
+// series is { label, points: [[x, y], …], colour, kind: "line" or "points", dash, shape }, a band { from, to, colour } over x, a
+// line { at } across, a circle { radius } about the origin. The ranges are those of the points, unless rangeX or rangeY say
+// otherwise; `tight` leaves no margin over x, `least` are the narrowest spans, `equal` gives x the scale of y.
 export class Chart {
   constructor({ height = 260, label = "chart" } = {}) {
     this.height = height;
@@ -76,13 +77,18 @@ export class Chart {
     const { data, picture } = this;
     const width = Math.max(240, this.figure.clientWidth || 480);
     if (!data) return;
-    const plot = {
-      left: MARGIN.left, top: MARGIN.top,
-      width: width - MARGIN.left - MARGIN.right, height: this.height - MARGIN.top - MARGIN.bottom,
-    };
     const all = data.series.flatMap((one) => one.points);
-    const rangeX = data.rangeX ?? around(all.map((p) => p[0]), data.series.some((s) => s.kind === "points") ? 0.04 : 0);
-    const rangeY = data.rangeY ?? around(all.map((p) => p[1]).concat((data.lines ?? []).map((l) => l.at)));
+    let rangeX = data.rangeX ?? around(all.map((p) => p[0]), data.tight ? 0 : 0.04, data.least?.[0]);
+    const rangeY = data.rangeY ?? around(all.map((p) => p[1]).concat((data.lines ?? []).map((l) => l.at)), 0.04, data.least?.[1]);
+    const tall = this.height - MARGIN.top - MARGIN.bottom;
+    // Room for the longest number beside the axis's name.
+    const letters = Math.max(...ticks(...rangeY, Math.max(2, tall / 45)).map(({ text }) => text.length), 0);
+    const left = Math.max(MARGIN.left, 32 + 7.2 * letters);
+    const plot = { left, top: MARGIN.top, width: width - left - MARGIN.right, height: tall };
+    if (data.equal) {
+      const half = ((rangeY[1] - rangeY[0]) / 2) * (plot.width / plot.height);
+      rangeX = [(rangeX[0] + rangeX[1]) / 2 - half, (rangeX[0] + rangeX[1]) / 2 + half];
+    }
     const x = scale(rangeX, [plot.left, plot.left + plot.width]);
     const y = scale(rangeY, [plot.top + plot.height, plot.top]);
     this.space = { x, y, plot };
@@ -154,7 +160,7 @@ export class Chart {
     copy.setAttribute("height", height);
     const colours = ["paper", "plot", "ink", "line", "faint"].map((name) => `--${name}: ${themeColour(name)};`).join(" ");
     copy.querySelector("style").prepend(`svg { ${colours} }`);
-    const said = svg("metadata", {}, JSON.stringify({ made_from: madeFrom }));
+    const said = svg("metadata", { id: "made_from" }, JSON.stringify(madeFrom));
     copy.querySelector("title").after(said);
     return new XMLSerializer().serializeToString(copy);
   }

@@ -30,8 +30,8 @@ export function ticks(low, high, most) {
   return found;
 }
 
-// The least and the largest of `values`, opened a little; [0, 1] of nothing.
-export function around(values, margin = 0.04) {
+// The least and the largest of `values`, opened by a share, and to a span of at least `least`; [0, 1] of nothing.
+export function around(values, margin = 0.04, least = 0) {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
     if (!Number.isFinite(value)) continue;
@@ -39,6 +39,6 @@ export function around(values, margin = 0.04) {
     high = Math.max(high, value);
   }
   if (!(low <= high)) return [0, 1];
-  const room = margin * (high - low) || Math.abs(low) * 0.05 || 1;
+  const room = Math.max(margin * (high - low), (least - (high - low)) / 2, high > low ? 0 : Math.abs(low) * 0.05 || 1);
   return [low - room, high + room];
 }

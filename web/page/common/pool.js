@@ -5,9 +5,13 @@ import { compileModule, fromJson } from "./engine.js";
 // Workers at most: beyond, a page asks for more memory than it gains in time.
 const MOST = 8;
 
+// Calls as urgent as this need not wait for long ones: one more worker does nothing else.
+const URGENT = 1;
+
 class Hand {
-  constructor(pool) {
+  constructor(pool, quick) {
     this.pool = pool;
+    this.quick = quick;
     this.job = null;
     this.begin();
   }
@@ -35,6 +39,7 @@ class Hand {
   }
 
   restart() {
+    this.worker.onmessage = null;
     this.worker.terminate();
     this.begin();
   }
@@ -52,17 +57,18 @@ export class Pool {
     this.module = compileModule();
     this.queue = [];
     this.broken = null;
-    this.hands = Array.from({ length: Math.max(1, Math.min(MOST, count)) }, () => new Hand(this));
+    this.count = Math.max(1, Math.min(MOST, count));
+    this.hands = Array.from({ length: this.count + 1 }, (_, number) => new Hand(this, number === this.count));
   }
 
   // Calls a function in a worker: { answer: bytes, ms: how long it took }. Smaller `order` is more urgent. When `signal`
-  // aborts, the promise rejects with its reason.
-  run(name, argument, { order = 0, signal } = {}) {
+  // aborts, the promise rejects with its reason; with `finish`, a call that has begun is let come to its end instead.
+  run(name, argument, { order = 0, signal, finish = false } = {}) {
     return new Promise((resolve, reject) => {
       if (signal?.aborted) return reject(signal.reason);
       if (this.broken) return reject(this.broken);
       const job = { name, argument, order, resolve, reject };
-      signal?.addEventListener("abort", () => this.drop(job, signal.reason), { once: true });
+      signal?.addEventListener("abort", () => this.drop(job, signal.reason, finish), { once: true });
       const at = this.queue.findIndex((other) => other.order > order);
       this.queue.splice(at < 0 ? this.queue.length : at, 0, job);
       this.next();
@@ -75,9 +81,10 @@ export class Pool {
     return { value: fromJson(answer), ms };
   }
 
-  drop(job, reason) {
+  drop(job, reason, finish) {
     const at = this.queue.indexOf(job);
     if (at >= 0) this.queue.splice(at, 1);
+    else if (finish) return;
     const hand = this.hands.find((one) => one.job === job);
     if (hand) {
       hand.job = null;
@@ -93,8 +100,9 @@ export class Pool {
 
   next() {
     for (const hand of this.hands) {
-      if (!this.queue.length) return;
-      if (hand.ready && !hand.job) hand.take(this.queue.shift());
+      const first = this.queue[0];
+      if (!first) return;
+      if (hand.ready && !hand.job && (!hand.quick || first.order <= URGENT)) hand.take(this.queue.shift());
     }
   }
 }

@@ -1,11 +1,195 @@
-// Explore: what the hammer does over gap and frequency, and where to run it.
-import { element } from "../common/dom.js";
+// Explore: what the hammer does over gap and frequency, the motion at a point, and where to run it.
+import { element, labelled } from "../common/dom.js";
 import { Pool } from "../common/pool.js";
+import { saveButtons } from "../common/save.js";
+import { AnswerPanel } from "./answer.js";
+import { Controls } from "./controls.js";
+import { PlaneMap } from "./map.js";
+import { mapFile } from "./mapfile.js";
+import { MotionPanel } from "./motion.js";
+import { fromFragment, initial, rigOf, toFragment } from "./state.js";
+import { DETAILS } from "./tiles.js";
+
+// A slider in motion asks only when it has rested for so long, ms.
+const REST = 250;
 
 export async function start(container) {
   const pool = new Pool();
-  const said = element("p", { role: "status" }, "loading …");
-  container.append(said);
-  const { value } = await pool.json("explore.rig", { source: "wires" });
-  said.textContent = `Rig ${value.name}: natural frequency ${value.natural_frequency_hz.toFixed(3)} Hz.`;
+  const status = element("p", { role: "status", class: "note", id: "explore-status" }, "loading the computing part …");
+  container.append(status);
+  let state = fromFragment(location.hash);
+  let presets;
+  try {
+    presets = (await pool.json("explore.presets", null)).value;
+  } catch (error) {
+    status.textContent = `This browser cannot run the page's computing part (it needs WebAssembly with 128-bit vectors, as every browser since 2023 has): ${error.message}`;
+    status.classList.add("wrong");
+    return;
+  }
+
+  let facts = null;
+  let own = null;
+  let waiting = 0;
+  let question = 0;
+  const times = {};
+
+  const madeFrom = () => ({
+    program: "vibro-impact hammer, page", version: facts.version, kernel_fingerprint: facts.kernel_fingerprint, address: toFragment(state),
+    rig: { name: facts.name, parameters: facts.parameters, cart: state.cart }, gap_mm: state.gap_mm, frequency_ratio: state.ratio, start_a0: state.start,
+    options: { map: { cycles: 300, recorded: 100, start: "rest" }, pick: { samples: 256, seed: 1, ...state.limits }, orbit: { cycles: 600, transient: 480 } },
+  });
+  const keep = () => history.replaceState(null, "", toFragment(state));
+
+  const map = new PlaneMap(pool, {
+    point(ratio, gap) {
+      Object.assign(state, { ratio, gap_mm: Number((gap * facts.amplitude_mm).toPrecision(6)), start: null });
+      refresh({ rig: false });
+    },
+    view(view) {
+      state.view = view;
+      keep();
+    },
+    measured(what, ms) {
+      times[what] ??= ms;
+      status.textContent = `Map: ${Object.entries(times).map(([pass, took]) => `${pass} after ${(took / 1e3).toFixed(1)} s`).join(", ")}, on ${pool.count} workers.`;
+      container.dataset[what] = Math.round(times[what]);
+    },
+    failed: (error) => wrong(error),
+  });
+  const answer = new AnswerPanel(pool, {
+    found(best) {
+      container.dataset.best = best ? best.hz : "";
+      const ratio = (hz) => hz / facts.natural_frequency_hz;
+      map.setMarks({ ...map.marks, best: best ? ratio(best.hz) : undefined, band: best?.band_hz.map(ratio) });
+      bestHz = best?.hz ?? null;
+      take.disabled = bestHz === null;
+    },
+    limit(key, value) {
+      if (value === null || !(value > 0)) delete state.limits[key];
+      else state.limits[key] = value;
+      refresh({ rig: false, point: false });
+    },
+  });
+  let bestHz = null;
+  const motion = new MotionPanel(pool, {
+    start(section) {
+      state.start = section;
+      refresh({ rig: false, pick: false });
+    },
+  });
+  const controls = new Controls(presets, (change) => {
+    if (change.wrong) return wrong(new Error(change.wrong));
+    if (change.source !== undefined) Object.assign(state, { source: change.source, text: change.text, settings: {}, gap_mm: 0, start: null, ratio: null });
+    if (change.cart) state.cart = change.cart;
+    if (change.reset) Object.assign(state, { settings: {}, gap_mm: own.parameters.gap_mm });
+    if (change.key === "gap_mm") state.gap_mm = change.value;
+    else if (change.key) {
+      for (const other of change.without) delete state.settings[other];
+      if (change.key === "contact_law") for (const key of Object.keys(state.settings)) if (key.startsWith("contact_")) delete state.settings[key];
+      if (own.parameters[change.key] === change.value) delete state.settings[change.key];
+      else state.settings[change.key] = change.value;
+    }
+    if (change.key) state.start = null;
+    clearTimeout(waiting);
+    waiting = setTimeout(() => refresh({ rig: change.key !== "gap_mm" }), change.key ? REST : 0);
+  });
+  const problem = element("p", { class: "wrong", role: "alert", id: "problem" });
+  const wrong = (error) => { problem.textContent = error.message; };
+
+  const button = (name, said, act) => element("button", { type: "button", "aria-label": said, title: said, onclick: act }, name);
+  const look = () => map.setLook(state);
+  const detail = element("select", { id: "detail", onchange: () => { state.detail = detail.value; keep(); look(); } }, ...DETAILS.map((one) => element("option", { value: one }, one)));
+  const units = element("select", { id: "units", onchange: () => { state.units = units.value; keep(); look(); } }, element("option", { value: "ratios" }, "Ω/ω, gap/A0"), element("option", { value: "absolute" }, "Hz, mm"));
+  const colour = element("select", { id: "colour", onchange: () => { state.colour = colour.value; keep(); look(); } }, element("option", { value: "regime" }, "regime z = p/n"), element("option", { value: "force" }, "force of 1/1"));
+  const take = element("button", { type: "button", id: "take", disabled: true, onclick: () => {
+    Object.assign(state, { ratio: bestHz / facts.natural_frequency_hz, start: null });
+    refresh({ rig: false, pick: false });
+  } }, "Show the motion there");
+  const frequency = element("input", { type: "number", id: "frequency", min: 0, step: "any", onchange: () => {
+    if (!(Number(frequency.value) > 0)) return;
+    Object.assign(state, { ratio: Number(frequency.value) / facts.natural_frequency_hz, start: null });
+    refresh({ rig: false, pick: false });
+  } });
+  const link = element("button", { type: "button", id: "share", onclick: async () => {
+    keep();
+    try {
+      await navigator.clipboard.writeText(location.href);
+      shared.textContent = "The address is copied; it opens what you see.";
+    } catch {
+      shared.textContent = "Copy the address from the browser's bar; it opens what you see.";
+    }
+  } }, "Share by address");
+  const shared = element("span", { role: "status", class: "note" });
+  const mapSaves = saveButtons({ name: "map", madeFrom, picture: () => mapFile(map, madeFrom()), rows: () => mapRows() });
+  const mapRows = () => {
+    const { plot } = map.space();
+    return map.tiles.rows(map.view, plot.width, plot.height).map((row) => ({
+      gap_mm: row.gap_ratio * facts.amplitude_mm, gap_ratio: row.gap_ratio, frequency_hz: row.frequency_ratio * facts.natural_frequency_hz, frequency_ratio: row.frequency_ratio,
+      regime: row.regime, force_ratio: row.regime === "failed" ? null : row.force_n / facts.weight_n, force_n: row.regime === "failed" ? null : row.force_n, settling_cycles: row.settled_after,
+    }));
+  };
+
+  const plane = element("section", { class: "panel map", "aria-label": "Map" },
+    element("div", { class: "row" }, element("h2", {}, "What it does"), labelled("Axes ", units), labelled("Colour ", colour), labelled("Detail ", detail),
+      element("span", { class: "row" }, button("+", "zoom in", () => map.zoom(0.7)), button("\u2212", "zoom out", () => map.zoom(1 / 0.7)), button("⌂", "show the whole plane", () => map.home()))),
+    map.box, map.progress, map.said, map.legend,
+    element("div", { class: "row" }, take, labelled("Drive frequency, Hz ", frequency), link, shared, mapSaves), status);
+  container.replaceChildren(problem, element("div", { class: "explore-grid" }, controls.panel, plane, answer.panel, motion.panel));
+
+  // Shows the state: the rig, its map, the recommendation and the motion at the point.
+  async function refresh({ rig = true, pick = true, point = true } = {}) {
+    question += 1;
+    const mine = question;
+    keep();
+    if (rig) {
+      let found;
+      try {
+        const bare = { ...rigOf(state), settings: [] };
+        const [first, now] = await Promise.all([pool.json("explore.rig", bare), pool.json("explore.rig", rigOf(state))]);
+        [own, found] = [first.value, now.value];
+      } catch (error) {
+        return wrong(error);
+      }
+      if (mine !== question) return;
+      const fresh = JSON.stringify(rigOf(state)) !== map.shows;
+      map.shows = JSON.stringify(rigOf(state));
+      facts = found;
+      problem.textContent = "";
+      if (fresh) {
+        for (const name of Object.keys(times)) delete times[name];
+        for (const name of DETAILS) delete container.dataset[name];
+        map.setRig(rigOf(state), facts, state.view);
+      }
+    }
+    problem.textContent = "";
+    controls.show(state, own.parameters, { ...facts.parameters, gap_mm: state.gap_mm }, facts.meanings, facts.shaker_known);
+    controls.notes.replaceChildren(...facts.notes.map((note) => element("p", { class: "wrong" }, note)),
+      element("p", {}, `Natural frequency ${facts.natural_frequency_hz.toPrecision(5)} Hz, weight ${facts.weight_n.toPrecision(4)} N. `, saveButtons({ name: "rig", madeFrom, value: () => ({ parameters: facts.parameters, toml: facts.toml }) })));
+    const gap = state.gap_mm / facts.amplitude_mm;
+    map.setMarks({ ...map.marks, gap, point: state.ratio === null ? undefined : [state.ratio, gap] });
+    if (state.ratio !== null && document.activeElement !== frequency) frequency.value = Number((state.ratio * facts.natural_frequency_hz).toPrecision(7));
+    if (pick) answer.ask(rigOf(state), state.gap_mm, state.limits, madeFrom);
+    if (point && state.ratio !== null) motion.ask(rigOf(state), state.gap_mm, state.ratio * facts.natural_frequency_hz, state.start, madeFrom);
+  }
+
+  addEventListener("hashchange", () => {
+    if (location.hash.startsWith("#explore?")) open(fromFragment(location.hash));
+  });
+  function open(wanted) {
+    state = wanted;
+    [units.value, colour.value, detail.value] = [state.units, state.colour, state.detail];
+    if (map.view) map.view = state.view;
+    look();
+    refresh().then(() => map.redraw(true));
+  }
+  [units.value, colour.value, detail.value] = [state.units, state.colour, state.detail];
+  Object.assign(map, { units: state.units, colour: state.colour, detail: state.detail });
+  await refresh();
+  if (!facts) {
+    // The rig in the address cannot be read: say so, and show what there always is.
+    const said = problem.textContent;
+    state = initial();
+    await refresh();
+    problem.textContent = said;
+  }
 }

@@ -14,5 +14,6 @@ pub const FUNCTIONS: &[(&str, Function)] = &[
     ("explore.map", map::map),
     ("explore.orbit", orbit::orbit),
     ("explore.neighbours", orbit::neighbours),
+    ("explore.pick_first", pick::first),
     ("explore.pick", pick::pick),
 ];

@@ -1,6 +1,7 @@
 //! The recommendation.
 
 use files::words::pick::Worded;
+use numerics::pick::outline::outline;
 use numerics::pick::{Answer, Limits, Springs, pick_on};
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,19 @@ struct Found<'a> {
 
 /// Random rigs within the uncertainty, and their seed: those of the command `pick`.
 const SAMPLES: (u32, u64) = (256, 1);
+
+#[derive(Deserialize)]
+struct First {
+    rig: rig::Asked,
+    gap_mm: f64,
+}
+
+/// Where the nominal rig is strongest: the first part of [`pick`], for who waits.
+pub fn first(argument: &[u8]) -> Result<Vec<u8>, String> {
+    let asked: First = read(argument)?;
+    let rig = asked.rig.at_gap(asked.gap_mm)?;
+    write(&outline(&rig).map_err(|e| files::UserError::from(e).to_string())?)
+}
 
 /// The operating point, as the command `pick` finds it.
 pub fn pick(argument: &[u8]) -> Result<Vec<u8>, String> {

@@ -12,7 +12,7 @@ use std::{
 use super::{
     apt::Apt,
     toolchain::version_of,
-    tree::{STARTERS, library_folders, make_links_relative, wrap},
+    tree::{STARTERS, library_folders, make_links_relative, started, wrap},
 };
 use crate::{
     Outcome,
@@ -26,7 +26,7 @@ pub struct Bundle {
     pub name: &'static str,
     /// The packages asked for.
     pub packages: &'static [&'static str],
-    /// The programs wanted of them, all in `/usr/bin`.
+    /// The programs wanted of them: of `/usr/bin`, or as paths below `/usr`.
     pub programs: &'static [&'static str],
     /// The oldest version of its first program that will do; empty: any.
     pub oldest: &'static str,
@@ -60,7 +60,8 @@ pub const LLD: Bundle = Bundle {
 pub const CHROMIUM: Bundle = Bundle {
     name: "chromium",
     packages: &["chromium-headless-shell", "fonts-dejavu-core"],
-    programs: &["chromium-headless-shell"],
+    // What is in `bin` is a script that wants it installed.
+    programs: &["lib/chromium/chromium-headless-shell"],
     oldest: "",
 };
 
@@ -142,7 +143,7 @@ impl Bundle {
         let libraries = library_folders(&tree)?;
         for program in self.programs {
             wrap(&tree, program, &libraries)?;
-            let version = version(&starters.join(program))?;
+            let version = version(&starters.join(started(program)))?;
             if *program == self.programs[0] && version_of(&version) < version_of(self.oldest) {
                 return Err(format!("{version} is older than {}", self.oldest).into());
             }

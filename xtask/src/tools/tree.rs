@@ -45,6 +45,9 @@ fn link(_: &Path, _: &Path) -> std::io::Result<()> {
     Err(std::io::ErrorKind::Unsupported.into())
 }
 
+/// Folders within the folder of the libraries in which a library looks for another, by a path that is not the tree's.
+const INNER: &[&str] = &["pulseaudio"];
+
 /// The folders of the tree that hold its libraries, relative to it: `usr/lib/x86_64-linux-gnu` and the like.
 pub fn library_folders(tree: &Path) -> Outcome<Vec<String>> {
     let mut folders = Vec::new();
@@ -52,32 +55,50 @@ pub fn library_folders(tree: &Path) -> Outcome<Vec<String>> {
         for entry in fs::read_dir(tree.join(above)).into_iter().flatten() {
             let name = entry?.file_name().to_string_lossy().into_owned();
             if name.contains("-linux-") {
-                folders.push(format!("{above}/{name}"));
+                let folder = format!("{above}/{name}");
+                let inner = INNER.iter().map(|inner| format!("{folder}/{inner}"));
+                let there: Vec<_> = inner.filter(|inner| tree.join(inner).is_dir()).collect();
+                folders.push(folder);
+                folders.extend(there);
             }
         }
     }
     Ok(folders)
 }
 
-/// A script that starts a program with the tree's libraries, wherever the tree has been moved.
+/// Letters as fontconfig finds them: within the tree, where it has some.
+const FONTS: &str = "[ ! -d \"$tree/etc/fonts\" ] || export FONTCONFIG_SYSROOT=\"$tree\"\n";
+
+/// A script that starts a program with the tree's libraries and letters, wherever the tree has been moved. The program is
+/// one of `usr/bin`, or a path below `usr`.
 fn wrapper(program: &str, libraries: &[String]) -> String {
     let path: Vec<_> = libraries
         .iter()
         .map(|folder| format!("$tree/{folder}"))
         .collect();
+    let place = match program.contains('/') {
+        true => format!("usr/{program}"),
+        false => format!("usr/bin/{program}"),
+    };
     format!(
         "#!/bin/sh\n\
          # Starts {program} from the packages unpacked here, with their libraries.\n\
          tree=$(dirname \"$(dirname \"$(readlink -f \"$0\")\")\")\n\
          export LD_LIBRARY_PATH=\"{}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}\"\n\
-         exec \"$tree/usr/bin/{program}\" \"$@\"\n",
+         {FONTS}\
+         exec \"$tree/{place}\" \"$@\"\n",
         path.join(":")
     )
 }
 
+/// The name under which a program is started.
+pub fn started(program: &str) -> &str {
+    program.rsplit('/').next().unwrap_or(program)
+}
+
 /// Writes that script.
 pub fn wrap(tree: &Path, program: &str, libraries: &[String]) -> Outcome {
-    let path = tree.join(STARTERS).join(program);
+    let path = tree.join(STARTERS).join(started(program));
     fs::write(&path, wrapper(program, libraries))?;
     output(Command::new("chmod").arg("755").arg(&path)).map(drop)
 }

@@ -1,7 +1,10 @@
 //! The page: its module compiled to WebAssembly, and everything put into one file that needs no network and no server.
 
 mod base64;
+mod browser;
 mod bundle;
+
+pub use browser::test;
 
 use std::{fs, io::Write, path::PathBuf};
 
@@ -10,7 +13,6 @@ use flate2::{Compression, write::GzEncoder};
 use crate::{
     Outcome,
     command::{self, root},
-    desktop::Build,
     tools,
 };
 
@@ -68,11 +70,4 @@ pub fn lab(words: &[&str]) -> Outcome {
         options => cargo.arg("lab").args(options),
     };
     command::run_attended(&mut cargo)
-}
-
-/// Builds the page and tests it in a browser.
-pub fn test(words: &[&str], build_of: &Build) -> Outcome {
-    let _page = build()?;
-    let _ = (words, build_of);
-    tools::chromium().map(drop)
 }

@@ -11,6 +11,7 @@ pub mod answer;
 pub mod bending;
 pub mod choose;
 pub mod gaps;
+pub mod outline;
 pub mod search;
 pub mod sensitivity;
 pub mod uncertainty;

@@ -1,0 +1,78 @@
+//! The first part of a pick, in a fraction of its time: for who waits.
+
+use serde::Serialize;
+
+use super::search::maximise;
+use super::{BAND_SHARE, best_branch, force_band, no_one_one, range};
+use crate::branch::End;
+use crate::error::Error;
+use crate::row::NamedRig;
+
+/// Where the nominal rig is strongest. Uncertainty, limits, jumps and the beams' bending are not looked at: they may move
+/// the operating point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outline {
+    /// Name of the rig.
+    pub rig: String,
+    /// Where the stable 1/1 is strongest, Hz.
+    pub nominal_optimum_hz: f64,
+    /// The same over the natural frequency.
+    pub frequency_ratio: f64,
+    /// Contact force over m g there.
+    pub nominal_optimum_force_ratio: f64,
+    /// The same, N.
+    pub force_n: f64,
+    /// Share of that force down to which the band reaches.
+    pub band_share: f64,
+    /// Where the stable 1/1 has at least this share of that force, Hz.
+    pub band_hz: [f64; 2],
+    /// Where it is stable, Hz.
+    pub stable_one_one_hz: [f64; 2],
+    /// How it ends, below and above.
+    pub stable_one_one_ends: [End; 2],
+}
+
+/// Finds it.
+///
+/// # Errors
+/// If a parameter is out of range, or if there is no stable 1/1.
+pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
+    let params = &rig.params;
+    params.check()?;
+    let branch = best_branch(rig)?;
+    let force_at = |hz: f64| branch.at(params, hz).map(|orbit| (orbit.force_n, orbit));
+    let (_, strongest) =
+        maximise(&branch, range(&branch), force_at).ok_or_else(|| no_one_one(rig))?;
+    Ok(Outline {
+        rig: rig.name.clone(),
+        nominal_optimum_hz: strongest.frequency_hz,
+        frequency_ratio: strongest.frequency_hz / params.natural_frequency_hz(),
+        nominal_optimum_force_ratio: strongest.force_n / params.weight_n(),
+        force_n: strongest.force_n,
+        band_share: BAND_SHARE,
+        band_hz: force_band(params, &branch, &strongest).into(),
+        stable_one_one_hz: range(&branch).into(),
+        stable_one_one_ends: [branch.low.end, branch.high.end],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pick::{Limits, pick};
+
+    #[test]
+    fn the_outline_is_the_nominal_pick_s() {
+        let rig = NamedRig::preset("wires").unwrap().prescribed();
+        let first = outline(&rig).unwrap();
+        let whole = pick(&rig, None, Limits::default(), &()).unwrap().answer;
+        assert_eq!(first.nominal_optimum_hz, whole.nominal_optimum_hz);
+        assert_eq!(
+            first.nominal_optimum_force_ratio,
+            whole.nominal_optimum_force_ratio
+        );
+        assert_eq!(first.stable_one_one_hz, whole.stable_one_one_hz);
+        assert_eq!(first.stable_one_one_ends, whole.stable_one_one_ends);
+        assert_eq!(first.band_hz, whole.band_hz);
+    }
+}

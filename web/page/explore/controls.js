@@ -1,0 +1,125 @@
+// The rig: preset or file, a slider for every parameter, how the cart is moved.
+import { element, fresh } from "../common/dom.js";
+
+// Sliders reach from the rig's own value down and up by this factor.
+const REACH = 4;
+
+// Where a slider is not a matter of a factor: from, to, step.
+const STRAIGHT = {
+  gap_mm: [-1, 6, 0.01],
+  damping_ratio: [0, 0.2, 0.001],
+  contact_restitution: [0, 1, 0.01],
+  shaker_feed_forward: [0, 1, 0.01],
+};
+
+const CHOICES = {
+  contact_law: ["spring-dashpot", "hertz", "hunt-crossley", "lankarani-nikravesh"],
+  torque: ["literal", "cosine"],
+};
+
+// What decides for another: the one that is set last counts.
+const EITHER = { natural_frequency_hz: ["wire_length_mm"], wire_length_mm: ["natural_frequency_hz"], gravity_m_per_s2: ["natural_frequency_hz"] };
+
+const UNITS = [["_m_per_s2", "m/s²"], ["_n_per_m3", "N/m³"], ["_n_s_per_m", "N·s/m"], ["_s_per_m", "s/m"], ["_n_per_m", "N/m"], ["_kg", "kg"], ["_mm", "mm"], ["_hz", "Hz"], ["_force_n", "N"]];
+
+// A parameter's name and unit as people read them: "mass, kg".
+export function title(key) {
+  const [ending, unit] = UNITS.find(([one]) => key.endsWith(one)) ?? ["", ""];
+  const cut = ending === "_force_n" ? "_n" : ending;
+  const name = key.slice(0, key.length - cut.length).replaceAll("_", " ");
+  return unit ? `${name}, ${unit}` : name;
+}
+
+export class Controls {
+  // `hear` is called with what has changed: { source, text } or { key, value } or { cart }.
+  constructor(presets, hear) {
+    this.hear = hear;
+    this.preset = element("select", { id: "preset", onchange: () => hear({ source: this.preset.value, text: null }) }, ...presets.map((name) => element("option", { value: name }, name)));
+    this.cart = element("select", { id: "cart", onchange: () => hear({ cart: this.cart.value }) },
+      element("option", { value: "machine" }, "as the machine's, if known"),
+      element("option", { value: "prescribed" }, "as prescribed (the chapter's model)"),
+      element("option", { value: "recoil" }, "recoils under its shaker"));
+    this.file = element("input", { type: "file", id: "rigfile", accept: ".toml,text/plain", onchange: () => this.read(this.file.files[0]) });
+    this.list = element("div", { class: "parameters" });
+    this.notes = element("div", { class: "note", id: "rig-notes" });
+    this.reset = element("button", { type: "button", onclick: () => hear({ reset: true }) }, "Back to the rig's own values");
+    const drop = element("div", { class: "drop" }, element("label", { for: "rigfile" }, "Own rig file (TOML): choose it, or drop it here"), this.file);
+    this.panel = element("section", { class: "panel controls", "aria-label": "Rig" },
+      element("h2", {}, "Rig"),
+      element("div", { class: "pair" }, element("label", { for: "preset" }, "Preset"), this.preset),
+      drop,
+      element("div", { class: "pair" }, element("label", { for: "cart" }, "Cart"), this.cart),
+      this.list, this.reset, this.notes);
+    for (const kind of ["dragenter", "dragover"]) {
+      this.panel.addEventListener(kind, (event) => {
+        event.preventDefault();
+        this.panel.classList.add("dropping");
+      });
+    }
+    for (const kind of ["dragleave", "drop"]) this.panel.addEventListener(kind, () => this.panel.classList.remove("dropping"));
+    this.panel.addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.read(event.dataTransfer.files[0]);
+    });
+  }
+
+  async read(file) {
+    if (!file) return;
+    const most = 64 * 1024;
+    if (file.size > most) return this.hear({ wrong: `${file.name} has ${file.size} bytes; a rig file has at most ${most}` });
+    this.hear({ source: file.name, text: await file.text() });
+  }
+
+  // Shows a rig: `own` are the parameters of its preset or file, `now` those with the settings.
+  show(state, own, now, meanings, shakerKnown) {
+    const names = [...this.preset.options].map((option) => option.value);
+    for (const option of [...this.preset.options]) if (option.dataset.file) option.remove();
+    if (!names.includes(state.source) || state.text !== null) {
+      this.preset.append(element("option", { value: state.source, "data-file": "yes" }, `${state.source} (file)`));
+    }
+    this.preset.value = state.source;
+    this.cart.value = state.cart;
+    this.cart.options[2].disabled = !shakerKnown;
+    const keys = Object.keys(now);
+    if (keys.join() !== this.shown) {
+      this.shown = keys.join();
+      this.rows = new Map();
+      const order = Object.keys(meanings).filter((key) => keys.includes(key) && key !== "support");
+      this.list.replaceChildren(...order.map((key) => this.row(key, meanings[key])));
+    }
+    for (const [key, row] of this.rows) row.set(now[key], own[key] ?? now[key], key in state.settings);
+  }
+
+  row(key, meaning) {
+    const id = fresh(key);
+    const name = element("label", { for: id, title: meaning }, title(key));
+    const change = (value) => this.hear({ key, value, without: EITHER[key] ?? [] });
+    if (CHOICES[key]) {
+      const select = element("select", { id, "data-key": key, onchange: () => change(select.value) }, ...CHOICES[key].map((one) => element("option", { value: one }, one)));
+      this.rows.set(key, { set: (value) => { select.value = value; } });
+      return element("div", { class: "pair" }, name, select);
+    }
+    const straight = STRAIGHT[key];
+    const slider = element("input", { type: "range", id, "data-key": key, "aria-description": meaning, ...(straight ? { min: straight[0], max: straight[1], step: straight[2] } : { min: -1, max: 1, step: 0.005 }) });
+    const number = element("input", { type: "number", step: "any", "aria-label": `${title(key)}: number`, "data-number": key, onchange: () => number.value !== "" && change(Number(number.value)) });
+    let middle = 1;
+    const valueOf = () => (straight ? Number(slider.value) : Number((middle * REACH ** Number(slider.value)).toPrecision(4)));
+    slider.addEventListener("input", () => {
+      number.value = valueOf();
+      slider.setAttribute("aria-valuetext", `${number.value} ${title(key).split(", ")[1] ?? ""}`);
+      change(valueOf());
+    });
+    const row = element("div", { class: "parameter" }, name, slider, number);
+    this.rows.set(key, {
+      set: (value, own, changed) => {
+        middle = own || 1;
+        // A key that moved it knows where it stands.
+        if (document.activeElement !== slider) slider.value = straight ? value : Math.max(-1, Math.min(1, Math.log(value / middle) / Math.log(REACH)));
+        if (document.activeElement !== number) number.value = Number(value.toPrecision(10));
+        slider.setAttribute("aria-valuetext", `${number.value} ${title(key).split(", ")[1] ?? ""}`);
+        row.classList.toggle("changed", changed);
+      },
+    });
+    return row;
+  }
+}

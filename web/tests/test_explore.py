@@ -1,0 +1,335 @@
+"""The part "Explore": every control is used, and its numbers are the command line's."""
+
+import csv
+import io
+import json
+import os
+import pathlib
+import struct
+import zlib
+from urllib.parse import unquote
+
+import pytest
+
+from conftest import PAGE, host_json, host_rows, host_sim
+
+SHOTS = pathlib.Path(os.environ["SHOTS"])
+
+# Most numbers come from adaptive integration whose steps a last digit of `powf` may move; WebAssembly has its own `powf`, and
+# no fused multiply-add. The engine's own tolerance is some 1e-9.
+SAME = 1e-7
+
+
+def shot(opened, name):
+    SHOTS.mkdir(exist_ok=True)
+    opened.page.screenshot(path=SHOTS / f"{name}.png", full_page=True)
+
+
+def alike(a, b, within=SAME, at="", seen=None):
+    """Whether two answers are the same, numbers within a share of themselves; the largest difference."""
+    seen = [0.0, ""] if seen is None else seen
+    if isinstance(a, float) or isinstance(b, float):
+        # A change of the optimum in percent is a small difference of two optima, each found to some 1e-9.
+        size = 1.0 if at.endswith("_percent") else 1e-9
+        assert a is not None and b is not None, f"{at}: {a} {b}"
+        share = abs(a - b) / max(abs(a), abs(b), size)
+        assert share <= within, f"{at}: {a} {b}"
+        seen[:] = max(seen, [share, at])
+    elif isinstance(a, dict):
+        for key in b:
+            if key in a:
+                alike(a[key], b[key], within, f"{at}.{key}", seen)
+    elif isinstance(a, list):
+        assert len(a) == len(b), at
+        for number, pair in enumerate(zip(a, b)):
+            alike(*pair, within, f"{at}[{number}]", seen)
+    else:
+        assert a == b, f"{at}: {a} {b}"
+    return f"{seen[0]:.1e} ({seen[1].lstrip('.')})"
+
+
+def set_number(opened, key, value):
+    field = opened.page.locator(f"[data-number={key}]")
+    field.fill(str(value))
+    field.press("Enter")
+
+
+def test_the_file_is_small_and_needs_nothing_else(opened):
+    assert PAGE.stat().st_size < 3_000_000
+    page = opened("#explore?detail=coarse")
+    page.idle()
+    outside = [url for url in page.asked if not url.startswith(("file:", "blob:", "data:"))]
+    assert not outside and not page.said
+
+
+def test_first_paint_and_first_map(opened):
+    page = opened(width=1280, height=900)
+    page.idle()
+    page.page.wait_for_selector(".explore[data-finest]")
+    paint = page.page.evaluate("performance.getEntriesByName('first-contentful-paint')[0].startTime")
+    parts = page.page.evaluate("({...document.querySelector('.explore').dataset})")
+    first = page.page.locator(".answer").get_attribute("data-first-ms")
+    workers = page.page.evaluate("navigator.hardwareConcurrency")
+    print(
+        f"\npage on {workers} processors: first paint after {paint:.0f} ms, then first recommendation {first} ms,"
+        f" map coarse {parts['coarse']} ms, fine {parts['fine']} ms, finest {parts['finest']} ms"
+    )
+    assert float(parts["coarse"]) <= float(parts["fine"]) <= float(parts["finest"])
+
+
+@pytest.mark.parametrize("rig,cart", [("wires", "prescribed"), ("beam-150", "recoil")])
+def test_the_recommendation_is_the_command_line_s(opened, rig, cart):
+    page = opened(f"#explore?rig={rig}&cart={cart}&gap_mm=0.1&detail=coarse")
+    page.page.wait_for_selector(".answer[data-state=nominal]")
+    found = json.loads(page.saved("save pick as JSON"))
+    native = host_json("pick", "--rig", rig, "--cart", cart, "--gap", "0.1", "--nominal")
+    made = found.pop("made_from")
+    assert made["rig"]["cart"] == cart and made["gap_mm"] == 0.1
+    native.pop("made_from", None)
+    assert set(native) - set(found) == set()
+    print(f"\npick, {rig}, {cart}: largest difference {alike(found, native, within=1e-5)}")
+    assert native["why"] in page.page.inner_text("#answer")
+
+
+def test_the_uncertainty_and_the_limits_are_the_command_line_s(opened):
+    # Steel that hardly varies, so that few rigs need a search.
+    page = opened("#explore?rig=wires&cart=prescribed&detail=coarse")
+    page.page.get_by_text("Limits of the machine").click()
+    limit = page.page.locator("[data-limit=max_frequency_hz]")
+    limit.fill("3.2")
+    limit.press("Enter")
+    page.page.wait_for_selector(".answer[data-state=nominal] td:has-text('max_frequency_hz')")
+    found = json.loads(page.saved("save pick as JSON"))
+    native = host_json("pick", "--rig", "wires", "--cart", "prescribed", "--nominal", "--max-frequency-hz", "3.2")
+    alike(found, {k: v for k, v in native.items() if k != "made_from"}, within=1e-5)
+    assert "limit=max_frequency_hz" in unquote(page.page.url)
+
+
+def test_the_motion_is_the_command_line_s(opened):
+    page = opened("#explore?rig=wires&cart=prescribed&detail=coarse")
+    page.page.wait_for_selector("#take:enabled")
+    page.page.click("#take")
+    page.page.wait_for_selector(".motion[data-state=shown]")
+    field = page.page.locator("#frequency")
+    field.fill("4")
+    field.press("Enter")
+    page.page.wait_for_selector("#motion:has-text('at 4 Hz')")
+    found = json.loads(page.saved("save motion as JSON"))
+    native = host_json("simulate", "--rig", "wires", "--frequency", "4", "--cart", "prescribed")
+    native = native[0] if isinstance(native, list) else native
+    native.pop("made_from", None)
+    assert native["regime"] == found["regime"] == "1/1"
+    print(f"\nsimulate: largest difference {alike(found, native)}")
+    orbit = found["orbit"]
+    assert orbit["stability"] == "stable" and orbit["modulus"] < 1
+    history = list(csv.DictReader(io.StringIO(page.saved("save time-history as CSV").decode())))
+    # 360 samples in each of two periods; contacts have more of their own.
+    assert len(history) >= 720 and set(history[0]) >= {"time_s", "force_n", "relative_displacement_mm"}
+    contacts = json.loads(page.saved("save contacts as JSON"))
+    assert len(contacts["rows"]) == 2
+
+
+def test_other_motions_are_those_of_basins(opened):
+    page = opened("#explore?rig=wires&cart=prescribed&gap_mm=2.7&ratio=1.5&detail=coarse")
+    page.page.wait_for_selector("#others[data-state=shown]")
+    rows = page.page.locator("#others tbody tr")
+    shown = [row.split("\t")[:2] for row in rows.all_inner_texts()]
+    hz = json.loads(page.saved("save motion as JSON"))["frequency_hz"]
+    native = host_json("basins", "--rig", "wires", "--frequency", repr(hz), "--gap", "2.7", "--grid", "24x16", "--samples", "0")
+    native = native[0] if isinstance(native, list) else native
+    assert len(shown) == len(native["attractors"]) > 1
+    for (name, share), one in zip(shown, native["attractors"]):
+        assert name == one["name"]
+        # A start within rounding of a boundary between two motions may end on the other side of it.
+        assert abs(float(share.split()[0]) / 100 - one["share"]) <= 2 / (24 * 16)
+    button = rows.locator("button").last
+    button.click()
+    page.page.wait_for_selector("#motion:has-text('from a point of the section')")
+    page.page.get_by_role("button", name="from rest again").click()
+    page.page.wait_for_selector("#motion:has-text('from rest')")
+
+
+def test_cells_of_the_map_are_the_command_line_s(opened):
+    page = opened("#explore?rig=wires&cart=prescribed&view=1,3,0,2&detail=fine")
+    page.page.wait_for_selector(".explore[data-fine]")
+    rows = list(csv.DictReader(io.StringIO(page.saved("save map as CSV").decode())))
+    ratios = sorted({float(row["frequency_ratio"]) for row in rows})
+    gaps = sorted({float(row["gap_mm"]) for row in rows})
+    assert len(rows) == len(ratios) * len(gaps) > 3000
+    # Every fourth frequency and gap: the native map is one rectangle of equal steps, as the page's lattice.
+    some, few = ratios[::4], gaps[::4]
+    step = lambda values: (values[-1] - values[0]) / (len(values) - 1)
+    native = host_rows(
+        "map", "--rig", "wires", "--cart", "prescribed",
+        "--ratio", f"{some[0]!r}:{some[-1] + step(some) / 2!r}:{step(some)!r}",
+        "--gap", f"{few[0]!r}:{few[-1] + step(few) / 2!r}:{step(few)!r}",
+    )
+    mine = {(round(float(r["gap_mm"]), 6), round(float(r["frequency_ratio"]), 6)): r for r in rows}
+    pairs = [(mine[round(float(n["gap_mm"]), 6), round(float(n["frequency_ratio"]), 6)], n) for n in native]
+    same = [(a, b) for a, b in pairs if a["regime"] == b["regime"]]
+    settled = [(a, b) for a, b in same if b["settled"] == "true"]
+    far = max(abs(float(a["force_n"]) - float(b["force_n"])) / max(float(b["force_n"]), 1e-9) for a, b in settled)
+    print(f"\nmap: {len(same)} of {len(pairs)} cells have the command line's regime; settled ones differ in force by {far:.1e} at most")
+    # Motions that never settle (aperiodic ones) part after some hundred periods by what rounding differs.
+    assert len(same) > 0.97 * len(pairs)
+    assert far < 1e-3
+
+
+def test_the_map_moves_by_pointer_keys_and_buttons(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.idle()
+    plane = page.page.locator(".plane")
+    plane.scroll_into_view_if_needed()
+    box = plane.bounding_box()
+    middle = [box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]
+    page.page.mouse.move(*middle)
+    assert "gap/A0" in page.page.inner_text("#plane-cell")
+    page.page.mouse.wheel(0, -400)
+    page.page.wait_for_function("location.hash.includes('view=')")
+    zoomed = page.page.url
+    page.page.mouse.down()
+    page.page.mouse.move(middle[0] + 60, middle[1] + 30, steps=4)
+    page.page.mouse.up()
+    assert page.page.url != zoomed
+    page.page.get_by_role("button", name="zoom in").click()
+    page.page.get_by_role("button", name="zoom out").click()
+    page.page.get_by_role("button", name="show the whole plane").click()
+    page.page.wait_for_function("!location.hash.includes('view=')")
+    page.page.mouse.click(*middle)
+    page.page.wait_for_selector(".motion[data-state=shown]")
+    said = page.page.inner_text("#motion")
+    plane.focus()
+    for key in ["ArrowRight", "ArrowUp", "Shift+ArrowLeft", "Shift+ArrowDown", "+", "-"]:
+        plane.press(key)
+    plane.press("Home")
+    plane.press("ArrowRight")
+    plane.press("Enter")
+    page.page.wait_for_function("said => document.querySelector('#motion').innerText !== said", arg=said)
+    assert not page.said
+
+
+def test_every_parameter_has_a_slider_that_counts(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.idle()
+    sliders = page.page.locator(".parameter input[type=range]")
+    keys = [slider.get_attribute("data-key") for slider in sliders.all()]
+    assert {"mass_kg", "amplitude_mm", "gap_mm", "wire_length_mm", "contact_stiffness_n_per_m", "shaker_loop_hz"} <= set(keys)
+    for key in keys:
+        before = page.page.input_value(f"[data-number={key}]")
+        page.page.focus(f"[data-key={key}]")
+        page.page.keyboard.press("ArrowRight")
+        assert page.page.input_value(f"[data-number={key}]") != before, key
+        page.page.wait_for_function("key => new RegExp('(set=|)' + key + '(%3D|=)').test(location.hash)", arg=key)
+    page.page.get_by_role("button", name="Back to the rig's own values").click()
+    page.page.wait_for_function("!location.hash.includes('set=')")
+    set_number(page, "mass_kg", 0.5)
+    page.page.wait_for_selector("#rig-notes:has-text('weight 4.90')")
+    page.page.select_option("[data-key=contact_law]", "hertz")
+    page.page.wait_for_selector("[data-key=contact_exponent]")
+    page.page.select_option("#preset", "beam-135")
+    page.page.wait_for_selector("[data-key=damping_ratio]")
+    page.page.select_option("#cart", "prescribed")
+    page.page.wait_for_function("location.hash.includes('cart=prescribed')")
+    assert page.page.inner_text("#problem") == ""
+
+
+def test_what_is_out_of_range_is_said_in_the_command_line_s_words(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.page.wait_for_selector("[data-number=mass_kg]")
+    set_number(page, "mass_kg", -1)
+    page.page.wait_for_selector("#problem:has-text('mass_kg')")
+    set_number(page, "mass_kg", 1)
+    page.page.wait_for_function("document.querySelector('#problem').innerText === ''")
+    page.page.set_input_files("#rigfile", {"name": "bad.toml", "mimeType": "text/plain", "buffer": b'preset = "wires"\nmas_kg = 1\n'})
+    page.page.wait_for_selector("#problem:has-text('bad.toml, line 2')")
+
+
+def test_an_own_rig_file_by_choice_and_by_drop(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.page.wait_for_selector("[data-number=mass_kg]")
+    text = host_sim("rigs", "beam-150")
+    page.page.set_input_files("#rigfile", {"name": "mine.toml", "mimeType": "text/plain", "buffer": text.encode()})
+    page.page.wait_for_selector("[data-key=damping_ratio]")
+    assert page.page.input_value("#preset") == "mine.toml"
+    drop = """text => {
+      const carried = new DataTransfer();
+      carried.items.add(new File([text], "dropped.toml"));
+      document.querySelector(".controls").dispatchEvent(new DragEvent("drop", { dataTransfer: carried, bubbles: true, cancelable: true }));
+    }"""
+    page.page.evaluate(drop, 'preset = "wires"\nmass_kg = 0.7\n')
+    page.page.wait_for_selector("[data-key=wire_length_mm]")
+    assert page.page.input_value("[data-number=mass_kg]") == "0.7"
+    saved = json.loads(page.saved("save rig as JSON"))
+    assert saved["parameters"]["mass_kg"] == 0.7
+    # The address has the file's text: it opens the same rig elsewhere.
+    other = opened("#" + page.page.url.split("#", 1)[1])
+    other.page.wait_for_selector("[data-number=mass_kg]")
+    assert other.page.input_value("[data-number=mass_kg]") == "0.7"
+
+
+def test_an_address_opens_what_was_seen_and_a_broken_one_opens_the_page(opened):
+    page = opened("#explore?rig=beam-170&set=mass_kg%3D0.9&gap_mm=0.2&ratio=2&units=absolute&colour=force&view=1,3,0,1&detail=coarse")
+    page.page.wait_for_selector(".motion[data-state=shown]")
+    assert page.page.input_value("#preset") == "beam-170"
+    assert page.page.input_value("[data-number=mass_kg]") == "0.9"
+    assert page.page.input_value("#units") == "absolute" and page.page.input_value("#colour") == "force"
+    page.page.select_option("#detail", "fine")
+    page.page.wait_for_selector(".explore[data-fine]")
+    page.page.select_option("#units", "ratios")
+    page.page.select_option("#colour", "regime")
+    page.page.get_by_role("button", name="Share by address").click()
+    for broken in ["#explore?rig=nothing", "#explore?set=x", "#explore?view=3,1,0,0&gap_mm=x&ratio=-1", "#no", "#explore?rig=a&file=%5B"]:
+        other = opened(broken)
+        other.page.wait_for_selector("[data-number=mass_kg]")
+        assert other.page.input_value("#preset") == "wires"
+
+
+def test_pictures_are_files_that_say_what_they_were_made_from(opened):
+    page = opened("#explore?rig=wires&gap_mm=0.1&ratio=2&detail=coarse")
+    page.idle()
+    page.page.wait_for_selector(".motion[data-state=shown]")
+    for name in ["map", "pick-curve", "time-history", "force", "phase-plane", "section", "multipliers"]:
+        text = page.saved(f"save {name} as SVG").decode()
+        assert text.startswith("<svg") and 'id="made_from"' in text and "undefined" not in text and "NaN" not in text, name
+        png = page.saved(f"save {name} as PNG")
+        assert png.startswith(b"\x89PNG")
+        at = png.index(b"iTXtmade_from\0")
+        (length,) = struct.unpack(">I", png[at - 4 : at])
+        body = png[at : at + 4 + length]
+        assert struct.unpack(">I", png[at + 4 + length :][:4])[0] == zlib.crc32(body)
+        made = json.loads(body.split(b"\0\0\0\0\0", 1)[1])
+        assert made["version"] and made["rig"]["parameters"]["mass_kg"] > 0
+
+
+def test_every_control_has_a_name_and_can_be_reached(opened):
+    page = opened("#explore?rig=wires&ratio=2&detail=coarse")
+    page.idle()
+    nameless = page.page.evaluate("""() => [...document.querySelectorAll("button, select, input, [role=application]")].filter((one) => {
+      const said = one.getAttribute("aria-label") ?? one.textContent;
+      const label = one.labels?.length ? one.labels[0].textContent : "";
+      return !(said.trim() || label.trim());
+    }).map((one) => one.outerHTML)""")
+    assert not nameless
+    page.page.keyboard.press("Tab")
+    assert page.page.evaluate("document.activeElement.className") == "skip"
+    seen = set()
+    for _ in range(80):
+        page.page.keyboard.press("Tab")
+        seen.add(page.page.evaluate("document.activeElement.id || document.activeElement.className"))
+    assert {"theme", "preset", "plane", "uncertain"} <= seen
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("width", [1280, 360])
+def test_it_fits_and_is_pictured(opened, width, dark):
+    page = opened("#explore?rig=wires&gap_mm=0.4&ratio=2.4&detail=fine", width=width, height=800, dark=dark)
+    page.idle()
+    page.page.wait_for_selector("#others[data-state=shown]")
+    page.page.wait_for_selector(".explore[data-fine]")
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= width
+    shot(page, f"explore-{width}-{'dark' if dark else 'light'}")
+    ground = page.page.evaluate("getComputedStyle(document.documentElement).backgroundColor")
+    assert (ground == "rgb(20, 23, 26)") == dark
+    page.page.select_option("#theme", "light" if dark else "dark")
+    changed = page.page.evaluate("getComputedStyle(document.documentElement).backgroundColor")
+    assert (changed == "rgb(20, 23, 26)") != dark

@@ -1,0 +1,31 @@
+//! The page in headless Chromium: what its controls do, and its numbers against those of `host-sim`.
+
+use std::process::Command;
+
+use crate::{
+    Outcome,
+    command::{self, root},
+    desktop::{self, Build},
+    python, tools,
+};
+
+/// What drives the browser and runs the tests.
+const PACKAGES: &[&str] = &["playwright", "pytest"];
+
+/// Builds the page and tests it, with the words given to pytest.
+pub fn test(words: &[&str], build: &Build) -> Outcome {
+    let browser = tools::chromium()?;
+    let environment = python::environment("page", PACKAGES)?;
+    let page = super::build()?;
+    let program = desktop::program("host-sim", build)?;
+    let mut tests = Command::new(environment.join("bin/python"));
+    tests.current_dir(root().join("web"));
+    tests.env("HOST_SIM", program).env("PAGE", &page);
+    tests.env("CHROMIUM", browser);
+    tests.env("SHOTS", page.with_file_name("shots"));
+    command::run(
+        tests
+            .args(["-m", "pytest", "-q", "-s", "tests"])
+            .args(words),
+    )
+}
