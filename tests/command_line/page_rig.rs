@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use emulator::record::{Observer, TickRow};
 use emulator::run::run as emulate;
 use emulator::scenario;
+use files::UserError;
 use host_sim::link::Client;
 use host_sim::link::live::Live;
 use serde_json::Value;
@@ -350,16 +351,20 @@ impl Page {
 
     /// Starts the drive by hand and waits until it moves the cart, by what is true.
     pub fn drive(&mut self, truth: &Truth) {
+        self.try_drive(truth).expect("it drives");
+    }
+
+    /// The same where an answer may be late.
+    pub fn try_drive(&mut self, truth: &Truth) -> Result<(), UserError> {
         self.command("take");
-        let start = Command::Start(Mode::Manual);
-        self.client.command(start).expect("it starts");
+        self.client.command(Command::Start(Mode::Manual))?;
         let began = Instant::now();
         loop {
-            self.client.command(Command::Alive).expect("it is heard");
-            let status = self.client.status().expect("a status");
+            self.client.command(Command::Alive)?;
+            let status = self.client.status()?;
             assert_ne!(status.state, State::Fault, "{status:?}");
             if status.state == State::Manual && truth.is_powered() {
-                return;
+                return Ok(());
             }
             assert!(began.elapsed() < Duration::from_secs(60), "{status:?}");
             thread::sleep(Duration::from_millis(20));

@@ -163,7 +163,7 @@ impl Wire {
             // A terminal whose other end has gone reads as ended.
             Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(count) => {
-                hub.from_board(&bytes[..count], Instant::now());
+                hub.hear(&bytes[..count], Instant::now());
                 Ok(())
             }
             Err(e) if is_patience(&e) => Ok(()),

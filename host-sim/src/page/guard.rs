@@ -79,7 +79,7 @@ impl Guard {
         };
         // Everything but the page is asked for by the page. Old browsers do not say by whom.
         let site = request.header("sec-fetch-site");
-        if !site.is_none_or(|site| site == "same-origin") {
+        if site.is_some_and(|site| site != "same-origin") {
             return Err(Refused(403, "not for pages of other sites"));
         }
         if wanted == Wanted::Wire {

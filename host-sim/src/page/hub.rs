@@ -171,7 +171,7 @@ impl Hub {
     }
 
     /// Takes in bytes of the board.
-    pub fn from_board(&mut self, bytes: &[u8], now: Instant) {
+    pub fn hear(&mut self, bytes: &[u8], now: Instant) {
         for byte in bytes {
             if let Some(packet) = self.decoder.push::<FromBoard>(*byte) {
                 self.packet(packet, now);

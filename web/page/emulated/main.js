@@ -130,6 +130,8 @@ class EmulatedRig {
       this.hurry();
       await this.board.openSession(true);
       this.view.show(this.board);
+      this.runs = (this.runs ?? 0) + 1;
+      this.truth.dataset.run = this.runs;
     } catch (error) {
       this.wrong.textContent = error.message;
     }
@@ -139,7 +141,6 @@ class EmulatedRig {
   tell(truth) {
     this.truth.textContent = `In truth: ${digits(truth.time_s, 5)} s of rig time, drive ${truth.powered ? "on" : "off"}, ${truth.contacts} contacts, the last with ${digits(truth.peak_n)} N and ${digits(truth.impulse_n_s)} N·s.`;
     this.truth.dataset.powered = String(truth.powered);
-    this.truth.dataset.time = truth.time_s;
     for (const { time_s: time, text } of truth.events) {
       this.lines.prepend(element("li", {}, `${digits(time, 5)} s: ${text}`));
     }
