@@ -91,8 +91,20 @@ def test_the_recommendation_is_the_command_line_s(opened, rig, cart):
     assert native["why"] in page.page.inner_text("#answer")
 
 
-def test_the_uncertainty_and_the_limits_are_the_command_line_s(opened):
-    # Steel that hardly varies, so that few rigs need a search.
+def test_the_uncertainty_begins_at_its_button_and_ends_with_the_question(opened):
+    page = opened("#explore?rig=wires&cart=prescribed&detail=coarse")
+    page.page.wait_for_selector(".answer[data-state=nominal]")
+    page.page.click("#uncertain")
+    page.page.wait_for_selector("#took:has-text('Computing the corners')")
+    assert page.page.is_disabled("#uncertain")
+    # Another rig gives it up: its worker is free again.
+    page.page.select_option("#preset", "beam-170")
+    page.page.wait_for_selector("#uncertain:enabled")
+    page.page.wait_for_selector(".answer[data-state=nominal]")
+    assert page.page.inner_text("#problem") == "" and not page.said
+
+
+def test_limits_are_the_command_line_s(opened):
     page = opened("#explore?rig=wires&cart=prescribed&detail=coarse")
     page.page.get_by_text("Limits of the machine").click()
     limit = page.page.locator("[data-limit=max_frequency_hz]")
@@ -225,6 +237,8 @@ def test_every_parameter_has_a_slider_that_counts(opened):
     page.page.wait_for_function("!location.hash.includes('set=')")
     set_number(page, "mass_kg", 0.5)
     page.page.wait_for_selector("#rig-notes:has-text('weight 4.90')")
+    page.page.select_option("[data-key=torque]", "cosine")
+    page.page.wait_for_function("location.hash.includes('torque%3Dcosine')")
     page.page.select_option("[data-key=contact_law]", "hertz")
     page.page.wait_for_selector("[data-key=contact_exponent]")
     page.page.select_option("#preset", "beam-135")

@@ -67,6 +67,7 @@ export async function start(container) {
       container.dataset.best = best ? best.hz : "";
       const ratio = (hz) => hz / facts.natural_frequency_hz;
       map.setMarks({ ...map.marks, best: best ? ratio(best.hz) : undefined, band: best?.band_hz.map(ratio) });
+      if (best) map.setForce(best.force_ratio);
       bestHz = best?.hz ?? null;
       take.disabled = bestHz === null;
     },

@@ -42,7 +42,7 @@ export class PlaneMap {
     this.progress = element("progress", { max: 1, value: 0, "aria-label": "map computed" });
     this.legend = element("ul", { class: "regimes", "aria-label": "Colours of the map" });
     this.marks = {};
-    this.picked = null;
+    this.most = 40;
     this.leave = new AbortController();
     new ResizeObserver(() => this.redraw(true)).observe(this.box);
     onTheme(() => this.redraw());
@@ -158,7 +158,7 @@ export class PlaneMap {
     for (let index = 0; index < SIDE * SIDE; index += 1) {
       const { regime, force_n } = cell(tile.bytes, index);
       let colour = regime === "failed" ? ground : colours[regimeIndex(regime)];
-      if (this.colour === "force") colour = regime === "1/1" ? between(force_n / this.facts.weight_n / this.most()) : ground;
+      if (this.colour === "force") colour = regime === "1/1" ? between(force_n / this.facts.weight_n / this.most) : ground;
       // The first row of the cells is the lowest gap, that of a picture the top.
       const [row, column] = [SIDE - 1 - Math.floor(index / SIDE), index % SIDE];
       image.data.set([...colour, 255], 4 * (row * SIDE + column));
@@ -168,9 +168,14 @@ export class PlaneMap {
     return canvas;
   }
 
-  // The force ratio at the top of the scale: a round number above what 1/1 reaches on rigs like the chapter's.
-  most() {
-    return this.marks.most ?? 40;
+  // What the recommended 1/1 reaches, m g: the scale of forces ends at a round number above it, as other gaps have more.
+  setForce(ratio) {
+    const most = Math.max(5, Math.ceil((1.25 * ratio) / 5) * 5);
+    if (most === this.most) return;
+    this.most = most;
+    if (this.colour !== "force") return;
+    for (const tile of this.tiles.known.values()) tile.picture = null;
+    this.redraw();
   }
 
   paint() {
@@ -210,7 +215,7 @@ export class PlaneMap {
 
   explain(seen) {
     if (this.colour === "force") {
-      const bar = element("li", { class: "ladder" }, `force of 1/1 over m g: 0 `, element("span", { style: `background: linear-gradient(90deg, ${LADDER.join(", ")})` }), ` ${digits(this.most())}`);
+      const bar = element("li", { class: "ladder" }, `force of 1/1 over m g: 0 `, element("span", { style: `background: linear-gradient(90deg, ${LADDER.join(", ")})` }), ` ${digits(this.most)}`);
       return this.legend.replaceChildren(bar);
     }
     const said = [...seen].sort((a, b) => a - b).join();
