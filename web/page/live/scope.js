@@ -66,8 +66,7 @@ export class Scope {
       pen.stroke();
       pen.fillText(text, LEFT - 5, y(value) + 4);
     }
-    pen.textAlign = "left";
-    pen.fillText(name, LEFT + 4, top + 10);
+    pen.fillText(name, width - 12, top + 4);
     pen.strokeStyle = SERIES[signal];
     pen.lineWidth = Math.max(1, step);
     pen.beginPath();
