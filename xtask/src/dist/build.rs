@@ -55,6 +55,8 @@ impl Linking {
             format!("--remap-path-prefix={}=/vibroimpact", root().display()),
         ];
         command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
+        // The folder that Cargo calls like the profile would be where the archive goes.
+        command.env("CARGO_TARGET_DIR", target_folder());
         for name in ["RUSTFLAGS", "CARGO_BUILD_TARGET"] {
             command.env_remove(name);
         }
@@ -106,8 +108,7 @@ fn home() -> Outcome<PathBuf> {
 }
 
 fn target_folder() -> PathBuf {
-    let set = std::env::var_os("CARGO_TARGET_DIR");
-    set.map_or_else(|| root().join("target"), PathBuf::from)
+    root().join("target/dist-build")
 }
 
 /// The system that the Rust in use builds for, `x86_64-unknown-linux-gnu` say.

@@ -16,6 +16,7 @@ use std::{
 
 use archive::Files;
 use build::Linking;
+use serde_json::Value;
 
 use crate::{
     Outcome,
@@ -170,32 +171,50 @@ fn about(program: &Path) -> Outcome<String> {
     Ok(format!("the program {}", needs(program)?))
 }
 
+/// How far answers may differ from one system to another: the last digits of a sine are the C library's, a search stops within
+/// 1e-7 of its frequency, and a sensitivity is the difference of two searches over a step of about 1 %.
+const SAME: f64 = 1e-4;
+
 /// The program's first answer in a bare root of an older Debian, against the one it gives here.
 fn tried(program: &Path) -> Outcome<String> {
     let words = ["pick", "--format", "json"];
     let here = command::output(Command::new(program).args(words).current_dir("/"))?;
-    Ok(match old_debian::run(program, &words)? {
-        Ok(there) if there == here => {
-            format!(
-                "in {} `pick` gives the same bytes as here",
-                old_debian::name()
-            )
-        }
-        Ok(there) => format!(
-            "in {} `pick` gives other digits than here: {}",
-            old_debian::name(),
-            first_difference(&here, &there)
-        ),
-        Err(why) => why,
-    })
+    let there = match old_debian::run(program, &words)? {
+        Ok(there) => there,
+        Err(why) => return Ok(why),
+    };
+    let apart = difference(
+        &serde_json::from_str(&here)?,
+        &serde_json::from_str(&there)?,
+    );
+    let place = old_debian::name();
+    match apart {
+        Some(apart) if apart <= SAME => Ok(format!(
+            "in {place} `pick` gives the same answer as here, its numbers within {apart:.0e}"
+        )),
+        Some(apart) => Err(format!("in {place} numbers of `pick` are {apart:.0e} apart").into()),
+        None => Err(format!("in {place} `pick` gives another answer than here").into()),
+    }
 }
 
-/// The first line that differs, in both.
-fn first_difference(here: &str, there: &str) -> String {
-    let differs = here.lines().zip(there.lines()).find(|(a, b)| a != b);
-    differs.map_or("one is longer".into(), |(a, b)| {
-        format!("{} here, {} there", a.trim(), b.trim())
-    })
+/// The largest relative difference of two answers' numbers; none if anything else in them differs.
+fn difference(one: &Value, other: &Value) -> Option<f64> {
+    match (one, other) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64()?, b.as_f64()?);
+            // What is zero but for rounding is compared with 1.
+            Some((a - b).abs() / a.abs().max(b.abs()).max(1.0))
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            let mut each = a.iter().zip(b).map(|(a, b)| difference(a, b));
+            each.try_fold(0.0, |largest: f64, each| Some(largest.max(each?)))
+        }
+        (Value::Object(a), Value::Object(b)) if a.len() == b.len() => {
+            let mut each = a.iter().map(|(key, a)| difference(a, b.get(key)?));
+            each.try_fold(0.0, |largest: f64, each| Some(largest.max(each?)))
+        }
+        (a, b) => (a == b).then_some(0.0),
+    }
 }
 
 /// The wheel in an environment with nothing else in it.
@@ -275,8 +294,20 @@ mod tests {
     }
 
     #[test]
-    fn a_difference_is_shown_by_its_first_line() {
-        let said = first_difference("a\n  b: 1\nc", "a\n  b: 2\nc");
-        assert_eq!(said, "b: 1 here, b: 2 there");
+    fn answers_are_compared_number_by_number() {
+        let apart = |a: &str, b: &str| {
+            difference(
+                &serde_json::from_str(a).unwrap(),
+                &serde_json::from_str(b).unwrap(),
+            )
+        };
+        assert_eq!(
+            apart("{\"a\": [1, 200]}", "{\"a\": [1, 201]}"),
+            Some(1.0 / 201.0)
+        );
+        assert_eq!(apart("[1e-17, \"x\"]", "[0, \"x\"]"), Some(1e-17));
+        for other in ["[1, \"y\"]", "[1]", "[1, null]", "{}"] {
+            assert_eq!(apart("[1, \"x\"]", other), None, "{other}");
+        }
     }
 }

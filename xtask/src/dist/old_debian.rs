@@ -65,7 +65,9 @@ fn enter(root: &Path) -> Option<Command> {
         // The loader itself runs in any root with a C library.
         let loader = fs::read_dir(root.join("lib64")).ok()?.flatten().next()?;
         let loader = Path::new("/lib64").join(loader.file_name());
-        let works = command::ask(make()?.arg(loader).arg("--version").current_dir("/"));
+        let mut tried = make()?;
+        tried.arg(&loader).arg("--list").arg(&loader);
+        let works = command::ask(tried.current_dir("/"));
         works.and_then(|_| make())
     })
 }

@@ -62,6 +62,8 @@ impl Apt {
     /// The same for another release of the system's mirror.
     pub fn of_release(folder: &Path, release: &str) -> Outcome<Self> {
         let apt = Self::new(folder)?;
+        // apt tells of the places whose lists it has read.
+        apt.update()?;
         let mut ask = apt.command("apt-get");
         let places = output(ask.args(["indextargets", "--format", "$(REPO_URI)"]))?;
         let mirror = mirror(&places).ok_or("apt's sources name no mirror of Debian")?;
