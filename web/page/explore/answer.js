@@ -61,7 +61,7 @@ export class AnswerPanel {
         element("p", { class: "headline" }, element("strong", {}, `${digits(value.nominal_optimum_hz)} Hz`), ` · force ${digits(value.nominal_optimum_force_ratio)} times the weight (${digits(value.force_n)} N)`),
         element("p", {}, `There the hammer strikes once per drive period, most strongly (Ω/ω ${digits(value.frequency_ratio)}). This motion is stable from ${range(value.stable_one_one_hz)}: below, ${low}; above, ${high}.`));
       this.took.textContent = `First part after ${digits(ms / 1e3, 2)} s; looking for jumps, limits and settling …`;
-      this.hear.found({ hz: value.nominal_optimum_hz, band_hz: value.band_hz });
+      this.hear.found({ hz: value.nominal_optimum_hz, band_hz: value.band_hz, force_ratio: value.nominal_optimum_force_ratio });
     } catch (error) {
       this.failed(error, leave);
     }

@@ -38,7 +38,13 @@ export async function start(container) {
     rig: { name: facts.name, parameters: facts.parameters, cart: state.cart }, gap_mm: state.gap_mm, frequency_ratio: state.ratio, start_a0: state.start,
     options: { map: { cycles: 300, recorded: 100, start: "rest" }, pick: { samples: 256, seed: 1, ...state.limits }, orbit: { cycles: 600, transient: 480 } },
   });
-  const keep = () => history.replaceState(null, "", toFragment(state));
+  // Browsers refuse an address that changes too often.
+  let keeping = 0;
+  const write = () => history.replaceState(null, "", toFragment(state));
+  const keep = () => {
+    clearTimeout(keeping);
+    keeping = setTimeout(write, 120);
+  };
 
   const map = new PlaneMap(pool, {
     point(ratio, gap) {
@@ -61,6 +67,7 @@ export async function start(container) {
       container.dataset.best = best ? best.hz : "";
       const ratio = (hz) => hz / facts.natural_frequency_hz;
       map.setMarks({ ...map.marks, best: best ? ratio(best.hz) : undefined, band: best?.band_hz.map(ratio) });
+      if (best) map.setForce(best.force_ratio);
       bestHz = best?.hz ?? null;
       take.disabled = bestHz === null;
     },
@@ -111,7 +118,7 @@ export async function start(container) {
     refresh({ rig: false, pick: false });
   } });
   const link = element("button", { type: "button", id: "share", onclick: async () => {
-    keep();
+    write();
     try {
       await navigator.clipboard.writeText(location.href);
       shared.textContent = "The address is copied; it opens what you see.";

@@ -4,11 +4,10 @@ import { REGIMES, regimeIndex } from "../common/colours.js";
 import { element, svg } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
 import { onTheme, themeColour } from "../common/theme.js";
-import { HOME } from "./state.js";
-import { DETAILS, SIDE, Tiles, cell, middles, wanted } from "./tiles.js";
+import { HOME, within } from "./state.js";
+import { DETAILS, NOTHING, SIDE, Tiles, cell, middles, wanted } from "./tiles.js";
 
 const MARGIN = { left: 58, right: 10, top: 8, bottom: 42 };
-const NARROWEST = 1e-4;
 
 // How a cell of the map is run: the chapter's cycles.
 const PLAN = { cycles: 300, recorded: 100 };
@@ -43,7 +42,7 @@ export class PlaneMap {
     this.progress = element("progress", { max: 1, value: 0, "aria-label": "map computed" });
     this.legend = element("ul", { class: "regimes", "aria-label": "Colours of the map" });
     this.marks = {};
-    this.picked = null;
+    this.most = 40;
     this.leave = new AbortController();
     new ResizeObserver(() => this.redraw(true)).observe(this.box);
     onTheme(() => this.redraw());
@@ -73,9 +72,7 @@ export class PlaneMap {
   }
 
   setView(view) {
-    const width = Math.max(NARROWEST, view.x[1] - view.x[0]);
-    const left = Math.max(0.02, view.x[0]);
-    this.view = { x: [left, left + width], y: [view.y[0], Math.max(view.y[0] + NARROWEST, view.y[1])] };
+    this.view = within(view);
     this.hear.view(this.view);
     this.redraw(true);
   }
@@ -128,8 +125,13 @@ export class PlaneMap {
       const argument = { rig, ...middles(tile), ...PLAN };
       // The finest pass waits for everything else.
       const order = [2, 4, 6][tile.pass];
-      this.pool.run("explore.map", argument, { order, signal: leave.signal, finish: true }).then(({ answer }) => {
-        if (rig !== this.rig) return;
+      const asked = this.pool.run("explore.map", argument, { order, signal: leave.signal, finish: true });
+      asked.catch((error) => {
+        // A gap that this rig cannot have, say: such a tile stays empty.
+        if (!leave.signal.aborted) this.hear.failed(error);
+        return { answer: NOTHING };
+      }).then(({ answer }) => {
+        if (rig !== this.rig || (answer === NOTHING && leave.signal.aborted)) return;
         this.tiles.put(tile, answer);
         this.paint();
         if (leave.signal.aborted) return;
@@ -137,8 +139,6 @@ export class PlaneMap {
         left[tile.pass] -= 1;
         this.count(done, all.length);
         if (left[tile.pass] === 0) this.hear.measured(DETAILS[tile.pass], performance.now() - this.began);
-      }, (error) => {
-        if (!leave.signal.aborted) this.hear.failed(error);
       });
     }
     if (!missing.length) this.hear.measured(this.detail, performance.now() - this.began);
@@ -158,7 +158,7 @@ export class PlaneMap {
     for (let index = 0; index < SIDE * SIDE; index += 1) {
       const { regime, force_n } = cell(tile.bytes, index);
       let colour = regime === "failed" ? ground : colours[regimeIndex(regime)];
-      if (this.colour === "force") colour = regime === "1/1" ? between(force_n / this.facts.weight_n / this.most()) : ground;
+      if (this.colour === "force") colour = regime === "1/1" ? between(force_n / this.facts.weight_n / this.most) : ground;
       // The first row of the cells is the lowest gap, that of a picture the top.
       const [row, column] = [SIDE - 1 - Math.floor(index / SIDE), index % SIDE];
       image.data.set([...colour, 255], 4 * (row * SIDE + column));
@@ -168,9 +168,14 @@ export class PlaneMap {
     return canvas;
   }
 
-  // The force ratio at the top of the scale: a round number above what 1/1 reaches on rigs like the chapter's.
-  most() {
-    return this.marks.most ?? 40;
+  // What the recommended 1/1 reaches, m g: the scale of forces ends at a round number above it, as other gaps have more.
+  setForce(ratio) {
+    const most = Math.max(5, Math.ceil((1.25 * ratio) / 5) * 5);
+    if (most === this.most) return;
+    this.most = most;
+    if (this.colour !== "force") return;
+    for (const tile of this.tiles.known.values()) tile.picture = null;
+    this.redraw();
   }
 
   paint() {
@@ -210,7 +215,7 @@ export class PlaneMap {
 
   explain(seen) {
     if (this.colour === "force") {
-      const bar = element("li", { class: "ladder" }, `force of 1/1 over m g: 0 `, element("span", { style: `background: linear-gradient(90deg, ${LADDER.join(", ")})` }), ` ${digits(this.most())}`);
+      const bar = element("li", { class: "ladder" }, `force of 1/1 over m g: 0 `, element("span", { style: `background: linear-gradient(90deg, ${LADDER.join(", ")})` }), ` ${digits(this.most)}`);
       return this.legend.replaceChildren(bar);
     }
     const said = [...seen].sort((a, b) => a - b).join();
@@ -233,7 +238,7 @@ export class PlaneMap {
       svg("rect", { class: "frame", x: plot.left, y: plot.top, width: plot.width, height: plot.height }),
       inside,
     );
-    const within = (ratio, gap) => ratio >= this.view.x[0] && ratio <= this.view.x[1] && gap >= this.view.y[0] && gap <= this.view.y[1];
+    const inView = (ratio, gap) => ratio >= this.view.x[0] && ratio <= this.view.x[1] && gap >= this.view.y[0] && gap <= this.view.y[1];
     const { gap, band, best, point } = this.marks;
     if (gap !== undefined && gap >= this.view.y[0] && gap <= this.view.y[1]) {
       inside.append(svg("line", { class: "halo", x1: plot.left, x2: plot.left + plot.width, y1: y(gap), y2: y(gap) }), svg("line", { class: "gapline", x1: plot.left, x2: plot.left + plot.width, y1: y(gap), y2: y(gap) }));
@@ -241,9 +246,9 @@ export class PlaneMap {
         const [a, b] = band.map((ratio) => Math.max(plot.left, Math.min(plot.left + plot.width, x(ratio))));
         inside.append(svg("line", { class: "halo", x1: a, x2: b, y1: y(gap), y2: y(gap), "stroke-width": 8 }), svg("line", { class: "band", x1: a, x2: b, y1: y(gap), y2: y(gap) }));
       }
-      if (best && within(best, gap)) inside.append(svg("path", { class: "best", d: `M${x(best)} ${y(gap) - 9}l9 9l-9 9l-9 -9z` }));
+      if (best && inView(best, gap)) inside.append(svg("path", { class: "best", d: `M${x(best)} ${y(gap) - 9}l9 9l-9 9l-9 -9z` }));
     }
-    if (point && within(...point)) {
+    if (point && inView(...point)) {
       const [px, py] = [x(point[0]), y(point[1])];
       for (const name of ["halo", "cross"]) inside.append(svg("path", { class: name, d: `M${px - 11} ${py}h22M${px} ${py - 11}v22` }));
     }

@@ -6,6 +6,20 @@ import { DETAILS } from "./tiles.js";
 // The chapter's plane, in ratios; what a map shows at first.
 export const HOME = { x: [0.78, 4.0], y: [0, 4] };
 
+// The plane ends somewhere: drives slower or faster, and gaps wider, are no hammering. The narrowest view is one of rounding.
+const REACH = { x: [0.2, 60], y: [-4, 40] };
+const NARROWEST = 1e-4;
+
+// The nearest view that is within the plane.
+export function within({ x, y }) {
+  const inside = ([low, high], [least, most]) => {
+    const width = Math.min(Math.max(NARROWEST, high - low), most - least);
+    const from = Math.max(least, Math.min(low, most - width));
+    return [from, from + width];
+  };
+  return { x: inside(x, REACH.x), y: inside(y, REACH.y) };
+}
+
 export function initial() {
   return {
     source: "wires", text: null, settings: {}, cart: "machine", gap_mm: 0, ratio: null, start: null,
@@ -62,7 +76,7 @@ export function fromFragment(fragment) {
   };
   state.start = list("start", 2);
   const view = list("view", 4);
-  if (view && view[0] > 0 && view[0] < view[1] && view[2] < view[3]) state.view = { x: view.slice(0, 2), y: view.slice(2) };
+  if (view && view[0] < view[1] && view[2] < view[3]) state.view = within({ x: view.slice(0, 2), y: view.slice(2) });
   if (parts.get("units") === "absolute") state.units = "absolute";
   if (parts.get("colour") === "force") state.colour = "force";
   if (DETAILS.includes(parts.get("detail"))) state.detail = parts.get("detail");

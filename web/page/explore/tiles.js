@@ -10,6 +10,9 @@ const PASSES = [16, 4, 2];
 // What the passes are called.
 export const DETAILS = ["coarse", "fine", "finest"];
 
+// The cells of a tile that cannot be computed: all of them failed.
+export const NOTHING = new Uint8Array(SIDE * SIDE * CELL_BYTES).map((_, at) => (at % CELL_BYTES === 0 ? 4 : 0));
+
 // Tiles kept at most.
 const KEPT = 20_000;
 
