@@ -18,6 +18,8 @@ mod link;
 mod map;
 mod modes;
 mod orbits;
+#[cfg(test)]
+mod pages;
 mod panics;
 mod pick;
 mod pil;
