@@ -7,20 +7,16 @@ use files::{Line, Measurements, UserError};
 use numerics::{bifurcation, map, sweep};
 use shared::model::regime::{MAX_PERIODS, Regime};
 
-fn table(path: &Path, say: impl Fn(&str)) -> Result<Measurements, UserError> {
-    let table = Measurements::read(path)?;
-    table.said().into_iter().for_each(say);
-    Ok(table)
-}
-
 /// Reads a CSV with the columns frequency_hz and force_n (others are passed over).
 ///
 /// # Errors
 /// One line naming file, line and mend.
 pub fn force_curve(path: &Path, say: impl Fn(&str)) -> Result<sweep::Measured, UserError> {
-    let lines = table(path, say)?.lines(&["frequency_hz", "force_n"])?;
+    let table = Measurements::read(path)?;
+    let lines = table.lines(&["frequency_hz", "force_n"])?;
     let points = lines.iter().map(|line| pair(line, "force_n"));
     let points = points.collect::<Result<_, _>>()?;
+    table.said().into_iter().for_each(say);
     Ok(sweep::Measured { points })
 }
 
@@ -32,7 +28,7 @@ pub fn diagram(
     path: &Path,
     say: impl Fn(&str),
 ) -> Result<bifurcation::measured::Measured, UserError> {
-    let table = table(path, say)?;
+    let table = Measurements::read(path)?;
     let [displacement, force] = ["displacement_mm", "force_n"].map(|column| table.has(column));
     if !displacement && !force {
         return Err(table.complaint("there is no column displacement_mm and none force_n; the first line must be frequency_hz,displacement_mm,force_n (one of the last two may be missing)"));
@@ -44,10 +40,12 @@ pub fn diagram(
         let lines = table.lines(&["frequency_hz", column])?;
         lines.iter().map(|line| pair(line, column)).collect()
     };
-    Ok(bifurcation::measured::Measured {
+    let measured = bifurcation::measured::Measured {
         displacement_mm: pairs(displacement, "displacement_mm")?,
         force_n: pairs(force, "force_n")?,
-    })
+    };
+    table.said().into_iter().for_each(say);
+    Ok(measured)
 }
 
 /// The frequency and the value of `column`; no force is negative.
@@ -85,8 +83,11 @@ pub fn regimes(path: &Path, say: impl Fn(&str)) -> Result<Vec<map::measured::Mea
             regime,
         })
     };
-    let lines = table(path, say)?.lines(&["gap_mm", "frequency_hz", "regime"])?;
-    lines.iter().map(point).collect()
+    let table = Measurements::read(path)?;
+    let lines = table.lines(&["gap_mm", "frequency_hz", "regime"])?;
+    let points = lines.iter().map(point).collect::<Result<_, _>>()?;
+    table.said().into_iter().for_each(say);
+    Ok(points)
 }
 
 /// A regime by its name; how many impacts an aperiodic one has is not said by it.

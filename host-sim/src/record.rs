@@ -26,8 +26,9 @@ pub fn read(path: &Path, say: impl Fn(&str)) -> Result<Signal, UserError> {
     }
     let name = path.display().to_string();
     let Plain { text, said } = plain(&name, read_table(path)?)?;
+    let signal = parse(&name, &text)?;
     said.iter().for_each(|line| say(line));
-    parse(&name, &text)
+    Ok(signal)
 }
 
 /// From the text of a CSV in the plain form, called `name`.

@@ -19,6 +19,8 @@ mod link;
 mod map;
 mod modes;
 mod orbits;
+#[cfg(test)]
+mod pages;
 mod panics;
 mod pick;
 mod pil;

@@ -170,7 +170,18 @@ fn mathml(source: &str, latex: &str, display: bool) -> Outcome<CowStr<'static>> 
         return Err(format!("{source}: the equation '{latex}': {error}").into());
     }
     pulldown_latex::mathml::push_mathml(&mut text, parser, config)?;
-    Ok(text.into())
+    Ok(plain_greek(&text).into())
+}
+
+/// A browser slants a letter that stands alone by a sign of its own, for which many systems have no font if it is Greek: the
+/// style sheet slants those.
+fn plain_greek(mathml: &str) -> String {
+    let mut text = mathml.to_owned();
+    for letter in 'α'..='ω' {
+        let own = format!("<mi class=\"greek\" mathvariant=\"normal\">{letter}</mi>");
+        text = text.replace(&format!("<mi>{letter}</mi>"), &own);
+    }
+    text
 }
 
 #[cfg(test)]
@@ -206,6 +217,17 @@ mod tests {
         assert_eq!(page.links, [("b.html".into(), Some("y".into()))]);
         assert!(rendered("[x](c.md)").is_err());
         assert!(rendered("![x](c.png)").is_err());
+    }
+
+    #[test]
+    fn greek_letters_need_no_font_of_their_own() {
+        let page = rendered("$\\theta \\omega$").unwrap();
+        assert!(
+            page.body.contains(">θ<") && page.body.contains(">ω<"),
+            "{}",
+            page.body
+        );
+        assert!(!page.body.chars().any(|c| u32::from(c) > 0xffff));
     }
 
     #[test]
