@@ -230,7 +230,7 @@ fn measurements_that_cannot_be_read() {
         ("none.csv", "cannot read none.csv"),
         (
             "column.csv",
-            "column.csv, line 1: there is no column force_n",
+            "column.csv, line 1: the column 'force' has no unit; call it force_n",
         ),
         (
             "cut.csv",

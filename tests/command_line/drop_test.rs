@@ -168,7 +168,7 @@ fn a_bad_record_is_told_by_file_and_line() {
         ),
         (
             format!("t,force_n\n{}", rows(30)),
-            "line 1: there is no column time_s",
+            "line 1: the column 't' has no unit; call it time_s",
         ),
         (
             format!("time_s,force_n\n{}", rows(30)),
