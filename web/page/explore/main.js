@@ -119,11 +119,13 @@ export async function start(container) {
   } });
   const link = element("button", { type: "button", id: "share", onclick: async () => {
     write();
+    // The address of the program's own server has the secret in it that lets one command a board.
+    const ownServer = ["127.0.0.1", "localhost", "[::1]"].includes(location.hostname);
     try {
-      await navigator.clipboard.writeText(location.href);
-      shared.textContent = "The address is copied; it opens what you see.";
+      await navigator.clipboard.writeText(ownServer ? location.hash : location.href);
+      shared.textContent = ownServer ? "The address from # on is copied; put behind the address of any copy of the page, it opens what you see." : "The address is copied; it opens what you see.";
     } catch {
-      shared.textContent = "Copy the address from the browser's bar; it opens what you see.";
+      shared.textContent = `Copy the address ${ownServer ? "from # on " : ""}from the browser's bar; it opens what you see.`;
     }
   } }, "Share by address");
   const shared = element("span", { role: "status", class: "note" });

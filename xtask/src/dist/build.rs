@@ -63,8 +63,8 @@ impl Linking {
         Ok(command)
     }
 
-    /// Builds `host-sim`; where it is.
-    pub fn program(&self, target: &str) -> Outcome<PathBuf> {
+    /// Builds `host-sim`, with the page in it if there is one; where it is.
+    pub fn program(&self, target: &str, page: bool) -> Outcome<PathBuf> {
         let mut build = self.prepared(cargo())?;
         let (job, triple) = if self.zig {
             ("zigbuild", format!("{target}.{GLIBC}"))
@@ -73,6 +73,9 @@ impl Linking {
         };
         build.args([job, "--locked", "--profile", "dist"]);
         build.args(["--package", "host-sim", "--target", &triple]);
+        if page {
+            build.args(["--features", "page"]);
+        }
         command::run(&mut build)?;
         let name = format!("host-sim{}", std::env::consts::EXE_SUFFIX);
         Ok(target_folder().join(target).join("dist").join(name))

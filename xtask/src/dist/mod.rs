@@ -22,7 +22,7 @@ use crate::{
     Outcome,
     command::{self, root},
     desktop::{self, Build},
-    python,
+    python, web,
 };
 
 /// What is asked for.
@@ -58,7 +58,12 @@ fn whole() -> Outcome {
     // Quick, and the likeliest to fail: it comes first.
     let licences = licences::gather(&target)?;
     let linking = Linking::choose(&target)?;
-    let program = linking.program(&target)?;
+    let page = web::build();
+    if let Err(error) = &page {
+        println!("the page is left out: {error}");
+    }
+    let page = page.ok();
+    let program = linking.program(&target, page.is_some())?;
     let seconds = archive::time()?;
 
     let place = root().join("target/dist");
@@ -71,15 +76,10 @@ fn whole() -> Outcome {
     fs::create_dir_all(&part)?;
     let wheel = linking.wheel(&target, &part, seconds)?;
     let mut handed_out = vec![wheel];
-    let page = root().join("target/web/index.html");
-    let page = page.is_file().then_some(page);
-    match &page {
-        Some(page) => {
-            let path = part.join("vibroimpact.html");
-            archive::write(&path, &fs::read(page)?)?;
-            handed_out.push(path);
-        }
-        None => println!("the page is left out: there is no target/web/index.html"),
+    if let Some(page) = &page {
+        let path = part.join("vibroimpact.html");
+        archive::write(&path, &fs::read(page)?)?;
+        handed_out.push(path);
     }
     let files = files(&program, &licences, page.as_deref())?;
     let path = part.join(format!("{}.tar.gz", name(&target)));

@@ -2,7 +2,7 @@
 //! the Python package, and the page, in `target/site`. Every link within is followed.
 //!
 //! The pages are those of the repository, unchanged; `docs/SUMMARY.md` is their order. A small generator upon `pulldown-cmark`
-//! does it: mdBook would compile some 200 crates more, for every `cargo xtask`, and cannot take pages from outside one folder.
+//! does it: mdBook takes no pages from outside one folder, and would be compiled for every `cargo xtask`.
 
 mod book;
 mod page;
@@ -20,7 +20,7 @@ use page::{Goal, Page, render};
 use crate::{
     Outcome,
     command::{self, cargo, root},
-    python,
+    python, web,
 };
 
 /// What is asked for.
@@ -75,13 +75,13 @@ pub fn run(plan: &Plan) -> Outcome {
 /// The documentation that other programs make, and the page, each left out with a line where it cannot be had.
 fn elsewhere(place: &Path) -> Outcome<Elsewhere> {
     let mut found = Elsewhere::new();
-    let page = root().join("target/web/index.html");
-    if page.is_file() {
-        fs::copy(page, place.join("page.html"))?;
-        fs::write(place.join("explore.html"), "")?;
-        found.push(("The page", "explore.html".into()));
-    } else {
-        println!("the page is left out: there is no target/web/index.html");
+    match web::build() {
+        Ok(page) => {
+            fs::copy(page, place.join("page.html"))?;
+            fs::write(place.join("explore.html"), "")?;
+            found.push(("The page", "explore.html".into()));
+        }
+        Err(error) => println!("the page is left out: {error}"),
     }
     let mut doc = cargo();
     doc.args(["doc", "--workspace", "--no-deps"]);
