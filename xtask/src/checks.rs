@@ -14,7 +14,7 @@ use crate::{
     boards::{self, Board},
     command::{self, cargo, run_tee},
     desktop::Build,
-    firmware, forecast, liveness, msrv, pil, size,
+    dist, firmware, forecast, liveness, msrv, pil, site, size,
     timing::{Spent, Stopwatch},
     tools,
 };
@@ -59,7 +59,13 @@ const HOST: &[Step] = &[
                 .args(["doc", "--workspace", "--no-deps"]),
         ))
     }),
+    ("site's pages and their links", || {
+        silent(site::run(&site::Plan::Check))
+    }),
     ("tests, host", host_tests),
+    ("release archive", || {
+        silent(dist::run(&dist::Plan::Check, &Build::Tested))
+    }),
     ("Python package", || {
         silent(crate::python::run(&[], &Build::Tested))
     }),
