@@ -38,6 +38,11 @@ fn the_chapter_again() {
 }
 
 #[test]
+fn explore_the_plane() {
+    executed("tutorial-explore.md", Folder::new());
+}
+
+#[test]
 fn an_emulated_rig() {
     executed("tutorial-emulate.md", Folder::new());
 }

@@ -341,6 +341,19 @@ def test_every_control_has_a_name_and_can_be_reached(opened):
 
 
 @pytest.mark.parametrize("dark", [False, True])
+def test_the_tutorial_s_addresses_show_what_it_says(opened):
+    tutorial = pathlib.Path(__file__).parents[2] / "docs/tutorial-explore.md"
+    addresses = [line.strip() for line in tutorial.read_text().splitlines() if line.startswith("    #explore?")]
+    assert len(addresses) == 2
+    for address, motions in zip(addresses, [{"1/1"}, {"1/1", "no impact"}]):
+        page = opened(f"{address}&detail=coarse")
+        page.idle()
+        page.page.wait_for_selector("#others[data-state=shown]")
+        found = {row.split("\t")[0].strip() for row in page.page.locator("#others tbody tr").all_inner_texts()}
+        assert motions <= found, f"{address}: {found}"
+        assert not page.said
+
+
 @pytest.mark.parametrize("width", [1280, 360])
 def test_it_fits_and_is_pictured(opened, width, dark):
     page = opened("#explore?rig=wires&gap_mm=0.4&ratio=2.4&detail=fine", width=width, height=800, dark=dark)
