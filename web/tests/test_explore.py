@@ -340,7 +340,6 @@ def test_every_control_has_a_name_and_can_be_reached(opened):
     assert {"theme", "preset", "plane", "uncertain"} <= seen
 
 
-@pytest.mark.parametrize("dark", [False, True])
 def test_the_tutorial_s_addresses_show_what_it_says(opened):
     tutorial = pathlib.Path(__file__).parents[2] / "docs/tutorial-explore.md"
     addresses = [line.strip() for line in tutorial.read_text().splitlines() if line.startswith("    #explore?")]
@@ -354,6 +353,7 @@ def test_the_tutorial_s_addresses_show_what_it_says(opened):
         assert not page.said
 
 
+@pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("width", [1280, 360])
 def test_it_fits_and_is_pictured(opened, width, dark):
     page = opened("#explore?rig=wires&gap_mm=0.4&ratio=2.4&detail=fine", width=width, height=800, dark=dark)
