@@ -218,6 +218,21 @@ def connected(context, server):
     return page
 
 
+def test_a_shared_address_keeps_the_secret_back(browser, server):
+    allowed = ["clipboard-read", "clipboard-write"]
+    for address, whole in [(server.address, False), (PAGE.as_uri(), True)]:
+        context = browser.new_context(permissions=allowed)
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE_MS)
+        page.goto(f"{address}#explore?ratio=2.1&detail=coarse")
+        page.click("#share")
+        page.wait_for_selector("text=is copied")
+        copied = page.evaluate("navigator.clipboard.readText()")
+        assert "ratio=2.1" in copied
+        assert copied.startswith(address if whole else "#explore?"), copied
+        context.close()
+
+
 def test_two_pages_at_one_board(browser, server):
     context = browser.new_context(viewport={"width": 1280, "height": 900})
     one, other = connected(context, server), connected(context, server)
