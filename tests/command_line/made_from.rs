@@ -24,7 +24,7 @@ fn every_answer_carries_program_rig_and_options() {
             "sweep",
         ),
         ("pick --nominal", "pick"),
-        ("pick --all --nominal", "pick"),
+        ("pick --all --nominal --cart prescribed", "pick"),
         ("map --ratio 1.5:1.6:0.1 --gap 0 --cycles 20", "map"),
         ("orbits --ratio 1.5:1.6 --starts 1 --periods 1", "orbits"),
         ("contact --speed 0.1:0.2:0.1", "contact"),

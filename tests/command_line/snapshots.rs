@@ -100,6 +100,7 @@ fn help() {
         "compare",
         "rig new",
         "rigs",
+        "lab",
         "link",
         "link start",
         "link set",

@@ -1,6 +1,6 @@
-//! `cargo xtask test`: what must hold before a change is done. The desktop's half and the firmware's need nothing of
-//! each other and run side by side: the emulator, and the linker that optimises a whole image, keep one processor
-//! busy each. Within a half one step follows the other, and the first that fails ends it.
+//! `cargo xtask test`: what must hold before a change is done. The desktop's half and the other (the firmware, then the page)
+//! need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and a browser
+//! that waits keep one processor busy each. Within a half one step follows the other, and the first that fails ends it.
 
 use std::{
     env, fs,
@@ -31,6 +31,8 @@ pub enum Part {
     Host,
     /// What needs one, or QEMU.
     Firmware,
+    /// What runs beside the desktop's half: the firmware, then the page.
+    Beside,
 }
 
 /// Before both.
@@ -69,8 +71,10 @@ const HOST: &[Step] = &[
     ("Python package", || {
         silent(crate::python::run(&[], &Build::Tested))
     }),
-    ("page in a browser", page),
 ];
+
+/// Waits for the browser more than it computes.
+const PAGE: Step = ("page in a browser", page);
 
 const FIRMWARE: &[Step] = &[
     ("model for the microcontroller", || {
@@ -171,8 +175,9 @@ struct Row {
 pub fn run(part: Part) -> Outcome {
     match part {
         Part::All => side_by_side(),
-        Part::Host => steps(HOST),
+        Part::Host => steps(&[HOST, &[PAGE]].concat()),
         Part::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
+        Part::Beside => steps(&[FIRMWARE, &[PAGE]].concat()),
     }
 }
 
@@ -203,7 +208,7 @@ fn steps(steps: &[Step]) -> Outcome {
     }
 }
 
-/// The firmware's half, run by this program once more, with its output in a file until the other half has ended.
+/// The half of firmware and page, run by this program once more, with its output in a file until the desktop's half has ended.
 struct Beside {
     child: Child,
     log: PathBuf,
@@ -211,16 +216,16 @@ struct Beside {
 
 impl Beside {
     fn start() -> Outcome<Self> {
-        let log = command::root().join("target/xtask-firmware.log");
+        let log = command::root().join("target/xtask-beside.log");
         let file = File::create(&log)?;
         let mut command = Command::new(env::current_exe()?);
         command
-            .args(["test", "--firmware"])
+            .args(["test", "--beside"])
             .stdin(Stdio::null())
             .stdout(file.try_clone()?)
             .stderr(file);
         println!(
-            "\nthe firmware's half runs beside; its output is in {}",
+            "\nfirmware and page run beside; their output is in {}",
             log.display()
         );
         Ok(Self {
@@ -231,27 +236,27 @@ impl Beside {
 
     /// Waits for its end, and shows its output.
     fn finish(mut self) -> Outcome {
-        println!("\nwaiting for the firmware's half");
+        println!("\nwaiting for firmware and page");
         // It gives up its own steps.
         let status = self.child.wait()?;
-        println!("\n=== the firmware's half ===");
+        println!("\n=== firmware and page ===");
         println!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
         if status.success() {
             Ok(())
         } else {
-            Err("the firmware's half failed; its output is above".into())
+            Err("the half of firmware and page failed; its output is above".into())
         }
     }
 }
 
 fn side_by_side() -> Outcome {
     steps(&[TOOLS])?;
-    let mut firmware = Beside::start()?;
+    let mut beside = Beside::start()?;
     if let Err(error) = steps(HOST) {
-        liveness::end(&mut firmware.child);
+        liveness::end(&mut beside.child);
         return Err(error);
     }
-    firmware.finish()
+    beside.finish()
 }
 
 fn table(rows: &[Row]) -> String {

@@ -121,6 +121,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["test"] => Ok(Job::Test(Part::All)),
         ["test", "--host"] => Ok(Job::Test(Part::Host)),
         ["test", "--firmware"] => Ok(Job::Test(Part::Firmware)),
+        // For `test` itself.
+        ["test", "--beside"] => Ok(Job::Test(Part::Beside)),
         ["tools"] => Ok(Job::Tools),
         ["firmware"] => boards::all().map(Job::Firmware).map_err(|e| e.to_string()),
         ["firmware", "--board", name] => named(name).map(|board| Job::Firmware(vec![board])),

@@ -102,6 +102,8 @@ export class Pool {
     for (const hand of this.hands) {
       const first = this.queue[0];
       if (!first) return;
+      // No more at once than there are processors: what is urgent has one to itself.
+      if (first.order > URGENT && this.hands.filter((one) => one.job).length >= this.count) return;
       if (hand.ready && !hand.job && (!hand.quick || first.order <= URGENT)) hand.take(this.queue.shift());
     }
   }
