@@ -103,9 +103,11 @@ fn silent(outcome: Outcome) -> Outcome<String> {
     outcome.map(|()| String::new())
 }
 
-/// A machine for which no browser, or no Rust for one, can be had does without.
+/// A machine for which no browser, nothing to drive it, or no Rust for it can be had does without.
 fn page() -> Outcome<String> {
-    let lacking = tools::wasm_toolchain().err().or(tools::chromium().err());
+    let lacking = tools::wasm_toolchain().err();
+    let lacking = lacking.or_else(|| tools::chromium().err());
+    let lacking = lacking.or_else(|| crate::web::environment().err());
     if let Some(error) = lacking {
         let remark = format!("skipped: {error}");
         println!("{remark}");

@@ -1,6 +1,6 @@
 //! The page in headless Chromium: what its controls do, and its numbers against those of `host-sim`.
 
-use std::process::Command;
+use std::{path::PathBuf, process::Command};
 
 use crate::{
     Outcome,
@@ -12,10 +12,15 @@ use crate::{
 /// What drives the browser and runs the tests.
 const PACKAGES: &[&str] = &["playwright", "pytest"];
 
+/// The environment in `target/page`.
+pub fn environment() -> Outcome<PathBuf> {
+    python::environment("page", PACKAGES)
+}
+
 /// Builds the page and tests it, with the words given to pytest.
 pub fn test(words: &[&str], build: &Build) -> Outcome {
     let browser = tools::chromium()?;
-    let environment = python::environment("page", PACKAGES)?;
+    let environment = environment()?;
     let page = super::build()?;
     let program = desktop::program("host-sim", build)?;
     let mut tests = Command::new(environment.join("bin/python"));

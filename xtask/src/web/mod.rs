@@ -3,7 +3,7 @@
 mod browser;
 mod bundle;
 
-pub use browser::test;
+pub use browser::{environment, test};
 
 use std::{fs, io::Write, path::PathBuf};
 

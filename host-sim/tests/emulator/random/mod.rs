@@ -28,7 +28,7 @@ use draw::Kind;
 use watch::Watch;
 
 /// Scenarios run where the environment does not say.
-const CASES: u64 = 150;
+const CASES: u64 = 100;
 
 /// Draws with which the controller fails today: holes that are known and not mended yet. A kind moves from here to
 /// [`MENDED`] with the mend that closes it.
