@@ -69,7 +69,7 @@ cargo xtask COMMAND
                               run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
                               the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name
   python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
-  dist [--check]              build what is handed out into target/dist: archive, Python wheel, checksums; try the
+  dist [--check]              build what is handed out into target/dist: archive, Python wheel, page, checksums; try the
                               program in a bare root of an older Debian and the wheel in an environment of its own;
                               with --check only pack the program of the tests, twice, and look at the archive
   site [--check]              build the site into target/site: the pages of docs/ with their links followed, the

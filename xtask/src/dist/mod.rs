@@ -58,11 +58,7 @@ fn whole() -> Outcome {
     // Quick, and the likeliest to fail: it comes first.
     let licences = licences::gather(&target)?;
     let linking = Linking::choose(&target)?;
-    let page = web::build();
-    if let Err(error) = &page {
-        println!("the page is left out: {error}");
-    }
-    let page = page.ok();
+    let page = web::build_if_possible()?;
     let program = linking.program(&target, page.is_some())?;
     let seconds = archive::time()?;
 

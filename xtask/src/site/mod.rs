@@ -75,13 +75,10 @@ pub fn run(plan: &Plan) -> Outcome {
 /// The documentation that other programs make, and the page, each left out with a line where it cannot be had.
 fn elsewhere(place: &Path) -> Outcome<Elsewhere> {
     let mut found = Elsewhere::new();
-    match web::build() {
-        Ok(page) => {
-            fs::copy(page, place.join("page.html"))?;
-            fs::write(place.join("explore.html"), "")?;
-            found.push(("The page", "explore.html".into()));
-        }
-        Err(error) => println!("the page is left out: {error}"),
+    if let Some(page) = web::build_if_possible()? {
+        fs::copy(page, place.join("page.html"))?;
+        fs::write(place.join("explore.html"), "")?;
+        found.push(("The page", "explore.html".into()));
     }
     let mut doc = cargo();
     doc.args(["doc", "--workspace", "--no-deps"]);

@@ -42,6 +42,17 @@ pub fn build() -> Outcome<PathBuf> {
     Ok(whole)
 }
 
+/// Builds the page where there is a Rust for it; else a line says that it is left out.
+pub fn build_if_possible() -> Outcome<Option<PathBuf>> {
+    match tools::wasm_toolchain() {
+        Ok(_) => build().map(Some),
+        Err(error) => {
+            println!("the page is left out: {error}");
+            Ok(None)
+        }
+    }
+}
+
 /// The module as gzip, which every browser unpacks.
 fn packed(module: &[u8]) -> Outcome<Vec<u8>> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::best());
