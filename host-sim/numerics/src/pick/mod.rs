@@ -10,57 +10,46 @@ pub(crate) mod amplitude;
 pub mod answer;
 pub mod bending;
 pub mod choose;
+mod found;
 pub mod gaps;
 pub mod outline;
+mod robust;
+mod runs;
 pub mod search;
 pub mod sensitivity;
 pub mod uncertainty;
 
 use rayon::prelude::*;
 use shared::model::params::RigParams;
-use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use crate::branch::{Branch, End, one_one_branches};
-use crate::engine::{Engine, Plan, Start};
+use crate::branch::{Branch, one_one_branches};
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
-use crate::progress::{Progress, WithinStep, check, step};
-use crate::row::NamedRig;
-use crate::row::{Row, tidy};
-use crate::sweep::{Direction, jumps, single, spread, sweep};
+use crate::progress::{Progress, check, step};
+use crate::row::{NamedRig, Row};
+use crate::sweep::spread;
 use amplitude::lowered;
+use answer::impact_power;
 pub use answer::{Answer, CartModel, Strongest};
-use answer::{impact_power, shaker};
 pub use bending::Springs;
-use bending::{Bending, on_beams};
+use choose::Field;
 pub use choose::Limits;
-use choose::{Choice, Field};
-use search::{interval_where, maximise, stable_interval};
-use sensitivity::Sensitivity;
-use uncertainty::Member;
+use found::{Found, SafeBand};
+pub(crate) use robust::largest_share;
+use robust::robust_range;
+pub(crate) use runs::{JUMP_POINTS, JUMP_SHARE};
+use runs::{Jumps, Runs};
+use search::{interval_where, maximise};
+
 pub use uncertainty::Uncertainty;
 
 /// Force, as a share of the best, down to which the band reaches.
 pub const BAND_SHARE: f64 = 0.9;
-/// Up and down sweeps that differ by less than this share of force do not jump.
-pub(crate) const JUMP_SHARE: f64 = 0.02;
 /// Points of the curve that is drawn, beside those the branch was followed by.
 const CURVE_POINTS: usize = 200;
-/// Frequencies in the jump test.
-pub(crate) const JUMP_POINTS: usize = 48;
 /// Ratios Ω/ω searched for 1/1.
 pub(crate) const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
-/// How long a run settles at a point that is reported.
-const SETTLED: Plan = Plan {
-    cycles: 600,
-    transient: 480,
-};
-/// How long each step of the jump sweeps settles.
-const JUMP_PLAN: Plan = Plan {
-    cycles: 140,
-    transient: 124,
-};
 
 /// The answer and what its picture is drawn from.
 #[derive(Clone, Debug)]
@@ -258,87 +247,6 @@ fn dimensionless_section(params: &RigParams, orbit: &Orbit) -> Result<[f64; 2], 
     Ok([orbit.section[0] / scale, orbit.section[1] / rate])
 }
 
-/// Where the hammer jumps.
-struct Jumps {
-    /// The sweep up across the nominal stable 1/1.
-    up: Vec<Row>,
-    /// The sweep down.
-    down: Vec<Row>,
-    /// Frequencies within the stable 1/1 at which the sweeps differ, and those at which it folds: Hz, rising.
-    at_hz: Vec<f64>,
-}
-
-impl Jumps {
-    fn find(rig: &NamedRig, branch: &Branch, progress: &dyn Progress) -> Result<Self, Error> {
-        let (low, high) = range(branch);
-        let margin = 0.02 * rig.params.natural_frequency_hz();
-        let frequencies = spread(low - margin, high + margin, JUMP_POINTS);
-        let one_way = |direction| {
-            let (engine, plan) = (Engine::Event, JUMP_PLAN);
-            sweep(rig, engine, &frequencies, direction, plan, progress)
-        };
-        let (up, down) = rayon::join(|| one_way(Direction::Up), || one_way(Direction::Down));
-        let (up, down) = (up?, down?);
-        // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
-        let mut at_hz = jumps(&up, &down, rig.params.weight_n(), JUMP_SHARE);
-        at_hz.retain(|hz| (low..=high).contains(hz));
-        // Past a fold there is no 1/1 nearby to go over to.
-        let ends = [branch.low, branch.high].into_iter();
-        let folds = ends.filter(|edge| edge.end == End::Fold);
-        at_hz.extend(folds.map(|edge| edge.frequency_hz));
-        at_hz.sort_by(f64::total_cmp);
-        Ok(Self { up, down, at_hz })
-    }
-}
-
-/// What settled runs show.
-struct Runs {
-    /// Force ratio from rest at the natural frequency.
-    force_ratio_at_natural: f64,
-    /// Regime from rest at the operating frequency.
-    from_rest: Regime,
-    /// Regime of a run that starts on the orbit picked.
-    on_orbit: Regime,
-    /// Corners of the uncertainty.
-    corners: usize,
-    /// How many of them settle on 1/1 from rest.
-    corners_reaching: usize,
-}
-
-impl Runs {
-    fn of(
-        params: &RigParams,
-        uncertainty: Option<Uncertainty>,
-        chosen: &Orbit,
-    ) -> Result<Self, Error> {
-        let natural_hz = params.natural_frequency_hz();
-        let at_natural = single(params, natural_hz, Start::Rest, SETTLED)?;
-        let settled = |start| single(params, chosen.frequency_hz, start, SETTLED);
-        let from_rest = settled(Start::Rest)?;
-        let on_orbit = settled(Start::Section(chosen.section))?;
-        let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
-        let reaches = |corner: &&Member| {
-            let rig = corner.apply(params, 1.0);
-            let run = single(&rig, chosen.frequency_hz, Start::Rest, SETTLED);
-            run.is_ok_and(|row| row.regime.is(1, 1))
-        };
-        Ok(Self {
-            force_ratio_at_natural: at_natural.force_ratio,
-            from_rest: from_rest.regime,
-            on_orbit: on_orbit.regime,
-            corners: corners.len(),
-            corners_reaching: corners.par_iter().filter(reaches).count(),
-        })
-    }
-}
-
-/// The part of the band that uncertainty and limits allow.
-struct SafeBand {
-    hz: (f64, f64),
-    /// Smallest force ratio over the uncertainty at its ends.
-    force_ratio_worst: [Option<f64>; 2],
-}
-
 /// Where the nominal rig is strongest within the limits with its cart moved the other way. None where its shaker is not
 /// known, or no stable 1/1 is within the limits.
 fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<Strongest> {
@@ -359,106 +267,6 @@ fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option
         frequency_hz: orbit.frequency_hz,
         force_ratio: orbit.force_n / other.params.weight_n(),
     })
-}
-
-/// Everything the answer is made of.
-struct Found<'a> {
-    rig: &'a NamedRig,
-    branch: &'a Branch,
-    /// The strongest nominal orbit, without uncertainty and limits.
-    nominal: &'a Orbit,
-    /// The nominal orbit with the most impact power, without uncertainty and limits.
-    power: &'a Orbit,
-    /// Where 1/1 is stable over the whole uncertainty, Hz.
-    robust: (f64, f64),
-    /// [`force_band`] of the orbit chosen.
-    band: (f64, f64),
-    safe_band: SafeBand,
-    /// With the other cart.
-    other: Option<Strongest>,
-    choice: Choice,
-    /// [`Jumps::at_hz`].
-    jumps: &'a [f64],
-    runs: Runs,
-    sensitivity: Vec<Sensitivity>,
-    uncertainty: Option<Uncertainty>,
-    bending: Option<Bending>,
-}
-
-impl Found<'_> {
-    /// The answer for tables and text.
-    fn answer(self) -> Answer {
-        let params = &self.rig.params;
-        let weight = params.weight_n();
-        let chosen = &self.choice.orbit;
-        let spread = &self.choice.spread;
-        let (band, safe_band) = (self.band, self.safe_band.hz);
-        let cart = CartModel::of(params);
-        let own = Some(Strongest {
-            frequency_hz: chosen.frequency_hz,
-            force_ratio: chosen.force_n / weight,
-        });
-        let (recoil, prescribed) = match cart {
-            CartModel::Recoil => (own, self.other),
-            CartModel::Prescribed => (self.other, own),
-        };
-        let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
-        let doubles = self.branch.high.end == End::PeriodDoubling;
-        Answer {
-            rig: self.rig.name.clone(),
-            gap_mm: tidy(params.gap_m * 1e3),
-            cart,
-            recoil_force_ratio: recoil.map(|s| s.force_ratio),
-            recoil_frequency_hz: recoil.map(|s| s.frequency_hz),
-            prescribed_force_ratio: prescribed.map(|s| s.force_ratio),
-            prescribed_frequency_hz: prescribed.map(|s| s.frequency_hz),
-            shaker_loop: self.rig.shaker,
-            operating_frequency_hz: chosen.frequency_hz,
-            frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
-            regime: self.runs.on_orbit,
-            regime_from_rest: self.runs.from_rest,
-            corners: self.runs.corners,
-            corners_reaching_one_one_from_rest: self.runs.corners_reaching,
-            force_ratio: chosen.force_n / weight,
-            force_n: chosen.force_n,
-            force_ratio_worst: spread.weakest_n / weight,
-            force_ratio_largest: spread.strongest_n / weight,
-            approach_speed_m_per_s: chosen.contact.approach_speed_m_per_s,
-            contact_time_ms: chosen.contact.duration_s * 1e3,
-            band_hz: band.into(),
-            safe_band_hz: safe_band.into(),
-            safe_band_force_ratio_worst: self.safe_band.force_ratio_worst,
-            stable_one_one_hz: range(self.branch).into(),
-            stable_one_one_ends: [self.branch.low.end, self.branch.high.end],
-            robust_band_hz: self.robust.into(),
-            period_doubling_hz: doubles.then_some(self.branch.high.frequency_hz),
-            multipliers: chosen.multipliers().modulus(),
-            multipliers_worst: spread.multiplier,
-            jump_free: self.jumps.is_empty(),
-            jump_free_in_safe_band: !self.jumps.iter().any(in_band),
-            jump_range_hz: self
-                .jumps
-                .first()
-                .zip(self.jumps.last())
-                .map(|(low, high)| [*low, *high]),
-            nominal_optimum_hz: self.nominal.frequency_hz,
-            nominal_optimum_force_ratio: self.nominal.force_n / weight,
-            impact_power_w: impact_power(chosen),
-            power_optimum_hz: self.power.frequency_hz,
-            power_optimum_w: impact_power(self.power),
-            force_ratio_at_natural_frequency: self.runs.force_ratio_at_natural,
-            shaker: shaker(self.rig, chosen),
-            limits: self.choice.limits,
-            sensitivity: self.sensitivity,
-            uncertainty: self.uncertainty,
-            amplitude_mm: tidy(params.amplitude_m * 1e3),
-            amplitude_lowered: false,
-            bending: self.bending.unwrap_or_else(|| Bending {
-                on_beams: on_beams(params),
-                ..Bending::default()
-            }),
-        }
-    }
 }
 
 /// Steps of progress that [`pick`] reports with this uncertainty.
@@ -505,83 +313,4 @@ fn nearest_gap_m(params: &RigParams) -> Option<f64> {
         }
     }
     Some(with)
-}
-
-/// The largest share of `members` with which every one of them has a stable 1/1 at a common frequency, in hundredths.
-fn robust_share(
-    rig: &NamedRig,
-    members: &[Member],
-    branch: &Branch,
-    nominal: &Orbit,
-    progress: &dyn Progress,
-) -> Option<f64> {
-    largest_share(members, |smaller| {
-        common_range(rig, smaller, branch, nominal, &WithinStep(progress)).is_some()
-    })
-}
-
-/// The largest share of the deviations of `members` at which they are `robust`, in hundredths. None if there is none.
-pub(crate) fn largest_share(members: &[Member], robust: impl Fn(&[Member]) -> bool) -> Option<f64> {
-    let robust = |hundredths: u32| {
-        let share = f64::from(hundredths) / 100.0;
-        let smaller: Vec<_> = members.iter().map(|m| m.scaled(share)).collect();
-        robust(&smaller)
-    };
-    let (mut with, mut without) = (0, 100);
-    while without - with > 1 {
-        let middle = (with + without) / 2;
-        if robust(middle) {
-            with = middle;
-        } else {
-            without = middle;
-        }
-    }
-    (with > 0).then_some(f64::from(with) / 100.0)
-}
-
-/// The frequencies at which every member has a stable 1/1.
-fn robust_range(
-    rig: &NamedRig,
-    members: &[Member],
-    branch: &Branch,
-    nominal: &Orbit,
-    progress: &dyn Progress,
-) -> Result<(f64, f64), Error> {
-    let common = common_range(rig, members, branch, nominal, progress);
-    check(progress)?;
-    common.ok_or_else(|| {
-        rig.no_pick(PickError::NoneRobust {
-            share: robust_share(rig, members, branch, nominal, progress),
-        })
-    })
-}
-
-/// The same; none if there is no such frequency, or the work is interrupted.
-fn common_range(
-    rig: &NamedRig,
-    members: &[Member],
-    branch: &Branch,
-    nominal: &Orbit,
-    progress: &dyn Progress,
-) -> Option<(f64, f64)> {
-    let range = range(branch);
-    let common = members
-        .par_iter()
-        .map(|member| {
-            member.apply(&rig.params, 1.0).check().ok()?;
-            let found = stable_interval(&rig.params, member, branch, nominal.frequency_hz, range);
-            step(progress, 1).ok()?;
-            found
-        })
-        .try_reduce(|| range, |a, b| Some((a.0.max(b.0), a.1.min(b.1))));
-    // The ends of the common range are one member's loss of stability; stay a hair inside.
-    let inside = common.map(|(low, high)| {
-        let hair = if members.is_empty() {
-            0.0
-        } else {
-            1e-6 * (high - low)
-        };
-        (low + hair, high - hair)
-    });
-    inside.filter(|(low, high)| low < high)
 }

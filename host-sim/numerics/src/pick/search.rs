@@ -46,9 +46,11 @@ pub fn stable_interval(
     limits_hz: (f64, f64),
 ) -> Option<(f64, f64)> {
     let rig = member.apply(nominal, 1.0);
-    // The orbit scales with the natural frequency; try there first, then where the nominal one is.
+    // The orbit scales with the natural frequency; try there first, then where the nominal one is, and at last within limits
+    // that may be far from both.
     let scaled = start_hz * member.natural_frequency_factor();
-    let seed = [scaled, start_hz, 0.9 * start_hz, 1.1 * start_hz]
+    let middle = 0.5 * (limits_hz.0 + limits_hz.1);
+    let seed = [scaled, start_hz, 0.9 * start_hz, 1.1 * start_hz, middle]
         .into_iter()
         .find_map(|hz| {
             let hz = hz.clamp(limits_hz.0, limits_hz.1);

@@ -1,0 +1,108 @@
+//! What settled runs show of an operating point: where the hammer jumps, and whether it gets there from rest.
+
+use rayon::prelude::*;
+use shared::model::params::RigParams;
+use shared::model::regime::Regime;
+
+use super::range;
+use super::uncertainty::{Member, Uncertainty};
+use crate::branch::{Branch, End};
+use crate::engine::{Engine, Plan, Start};
+use crate::error::Error;
+use crate::orbit::Orbit;
+use crate::progress::Progress;
+use crate::row::{NamedRig, Row};
+use crate::sweep::{Direction, jumps, single, spread, sweep};
+
+/// Up and down sweeps that differ by less than this share of force do not jump.
+pub(crate) const JUMP_SHARE: f64 = 0.02;
+/// Frequencies in the jump test.
+pub(crate) const JUMP_POINTS: usize = 48;
+/// How long a run settles at a point that is reported.
+const SETTLED: Plan = Plan {
+    cycles: 600,
+    transient: 480,
+};
+/// How long each step of the jump sweeps settles.
+const JUMP_PLAN: Plan = Plan {
+    cycles: 140,
+    transient: 124,
+};
+
+/// Where the hammer jumps.
+pub(super) struct Jumps {
+    /// The sweep up across the nominal stable 1/1.
+    pub(super) up: Vec<Row>,
+    /// The sweep down.
+    pub(super) down: Vec<Row>,
+    /// Frequencies within the stable 1/1 at which the sweeps differ, and those at which it folds: Hz, rising.
+    pub(super) at_hz: Vec<f64>,
+}
+
+impl Jumps {
+    pub(super) fn find(
+        rig: &NamedRig,
+        branch: &Branch,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let (low, high) = range(branch);
+        let margin = 0.02 * rig.params.natural_frequency_hz();
+        let frequencies = spread(low - margin, high + margin, JUMP_POINTS);
+        let one_way = |direction| {
+            let (engine, plan) = (Engine::Event, JUMP_PLAN);
+            sweep(rig, engine, &frequencies, direction, plan, progress)
+        };
+        let (up, down) = rayon::join(|| one_way(Direction::Up), || one_way(Direction::Down));
+        let (up, down) = (up?, down?);
+        // Beyond the ends of the stable 1/1 the sweeps are drawn, and not judged.
+        let mut at_hz = jumps(&up, &down, rig.params.weight_n(), JUMP_SHARE);
+        at_hz.retain(|hz| (low..=high).contains(hz));
+        // Past a fold there is no 1/1 nearby to go over to.
+        let ends = [branch.low, branch.high].into_iter();
+        let folds = ends.filter(|edge| edge.end == End::Fold);
+        at_hz.extend(folds.map(|edge| edge.frequency_hz));
+        at_hz.sort_by(f64::total_cmp);
+        Ok(Self { up, down, at_hz })
+    }
+}
+
+/// What settled runs show.
+pub(super) struct Runs {
+    /// Force ratio from rest at the natural frequency.
+    pub(super) force_ratio_at_natural: f64,
+    /// Regime from rest at the operating frequency.
+    pub(super) from_rest: Regime,
+    /// Regime of a run that starts on the orbit picked.
+    pub(super) on_orbit: Regime,
+    /// Corners of the uncertainty.
+    pub(super) corners: usize,
+    /// How many of them settle on 1/1 from rest.
+    pub(super) corners_reaching: usize,
+}
+
+impl Runs {
+    pub(super) fn of(
+        params: &RigParams,
+        uncertainty: Option<Uncertainty>,
+        chosen: &Orbit,
+    ) -> Result<Self, Error> {
+        let natural_hz = params.natural_frequency_hz();
+        let at_natural = single(params, natural_hz, Start::Rest, SETTLED)?;
+        let settled = |start| single(params, chosen.frequency_hz, start, SETTLED);
+        let from_rest = settled(Start::Rest)?;
+        let on_orbit = settled(Start::Section(chosen.section))?;
+        let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
+        let reaches = |corner: &&Member| {
+            let rig = corner.apply(params, 1.0);
+            let run = single(&rig, chosen.frequency_hz, Start::Rest, SETTLED);
+            run.is_ok_and(|row| row.regime.is(1, 1))
+        };
+        Ok(Self {
+            force_ratio_at_natural: at_natural.force_ratio,
+            from_rest: from_rest.regime,
+            on_orbit: on_orbit.regime,
+            corners: corners.len(),
+            corners_reaching: corners.par_iter().filter(reaches).count(),
+        })
+    }
+}
