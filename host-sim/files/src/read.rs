@@ -22,10 +22,11 @@ pub fn read_text(path: &Path) -> Result<String, UserError> {
     read_text_of(path, MOST_TEXT)
 }
 
-/// The same for a table, of at most `MOST_TABLE` bytes. A file of measuring programs that is no text is named.
+/// The same for a table, of at most `MOST_TABLE` bytes, which may also be UTF-16 with its mark, or Latin-1, as instruments and
+/// spreadsheets write them. A file of measuring programs that is no text is named.
 ///
 /// # Errors
-/// As [`read_text`].
+/// There is no such file, it is a folder or a device, too large, or no text.
 pub fn read_table(path: &Path) -> Result<String, UserError> {
     let bytes = read_bytes(path, MOST_TABLE)?;
     if let Some((_, kind)) = NO_TABLES.iter().find(|(start, _)| bytes.starts_with(start)) {
@@ -33,7 +34,31 @@ pub fn read_table(path: &Path) -> Result<String, UserError> {
         let mend = "write it as CSV: docs/recordings.md has the lines of Python for it";
         return Err(cannot(path, &what, mend));
     }
-    text_of(path, bytes)
+    table_text(bytes).ok_or_else(|| cannot(path, &"it is no text", "give a CSV file"))
+}
+
+/// The text in UTF-8, UTF-16 with a byte order mark, or Latin-1. None if it can be neither.
+fn table_text(bytes: Vec<u8>) -> Option<String> {
+    let wide = |order: fn([u8; 2]) -> u16| {
+        let (units, odd) = bytes[2..].as_chunks();
+        let units = units.iter().map(|unit| order(*unit));
+        let text = char::decode_utf16(units).collect::<Result<_, _>>();
+        text.ok().filter(|_| odd.is_empty())
+    };
+    match bytes[..] {
+        [0xff, 0xfe, ..] => return wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => return wide(u16::from_be_bytes),
+        _ => {}
+    }
+    let latin = |bytes: Vec<u8>| {
+        let is_text = |byte: &u8| *byte >= b' ' || byte.is_ascii_whitespace();
+        let text = bytes.iter().all(is_text);
+        // The first 256 characters of Unicode are those of Latin-1.
+        text.then(|| bytes.into_iter().map(char::from).collect())
+    };
+    String::from_utf8(bytes)
+        .or_else(|e| latin(e.into_bytes()).ok_or(()))
+        .ok()
 }
 
 /// How files begin that people have in place of a CSV.
@@ -155,6 +180,38 @@ mod tests {
         assert!(line.contains("UTF-8"), "{line}");
         for read in [read_text(dir.path()).err(), open_file(dir.path()).err()] {
             assert!(read.unwrap().to_string().contains("it is a folder"));
+        }
+    }
+
+    #[test]
+    fn a_table_is_read_in_the_letters_of_instruments_and_spreadsheets() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("scope.csv");
+        let text = "Time (µs);Force (N)\r\n0;1,5\r\n";
+        let wide = |order: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            let marked = format!("\u{feff}{text}");
+            marked.encode_utf16().flat_map(order).collect()
+        };
+        let latin: Vec<u8> = text.chars().map(|c| u8::try_from(c).unwrap()).collect();
+        for bytes in [
+            text.as_bytes().to_vec(),
+            latin,
+            wide(u16::to_le_bytes),
+            wide(u16::to_be_bytes),
+        ] {
+            std::fs::write(&path, bytes).unwrap();
+            assert_eq!(read_table(&path).unwrap(), text);
+        }
+        let torn = &wide(u16::to_le_bytes)[..21];
+        for bytes in [
+            torn,
+            b"\xff\xfe\x00\xd8",
+            b"\xb5\x00\x01",
+            b"\xfe\xff\xdc\x00",
+        ] {
+            std::fs::write(&path, bytes).unwrap();
+            let line = read_table(&path).unwrap_err().to_string();
+            assert!(line.ends_with("it is no text; give a CSV file"), "{line}");
         }
     }
 
