@@ -7,6 +7,7 @@
 #[cfg(feature = "columns")]
 pub mod columns;
 mod error;
+pub mod ground;
 pub mod made_from;
 pub mod quiet;
 mod read;

@@ -1,11 +1,6 @@
 //! Ground that gives way, and a bit on it.
 
-use files::UserError;
-use numerics::NamedRig;
-use numerics::drill::GroundUncertainty;
-use shared::model::bit::Bit;
-use shared::model::contact::Law;
-use shared::model::slider::Slider;
+use files::ground::Asked;
 
 /// The ground, and how well it is known.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -67,105 +62,23 @@ impl GroundArgs {
             ("--ground-damping-n-s-per-m", self.ground_damping_n_s_per_m),
             ("--bit-mass-kg", self.bit_mass_kg),
         ];
-        let options = options.into_iter().chain(self.about_the_bit());
+        let options = options.into_iter().chain(self.asked().about_the_bit());
         let mut given = options.filter(|(_, value)| value.is_some());
         given.next().map(|(option, _)| option)
     }
 
-    /// The ground asked for; what is left out is the contact of `rig`.
-    ///
-    /// # Errors
-    /// If there is no threshold, or a value is out of range, or one that the rig's contact does not have is left out.
-    pub fn ground(&self, rig: &NamedRig) -> Result<Slider<f64>, UserError> {
-        let Some(threshold) = self.threshold_n else {
-            return Err(UserError::new(
-                "give --threshold-n, the contact force in N at which the ground gives way",
-            ));
-        };
-        let own = own(rig);
-        let missing = |option: &str| needed(rig, "ground", option);
-        let stiffness = self.ground_stiffness_n_per_m.or(own.map(|o| o.0));
-        let damping = self.ground_damping_n_s_per_m.or(own.map(|o| o.1));
-        let ground = Slider {
-            stiffness: stiffness.ok_or_else(|| missing("--ground-stiffness-n-per-m"))?,
-            damping: damping.ok_or_else(|| missing("--ground-damping-n-s-per-m"))?,
-            threshold,
-        };
-        ground.check().map_err(numerics::Error::from)?;
-        Ok(ground)
-    }
-
-    /// The options of a bit beside its mass.
-    fn about_the_bit(&self) -> [(&'static str, Option<f64>); 3] {
-        [
-            ("--bit-stiffness-n-per-m", self.bit_stiffness_n_per_m),
-            ("--bit-damping-n-s-per-m", self.bit_damping_n_s_per_m),
-            ("--bit-feed-force-n", self.bit_feed_force_n),
-        ]
-    }
-
-    /// The bit asked for on `ground`; what is left out is the contact of `rig`, and the bit's weight.
-    ///
-    /// # Errors
-    /// If a value is out of range, one that the rig's contact does not have is left out, or one is given without a mass.
-    pub fn bit(&self, rig: &NamedRig, ground: &Slider<f64>) -> Result<Option<Bit<f64>>, UserError> {
-        let Some(mass) = self.bit_mass_kg else {
-            let mut others = self.about_the_bit().into_iter();
-            return match others.find(|(_, value)| value.is_some()) {
-                None => Ok(None),
-                Some((option, _)) => Err(UserError::new(format!(
-                    "{option} is for a bit; give its mass with --bit-mass-kg"
-                ))),
-            };
-        };
-        let own = own(rig);
-        let missing = |option: &str| needed(rig, "bit", option);
-        let stiffness = self.bit_stiffness_n_per_m.or(own.map(|o| o.0));
-        let damping = self.bit_damping_n_s_per_m.or(own.map(|o| o.1));
-        let weight_n = Bit::weight_n(mass);
-        let bit = Bit {
-            mass,
-            stiffness: stiffness.ok_or_else(|| missing("--bit-stiffness-n-per-m"))?,
-            damping: damping.ok_or_else(|| missing("--bit-damping-n-s-per-m"))?,
-            feed_force: self.bit_feed_force_n.unwrap_or(weight_n),
-        };
-        bit.check(ground).map_err(numerics::Error::from)?;
-        Ok(Some(bit))
-    }
-
-    /// How well it is known.
-    ///
-    /// # Errors
-    /// If a percentage is out of range.
-    pub fn uncertainty(&self) -> Result<GroundUncertainty, UserError> {
-        for (option, percent) in [
-            ("--threshold-percent", self.threshold_percent),
-            ("--ground-stiffness-percent", self.ground_stiffness_percent),
-        ] {
-            if !(0.0..100.0).contains(&percent) {
-                return Err(UserError::new(format!(
-                    "{option} is {percent}, must be from 0 to below 100"
-                )));
-            }
-        }
-        Ok(GroundUncertainty {
+    /// What is asked for.
+    pub fn asked(&self) -> Asked {
+        Asked {
+            threshold_n: self.threshold_n,
+            ground_stiffness_n_per_m: self.ground_stiffness_n_per_m,
+            ground_damping_n_s_per_m: self.ground_damping_n_s_per_m,
             threshold_percent: self.threshold_percent,
             ground_stiffness_percent: self.ground_stiffness_percent,
-        })
+            bit_mass_kg: self.bit_mass_kg,
+            bit_stiffness_n_per_m: self.bit_stiffness_n_per_m,
+            bit_damping_n_s_per_m: self.bit_damping_n_s_per_m,
+            bit_feed_force_n: self.bit_feed_force_n,
+        }
     }
-}
-
-/// Stiffness and damping of the rig's own contact, if it is a spring-dashpot.
-fn own(rig: &NamedRig) -> Option<(f64, f64)> {
-    match rig.params.contact {
-        Law::SpringDashpot { stiffness, damping } => Some((stiffness, damping)),
-        _ => None,
-    }
-}
-
-fn needed(rig: &NamedRig, what: &str, option: &str) -> UserError {
-    UserError::new(format!(
-        "the contact of rig {} is no spring-dashpot, so the {what} needs {option}",
-        rig.name
-    ))
 }

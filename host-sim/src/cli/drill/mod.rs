@@ -8,12 +8,12 @@ use serde::Serialize;
 use super::arguments::drive::Drives;
 use super::arguments::ground::GroundArgs;
 use super::arguments::output::OutputArgs;
-use super::arguments::range::parse_finite;
 use super::arguments::rig::{CartArg, RigAtGaps};
 use crate::pictures::drawn;
 use crate::pictures::drill::{curves, map};
 use crate::progress::Progress;
 use files::UserError;
+use files::ground::{BitWords, FEEDS, feed, feed_name};
 use numerics::NamedRig;
 use numerics::drill::{
     Among, DrillAnswer, DrillPlan, DrillRow, DrillSetting, Feed, GroundUncertainty, advise, grid,
@@ -21,7 +21,6 @@ use numerics::drill::{
 };
 use numerics::pick::CartModel;
 use numerics::sweep::spread;
-use shared::model::bit::Bit;
 
 /// Ω/ω without `--ratio` and `--frequency`.
 const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
@@ -70,7 +69,7 @@ pub struct Answer {
     threshold_n: f64,
     ground_stiffness_n_per_m: f64,
     ground_damping_n_s_per_m: f64,
-    bit: Option<BitAnswer>,
+    bit: Option<BitWords>,
     uncertainty: GroundUncertainty,
     /// The best of each gap with one blow in each drive period (with any motion, where there is no such).
     gaps: Vec<DrillRow>,
@@ -79,26 +78,6 @@ pub struct Answer {
     /// The best of each gap whatever the motion.
     gaps_any_regime: Vec<DrillRow>,
     rows: Vec<DrillRow>,
-}
-
-/// The bit, as JSON has it.
-#[derive(Debug, Serialize)]
-struct BitAnswer {
-    bit_mass_kg: f64,
-    bit_stiffness_n_per_m: f64,
-    bit_damping_n_s_per_m: f64,
-    bit_feed_force_n: f64,
-}
-
-impl From<Bit<f64>> for BitAnswer {
-    fn from(bit: Bit<f64>) -> Self {
-        Self {
-            bit_mass_kg: bit.mass,
-            bit_stiffness_n_per_m: bit.stiffness,
-            bit_damping_n_s_per_m: bit.damping,
-            bit_feed_force_n: bit.feed_force,
-        }
-    }
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
@@ -123,13 +102,14 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, UserError> {
-    let ground = args.ground.ground(rig)?;
+    let asked = args.ground.asked();
+    let ground = asked.ground(rig)?;
     let setting = DrillSetting {
         ground,
-        bit: args.ground.bit(rig, &ground)?,
+        bit: asked.bit(rig, &ground)?,
         feed: args.feed,
     };
-    let uncertainty = args.ground.uncertainty()?;
+    let uncertainty = asked.uncertainty()?;
     let natural_hz = rig.params.natural_frequency_hz();
     let (from, to, count) = USUAL_RATIOS;
     let usual = || spread(from * natural_hz, to * natural_hz, count);
@@ -173,7 +153,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         threshold_n: setting.ground.threshold,
         ground_stiffness_n_per_m: setting.ground.stiffness,
         ground_damping_n_s_per_m: setting.ground.damping,
-        bit: setting.bit.map(BitAnswer::from),
+        bit: setting.bit.map(BitWords::from),
         uncertainty,
         gaps,
         advice,
@@ -183,34 +163,5 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
 }
 
 fn parse_feed(text: &str) -> Result<Feed, String> {
-    match text {
-        "cart" => Ok(Feed::Cart),
-        "ground" => Ok(Feed::Ground),
-        "steady" => Ok(Feed::Steady),
-        _ => match parse_finite(text) {
-            Some(speed) if (0.0..=1000.0).contains(&speed) => Ok(Feed::Speed(1e-3 * speed)),
-            _ => Err("write cart, ground, steady, or a speed from 0 to 1000 mm/s".to_owned()),
-        },
-    }
-}
-
-fn feed_name(feed: Feed) -> String {
-    match feed {
-        Feed::Cart => "cart".to_owned(),
-        Feed::Ground => "ground".to_owned(),
-        Feed::Steady => "steady".to_owned(),
-        Feed::Speed(speed) => format!("{:?} mm/s", numerics::row::tidy(1e3 * speed)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn feeds_are_read() {
-        assert_eq!(parse_feed("ground"), Ok(Feed::Ground));
-        assert_eq!(parse_feed("0.05"), Ok(Feed::Speed(5e-5)));
-        assert!(parse_feed("-1").is_err() && parse_feed("nan").is_err());
-    }
+    feed(text).ok_or_else(|| format!("write {FEEDS}"))
 }

@@ -198,11 +198,12 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
     let rig = load(args, output, args.rig.name.name(), &[])?;
     output.doubt(&rig);
     let uncertainty = args.uncertainty.of(&rig)?;
-    let ground = args.ground.ground(&rig)?;
+    let asked = args.ground.asked();
+    let ground = asked.ground(&rig)?;
     let request = Request {
         ground,
-        bit: args.ground.bit(&rig, &ground)?,
-        ground_uncertainty: args.ground.uncertainty()?,
+        bit: asked.bit(&rig, &ground)?,
+        ground_uncertainty: asked.uncertainty()?,
         uncertainty,
         limits,
     };
