@@ -2,9 +2,10 @@
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, Contact, Event, Observer, TickRow};
+use emulator::run::Run;
 use emulator::scenario::{self, BUILTIN};
 use emulator::verdict::judge;
-use files::UserError;
+use numerics::progress::step;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
@@ -77,55 +78,53 @@ impl Observer for Watch {
 }
 
 #[pyfunction]
-#[pyo3(signature = (scenario, *, toml, samples_per_second))]
+#[pyo3(signature = (scenario, *, toml, samples_per_second, progress))]
 pub fn emulate<'py>(
     py: Python<'py>,
     scenario: String,
     toml: Option<String>,
     samples_per_second: u32,
+    progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     if samples_per_second > TICK_RATE_HZ {
         return Err(wrong(format!(
             "samples_per_second is {samples_per_second}, must be at most {TICK_RATE_HZ}; 0 keeps none"
         )));
     }
-    let every = match samples_per_second {
-        0 => 0,
-        n => u64::from(TICK_RATE_HZ / n),
-    };
-    let how = How {
-        threads: None,
-        progress: None,
-    };
-    let ran = how.run(py, 1, |_| Ok(ran(&scenario, toml.as_deref(), every)))?;
-    let (verdict, watch) = ran.map_err(from_user)?;
-    let found = record(py, &verdict)?;
-    found.set_item("samples", columns(py, &watch.samples)?)?;
-    found.set_item("contact_list", columns(py, &watch.contacts)?)?;
-    found.set_item("timeline", columns(py, &watch.events)?)?;
-    Ok(found)
-}
-
-fn ran(
-    name: &str,
-    toml: Option<&str>,
-    every: u64,
-) -> Result<(emulator::verdict::Verdict, Watch), UserError> {
     let scenario = match toml {
-        Some(text) => scenario::parse(name, text, name)?,
-        None => scenario::load(name)?,
-    };
-    let mut control = Local::new(&scenario.settings)?;
-    let mut watch = Watch {
-        every,
+        Some(text) => scenario::parse(&scenario, &text, &scenario),
+        None => scenario::load(&scenario),
+    }
+    .map_err(from_user)?;
+    let mut control = Local::new(&scenario.settings).map_err(|e| from_user(e.into()))?;
+    let watch = Watch {
+        every: TICK_RATE_HZ
+            .checked_div(samples_per_second)
+            .map_or(0, u64::from),
         samples: Vec::new(),
         contacts: Vec::new(),
         events: Vec::new(),
         state: "idle",
         frequency_hz: 0.0,
     };
-    let tally = emulator::run::run(&scenario, &mut control, &mut watch)?;
-    Ok((judge(&scenario, &tally), watch))
+    let mut run = Run::new(&scenario, &mut control, watch).map_err(from_user)?;
+    let how = How {
+        threads: None,
+        progress,
+    };
+    let blocks = scenario.blocks();
+    let (summary, watch) = how.run(py, blocks, |listener| {
+        for _ in 0..blocks {
+            run.block();
+            step(listener, 1)?;
+        }
+        Ok(run.finish())
+    })?;
+    let found = record(py, &judge(&scenario, &summary))?;
+    found.set_item("samples", columns(py, &watch.samples)?)?;
+    found.set_item("contact_list", columns(py, &watch.contacts)?)?;
+    found.set_item("timeline", columns(py, &watch.events)?)?;
+    Ok(found)
 }
 
 /// The built-in scenarios: name and description.

@@ -70,6 +70,9 @@ def test_a_rig_travels_to_another_process_without_its_file(tmp_path):
         (lambda: vi.emulate("nowhere"), ["nowhere"]),
         (lambda: vi.emulate(samples_per_second=10**6), ["samples_per_second"]),
         (lambda: vi.drill(WIRES, threshold_n=-5), ["-5"]),
+        (lambda: vi.drill(WIRES, threshold_n=25, threshold_percent=120), ["threshold_percent", "120"]),
+        (lambda: vi.drill(WIRES, threshold_n=25, bit_feed_force_n=2), ["bit_feed_force_n", "bit_mass_kg"]),
+        (lambda: vi.drill(WIRES, threshold_n=25, feed="slow"), ["feed", "slow"]),
     ],
 )
 def test_a_mistake_is_a_value_error_that_names_the_argument(call, words):
@@ -99,7 +102,8 @@ def test_what_a_progress_callback_raises_ends_the_work():
         vi.basins(WIRES, ratio=2.02, gap_mm=1, grid=400, progress=give_up)
 
 
-def test_ctrl_c_interrupts_and_the_interpreter_runs_meanwhile():
+@pytest.mark.parametrize("work", [lambda: vi.map(WIRES, engine="reference"), lambda: vi.emulate("softening")], ids=["map", "emulate"])
+def test_ctrl_c_interrupts_and_the_interpreter_runs_meanwhile(work):
     began = time.monotonic()
     ran = threading.Event()
 
@@ -109,11 +113,18 @@ def test_ctrl_c_interrupts_and_the_interpreter_runs_meanwhile():
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            vi.map(WIRES, engine="reference")
+            work()
     finally:
         signal.signal(signal.SIGINT, before)
     assert ran.is_set()
     assert time.monotonic() - began < 120
+
+
+def test_an_emulated_run_tells_how_far_it_is():
+    told = []
+    vi.emulate("field", samples_per_second=0, progress=lambda done, steps: told.append((done, steps)))
+    steps = {steps for _, steps in told}
+    assert len(steps) == 1 and told == sorted(told) and told[-1] == (max(steps), max(steps))
 
 
 def test_the_numbers_do_not_depend_on_threads():

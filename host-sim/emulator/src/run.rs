@@ -31,7 +31,7 @@ pub fn run(
     for _ in 0..scenario.blocks() {
         run.block();
     }
-    Ok(run.summary)
+    Ok(run.finish().0)
 }
 
 /// A run under way. [`run`] is one from beginning to end.
@@ -93,6 +93,11 @@ impl<C: ControlUnderTest, O: Observer> Run<C, O> {
     /// Who watches.
     pub fn observer(&mut self) -> &mut O {
         &mut self.observer
+    }
+
+    /// What was counted until now, and who watched.
+    pub fn finish(self) -> (Summary, O) {
+        (self.summary, self.observer)
     }
 
     /// What `scenario` has in store from now on takes the place of what this run's has.

@@ -641,6 +641,11 @@ def drill(
     ground_damping_n_s_per_m: float | None = None,
     threshold_percent: float = 20.0,
     ground_stiffness_percent: float = 20.0,
+    bit_mass_kg: float | None = None,
+    bit_stiffness_n_per_m: float | None = None,
+    bit_damping_n_s_per_m: float | None = None,
+    bit_feed_force_n: float | None = None,
+    feed: Literal["cart", "ground", "steady"] | float = "cart",
     ratio: Numbers | None = None,
     frequency_hz: Numbers | None = None,
     gap_mm: float | None = None,
@@ -649,12 +654,40 @@ def drill(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Record:
-    """Rate of penetration over frequency on ground that gives way at ``threshold_n`` (without a bit of its own mass).
+    """Rate of penetration over frequency on ground that gives way at ``threshold_n``.
+
+    Parameters
+    ----------
+    threshold_n:
+        Contact force at which the ground gives way, N.
+    ground_stiffness_n_per_m, ground_damping_n_s_per_m:
+        The ground before it does; the rig's contact if left out.
+    threshold_percent, ground_stiffness_percent:
+        Half-widths of their uncertainty.
+    bit_mass_kg:
+        Mass of a bit between hammer and ground, kg; no bit if left out.
+    bit_stiffness_n_per_m, bit_damping_n_s_per_m, bit_feed_force_n:
+        The hammer's contact with the bit (the rig's contact if left out), and the static force that presses it on the ground
+        (its weight).
+    feed:
+        How the gap is kept: ``"cart"`` (each period the cart is moved on by what was dug), ``"ground"`` (the ground is brought
+        back), ``"steady"`` (at the mean speed of the last period), or a speed in mm/s, at which the gap sets itself.
+    settle:
+        Drive cycles in which a run may settle.
+
+    The other arguments are those of :func:`sweep`.
 
     Returns
     -------
     Record
         ``rows``: a table with a row for each frequency; ``advice``: the best 1/1 and how far it moves over the uncertainty.
+
+    Raises
+    ------
+    ValueError
+        An argument cannot be used, or the ground holds at every frequency.
+    KeyboardInterrupt
+        On Ctrl-C.
 
     Notes
     -----
@@ -663,13 +696,21 @@ def drill(
     found = _native.drill(
         rig, threshold_n=threshold_n, ground_stiffness_n_per_m=ground_stiffness_n_per_m,
         ground_damping_n_s_per_m=ground_damping_n_s_per_m, threshold_percent=threshold_percent,
-        ground_stiffness_percent=ground_stiffness_percent, ratio=_list(ratio), frequency_hz=_list(frequency_hz),
+        ground_stiffness_percent=ground_stiffness_percent, bit_mass_kg=bit_mass_kg,
+        bit_stiffness_n_per_m=bit_stiffness_n_per_m, bit_damping_n_s_per_m=bit_damping_n_s_per_m,
+        bit_feed_force_n=bit_feed_force_n, feed=str(feed), ratio=_list(ratio), frequency_hz=_list(frequency_hz),
         gap_mm=gap_mm, cart=cart, settle=settle, threads=threads, progress=progress,
     )
     return Record(_tables(found, "rows"))
 
 
-def emulate(scenario: str = "field", *, toml: str | None = None, samples_per_second: int = 1000) -> Record:
+def emulate(
+    scenario: str = "field",
+    *,
+    toml: str | None = None,
+    samples_per_second: int = 1000,
+    progress: Progress | None = None,
+) -> Record:
     """Runs the board's controller in a closed loop with an emulated rig.
 
     Parameters
@@ -680,14 +721,23 @@ def emulate(scenario: str = "field", *, toml: str | None = None, samples_per_sec
         The text of a scenario; ``scenario`` is then only its name.
     samples_per_second:
         Samples of the true motion that are kept, at most 20000; 0 keeps none.
+    progress:
+        As in :func:`sweep`; the steps are the blocks of samples that the controller is given, 2000 for a second of the rig.
 
     Returns
     -------
     Record
         The verdict as ``host-sim emulate --format json`` has it; tables ``samples`` (true motion, state, drive frequency),
         ``contact_list`` and ``timeline``.
+
+    Raises
+    ------
+    ValueError
+        There is no such scenario, or it cannot be used.
+    KeyboardInterrupt
+        On Ctrl-C.
     """
-    found = _native.emulate(scenario, toml=toml, samples_per_second=samples_per_second)
+    found = _native.emulate(scenario, toml=toml, samples_per_second=samples_per_second, progress=progress)
     return Record(_tables(found, "samples", "contact_list", "timeline"))
 
 
