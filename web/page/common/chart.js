@@ -13,6 +13,7 @@ text { fill: var(--ink); font: 12px system-ui, "DejaVu Sans", sans-serif; }
 `;
 
 const MARGIN = { left: 62, right: 12, top: 26, bottom: 42 };
+const TITLE = { letter: 7.2, line: 15 };
 
 // The space between two values, on the screen.
 export function scale([low, high], [from, to]) {
@@ -41,6 +42,17 @@ export function axes(x, y, rangeX, rangeY, { left, top, width, height }, labels)
     svg("text", { transform: `translate(14 ${top + height / 2}) rotate(-90)`, "text-anchor": "middle" }, labels.y),
   );
   return group;
+}
+
+// A title in as many lines as it needs.
+function wrapped(title, room) {
+  const lines = [""];
+  for (const word of title.split(" ")) {
+    const longer = `${lines.at(-1)} ${word}`.trim();
+    if (longer.length * TITLE.letter > room && lines.at(-1)) lines.push(word);
+    else lines[lines.length - 1] = longer;
+  }
+  return lines;
 }
 
 // One point in the shape of its series.
@@ -80,11 +92,15 @@ export class Chart {
     const all = data.series.flatMap((one) => one.points);
     let rangeX = data.rangeX ?? around(all.map((p) => p[0]), data.tight ? 0 : 0.04, data.least?.[0]);
     const rangeY = data.rangeY ?? around(all.map((p) => p[1]).concat((data.lines ?? []).map((l) => l.at)), 0.04, data.least?.[1]);
-    const tall = this.height - MARGIN.top - MARGIN.bottom;
+    const title = wrapped(data.title, width - 2 * MARGIN.right);
+    const top = MARGIN.top + TITLE.line * (title.length - 1);
+    const tall = this.height - top - MARGIN.bottom;
     // Room for the longest number beside the axis's name.
     const letters = Math.max(...ticks(...rangeY, Math.max(2, tall / 45)).map(({ text }) => text.length), 0);
     const left = Math.max(MARGIN.left, 32 + 7.2 * letters);
-    const plot = { left, top: MARGIN.top, width: width - left - MARGIN.right, height: tall };
+    const plot = { left, top, width: width - left - MARGIN.right, height: tall };
+    // Above the plot where it fits there, else from the left edge.
+    const titleX = title.length > 1 || title[0].length * TITLE.letter > plot.width ? MARGIN.right : left;
     if (data.equal) {
       const half = ((rangeY[1] - rangeY[0]) / 2) * (plot.width / plot.height);
       rangeX = [(rangeX[0] + rangeX[1]) / 2 - half, (rangeX[0] + rangeX[1]) / 2 + half];
@@ -102,7 +118,7 @@ export class Chart {
       svg("clipPath", { id: clip }, svg("rect", { x: plot.left, y: plot.top, width: plot.width, height: plot.height })),
       svg("rect", { class: "paper", width, height: this.height }),
       svg("rect", { class: "plot", x: plot.left, y: plot.top, width: plot.width, height: plot.height }),
-      svg("text", { x: plot.left, y: 16, "font-weight": "bold" }, data.title),
+      ...title.map((line, i) => svg("text", { x: titleX, y: 16 + TITLE.line * i, "font-weight": "bold" }, line)),
       axes(x, y, rangeX, rangeY, plot, { x: data.x, y: data.y }),
       this.contents(data, clip),
     );
