@@ -1,5 +1,5 @@
 """The page in a browser, and the command line beside it. `cargo xtask web --test` sets what is needed:
-PAGE (the file), CHROMIUM and HOST_SIM (the programs), SHOTS (a folder for pictures)."""
+PAGE (the file), SITE (the folder), CHROMIUM and HOST_SIM (the programs), SHOTS (a folder for pictures)."""
 
 import csv
 import io
@@ -55,7 +55,7 @@ class Opened:
 def opened(browser):
     contexts = []
 
-    def open_page(fragment="", width=700, height=800, dark=False, **more):
+    def open_page(fragment="", width=700, height=800, dark=False, file=PAGE, **more):
         context = browser.new_context(
             viewport={"width": width, "height": height},
             color_scheme="dark" if dark else "light",
@@ -65,7 +65,7 @@ def opened(browser):
         context.set_default_timeout(PATIENCE_MS)
         contexts.append(context)
         found = Opened(context.new_page())
-        found.page.goto(PAGE.as_uri() + fragment)
+        found.page.goto(file.as_uri() + fragment)
         return found
 
     yield open_page

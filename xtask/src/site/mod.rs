@@ -15,7 +15,8 @@ use std::{
 };
 
 use book::{Part, file_name};
-use page::{Goal, Page, render};
+use page::{Goal, Page, Section, render};
+use serde::Serialize;
 
 use crate::{
     Outcome,
@@ -70,6 +71,17 @@ pub fn run(plan: &Plan) -> Outcome {
         place.join("index.html").display()
     );
     Ok(())
+}
+
+/// Writes the pages alone into a folder of `target`, whatever it held; for a browser's tests.
+pub fn pages_for_tests() -> Outcome<PathBuf> {
+    let place = root().join("target/site-in-browser");
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
+    }
+    fs::create_dir_all(&place)?;
+    pages(&place, &Vec::new())?;
+    Ok(place)
 }
 
 /// The documentation that other programs make, and the page, each left out with a line where it cannot be had.
@@ -144,6 +156,8 @@ fn pages(place: &Path, elsewhere: &Elsewhere) -> Outcome<usize> {
         fs::copy(root().join(path), goal)?;
     }
     fs::write(place.join("style.css"), include_str!("style.css"))?;
+    fs::write(place.join("search.js"), include_str!("search.js"))?;
+    fs::write(place.join("search-index.js"), index(&rendered)?)?;
     for (at, source) in sources.iter().enumerate() {
         let name = file_name(source);
         let page = &rendered[&name];
@@ -168,6 +182,29 @@ fn pages(place: &Path, elsewhere: &Elsewhere) -> Outcome<usize> {
         fs::write(place.join("explore.html"), html)?;
     }
     Ok(sources.len())
+}
+
+/// A section of a page, for the search.
+#[derive(Serialize)]
+struct Found<'a> {
+    page: &'a str,
+    title: &'a str,
+    #[serde(flatten)]
+    section: &'a Section,
+}
+
+/// All sections as a script, which a page opened from a folder can load.
+fn index(rendered: &BTreeMap<String, Page>) -> Outcome<String> {
+    let mut found = Vec::new();
+    for (name, page) in rendered {
+        found.extend(page.sections.iter().map(|section| Found {
+            page: name,
+            title: &page.title,
+            section,
+        }));
+    }
+    let json = serde_json::to_string(&found)?;
+    Ok(format!("globalThis.searchSections = {json};\n"))
 }
 
 /// Where a path of the project stands in the site.
@@ -275,7 +312,7 @@ fn framed(title: &str, inner: &str, parts: &[Part], elsewhere: &Elsewhere, own: 
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title} – vibroimpact</title>\n<link rel=\"stylesheet\" href=\"style.css\">\n</head>\n<body>\n\
+         <title>{title} – vibroimpact</title>\n<link rel=\"stylesheet\" href=\"style.css\">\n<script defer src=\"search.js\"></script>\n</head>\n<body>\n\
          <a class=\"skip\" href=\"#text\">To the text</a>\n<a class=\"contents\" href=\"#contents\">Contents</a>\n\
          <div class=\"frame\">\n{inner}\n<nav class=\"book\" id=\"contents\" aria-label=\"Contents\">\n{list}</nav>\n</div>\n\
          </body>\n</html>\n"
@@ -323,6 +360,7 @@ mod tests {
             title: String::new(),
             anchors: vec!["here".into()],
             links,
+            sections: Vec::new(),
         };
         let with = |fragment: &str| {
             let links = vec![("b.html".to_owned(), Some(fragment.to_owned()))];

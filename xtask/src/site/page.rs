@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
+use serde::Serialize;
 
 use super::book::resolved;
 use crate::Outcome;
@@ -25,6 +26,16 @@ pub struct Page {
     pub anchors: Vec<String>,
     /// The pages and places in them that it links to.
     pub links: Vec<(String, Option<String>)>,
+    /// What can be searched for.
+    pub sections: Vec<Section>,
+}
+
+/// A heading with the words below it, as far as the next.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Section {
+    pub anchor: String,
+    pub heading: String,
+    pub text: String,
 }
 
 /// Renders `text`, the page `source`; `find` says where a path of the project stands in the site.
@@ -36,6 +47,7 @@ pub fn render(
     let options = Options::ENABLE_TABLES | Options::ENABLE_FOOTNOTES | Options::ENABLE_MATH;
     let mut events: Vec<Event> = Parser::new_ext(text, options).collect();
     let (title, anchors) = name_headings(&mut events);
+    let sections = sections(&events);
     let folder = source.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut links = Vec::new();
     // Whether each open link is kept.
@@ -78,6 +90,7 @@ pub fn render(
         title,
         anchors,
         links,
+        sections,
     })
 }
 
@@ -140,6 +153,34 @@ fn name_headings(events: &mut [Event]) -> (String, Vec<String>) {
         }
     }
     (title, names)
+}
+
+/// The words under each heading; the headings have their names.
+fn sections(events: &[Event]) -> Vec<Section> {
+    let mut found: Vec<Section> = Vec::new();
+    let mut in_heading = false;
+    for event in events {
+        if let Event::Start(Tag::Heading { id, .. }) = event {
+            in_heading = true;
+            found.push(Section {
+                anchor: id.as_deref().unwrap_or_default().into(),
+                ..Section::default()
+            });
+        }
+        let Some(section) = found.last_mut() else {
+            continue;
+        };
+        match event {
+            Event::Text(words) | Event::Code(words) if in_heading => section.heading += words,
+            Event::Text(words) | Event::Code(words) => section.text += words,
+            Event::End(TagEnd::Heading(_)) => in_heading = false,
+            // Within a line of text these end no word.
+            Event::End(TagEnd::Emphasis | TagEnd::Strong | TagEnd::Link) => {}
+            Event::SoftBreak | Event::HardBreak | Event::End(_) => section.text.push(' '),
+            _ => {}
+        }
+    }
+    found
 }
 
 /// Small letters, hyphens for spaces, nothing else but digits and underscores.
@@ -217,6 +258,23 @@ mod tests {
         assert_eq!(page.links, [("b.html".into(), Some("y".into()))]);
         assert!(rendered("[x](c.md)").is_err());
         assert!(rendered("![x](c.png)").is_err());
+    }
+
+    #[test]
+    fn sections_have_the_words_below_their_headings() {
+        let page = rendered(
+            "# A `b`\n\nOne *t*wo\nthree.\n\n| x | y |\n|---|---|\n| 1 | 2 |\n\n## C\n\n    code\n",
+        )
+        .unwrap();
+        let words =
+            |at: usize| -> Vec<&str> { page.sections[at].text.split_whitespace().collect() };
+        assert_eq!(page.sections.len(), 2);
+        assert_eq!(
+            (&*page.sections[0].anchor, &*page.sections[0].heading),
+            ("a-b", "A b")
+        );
+        assert_eq!(words(0), ["One", "two", "three.", "x", "y", "1", "2"]);
+        assert_eq!((&*page.sections[1].heading, words(1)), ("C", vec!["code"]));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The page in headless Chromium: what its controls do, and its numbers against those of `host-sim`.
+//! The page in headless Chromium: what its controls do, and its numbers against those of `host-sim`. The site's search, too.
 
 use std::{path::PathBuf, process::Command};
 
@@ -6,7 +6,7 @@ use crate::{
     Outcome,
     command::{self, root},
     desktop::{self, Build},
-    python, tools,
+    python, site, tools,
 };
 
 /// What drives the browser and runs the tests.
@@ -27,6 +27,7 @@ pub fn test(words: &[&str], build: &Build) -> Outcome {
     tests.current_dir(root().join("web"));
     tests.env("HOST_SIM", program).env("PAGE", &page);
     tests.env("CHROMIUM", browser);
+    tests.env("SITE", site::pages_for_tests()?);
     tests.env("SHOTS", page.with_file_name("shots"));
     command::run(
         tests
