@@ -213,7 +213,7 @@ fn difference(one: &Value, other: &Value) -> Option<f64> {
     }
 }
 
-/// The wheel in an environment with nothing else in it.
+/// The wheel in an environment with nothing else in it, and in a bare root of an older Debian.
 fn wheel_tried(files: &[PathBuf]) -> Outcome<String> {
     let wheel = files
         .iter()
@@ -228,9 +228,23 @@ fn wheel_tried(files: &[PathBuf]) -> Outcome<String> {
     let script = "import vibroimpact as vi; print(vi.pick(vi.Rig('wires')).operating_frequency_hz)";
     let mut python = Command::new(place.join("bin/python"));
     let answer = command::output(python.args(["-c", script]).current_dir("/"))?;
+    let old = match old_debian::run_python(python::pip(&place), wheel, script)? {
+        Err(why) => why,
+        Ok(old) => {
+            let [here, there]: [f64; 2] = [answer.trim().parse()?, old.trim().parse()?];
+            if (here - there).abs() > SAME * here {
+                return Err(format!(
+                    "the wheel's pick gives {here} Hz here, {there} Hz in {}",
+                    old_debian::name()
+                )
+                .into());
+            }
+            format!("in {} with its Python {there} Hz", old_debian::name())
+        }
+    };
     fs::remove_dir_all(&place)?;
     Ok(format!(
-        "the wheel, in an environment of its own: pick gives {} Hz",
+        "the wheel, in an environment of its own: pick gives {} Hz; {old}",
         answer.trim()
     ))
 }

@@ -15,6 +15,8 @@ pub struct Old {
     pub number: &'static str,
     /// Its name in the mirror.
     pub name: &'static str,
+    /// The folder of the root below `target/tools`: one for each list of packages.
+    pub folder: &'static str,
     /// What is unpacked.
     pub packages: &'static [&'static str],
 }
@@ -22,7 +24,7 @@ pub struct Old {
 impl Old {
     /// The root, unpacked where that has not been done.
     pub fn provide(&self) -> Outcome<PathBuf> {
-        let whole = tools().join(format!("debian-{}", self.number));
+        let whole = tools().join(self.folder);
         if whole.is_dir() {
             return Ok(whole);
         }
@@ -36,7 +38,7 @@ impl Old {
             self.number,
             whole.display()
         );
-        let part = tools().join(format!("debian-{}.part", self.number));
+        let part = whole.with_extension("part");
         remove(&part)?;
         let tree = part.join("root");
         fs::create_dir_all(&tree)?;
