@@ -6,6 +6,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use crc::{CRC_32_ISO_HDLC, CRC_64_XZ, Crc};
 use serde::Serialize;
@@ -85,14 +86,19 @@ impl<T: Serialize + DeserializeOwned> Kept<T> {
 /// # Errors
 /// The file cannot be read.
 pub fn this_program() -> Result<String, UserError> {
-    let program = std::env::current_exe().and_then(fs::read);
-    let program = program.map_err(|e| {
-        UserError::new(format!(
-            "cannot read this program's own file to tell its version: {e}; start it by its path"
-        ))
-    })?;
-    let version = env!("CARGO_PKG_VERSION");
-    Ok(format!("host-sim {version} {}", checksum(&program)))
+    // The file is large, and stays the same while it runs.
+    static PROGRAM: OnceLock<Result<String, String>> = OnceLock::new();
+    let read = || {
+        let program = std::env::current_exe().and_then(fs::read);
+        let program = program.map_err(|e| {
+            format!(
+                "cannot read this program's own file to tell its version: {e}; start it by its path"
+            )
+        })?;
+        let version = env!("CARGO_PKG_VERSION");
+        Ok(format!("host-sim {version} {}", checksum(&program)))
+    };
+    PROGRAM.get_or_init(read).clone().map_err(UserError::new)
 }
 
 /// CRC-64 of `bytes`, hexadecimal.

@@ -79,12 +79,12 @@ fn any_scenario_does_no_harm() {
 
 #[test]
 fn any_table_does_no_harm() {
-    run("table", tests::fuzz::table);
+    run_times(MUTATIONS / 2, "table", tests::fuzz::table);
 }
 
 #[test]
 fn any_record_does_no_harm() {
-    run("signal", tests::fuzz::signal);
+    run_times(MUTATIONS / 2, "signal", tests::fuzz::signal);
 }
 
 /// Fewer: each is a file on the disk.

@@ -1,6 +1,6 @@
-//! `cargo xtask test`: what must hold before a change is done. The desktop's half and the other (the firmware, then the page)
-//! need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and a browser
-//! that waits keep one processor busy each. Within a half one step follows the other, and the first that fails ends it.
+//! `cargo xtask test`: what must hold before a change is done. The desktop's half and the other (the firmware, then the page and
+//! the Python package) need nothing of each other and run side by side: the emulator, the linker that optimises a whole image, and
+//! a browser that waits keep one processor busy each. Within a half one step follows the other, and the first that fails ends it.
 
 use std::{
     env, fs,
@@ -31,7 +31,7 @@ pub enum Part {
     Host,
     /// What needs one, or QEMU.
     Firmware,
-    /// What runs beside the desktop's half: the firmware, then the page.
+    /// What runs beside the desktop's half: the firmware, then the page and the Python package.
     Beside,
 }
 
@@ -68,13 +68,15 @@ const HOST: &[Step] = &[
     ("release archive", || {
         silent(dist::run(&dist::Plan::Check, &Build::Tested))
     }),
+];
+
+/// What needs a browser or an interpreter.
+const OTHERS: &[Step] = &[
+    ("page in a browser", page),
     ("Python package", || {
         silent(crate::python::run(&[], &Build::Tested))
     }),
 ];
-
-/// Waits for the browser more than it computes.
-const PAGE: Step = ("page in a browser", page);
 
 const FIRMWARE: &[Step] = &[
     ("model for the microcontroller", || {
@@ -177,9 +179,9 @@ struct Row {
 pub fn run(part: Part) -> Outcome {
     match part {
         Part::All => side_by_side(),
-        Part::Host => steps(&[HOST, &[PAGE]].concat()),
+        Part::Host => steps(&[HOST, OTHERS].concat()),
         Part::Firmware => steps(&[&[TOOLS], FIRMWARE].concat()),
-        Part::Beside => steps(&[FIRMWARE, &[PAGE]].concat()),
+        Part::Beside => steps(&[FIRMWARE, OTHERS].concat()),
     }
 }
 
@@ -210,7 +212,7 @@ fn steps(steps: &[Step]) -> Outcome {
     }
 }
 
-/// The half of firmware and page, run by this program once more, with its output in a file until the desktop's half has ended.
+/// The half of firmware, page and Python package, run by this program once more, with its output in a file until the desktop's half has ended.
 struct Beside {
     child: Child,
     log: PathBuf,
@@ -227,7 +229,7 @@ impl Beside {
             .stdout(file.try_clone()?)
             .stderr(file);
         println!(
-            "\nfirmware and page run beside; their output is in {}",
+            "\nfirmware, page and Python package run beside; their output is in {}",
             log.display()
         );
         Ok(Self {
@@ -238,15 +240,15 @@ impl Beside {
 
     /// Waits for its end, and shows its output.
     fn finish(mut self) -> Outcome {
-        println!("\nwaiting for firmware and page");
+        println!("\nwaiting for firmware, page and Python package");
         // It gives up its own steps.
         let status = self.child.wait()?;
-        println!("\n=== firmware and page ===");
+        println!("\n=== firmware, page and Python package ===");
         println!("{}", String::from_utf8_lossy(&fs::read(&self.log)?));
         if status.success() {
             Ok(())
         } else {
-            Err("the half of firmware and page failed; its output is above".into())
+            Err("the half of firmware, page and Python package failed; its output is above".into())
         }
     }
 }

@@ -15,9 +15,21 @@ use crate::{
 /// What builds the wheel and runs its tests, beside the package's own `numpy`.
 const PACKAGES: &[&str] = &["maturin>=1.9,<2", "numpy", "pandas", "xarray", "pytest"];
 
+/// What runs the notebooks, and the map that a Dask cluster shares. Without them those tests are left out.
+const NOTEBOOKS: &[&str] = &[
+    "matplotlib",
+    "nbclient",
+    "nbformat",
+    "ipykernel",
+    "distributed",
+];
+
 /// Builds the package into `target/python`, and runs its tests with the words given.
 pub fn run(words: &[&str], build: &Build) -> Outcome {
     let environment = own_environment()?;
+    if let Err(error) = command::run(pip(&environment).args(NOTEBOOKS)) {
+        println!("the notebooks and the Dask cluster are left out: {error}");
+    }
     install(&environment)?;
     let program = desktop::program("host-sim", build)?;
     let mut tests = Command::new(environment.join("bin/python"));
