@@ -45,3 +45,16 @@ def test_what_is_searched_for_is_never_taken_for_a_page_part(opened):
     page.get_by_role("searchbox").fill("<img src=x> (")
     page.wait_for_function("document.querySelector('.said').textContent !== ''")
     assert page.locator(".found img, .said img").count() == 0
+
+
+@pytest.mark.parametrize("width", [1280, 360])
+def test_no_page_is_wider_than_the_screen_and_no_picture_is_missing(opened, width):
+    found = opened(width=width, file=SITE / "index.html")
+    files = sorted(SITE.glob("*.html"))
+    assert len(files) > 30
+    for file in files:
+        found.page.goto(file.as_uri())
+        assert found.page.evaluate("document.documentElement.scrollWidth") <= width, file.name
+        broken = found.page.evaluate("[...document.images].filter((one) => !one.naturalWidth).map((one) => one.src)")
+        assert broken == [], file.name
+    assert found.said == []
