@@ -36,6 +36,7 @@ const WITH_PYTHON: Old = Old {
         "libpython3.9-minimal",
         "libpython3.9-stdlib",
         "libssl1.1",
+        "libstdc++6",
         "python3.9-minimal",
         "zlib1g",
     ],
