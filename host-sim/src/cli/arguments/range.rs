@@ -16,8 +16,8 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
     if !(from.is_finite() && to.is_finite() && step.is_finite()) {
         return Err("every part must be a finite number".to_owned());
     }
-    if from > to {
-        return Err(format!("FROM ({from}) is above TO ({to}); swap them"));
+    if from != to {
+        rising(from, to)?;
     }
     if step <= 0.0 {
         return Err(format!("STEP is {step}, must be positive"));
@@ -29,6 +29,20 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
         ));
     }
     Ok((0..count as u64).map(|i| from + i as f64 * step).collect())
+}
+
+/// Refuses a range that does not rise.
+///
+/// # Errors
+/// If it does not.
+pub fn rising(from: f64, to: f64) -> Result<(), String> {
+    if from > to {
+        return Err(format!("FROM ({from}) is above TO ({to}); swap them"));
+    }
+    if from == to {
+        return Err(format!("FROM and TO are both {from}; widen the range"));
+    }
+    Ok(())
 }
 
 /// Values of a parameter, and whether they are spaced by factors.
@@ -72,9 +86,7 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
             "{spacing}: there must be from 2 to {MOST:.0} values"
         ));
     }
-    if from >= to {
-        return Err(format!("FROM ({from}) must be below TO ({to})"));
-    }
+    rising(from, to)?;
     if log && from <= 0.0 {
         return Err(format!("FROM is {from}, must be positive for {spacing}"));
     }
@@ -123,6 +135,11 @@ mod tests {
         ] {
             assert!(parse_values(bad).is_err(), "{bad}");
         }
+        assert!(
+            parse_values("1:0.1:lin5")
+                .unwrap_err()
+                .contains("swap them")
+        );
     }
 
     #[test]
