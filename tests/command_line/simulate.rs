@@ -118,6 +118,8 @@ fn csv_says_what_json_says_with_units_in_its_header() {
     }
     let more = [
         "contacts_recorded",
+        "settling_cycles",
+        "settling_s",
         "rebound_speed_m_per_s",
         "energy_per_blow_j",
         "impulse_n_s",
