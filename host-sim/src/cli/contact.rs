@@ -125,6 +125,7 @@ fn some(speeds: &[f64]) -> Vec<f64> {
 }
 
 fn figure(case: &Case, all: &[Row]) -> Result<plot::Figure, UserError> {
+    let mut at = String::new();
     let drawn: Vec<_> = match case.laws.as_slice() {
         [(_, law)] => some(&case.speeds)
             .into_iter()
@@ -132,11 +133,16 @@ fn figure(case: &Case, all: &[Row]) -> Result<plot::Figure, UserError> {
             .collect(),
         laws => {
             let v = middle(&case.speeds);
-            let named = |(name, law): &(&str, Law<f64>)| (format!("{name}, {v:.3} m/s"), *law, v);
+            at = format!(", approach at {v:.3} m/s");
+            let named = |(name, law): &(&str, Law<f64>)| ((*name).to_owned(), *law, v);
             laws.iter().map(named).collect()
         }
     };
-    let mut panels = blows(case.mass_kg, &drawn)?.to_vec();
+    let [plane, force] = blows(case.mass_kg, &drawn)?;
+    let mut panels = vec![
+        plane.titled(format!("Phase plane{at}")),
+        force.titled(format!("Contact force{at}")),
+    ];
     if case.speeds.len() > 1 {
         panels.extend(over_speed(all));
     }
@@ -155,7 +161,9 @@ fn text(case: &Case, all: &[Row]) -> String {
     );
     let every = case.speeds.len().div_ceil(8);
     for (i, row) in all.iter().enumerate() {
-        if !(i % case.speeds.len()).is_multiple_of(every) {
+        // The speed that the picture shows is among those listed.
+        let k = i % case.speeds.len();
+        if !k.is_multiple_of(every) && k != case.speeds.len() / 2 {
             continue;
         }
         let pull = if row.pull_share > 0.0 {

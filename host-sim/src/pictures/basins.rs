@@ -161,7 +161,7 @@ fn looks_panel(basins: &Basins) -> Panel {
     };
     let of = over_cycles.first().map_or(0, |l| l.impact.of);
     Panel::new(
-        Axis::new("drive cycles run when one looks").with_zero(),
+        Axis::new("drive cycles since the start").with_zero(),
         Axis::new("impact, % of the random starts").fixed(0.0, 105.0),
     )
     .titled(format!("{of} random starts, run on"))

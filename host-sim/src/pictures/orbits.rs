@@ -10,7 +10,7 @@ use crate::pictures::regimes::regime_color;
 use files::UserError;
 use numerics::continuation::curves::Line;
 use numerics::continuation::family::Node;
-use numerics::continuation::table::{motion_at, stretches};
+use numerics::continuation::table::{motion_at, names, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
@@ -82,15 +82,23 @@ pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError
     Ok(found)
 }
 
-/// How a special point is marked.
-fn mark(special: Special) -> (Mark, Color) {
+/// How a special point is marked, and how large: kinds that fall on one place show beside each other.
+fn mark(special: Special) -> (Mark, Color, f64) {
     match special {
-        Special::PeriodDoubling => (Mark::Diamond, Color::INK),
-        Special::Fold => (Mark::Square, Color::RED),
-        Special::GrazingGained => (Mark::Triangle, Color::PURPLE),
-        Special::GrazingLost => (Mark::Ring, Color::PURPLE),
+        Special::PeriodDoubling => (Mark::Diamond, Color::INK, 3.5),
+        Special::Fold => (Mark::Square, Color::RED, 4.5),
+        Special::GrazingGained => (Mark::Triangle, Color::PURPLE, 5.5),
+        Special::GrazingLost => (Mark::Ring, Color(0x5B, 0x2C, 0x83), 8.0),
     }
 }
+
+/// Colours of further branches of a regime that has one already.
+const BRANCHES: [Color; 4] = [
+    Color(0x5C, 0x4B, 0x00),
+    Color(0x00, 0x8C, 0x8C),
+    Color(0xA0, 0x3C, 0x78),
+    Color(0x50, 0x50, 0xC8),
+];
 
 /// Displacement and force of every curve over the parameter, over the points of simulations.
 pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
@@ -154,9 +162,13 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
             String::new()
         }
     };
-    for curve in &diagram.curves {
-        let regime = curve.regime().to_string();
-        let color = regime_color(&regime);
+    let mut further = BRANCHES.iter().cycle();
+    for (curve, name) in diagram.curves.iter().zip(names(diagram)) {
+        let (regime, name) = (curve.regime().to_string(), name.to_string());
+        let color = match name == regime {
+            true => regime_color(&regime),
+            false => *further.next().expect("a cycle has no end"),
+        };
         for (nodes, stability) in stretches(&curve.nodes) {
             for k in 0..usize::from(curve.periods()) {
                 let at = |n: &Node| (n.parameter(), value(n, k).unwrap_or(f64::NAN));
@@ -173,14 +185,14 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
                 panel.items.push(Item::Line {
                     points,
                     color,
-                    label: once(format!("{regime} {word}")),
+                    label: once(format!("{name} {word}")),
                     width: if stable { 2.2 } else { 1.4 },
                     stroke,
                 });
             }
         }
     }
-    for kind in Special::ALL {
+    for kind in Special::ALL.into_iter().rev() {
         let of = |curve: &numerics::continuation::Curve| {
             let points = curve.specials().filter(|(_, k)| *k == kind);
             let points = points.flat_map(|(node, _)| {
@@ -192,12 +204,12 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
         };
         let points: Vec<(f64, f64)> = diagram.curves.iter().flat_map(of).collect();
         if !points.is_empty() {
-            let (mark, color) = mark(kind);
+            let (mark, color, radius) = mark(kind);
             panel.items.push(Item::Points {
                 points,
                 color,
                 label: kind.label().to_owned(),
-                radius: 4.0,
+                radius,
                 mark,
             });
         }
@@ -221,7 +233,7 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
     // The legend shows a kind by one of its lines, if it has any, rather than by a line of a single point.
     let (long, points): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|l| l.nodes.len() > 1);
     for line in long.into_iter().chain(points) {
-        let (mark, _) = mark(line.special);
+        let (mark, ..) = mark(line.special);
         let (stroke, color) = stroke(line.special);
         let label = if named.contains(&line.special) {
             String::new()
