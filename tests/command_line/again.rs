@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::emulate::STOPPED;
+use crate::shell::commands;
 use crate::support::{Folder, assert_refused};
 
 /// The cheapest form of each. `chapter` has its test in `chapter.rs`, as it takes long.
@@ -43,7 +44,6 @@ const WRITE_NONE: &[&str] = &[
     "rig",
     "rigs",
     "completions",
-    "help",
 ];
 
 fn contents(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
@@ -63,17 +63,10 @@ fn every_command_answers_again_and_after_an_edit_and_says_what_it_replaced() {
             .with("short.toml", scenario)
     };
     let folder = edited(Folder::new(), 0.298);
-    let help = folder.run("--help").well().out;
-    let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    for line in listed.take_while(|line| !line.is_empty()) {
-        let command = line.split_whitespace().next().unwrap();
-        let written = WRITE
-            .iter()
-            .any(|line| line.starts_with(&format!("{command} ")));
-        assert!(
-            written ^ WRITE_NONE.contains(&command),
-            "{command}: in which list?"
-        );
+    for command in commands() {
+        let named = |line: &&str| line.split(' ').next() == Some(&command);
+        let (writes, none) = (WRITE.iter().any(named), WRITE_NONE.contains(&&*command));
+        assert!(writes != none, "{command}: in which list?");
     }
     let drop = "drop --impacts 3 --noise-n 0.1 --format csv --quiet";
     let drop = folder.run(drop).well().out;
