@@ -1,7 +1,7 @@
 //! `host-sim contact`.
 
 use super::arguments::output::OutputArgs;
-use super::arguments::range::parse_range;
+use super::arguments::range::range_or_value;
 use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use crate::pictures::drawn;
@@ -20,8 +20,8 @@ enum Which {
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Approach speeds, m/s [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
+    /// Approach speeds, m/s: FROM:TO:STEP, or one value [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     speed: Option<String>,
 
     /// Which laws
@@ -103,7 +103,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
 fn speeds(text: &str) -> Result<Vec<f64>, UserError> {
     const FASTEST: f64 = 100.0;
     let bad = |what: String| UserError::new(format!("--speed {text}: {what}"));
-    let speeds = parse_range(text).map_err(bad)?;
+    let speeds = range_or_value(text).map_err(bad)?;
     match speeds.iter().find(|v| !(**v > 0.0 && **v <= FASTEST)) {
         Some(v) => Err(bad(format!(
             "{v} m/s is not a speed above 0 and up to {FASTEST}"

@@ -149,6 +149,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         release_height_percent: settings.release_height_percent,
         fits: fits.iter().map(Worded::from).collect(),
     };
+    refuse(&answer)?;
     let rows = rows(&fits);
     if let Some(dir) = &output.out {
         let mut contents = drawn(&output.name(""), &figure(&rig, &measured, &fits, &settings))?;
@@ -158,12 +159,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
         output.write(dir, contents)?;
     }
-    output.emit(&answer, &rows, || text(&answer))?;
-    refusal(&answer)
+    output.emit(&answer, &rows, || text(&answer))
 }
 
-/// An error if none of the laws fits.
-fn refusal(answer: &Answer) -> Result<(), UserError> {
+/// An error if none of the laws fits: there is no answer then.
+fn refuse(answer: &Answer) -> Result<(), UserError> {
     if answer.fits.iter().any(|worded| !worded.fit.refused) {
         return Ok(());
     }

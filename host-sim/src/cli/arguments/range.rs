@@ -31,6 +31,21 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
     Ok((0..count as u64).map(|i| from + i as f64 * step).collect())
 }
 
+/// The same, or one number.
+///
+/// # Errors
+/// If it is neither.
+pub fn range_or_value(text: &str) -> Result<Vec<f64>, String> {
+    if text.contains(':') {
+        return parse_range(text);
+    }
+    let value = text.trim().parse();
+    value.map_or_else(
+        |_| Err("write FROM:TO:STEP, or one number".to_owned()),
+        |value| Ok(vec![value]),
+    )
+}
+
 /// Values of a parameter, and whether they are spaced by factors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
