@@ -214,3 +214,82 @@ fn without_out_a_person_gets_files_in_one_folder_and_a_program_none() {
         );
     }
 }
+
+/// What drives a rig and how its files begin. The words about the cart stand in the first line, in every picture and in JSON.
+const DRIVEN: &[(&str, &str)] = &[
+    (RUN, "simulate"),
+    (
+        "compare h.csv --ratio 1.5 --cycles 40 --transient 20",
+        "compare",
+    ),
+    (
+        "sweep --ratio 1.5:1.6:0.1 --cycles 20 --transient 10",
+        "sweep",
+    ),
+    (
+        "sweep --ratio 1.5 --over mass_kg=0.3,0.4 --cycles 20 --transient 10",
+        "sweep",
+    ),
+    ("map --ratio 1.5:1.6:0.1 --gap 0 --cycles 20", "map"),
+    (
+        "orbits --ratio 1.5:1.6 --starts 1 --periods 1 --checks 0 --behind 2",
+        "orbits",
+    ),
+    (
+        "orbits --curves --gaps 0:0.05:0.05 --ratio 2.4:2.8 --starts 2",
+        "orbits",
+    ),
+    (
+        "bifurcation --ratio 1.5:1.6:0.1 --cycles 20 --recorded 10",
+        "bifurcation",
+    ),
+    (
+        "basins --ratio 2 --grid 2 --samples 0 --cycles 20 --recorded 10",
+        "basins",
+    ),
+    (
+        "poincare --ratio 1.5 --points 20 --transient 10",
+        "poincare",
+    ),
+    (
+        "modes --rig beam-170 --ratio 1.8 --modes 1 --cycles 20 --transient 10",
+        "modes",
+    ),
+];
+
+#[test]
+fn every_answer_names_its_cart_which_recoils_where_the_shaker_is_known() {
+    // A rig without a shaker: the preset's other keys, written out.
+    let bare: String = Folder::new()
+        .run("rigs wires")
+        .well()
+        .out
+        .lines()
+        .filter(|line| !line.starts_with("shaker"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    for (command, start) in DRIVEN {
+        let mut record = String::from("time_s,displacement_mm\n");
+        for k in 0..2000 {
+            let t = f64::from(k) * 1e-3;
+            record += &format!("{t},{}\n", (std::f64::consts::TAU * 2.73 * t).sin());
+        }
+        let folder = Folder::new().with("h.csv", record).with("bare.toml", &bare);
+        let first = |options: &str| {
+            let ran = folder.run(&format!("{command} {options} --quiet")).well();
+            ran.out.lines().next().unwrap_or_default().to_owned()
+        };
+        let said = first("--out o");
+        assert!(said.contains("cart recoils"), "{command}: {said}");
+        let said = first("--cart prescribed --out p");
+        assert!(said.contains("cart prescribed"), "{command}: {said}");
+        for (out, words) in [("o", "cart recoils"), ("p", "cart prescribed")] {
+            let svg = folder.read_made(&format!("{out}/{start}"), ".svg");
+            assert_svg_shows(&svg, &[words]);
+        }
+        if !command.contains("--rig") {
+            let said = first("--rig bare.toml --out b");
+            assert!(said.contains("cart prescribed"), "{command}: {said}");
+        }
+    }
+}

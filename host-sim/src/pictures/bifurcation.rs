@@ -203,13 +203,14 @@ pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measu
     };
     let title = diagrams.first().map_or(String::new(), |d| {
         let rig = d.stations.first().map_or("", |s| s.row.rig.as_str());
-        format!("{rig}, gap {:?} mm: bifurcation diagram", d.gap_mm)
+        let cart = CartModel::of(&d.params).words();
+        format!("{rig}, gap {:?} mm, {cart}: bifurcation diagram", d.gap_mm)
     });
     let ways: Vec<_> = diagrams.iter().map(|d| way(d.direction)).collect();
     let marked = ways.first().copied().unwrap_or_default();
     let cart = diagrams.first().map(|d| CartModel::of(&d.params));
     let displacement = match cart {
-        Some(CartModel::Recoil) => "displacement relative to the cart, which recoils",
+        Some(CartModel::Recoil) => "displacement relative to the cart",
         _ => "where the displacement in the fixed frame is that relative to the cart",
     };
     Figure::new(title)

@@ -15,6 +15,7 @@ use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
 use numerics::orbit::Stability;
+use numerics::pick::CartModel;
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// Values of simulations at drive phase 0: (parameter, value).
@@ -119,6 +120,7 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     let (low, high) = diagram.request.limits;
     let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));
     let params = &diagram.params;
+    let cart = CartModel::of(params).words();
     let weight = params.weight_n();
     let displacement =
         |node: &Node, k: usize| Some(motion_at(params, node, node.orbit.strobes[k]).0);
@@ -143,7 +145,7 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     draw(diagram, &mut panels[0], &displacement);
     draw(diagram, &mut panels[1], &force);
     let [top, bottom] = panels;
-    Figure::new(format!("{rig}, {place}: periodic orbits, stable and unstable"))
+    Figure::new(format!("{rig}, {place}, {cart}: periodic orbits, stable and unstable"))
         .subtitle(
             "Lines: orbits followed by pseudo-arclength, solid where stable, dashed where not. Dots: simulations from rest and from a push.",
         )
@@ -278,11 +280,14 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
 pub fn lines_figure(rig: &str, params: &RigParams, lines: &[Line]) -> Figure {
     let mut panel = Panel::new(Axis::new("gap, mm"), Axis::new("drive frequency, Hz"));
     panel.items.extend(line_items(lines));
-    Figure::new(format!("{rig}: where the 1/1 doubles, folds and grazes"))
-        .subtitle(format!(
-            "Special points of the 1/1 orbits, stable or not; natural frequency {:.2} Hz.",
-            params.natural_frequency_hz()
-        ))
-        .size(1000, 720)
-        .panel(panel)
+    Figure::new(format!(
+        "{rig}, {}: where the 1/1 doubles, folds and grazes",
+        CartModel::of(params).words()
+    ))
+    .subtitle(format!(
+        "Special points of the 1/1 orbits, stable or not; natural frequency {:.2} Hz.",
+        params.natural_frequency_hz()
+    ))
+    .size(1000, 720)
+    .panel(panel)
 }

@@ -8,15 +8,17 @@ use super::{Machine, Recorder, Sample};
 use crate::error::Error;
 use crate::reference::{Contact, Observer, Reference, Segment};
 
-/// The reference at coordinate and rate `section`, at drive `phase` (turns).
+/// The reference at coordinate and rate `section` with the cart `deviation` (m, m/s) off its course, at drive `phase`
+/// (turns).
 pub fn machine(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
+    deviation: [f64; 2],
     phase: f64,
 ) -> Result<Box<dyn Machine>, Error> {
     let hammer = Reference::<f64>::new(params, frequency_hz, section[0], section[1])?;
-    let hammer = hammer.from_phase(phase);
+    let hammer = hammer.with_cart(deviation).from_phase(phase);
     Ok(Box::new(Event {
         hammer,
         frequency_hz,

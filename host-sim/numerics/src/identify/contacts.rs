@@ -62,6 +62,35 @@ pub struct Impact {
     pub window: Range<usize>,
 }
 
+impl Measured {
+    /// Another force at the same instants, its impacts found in the same way and over the same threshold.
+    #[must_use]
+    pub fn with_force(&self, force_n: Vec<f64>) -> Self {
+        let mut other = Self {
+            force_n,
+            ..self.clone()
+        };
+        other.impacts = find(&other, usize::MAX);
+        other
+    }
+
+    /// How long the force is over the threshold in the window of `impact`, s. Between two samples over it, all the time;
+    /// before the first and after the last, half the distance to the next sample, the nearer of the two.
+    pub fn time_over_s(&self, impact: &Impact) -> f64 {
+        let times = &self.time_s;
+        let over = |k: usize| self.force_n.get(k).is_some_and(|f| *f > self.threshold_n);
+        let gap = |k: usize| times.get(k + 1).map_or(f64::INFINITY, |t| t - times[k]);
+        let inside = impact.window.clone().filter(|k| *k > 0 && over(*k));
+        let one = |k: usize| {
+            let (before, after) = (gap(k - 1), gap(k));
+            let edge = 0.5 * before.min(after);
+            let half = |over: bool, gap: f64| if over { 0.5 * gap } else { edge };
+            half(over(k - 1), before) + half(over(k + 1), after)
+        };
+        inside.map(one).sum()
+    }
+}
+
 /// The first impacts of a record, `most` of them.
 ///
 /// # Errors

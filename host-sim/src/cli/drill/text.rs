@@ -9,8 +9,13 @@ pub fn text(answer: &Answer) -> String {
     let advice = &answer.advice;
     let best = &advice.best;
     let mut text = format!(
-        "{}, gap {:?} mm, ground that gives way at {:?} N: drills fastest at {:.4} Hz ({:.3} times the natural frequency)\n\n",
-        answer.rig, best.gap_mm, answer.threshold_n, best.frequency_hz, best.frequency_ratio
+        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: drills fastest at {:.4} Hz ({:.3} times the natural frequency)\n\n",
+        answer.rig,
+        best.gap_mm,
+        advice.cart.words(),
+        answer.threshold_n,
+        best.frequency_hz,
+        best.frequency_ratio
     );
     let mut line = |name: &str, value: String| text += &format!("  {name:<22} {value}\n");
     line(

@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             starts: args.starts,
             seed: args.uncertainty.seed(),
         };
-        let rig = args.cart.as_the_machine(args.rig.load()?)?;
+        let rig = args.cart.apply(args.rig.load()?)?;
         output.doubt(&rig);
         let uncertainty = args.uncertainty.of(&rig)?;
         let output = output.about([&rig])?;
@@ -267,7 +267,7 @@ fn load(
     settings: &[String],
 ) -> Result<NamedRig, UserError> {
     let loaded = args.rig.load_with(name, settings)?;
-    let mut rig = args.cart.as_the_machine(loaded)?;
+    let mut rig = args.cart.apply(loaded)?;
     let gap_set = settings
         .iter()
         .any(|setting| setting.trim_start().starts_with("gap_mm"));

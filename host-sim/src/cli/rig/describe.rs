@@ -279,7 +279,7 @@ impl Described {
 
     fn shaker(&mut self, answers: &Answers) -> Result<(), UserError> {
         let Some(text) = &answers.shaker_loop_hz else {
-            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes some 10 % less hard (--shaker-loop-hz)".to_owned());
+            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes less hard (give --shaker-loop-hz, and pick says how much)".to_owned());
             return Ok(());
         };
         let held = needed("--shaker-loop-hz", Some(text))?;
