@@ -320,3 +320,20 @@ fn files_that_are_none_and_what_is_too_long() {
         assert!(ran.err.chars().count() < 700, "{ran:?}");
     }
 }
+
+/// A value in another unit is doubted whether or not notes are wanted, and the answer keeps the doubt.
+#[test]
+fn a_doubt_about_a_unit_is_said_with_quiet_too() {
+    for set in ["mass_kg=298", "amplitude_mm=0.00089"] {
+        let line = format!("simulate --ratio 2 --cycles 10 --set {set} --quiet --format json");
+        let ran = Folder::new().run(&line);
+        let says = format!("warning: {}", set.replace('=', " = "));
+        assert!(ran.err.starts_with(&says), "{ran:?}");
+        let rig = &ran.json()["made_from"]["rigs"][0];
+        let warnings = rig["warnings"].as_array().expect("warnings");
+        assert!(
+            warnings[0].as_str().is_some_and(|w| w.starts_with(&says)),
+            "{rig}"
+        );
+    }
+}

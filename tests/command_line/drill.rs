@@ -165,3 +165,31 @@ fn a_bit_between_hammer_and_ground_takes_its_share() {
         "{with} {without}"
     );
 }
+
+#[test]
+fn the_fastest_one_one_and_the_fastest_of_all_stand_side_by_side() {
+    let folder = Folder::new();
+    let line = "drill --threshold-n 25 --ratio 2.05:4:1.95 --settle 60 --threshold-percent 0 --ground-stiffness-percent 0";
+    let ran = folder.run(&format!("{line} --out out")).well();
+    let head: Vec<&str> = ran.out.lines().take(2).collect();
+    assert!(head[0].contains("drills fastest on 1/1 at"), "{head:?}");
+    assert!(head[1].starts_with("fastest of all: 1/2 at"), "{head:?}");
+    let told = folder.read_made("out/drill", ".json");
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    assert_eq!(told["fastest_of_all"]["regime"], "1/2");
+    let rate = |row| number(row, "rate_of_penetration_um_per_s");
+    assert!(rate(&told["fastest_of_all"]) > 1.5 * rate(&told["advice"]["best"]));
+    assert_svg_shows(
+        &folder.read_made("out/drill", ".svg"),
+        &["fastest 1/1", "fastest of all"],
+    );
+    // Where nothing is faster it is said once.
+    let narrow = folder
+        .run(&format!("drill --threshold-n 25 {NARROW}"))
+        .well();
+    assert!(
+        narrow.out.contains("drills fastest of all on 1/1 at"),
+        "{narrow:?}"
+    );
+    assert!(!narrow.out.contains("fastest of all:"), "{narrow:?}");
+}

@@ -343,3 +343,32 @@ fn what_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
         .map(|(line, says)| (format!("map {line}"), says)),
     );
 }
+
+#[test]
+fn the_strongest_one_one_and_the_strongest_of_all_are_two_answers() {
+    let line = "map --gap 0:1:1 --ratio 1.5:4:0.5 --cycles 120";
+    let told = answer(line);
+    let summary = &told["maps"][0]["summary"];
+    let cells = csv_rows(&run(
+        &Folder::new(),
+        &format!("{line} --format csv --quiet"),
+    ));
+    let text = run(&Folder::new(), line);
+    for (key, name, ones) in [
+        ("strongest_one_one", "strongest 1/1:", true),
+        ("strongest_of_all", "strongest of all:", false),
+    ] {
+        let asked = cells.iter().filter(|c| !ones || c["regime"] == "1/1");
+        let most = asked.max_by(|a, b| number(a, "force_n").total_cmp(&number(b, "force_n")));
+        let most = most.expect("a cell");
+        for column in ["regime", "gap_mm", "frequency_hz", "force_n"] {
+            assert_eq!(summary[key][column], most[column], "{key} {column}");
+        }
+        assert_eq!(text.matches(name).count(), 1, "{text}");
+    }
+    assert_ne!(summary["strongest_of_all"]["regime"], "1/1");
+    // Where both are one it is said once.
+    let one = run(&Folder::new(), "map --gap 0 --ratio 1.5:2:0.5 --cycles 120");
+    assert_eq!(one.matches("strongest").count(), 1, "{one}");
+    assert!(one.contains("strongest of all: 1/1 with"), "{one}");
+}

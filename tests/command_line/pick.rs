@@ -375,3 +375,33 @@ fn no_answer_is_printed_when_its_files_cannot_be_written() {
     assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{ran:?}");
     assert_eq!(ran.err.lines().count(), 1, "{ran:?}");
 }
+
+/// The forces of the contacts of a run from rest say how long it takes.
+#[test]
+fn the_time_to_settle_is_when_the_last_contact_differs_by_a_percent() {
+    let said = answer("pick --nominal --cart recoil");
+    let (hz, force_n) = (
+        number(&said, "operating_frequency_hz"),
+        number(&said, "force_n"),
+    );
+    let folder = Folder::new();
+    let line = format!(
+        "simulate --gap 0 --cart recoil --frequency {hz} --transient 0 --cycles 60 --out out"
+    );
+    folder.run(&line).well();
+    let contacts = csv_rows(&folder.read_made("out/simulate", "-contacts.csv"));
+    let differs = |c: &&Value| (number(c, "peak_force_n") / force_n - 1.0).abs() > 0.01;
+    let last = contacts
+        .iter()
+        .rfind(differs)
+        .expect("a start that differs");
+    let periods = (number(last, "onset_s") * hz).ceil();
+    assert_eq!(number(&said, "force_settling_cycles"), periods);
+    assert!((number(&said, "force_settling_s") * hz - periods).abs() < 1e-9);
+    // A disturbance shrinks by the multiplier: to a hundredth within some periods more than its logarithm says.
+    let least = 0.01_f64.ln() / number(&said, "multipliers").ln();
+    assert!(
+        (0.5 * least..10.0 * least).contains(&periods),
+        "{periods} {least}"
+    );
+}

@@ -200,3 +200,33 @@ fn the_safe_band_of_beams_leaves_out_where_several_modes_are_weak() {
     assert!(number(&a, "safe_band_force_share_any_springs") < 0.9);
     assert!(number(&a, "modes_force_ratio_worst") < number(&a, "modes_force_ratio"));
 }
+
+/// A shaker that decides the frequency: it stands at the lower end of its band, and the carts are compared without it.
+#[test]
+fn an_edge_below_is_named_and_a_limited_optimum_is_not_compared_with_a_free_one() {
+    let line = "pick --nominal --set shaker_max_force_n=6";
+    let limited = answer(line);
+    assert_eq!(limit(&limited, "shaker_max_force_n")["binds"], true);
+    assert!(number(&limited, "margin_below_percent") < 0.5);
+    assert!(number(&limited, "margin_above_percent") > 2.0);
+    let free = answer("pick --nominal");
+    for key in ["recoil_force_ratio", "prescribed_force_ratio"] {
+        let apart = number(&limited, key) / number(&free, key) - 1.0;
+        assert!(apart.abs() < 1e-6, "{key}: {apart}");
+    }
+    let text = Folder::new().run(line).well().out;
+    assert!(text.contains("no margin below"), "{text}");
+    assert!(!text.contains("no margin above"), "{text}");
+    assert!(
+        text.contains("(+10.6 % of force; both carts nominal and without shaker_max_force_n"),
+        "{text}"
+    );
+    let above = Folder::new()
+        .run("pick --nominal --max-frequency-hz 3")
+        .well()
+        .out;
+    assert!(
+        above.contains("no margin above") && !above.contains("no margin below"),
+        "{above}"
+    );
+}

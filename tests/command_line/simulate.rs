@@ -194,3 +194,57 @@ fn out_holds_pictures_and_tables_that_agree_with_the_answer() {
     let png = std::fs::read(folder.made("a/b/simulate", ".png")).expect("a picture");
     assert!(png_size(&png).0 >= 1200);
 }
+
+/// A 1/1 that settles after a few periods, recorded from the first: it is not called aperiodic.
+#[test]
+fn a_transient_is_not_called_aperiodic_and_a_run_says_when_it_repeats() {
+    let folder = Folder::new();
+    let from_the_start = "simulate --cart prescribed --ratio 2.02 --transient 0 --cycles 30";
+    let ran = folder.run(&format!("{from_the_start} --out out")).well();
+    assert!(!ran.out.contains("aperiodic"), "{ran:?}");
+    let early = answer(from_the_start);
+    assert_eq!(early["regime"], "unsettled");
+    let after = number(&early, "settling_cycles");
+    let says = format!("repeats only from drive period {after} on");
+    assert!(ran.out.contains(&says), "{ran:?}");
+    // The map says the same of its cell, and so does a run that is recorded late.
+    let cells = folder
+        .run("map --cart prescribed --gap 0 --ratio 2.02 --format csv --quiet")
+        .well();
+    assert_eq!(number(&csv_rows(&cells.out)[0], "settling_cycles"), after);
+    let late = answer(&format!(
+        "simulate --cart prescribed --ratio 2.02 --cycles 30 --transient {after}"
+    ));
+    assert_eq!(
+        (&late["regime"], number(&late, "settling_cycles")),
+        (&"1/1".into(), after)
+    );
+    let seconds = number(&late, "settling_s") * number(&late, "frequency_hz");
+    assert!((seconds - after).abs() < 1e-9, "{seconds}");
+    // The hammer is pressed on from the start: its first contact begins at 0.
+    let contacts = folder.read_made("out/simulate", "-contacts.csv");
+    let onset = number(&csv_rows(&contacts)[0], "onset_s");
+    assert!(onset == 0.0 || onset > 1e-6, "{onset:e}");
+    // What never repeats is still aperiodic.
+    assert_eq!(
+        answer("simulate --cart prescribed --gap 2.4 --ratio 2.3")["regime"],
+        "aperiodic"
+    );
+}
+
+#[test]
+fn a_few_cycles_need_no_other_option() {
+    let few = answer("simulate --ratio 2.02 --cycles 10");
+    assert_eq!((&few["cycles"], &few["transient"]), (&10.into(), &8.into()));
+    let usual = answer("simulate --ratio 2.02");
+    assert_eq!(
+        (&usual["cycles"], &usual["transient"]),
+        (&600.into(), &480.into())
+    );
+    for (command, cycles) in [
+        ("bifurcation --gap 0 --ratio 2", 40),
+        ("basins --ratio 2 --grid 2 --samples 0", 40),
+    ] {
+        answer(&format!("{command} --cycles {cycles}"));
+    }
+}

@@ -118,6 +118,12 @@ fn help() {
 /// One line for each command line that cannot be used.
 const REFUSED: &[&str] = &[
     "pik",
+    "pcik",
+    "pick wires",
+    "pick --rgi wires",
+    "emulate --rig wires",
+    "pick --set mass_kg=0.3 --set mass_kg=0.4",
+    "pick --beside wires,mass_kg=0.3,mass_kg=0.4",
     "pick --rig wire",
     "pick --rig missing.toml",
     "pick --set mass_kg=-1",
@@ -146,6 +152,7 @@ const REFUSED: &[&str] = &[
     "rig new mine.toml --support beams --mass-g 298 --swings 20 --swing-time-s 4.4 --stroke-mm 1.8 --cart-mass-kg heavy",
     "pick --report mine.doc",
     "sweep --ratio 2 --over mas_kg=1:2:lin5",
+    "sweep --ratio 2 --over mass_kg=1:0.1:lin5",
     "basins --ratio 2 --grid 0",
     "poincare --ratio 2 --phase 1.5",
     "contact --gap 1",
@@ -154,21 +161,26 @@ const REFUSED: &[&str] = &[
     "drop --release-mm 5",
     "identify missing.csv",
     "identify column.csv --seek-exponent",
+    "identify flat.csv",
     "scenarios feild",
     "figures --only 3.7 --out o",
 ];
 
 #[test]
 fn refusals() {
+    // A record that was cut before the first impact.
+    let flat = (0..100).map(|i| format!("{},0\n", f64::from(i) * 1e-4));
+    let flat = "time_s,force_n\n".to_owned() + &flat.collect::<String>();
     let folder = Folder::new()
         .with("a-file", "")
-        .with("column.csv", "time_s,force\n1,2\n");
+        .with("column.csv", "time_s,force\n1,2\n")
+        .with("flat.csv", flat);
     let shown: String = REFUSED
         .iter()
         .map(|line| shown(line, &folder.run(line)) + "\n")
         .collect();
     expect_file!["snapshots/refusals.txt"].assert_eq(&shown);
-    assert_eq!(folder.names(), ["a-file", "column.csv"]);
+    assert_eq!(folder.names(), ["a-file", "column.csv", "flat.csv"]);
 }
 
 fn shown(line: &str, ran: &Ran) -> String {

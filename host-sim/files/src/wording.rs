@@ -12,6 +12,7 @@ use numerics::pick::Limits;
 use numerics::row::tidy;
 
 use crate::UserError;
+use crate::words::digits::significant;
 
 impl From<Error> for UserError {
     fn from(error: Error) -> Self {
@@ -303,8 +304,13 @@ fn in_record(name: &str, what: &RecordError) -> String {
         } => format!(
             "{name}: {span_s:.3} s are less than a drive period at {frequency_hz:.4} Hz; record longer, or give --frequency"
         ),
+        RecordError::OnlyNoise { largest_n, .. } if *largest_n == 0.0 => format!(
+            "{name}: the force is the same in every sample: no impact to identify from; was the record cut before the first impact?"
+        ),
         RecordError::OnlyNoise { largest_n, noise_n } => format!(
-            "{name}: the largest force, {largest_n:.3} N, does not stand out of the noise of {noise_n:.3} N: no impact to identify from"
+            "{name}: the largest force, {} N, does not stand out of the noise of {} N: no impact to identify from",
+            significant(*largest_n, 3),
+            significant(*noise_n, 3)
         ),
         RecordError::NothingBeforeContact => {
             format!("{name}: no impact has a sample before it; begin the record at the release")

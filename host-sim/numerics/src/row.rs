@@ -92,8 +92,11 @@ pub struct Row {
     pub impacts: u16,
     /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
-    /// Written as "p/n", "none", "aperiodic" or "chatter"; as "failed" if the run failed.
+    /// Written as "p/n", "none", "aperiodic" or "chatter"; as "unsettled" if nothing repeats because the motion still
+    /// changes, as "failed" if the run failed.
     pub regime: Regime,
+    /// Whether nothing repeats and the motion still changes: it is then not known to be aperiodic.
+    pub unsettled: bool,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
     /// The same, N.
@@ -146,15 +149,23 @@ impl Serialize for Row {
     }
 }
 
-/// What became of a run: its regime, or none if it failed. As text "p/n", "none", "aperiodic", "chatter" or "failed".
+/// What became of a run. As text "p/n", "none", "aperiodic", "chatter", "unsettled" or "failed".
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome(pub Option<Regime>);
+pub enum Outcome {
+    /// The regime recorded.
+    Regime(Regime),
+    /// Nothing repeats in what is recorded, and the motion still changes.
+    Unsettled,
+    /// The hammer could not be followed.
+    Failed,
+}
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(regime) => f.pad(&regime.to_string()),
-            None => f.pad("failed"),
+        match self {
+            Self::Regime(regime) => f.pad(&regime.to_string()),
+            Self::Unsettled => f.pad("unsettled"),
+            Self::Failed => f.pad("failed"),
         }
     }
 }
@@ -176,6 +187,7 @@ impl Row {
             force_n: seen.force_n,
             approach_speed_m_per_s: seen.strongest.map(|c| c.approach_speed_m_per_s),
             contact_time_ms: seen.strongest.map(|c| c.duration_s * 1e3),
+            unsettled: seen.unsettled,
             failed: false,
             failure: None,
             ..Self::failed(rig, params, seen.frequency_hz)
@@ -193,6 +205,7 @@ impl Row {
             impacts: 0,
             periods: None,
             regime: Regime::None,
+            unsettled: false,
             force_ratio: f64::NAN,
             force_n: f64::NAN,
             approach_speed_m_per_s: None,
@@ -202,9 +215,13 @@ impl Row {
         }
     }
 
-    /// Its regime, or that it failed.
+    /// Its regime, or that it has not settled or failed.
     pub fn outcome(&self) -> Outcome {
-        Outcome((!self.failed).then_some(self.regime))
+        match (self.failed, self.unsettled) {
+            (true, _) => Outcome::Failed,
+            (false, true) => Outcome::Unsettled,
+            (false, false) => Outcome::Regime(self.regime),
+        }
     }
 }
 

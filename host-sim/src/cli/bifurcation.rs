@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::arguments::drive::Drives;
+use super::arguments::cycles::usual_recorded;
+use super::arguments::drive::{Drives, chapters};
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigAtGaps};
@@ -36,7 +37,7 @@ enum Which {
 }
 
 #[derive(Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("frequency", chapters))]
 pub struct Args {
     #[command(flatten)]
     drive: Drives,
@@ -49,9 +50,10 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last cycles are recorded; where the motion does not repeat, each gives a point
-    #[arg(long, value_name = "N", default_value_t = 100)]
-    recorded: u32,
+    /// How many of the last cycles are recorded; where the motion does not repeat, each gives a point [default: 100, of fewer than 200 cycles
+    /// half]
+    #[arg(long, value_name = "N")]
+    recorded: Option<u32>,
 
     /// Measured points to draw over the diagram: CSV with frequency_hz and displacement_mm, force_n or both
     #[arg(long, value_name = "FILE.csv")]
@@ -138,10 +140,11 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
     output.doubt_without_uncertainty(&rig);
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
-    if args.recorded == 0 || args.recorded > args.cycles {
+    let recorded = args.recorded.unwrap_or(usual_recorded(args.cycles));
+    if recorded == 0 || recorded > args.cycles {
         return Err(UserError::new(format!(
-            "--recorded is {}, must be from 1 to --cycles ({})",
-            args.recorded, args.cycles
+            "--recorded is {recorded}, must be from 1 to --cycles ({})",
+            args.cycles
         )));
     }
     let given = args.rig.gaps_mm();
@@ -160,9 +163,9 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
         engine: args.engine.engine(output)?,
         plan: CellPlan {
             cycles: args.cycles,
-            recorded: args.recorded,
+            recorded,
             early: true,
-            strobes: args.recorded,
+            strobes: recorded,
         },
         locate: true,
         rig,

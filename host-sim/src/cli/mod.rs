@@ -37,11 +37,13 @@ mod trials;
 
 use std::ffi::OsString;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arguments::output::OutputArgs;
 use arguments::request::Request;
+use files::rigfile;
+use shared::model::params::preset;
 
 use terminal::{complain, print, say};
 
@@ -191,17 +193,18 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
     panics::silence();
     #[cfg(unix)]
     file_size_limit_is_an_error();
-    panics::guard(|| match parsed(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    panics::guard(|| match parsed(&arguments) {
         Ok(cli) => {
             interrupt::install();
             execute(&cli.command)
         }
-        Err(error) => without_command(&error),
+        Err(error) => without_command(&error, &arguments),
     })
 }
 
 /// The command line, with the request as a whole in the output options of its command.
-fn parsed(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+fn parsed(arguments: &[OsString]) -> Result<Cli, clap::Error> {
     let mut parser = Cli::command();
     let matches = parser.try_get_matches_from_mut(arguments)?;
     let mut cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut parser))?;
@@ -310,28 +313,73 @@ fn execute(command: &Command) -> i32 {
 }
 
 /// Help and version are answers; a mistake gets one line.
-fn without_command(error: &clap::Error) -> i32 {
+fn without_command(error: &clap::Error, arguments: &[OsString]) -> i32 {
     if !error.use_stderr() {
         print(&error.to_string());
         return 0;
     }
     match error.kind() {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => say(error.to_string().trim_end()),
-        _ => complain(&one_line(&error.to_string())),
+        _ => complain(&one_line(error, arguments)),
     }
     2
 }
 
-/// The first paragraph of clap's message, on one line, and where to read more.
-fn one_line(message: &str) -> String {
+/// The first paragraph of clap's message, on one line, what may have been meant, and where to read more.
+fn one_line(error: &clap::Error, arguments: &[OsString]) -> String {
+    let parser = Cli::command();
+    let (name, command) = asked_for(&parser, arguments);
+    let message = error.to_string();
     let paragraph = message.lines().take_while(|line| !line.trim().is_empty());
     let words: Vec<_> = paragraph.map(str::trim).collect();
-    let tip = message
-        .lines()
-        .map(str::trim)
-        .find(|line| line.starts_with("tip:"));
-    let tip = tip.map_or(String::new(), |tip| format!(" ({tip})"));
-    format!("{}{tip}; see --help", words.join(" "))
+    let tip = || {
+        let tips = message.lines().map(str::trim);
+        let tip = tips.clone().find(|line| line.starts_with("tip:"));
+        tip.map_or(String::new(), |tip| format!(" ({tip})"))
+    };
+    let word = |kind| match error.get(kind) {
+        Some(ContextValue::String(word)) => word.as_str(),
+        _ => "",
+    };
+    let tip = match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            meant_command(command, word(ContextKind::InvalidSubcommand))
+        }
+        ErrorKind::UnknownArgument => meant_option(command, word(ContextKind::InvalidArg)),
+        _ => tip(),
+    };
+    format!("{}{tip}; see {name} --help", words.join(" "))
+}
+
+/// The command that `arguments` name, and how it is called.
+fn asked_for<'a>(parser: &'a clap::Command, arguments: &[OsString]) -> (String, &'a clap::Command) {
+    let (mut name, mut command) = ("host-sim".to_owned(), parser);
+    for word in arguments.iter().skip(1).filter_map(|word| word.to_str()) {
+        if let Some(found) = command.find_subcommand(word) {
+            name = format!("{name} {word}");
+            command = found;
+        }
+    }
+    (name, command)
+}
+
+/// The command that `word` may have meant.
+fn meant_command(command: &clap::Command, word: &str) -> String {
+    let shown = command.get_subcommands().filter(|c| !c.is_hide_set());
+    rigfile::nearest(word, shown.map(clap::Command::get_name))
+}
+
+/// The option that `word` may have meant; a word that is none may be a rig.
+fn meant_option(command: &clap::Command, word: &str) -> String {
+    let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
+    let options: Vec<String> = shown
+        .filter_map(|arg| Some(format!("--{}", arg.get_long()?)))
+        .collect();
+    let is_rig = preset(word).is_some() || word.ends_with(".toml");
+    if is_rig && options.iter().any(|option| option == "--rig") {
+        return format!(" (a rig is given with --rig {word})");
+    }
+    rigfile::nearest(word, options.iter().map(String::as_str))
 }
 
 #[cfg(test)]

@@ -123,6 +123,19 @@ fn count(n: u32, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
+/// Why nothing is known of a motion that does not repeat.
+fn unsettled(answer: &Answer) -> String {
+    let recorded = answer.cycles - answer.transient;
+    match answer.settling_cycles {
+        Some(cycles) => format!(
+            "it repeats only from drive period {cycles} on, and the record begins before; give --transient {cycles}"
+        ),
+        None => format!(
+            "it has not repeated in the {recorded} recorded drive periods, which is too early to call it aperiodic; give more --cycles"
+        ),
+    }
+}
+
 fn text(answer: &Answer, recorder: &Recorder) -> String {
     let row = &answer.row;
     let mut text = format!(
@@ -136,6 +149,7 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
     );
     let meaning = match row.regime {
         Regime::None => "no contact in the recorded cycles".to_owned(),
+        Regime::Aperiodic { .. } if row.unsettled => unsettled(answer),
         Regime::Aperiodic { .. } => format!(
             "no repetition within 16 drive periods ({} contacts in the last 16)",
             row.impacts
@@ -147,7 +161,14 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
             count(u32::from(row.periods.unwrap_or(0)), "drive period")
         ),
     };
-    text += &format!("  regime         {}: {meaning}\n", row.regime);
+    text += &format!("  regime         {}: {meaning}\n", row.outcome());
+    if let (Some(cycles), Some(seconds), false) =
+        (answer.settling_cycles, answer.settling_s, row.unsettled)
+    {
+        text += &format!(
+            "  settles        the motion repeats from drive period {cycles} on, {seconds:.1} s after the start\n"
+        );
+    }
     text += &format!(
         "  force          {:.2} N, {:.3} times the hammer's weight\n",
         row.force_n, row.force_ratio
@@ -179,7 +200,7 @@ fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]
     let gap = rig.params.gap_m * 1e3;
     let displacement = "displacement relative to the cart, mm";
     let velocity = "velocity relative to the cart, m/s";
-    Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.regime))
+    Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.outcome()))
         .subtitle(format!(
             "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; section at drive phase 0 over all {} recorded.",
             row.frequency_ratio, row.force_n, row.force_ratio, section.len()

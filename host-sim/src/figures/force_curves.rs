@@ -94,6 +94,7 @@ fn row(rig: &str, cell: &Cell, seen: &Outcome) -> Row {
         force_n: seen.force_n,
         approach_speed_m_per_s: None,
         contact_time_ms: None,
+        unsettled: false,
         failed: false,
         failure: None,
     }

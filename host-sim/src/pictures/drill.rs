@@ -9,8 +9,9 @@ use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges};
 /// Gaps drawn as curves at most; more are thinned out evenly.
 const MOST_CURVES: usize = 6;
 
-/// Rate of penetration, peak force and energy per blow over frequency, a curve for each gap.
-pub fn curves(rows: &[DrillRow], advice: &DrillAnswer) -> Figure {
+/// Rate of penetration, peak force and energy per blow over frequency, a curve for each gap; where the motion recommended
+/// drills fastest, and where the fastest of all does.
+pub fn curves(rows: &[DrillRow], advice: &DrillAnswer, fastest: &DrillRow) -> Figure {
     let gaps: Vec<&[DrillRow]> = rows.chunk_by(|a, b| a.gap_mm == b.gap_mm).collect();
     let every = gaps.len().div_ceil(MOST_CURVES).max(1);
     let shown = |gap: &&&[DrillRow]| gap[0].gap_mm == advice.gap_mm;
@@ -26,25 +27,43 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer) -> Figure {
             let name = format!("gap {:?} mm", gap[0].gap_mm);
             panel = panel.item(Item::line(name, Color::series(i), points.collect()));
         }
-        let panel = panel.item(Item::mark_x("drills fastest", best.frequency_ratio));
+        let panel = if fastest == best {
+            panel.item(Item::mark_x("fastest of all", best.frequency_ratio))
+        } else {
+            let name = format!("fastest {}", best.regime);
+            let panel = panel.item(Item::mark_x(name, best.frequency_ratio));
+            panel.item(Item::mark_x("fastest of all", fastest.frequency_ratio))
+        };
         match advice.rigid_frequency_ratio {
             Some(ratio) => panel.item(Item::mark_x("hardest on a surface that stays", ratio)),
             None => panel,
         }
+    };
+    let of_all = match fastest == best {
+        true => String::new(),
+        false => format!(
+            "; of all: {:.1} µm/s ({}) at Ω/ω {:.3}, gap {:?} mm",
+            fastest.rate_of_penetration_um_per_s,
+            fastest.regime,
+            fastest.frequency_ratio,
+            fastest.gap_mm
+        ),
     };
     Figure::new(format!(
         "{}: rate of penetration, ground that gives way at {:?} N",
         best.rig, best.threshold_n
     ))
     .subtitle(format!(
-        "Ground {:e} N/m, {:?} N·s/m{}; the feed restores the gap, the cart {}. Lines: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm.",
+        "Ground {:e} N/m, {:?} N·s/m{}; the feed restores the gap, the cart {}. Fastest {}: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm{}.",
         best.ground_stiffness_n_per_m,
         best.ground_damping_n_s_per_m,
         bit(best),
         moves(best),
+        best.regime,
         best.rate_of_penetration_um_per_s,
         best.frequency_ratio,
-        best.gap_mm
+        best.gap_mm,
+        of_all
     ))
     .size(1000, 1150)
     .panel(panel("rate of penetration, µm/s", |r| r.rate_of_penetration_um_per_s))

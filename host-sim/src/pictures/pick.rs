@@ -97,9 +97,9 @@ fn panel(pick: &Pick) -> Panel {
             answer.stable_one_one_hz[1],
         )),
     };
-    if let Some((what, force_ratio, hz)) = other_cart(answer) {
-        let label = format!("{force_ratio:.1} {what}");
-        panel = panel.item(Item::mark_point(label, hz, force_ratio));
+    if let Some(other) = other_cart(answer) {
+        let label = format!("{:.1} {}", other.force_ratio, other.what);
+        panel = panel.item(Item::mark_point(label, other.hz, other.force_ratio));
     }
     panel.item(Item::mark_point(
         format!(

@@ -118,22 +118,79 @@ fn ends(rows: &[OverRow], value: impl Fn(&OverRow) -> Option<f64>) -> Option<(f6
     Some((low, values.iter().copied().reduce(f64::max)?))
 }
 
-/// What `rows` say together, in one sentence.
+/// Values that differ by less than this share are said to stay.
+const STAYS: f64 = 1e-3;
+
+/// Where a quantity goes over the rows, by rising value of the parameter: what it has at the first and at the last of them
+/// and in percent which way it went, or between what it lies if it turns on the way. None if no row has it.
+fn course(
+    rows: &[&OverRow],
+    unit: &str,
+    [higher, lower]: [&str; 2],
+    value: impl Fn(&OverRow) -> Option<f64>,
+) -> Option<String> {
+    let known = rows.iter().filter_map(|r| Some((r.value, value(r)?)));
+    let known: Vec<(f64, f64)> = known.collect();
+    let less = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+    let (least, most) = (known.iter().min_by(less)?, known.iter().max_by(less)?);
+    let (first, last) = (known.first()?.1, known.last()?.1);
+    let hair = STAYS * most.1.abs();
+    let digits = decimals(0.1 * (most.1 - least.1).max(0.01 * most.1), 4);
+    let shown = |x: f64| format!("{x:.digits$}");
+    if known.len() == 1 {
+        return Some(format!("is {}{unit}", shown(first)));
+    }
+    if most.1 - least.1 <= hair {
+        return Some(format!("stays at {}{unit}", shown(first)));
+    }
+    let one_way = |sign: f64| known.windows(2).all(|w| sign * (w[1].1 - w[0].1) >= -hair);
+    let percent = 100.0 * (last / first - 1.0);
+    let places = if percent.abs() < 9.95 { 1 } else { 0 };
+    let change = |which| format!("({:.places$} % {which})", percent.abs());
+    let (from, to) = (shown(first), shown(last));
+    Some(if one_way(1.0) {
+        format!("rises from {from} to {to}{unit} {}", change(higher))
+    } else if one_way(-1.0) {
+        format!("falls from {from} to {to}{unit} {}", change(lower))
+    } else {
+        format!(
+            "turns on the way: it lies between {}{unit} (at {}) and {}{unit} (at {}), and goes from {from} to {to}{unit}",
+            shown(least.1),
+            significant(least.0, 4),
+            shown(most.1),
+            significant(most.0, 4)
+        )
+    })
+}
+
+/// What `rows` say together: where frequency and force go from the least value of the parameter to the largest.
 pub fn summary(rows: &[OverRow]) -> String {
     let Some(first) = rows.first() else {
         return String::new();
     };
+    let mut rising: Vec<&OverRow> = rows.iter().collect();
+    rising.sort_by(|a, b| a.value.total_cmp(&b.value));
     let picked = ends(rows, |r| r.no_pick.is_none().then_some(r.value));
     let whole = ends(rows, |r| Some(r.value));
     let (from, to) = picked.or(whole).unwrap_or((first.value, first.value));
-    let over = format!(
-        "{} from {} to {}",
-        first.parameter,
-        significant(from, 4),
-        significant(to, 4)
+    let over = match from == to {
+        true => format!("{} = {}", first.parameter, significant(from, 4)),
+        false => format!(
+            "{} from {} to {}",
+            first.parameter,
+            significant(from, 4),
+            significant(to, 4)
+        ),
+    };
+    let force = ["more", "less"];
+    let found = (
+        course(&rising, " Hz", ["higher", "lower"], |r| {
+            r.operating_frequency_hz
+        }),
+        course(&rising, " N", force, |r| r.force_n),
+        course(&rising, "", force, |r| r.force_ratio),
     );
-    let hz = ends(rows, |r| r.operating_frequency_hz);
-    let (Some(hz), Some(force)) = (hz, ends(rows, |r| r.force_ratio)) else {
+    let (Some(hz), Some(newtons), Some(ratio)) = found else {
         return format!("With {over} there is no frequency to run at.");
     };
     let missing = rows.iter().filter(|r| r.no_pick.is_some()).count();
@@ -141,16 +198,8 @@ pub fn summary(rows: &[OverRow]) -> String {
         0 => String::new(),
         n => format!(" {n} of {} values have no frequency to run at.", rows.len()),
     };
-    let percent = |(low, high): (f64, f64)| 100.0 * (high / low - 1.0);
-    let digits = decimals(0.1 * (hz.1 - hz.0).max(0.01 * hz.0), 4);
     format!(
-        "With {over} the frequency to run at goes from {:.digits$} to {:.digits$} Hz ({:.1} % higher) and the force from {} to {} times the weight ({:.0} % more).{missing} {}",
-        hz.0,
-        hz.1,
-        percent(hz),
-        significant(force.0, 3),
-        significant(force.1, 3),
-        percent(force),
+        "With {over} the frequency to run at {hz}. The force {newtons}; as a multiple of the weight it {ratio}.{missing} {}",
         common_band(rows)
     )
 }
@@ -186,6 +235,60 @@ mod tests {
         OverRow::new(("amplitude_mm", value), ("wires", &rig), found)
     }
 
+    /// A row with these numbers and nothing else of its own.
+    fn told(value: f64, (hz, force_n, force_ratio): (f64, f64, f64)) -> OverRow {
+        OverRow {
+            value,
+            parameter: "mass_kg".to_owned(),
+            operating_frequency_hz: Some(hz),
+            force_n: Some(force_n),
+            force_ratio: Some(force_ratio),
+            ..row(value, 0.5e-3, 0.0)
+        }
+    }
+
+    #[test]
+    fn the_sentence_says_which_way_each_quantity_goes() {
+        // Frequency falls, newtons rise, over the weight it falls; the order given does not matter.
+        let heavier = [
+            told(0.4, (3.6710, 93.1, 23.8)),
+            told(0.2, (3.6863, 83.2, 42.4)),
+        ];
+        let turns = [
+            told(0.2, (3.0, 80.0, 20.0)),
+            told(0.3, (3.0, 120.0, 20.001)),
+            told(0.4, (3.0, 100.0, 20.0)),
+        ];
+        for (rows, parts) in [
+            (
+                &heavier[..],
+                &[
+                    "mass_kg from 0.2000 to 0.4000",
+                    "falls from 3.686 to 3.671 Hz (0.4 % lower)",
+                    "The force rises from 83.2 to 93.1 N (12 % more)",
+                    "as a multiple of the weight it falls from 42 to 24 (44 % less)",
+                ][..],
+            ),
+            (
+                &turns,
+                &[
+                    "the frequency to run at stays at 3.000 Hz.",
+                    "lies between 80 N (at 0.2000) and 120 N (at 0.3000), and goes from 80 to 100 N",
+                    "as a multiple of the weight it stays at 20.00.",
+                ],
+            ),
+            (
+                &turns[..1],
+                &["mass_kg = 0.2000", "is 3.000 Hz", "is 80.00 N"],
+            ),
+        ] {
+            let text = summary(rows);
+            for part in parts {
+                assert!(text.contains(part), "{part}: {text}");
+            }
+        }
+    }
+
     #[test]
     fn the_sentence_is_made_of_the_rows() {
         // At a gap of 0 the force is proportional to the amplitude, and the frequency does not depend on it.
@@ -195,6 +298,7 @@ mod tests {
         let text = summary(&rows);
         assert!(text.contains("amplitude_mm from 0.5000 to 1.000"), "{text}");
         assert!(text.contains("(100 % more)"), "{text}");
+        assert!(text.contains("stays at"), "{text}");
         assert!(text.contains("in the safe band of every pick"), "{text}");
         let none = row(0.01, 1e-5, 2e-3);
         assert!(none.no_pick.as_ref().unwrap().contains("no stable 1/1"));

@@ -53,6 +53,9 @@ pub struct RigUsed {
     pub overridden: Vec<String>,
     /// How the cart is moved: `prescribed` or `recoil`.
     pub cart: String,
+    /// Values that look like ones in another unit; none in most rigs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Every parameter, by the keys of a rig file.
     pub parameters: Map<String, Value>,
 }
@@ -101,6 +104,7 @@ impl From<&NamedRig> for RigUsed {
             name: rig.name.clone(),
             overridden: rig.overridden.clone(),
             cart: cart.to_owned(),
+            warnings: rigfile::doubts(&rig.params),
             parameters: parameters.collect(),
         }
     }

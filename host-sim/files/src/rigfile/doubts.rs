@@ -25,7 +25,7 @@ pub fn doubts(params: &RigParams) -> Vec<String> {
         if doubtful {
             let meant = tidy(value * factor);
             lines.push(format!(
-                "note: {key} = {value} means {value} {read}; if it was measured in {unit}, write {key} = {meant}"
+                "warning: {key} = {value} means {value} {read}; if it was measured in {unit}, write {key} = {meant}"
             ));
         }
     };

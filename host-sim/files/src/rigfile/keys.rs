@@ -69,8 +69,14 @@ pub const KEYS: [(&str, &str); 23] = [
 
 /// ` (did you mean 'x'?)`, if one of the names is like `word`; else nothing.
 pub fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> String {
+    // Two letters that changed places weigh too much in a short word.
+    let slip = |candidate: &str| word.len() > 2 && strsim::osa_distance(word, candidate) == 1;
+    let likeness = |candidate: &str| match slip(candidate) {
+        true => 0.9_f64.max(strsim::jaro_winkler(word, candidate)),
+        false => strsim::jaro_winkler(word, candidate),
+    };
     among
-        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
+        .map(|candidate| (likeness(candidate), candidate))
         .filter(|(likeness, _)| *likeness > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map_or(String::new(), |(_, candidate)| {

@@ -30,21 +30,38 @@ pub fn jumping_at(low_hz: f64, high_hz: f64) -> String {
     }
 }
 
-/// The strongest 1/1 with the cart moved the other way: how, force ratio, Hz.
-pub fn other_cart(answer: &Answer) -> Option<(&'static str, f64, f64)> {
-    let (what, force_ratio, hz) = match answer.cart {
-        CartModel::Recoil => (
-            "with a prescribed cart",
-            answer.prescribed_force_ratio,
-            answer.prescribed_frequency_hz,
-        ),
-        CartModel::Prescribed => (
-            "with a recoiling cart",
-            answer.recoil_force_ratio,
-            answer.recoil_frequency_hz,
-        ),
+/// The strongest nominal 1/1 with the cart moved the other way, and with the answer's own cart under the same limits.
+pub struct OtherCart {
+    /// How it is moved.
+    pub what: &'static str,
+    /// Contact force over m g.
+    pub force_ratio: f64,
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// Contact force over m g with the answer's cart.
+    pub own_force_ratio: f64,
+    /// Its frequency, Hz.
+    pub own_hz: f64,
+}
+
+/// What the other cart would give; none where it is not known.
+pub fn other_cart(answer: &Answer) -> Option<OtherCart> {
+    let recoil = answer.recoil_force_ratio.zip(answer.recoil_frequency_hz);
+    let prescribed = answer
+        .prescribed_force_ratio
+        .zip(answer.prescribed_frequency_hz);
+    let (what, other, own) = match answer.cart {
+        CartModel::Recoil => ("with a prescribed cart", prescribed, recoil),
+        CartModel::Prescribed => ("with a recoiling cart", recoil, prescribed),
     };
-    Some((what, force_ratio?, hz?))
+    let ((force_ratio, hz), (own_force_ratio, own_hz)) = other.zip(own)?;
+    Some(OtherCart {
+        what,
+        force_ratio,
+        hz,
+        own_force_ratio,
+        own_hz,
+    })
 }
 
 /// Why this frequency, in one sentence.

@@ -48,7 +48,10 @@ pub fn rows(basins: &Basins) -> Vec<CellRow> {
             velocity_m_per_s: fate.start[1],
             phase_turns: basins.query.phase,
             impact: fate.impacts(),
-            regime: Outcome((!fate.failed).then_some(fate.regime)),
+            regime: match fate.failed {
+                true => Outcome::Failed,
+                false => Outcome::Regime(fate.regime),
+            },
             impacts: (!fate.failed).then(|| fate.regime.impacts()),
             periods: fate.regime.periods(),
             attractor: basins.attractors[usize::from(*which)].name,

@@ -14,6 +14,10 @@ pub struct Answer {
     pub row: Row,
     /// Finished contacts in the recorded cycles.
     pub contacts_recorded: usize,
+    /// Drive periods from the start after which the motion repeats; none if it does not by the end.
+    pub settling_cycles: Option<u32>,
+    /// The same, s.
+    pub settling_s: Option<f64>,
     /// Rebound speed of the strongest contact, m/s.
     pub rebound_speed_m_per_s: Option<f64>,
     /// Energy that it took from the hammer, J.
@@ -78,6 +82,8 @@ impl Answer {
         Self {
             row: Row::new(&rig.name, &rig.params, seen),
             contacts_recorded: recorder.contacts.len(),
+            settling_cycles: seen.settled_after,
+            settling_s: seen.settled_after.map(|n| f64::from(n) / seen.frequency_hz),
             rebound_speed_m_per_s: seen.strongest.map(|c| c.rebound_speed_m_per_s),
             energy_per_blow_j: seen.strongest.map(|c| c.energy_lost_j),
             impulse_n_s: seen.strongest.map(|c| c.impulse_n_s),
@@ -110,7 +116,12 @@ pub fn section_rows(seen: &Observation, rig: &Rig<f64>) -> Vec<SectionRow> {
 /// The finished contacts as rows.
 pub fn contact_rows(recorder: &Recorder) -> Vec<ContactRow> {
     let rows = recorder.contacts.iter().map(|c| ContactRow {
-        onset_s: c.onset_s,
+        // A contact that the run begins with has its onset at 0, but for the last digits.
+        onset_s: if c.onset_s.abs() < 1e-15 {
+            0.0
+        } else {
+            c.onset_s
+        },
         duration_ms: c.duration_s * 1e3,
         approach_speed_m_per_s: c.approach_speed_m_per_s,
         rebound_speed_m_per_s: c.rebound_speed_m_per_s,

@@ -69,7 +69,7 @@ pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, 
 }
 
 /// The first cycle from which on every strobe equals the one `n` cycles later, within the section's tolerance.
-fn settled_after(sections: &[[f64; 2]], n: usize, units: [f64; 2]) -> u32 {
+pub(crate) fn settled_after(sections: &[[f64; 2]], n: usize, units: [f64; 2]) -> u32 {
     let differs = |k: usize| {
         (0..2).any(|i| (sections[k + n][i] - sections[k][i]).abs() > SECTION_TOLERANCE * units[i])
     };

@@ -18,7 +18,7 @@ use shared::model::regime::Regime;
 pub use self::agree::{Agreement, Similarity, audit, similarity};
 pub use self::request::{MapRequest, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
-pub use self::summary::Summary;
+pub use self::summary::{Strongest, Summary};
 use crate::lanes::Outcome;
 use crate::pick::CartModel;
 use crate::row::NamedRig;

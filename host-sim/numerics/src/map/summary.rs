@@ -20,7 +20,9 @@ pub struct Summary {
     /// Cells flagged as uncertain, and run again by the reference.
     pub uncertain: usize,
     /// Where z = 1/1 has the largest force, if there is one.
-    pub strongest: Option<Strongest>,
+    pub strongest_one_one: Option<Strongest>,
+    /// Where the force is largest whatever the regime, if the hammer strikes anywhere.
+    pub strongest_of_all: Option<Strongest>,
     /// Cells whose hammer could not be followed; they are none of the regimes.
     pub failed: usize,
 }
@@ -35,9 +37,12 @@ pub struct Share {
     pub cells: usize,
 }
 
-/// The 1/1 with the largest force.
+/// The cell with the largest force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Strongest {
+    /// Its regime.
+    #[serde(serialize_with = "regime_as_text")]
+    pub regime: Regime,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// Drive frequency, Hz.
@@ -80,19 +85,22 @@ impl Summary {
             settled: count(|c| c.settled_after.is_some()),
             open: count(|c| c.settled_after.is_none() && c.regime != Regime::None),
             uncertain: count(|c| c.uncertain),
-            strongest: strongest(map),
+            strongest_one_one: strongest(map, |regime| regime.is(1, 1)),
+            strongest_of_all: strongest(map, |regime| regime != Regime::None),
             failed: count(|c| c.failed),
         }
     }
 }
 
-fn strongest(map: &Map) -> Option<Strongest> {
+/// The strongest of the cells whose regime is one of those asked for; of equals the first.
+fn strongest(map: &Map, asked: impl Fn(Regime) -> bool) -> Option<Strongest> {
     let force = |i: usize| map.cells[i].force_n;
-    let ones = (0..map.cells.len()).filter(|i| map.cells[*i].regime.is(1, 1));
-    // The first of equals.
-    let index = ones.reduce(|a, b| if force(b) > force(a) { b } else { a })?;
+    let cells =
+        (0..map.cells.len()).filter(|i| !map.cells[*i].failed && asked(map.cells[*i].regime));
+    let index = cells.reduce(|a, b| if force(b) > force(a) { b } else { a })?;
     let (gap_mm, frequency_hz) = map.grid.at(index);
     Some(Strongest {
+        regime: map.cells[index].regime,
         gap_mm,
         frequency_hz,
         frequency_ratio: frequency_hz / map.rig.params.natural_frequency_hz(),

@@ -88,6 +88,16 @@ pub struct Strongest {
     pub force_ratio: f64,
 }
 
+impl Strongest {
+    /// Of `orbit`.
+    pub fn of(orbit: &Orbit, params: &RigParams) -> Self {
+        Self {
+            frequency_hz: orbit.frequency_hz,
+            force_ratio: orbit.force_n / params.weight_n(),
+        }
+    }
+}
+
 /// The answer.
 #[derive(Clone, Debug, Serialize)]
 pub struct Answer {
@@ -97,8 +107,9 @@ pub struct Answer {
     pub gap_mm: f64,
     /// How the cart is moved in this answer.
     pub cart: CartModel,
-    /// Force ratio with a cart that recoils: of this answer, or where the nominal rig is strongest within the limits. None
-    /// where no shaker is known, or no stable 1/1 is within the limits.
+    /// Force ratio with a cart that recoils, where the nominal rig is strongest: within the limits asked for, without the
+    /// uncertainty and without `shaker_max_force_n`, which a prescribed cart does not have. None where no shaker is known,
+    /// or no stable 1/1 is within the limits.
     pub recoil_force_ratio: Option<f64>,
     /// The frequency of that, Hz.
     pub recoil_frequency_hz: Option<f64>,
@@ -119,6 +130,11 @@ pub struct Answer {
     /// The regime a run from rest settles on there.
     #[serde(serialize_with = "regime_as_text")]
     pub regime_from_rest: Regime,
+    /// Drive periods from rest after which the peak force stays within 1 % of `force_n`; none if a run from rest settles on
+    /// another motion, or not within 480 periods.
+    pub force_settling_cycles: Option<u32>,
+    /// The same, s.
+    pub force_settling_s: Option<f64>,
     /// Corners of the uncertainty.
     pub corners: usize,
     /// How many of them settle on 1/1 from rest there; the others need a push to get onto their orbit.
@@ -139,6 +155,10 @@ pub struct Answer {
     pub band_hz: [f64; 2],
     /// The part of it where 1/1 is stable over the whole uncertainty and every limit is kept, Hz.
     pub safe_band_hz: [f64; 2],
+    /// How far the operating frequency lies above the lower end of the safe band, % of it.
+    pub margin_below_percent: f64,
+    /// How far it lies below the upper end, % of it.
+    pub margin_above_percent: f64,
     /// Smallest force ratio over the uncertainty at either end of the safe band; none where a member has no stable 1/1.
     pub safe_band_force_ratio_worst: [Option<f64>; 2],
     /// Where the nominal 1/1 is stable, Hz.

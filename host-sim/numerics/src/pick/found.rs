@@ -31,7 +31,8 @@ pub(super) struct Found<'a> {
     /// [`force_band`] of the orbit chosen.
     pub(super) band: (f64, f64),
     pub(super) safe_band: SafeBand,
-    /// With the other cart.
+    /// How strong the nominal rig is with its cart and with the other one: [`super::comparable`].
+    pub(super) own: Strongest,
     pub(super) other: Option<Strongest>,
     pub(super) choice: Choice,
     /// [`Jumps::at_hz`].
@@ -51,13 +52,9 @@ impl Found<'_> {
         let spread = &self.choice.spread;
         let (band, safe_band) = (self.band, self.safe_band.hz);
         let cart = CartModel::of(params);
-        let own = Some(Strongest {
-            frequency_hz: chosen.frequency_hz,
-            force_ratio: chosen.force_n / weight,
-        });
         let (recoil, prescribed) = match cart {
-            CartModel::Recoil => (own, self.other),
-            CartModel::Prescribed => (self.other, own),
+            CartModel::Recoil => (Some(self.own), self.other),
+            CartModel::Prescribed => (self.other, Some(self.own)),
         };
         let in_band = |hz: &f64| (safe_band.0..=safe_band.1).contains(hz);
         let doubles = self.branch.high.end == End::PeriodDoubling;
@@ -74,6 +71,11 @@ impl Found<'_> {
             frequency_ratio: chosen.frequency_hz / params.natural_frequency_hz(),
             regime: self.runs.on_orbit,
             regime_from_rest: self.runs.from_rest,
+            force_settling_cycles: self.runs.settling_cycles,
+            force_settling_s: self
+                .runs
+                .settling_cycles
+                .map(|n| f64::from(n) / chosen.frequency_hz),
             corners: self.runs.corners,
             corners_reaching_one_one_from_rest: self.runs.corners_reaching,
             force_ratio: chosen.force_n / weight,
@@ -84,6 +86,8 @@ impl Found<'_> {
             contact_time_ms: chosen.contact.duration_s * 1e3,
             band_hz: band.into(),
             safe_band_hz: safe_band.into(),
+            margin_below_percent: 100.0 * (1.0 - safe_band.0 / chosen.frequency_hz),
+            margin_above_percent: 100.0 * (safe_band.1 / chosen.frequency_hz - 1.0),
             safe_band_force_ratio_worst: self.safe_band.force_ratio_worst,
             stable_one_one_hz: range(self.branch).into(),
             stable_one_one_ends: [self.branch.low.end, self.branch.high.end],

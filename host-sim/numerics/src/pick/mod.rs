@@ -181,6 +181,11 @@ fn pick_at_amplitude(
             known.map(|row| row.known_to(u, &params.contact)).collect()
         }
     };
+    let own = comparable(rig, &branch, limits, progress);
+    let chosen = Strongest::of(&choice.orbit, params);
+    // The very orbit chosen, unless uncertainty, shaker or bending modes leave less than the nominal rig could do.
+    let own = own.filter(|own| own.force_ratio > chosen.force_ratio * (1.0 + 1e-6));
+    let own = own.unwrap_or(chosen);
     let other = other_cart(rig, limits, progress);
     let band = force_band(params, &branch, &choice.orbit);
     let (low, high) = allowed(&choice.orbit, choice.allowed);
@@ -201,6 +206,7 @@ fn pick_at_amplitude(
         robust,
         band,
         safe_band,
+        own,
         other,
         choice,
         jumps: &jumps.at_hz,
@@ -250,8 +256,7 @@ fn dimensionless_section(params: &RigParams, orbit: &Orbit) -> Result<[f64; 2], 
     Ok([orbit.section[0] / scale, orbit.section[1] / rate])
 }
 
-/// Where the nominal rig is strongest within the limits with its cart moved the other way. None where its shaker is not
-/// known, or no stable 1/1 is within the limits.
+/// [`comparable`] with the cart moved the other way. None where its shaker is not known, too.
 fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<Strongest> {
     let other = if rig.params.cart.recoils() {
         rig.clone().prescribed()
@@ -259,17 +264,29 @@ fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option
         rig.recoiling()?
     };
     let branch = best_branch(&other).ok()?;
+    comparable(&other, &branch, limits, progress)
+}
+
+/// Where the nominal `rig` is strongest within those of `limits` that both carts have: all but the force of the shaker's
+/// loop. None if no stable 1/1 is within them.
+fn comparable(
+    rig: &NamedRig,
+    branch: &Branch,
+    limits: Limits,
+    progress: &dyn Progress,
+) -> Option<Strongest> {
     let field = Field {
-        rig: &other,
-        branch: &branch,
+        rig,
+        branch,
         members: &[],
         progress,
     };
-    let orbit = field.choose(range(&branch), limits).ok()?.orbit;
-    Some(Strongest {
-        frequency_hz: orbit.frequency_hz,
-        force_ratio: orbit.force_n / other.params.weight_n(),
-    })
+    let limits = Limits {
+        max_loop_force_n: None,
+        ..limits
+    };
+    let orbit = field.choose(range(branch), limits).ok()?.orbit;
+    Some(Strongest::of(&orbit, &rig.params))
 }
 
 /// Steps of progress that [`pick`] reports with this uncertainty.

@@ -7,7 +7,7 @@ use shared::model::regime::Regime;
 use super::range;
 use super::uncertainty::{Member, Uncertainty};
 use crate::branch::{Branch, End};
-use crate::engine::{Engine, Plan, Start};
+use crate::engine::{Engine, Plan, Start, machine, within_reach};
 use crate::error::Error;
 use crate::orbit::Orbit;
 use crate::progress::Progress;
@@ -23,6 +23,8 @@ const SETTLED: Plan = Plan {
     cycles: 600,
     transient: 480,
 };
+/// A run whose peak force differs from that of the orbit by less than this share has settled on it.
+const SETTLED_SHARE: f64 = 0.01;
 /// How long each step of the jump sweeps settles.
 const JUMP_PLAN: Plan = Plan {
     cycles: 140,
@@ -66,6 +68,20 @@ impl Jumps {
     }
 }
 
+/// [`Runs::settling_cycles`].
+fn settling_cycles(params: &RigParams, chosen: &Orbit) -> Result<Option<u32>, Error> {
+    let mut hammer = machine(Engine::Event, params, chosen.frequency_hz, Start::Rest)?;
+    let mut last_apart = 0;
+    for cycle in 1..=SETTLED.cycles {
+        let force_n = hammer.period(None).peak_force;
+        within_reach(hammer.as_ref())?;
+        if (force_n / chosen.force_n - 1.0).abs() > SETTLED_SHARE {
+            last_apart = cycle;
+        }
+    }
+    Ok((last_apart <= SETTLED.transient).then_some(last_apart))
+}
+
 /// What settled runs show.
 pub(super) struct Runs {
     /// Force ratio from rest at the natural frequency.
@@ -74,6 +90,9 @@ pub(super) struct Runs {
     pub(super) from_rest: Regime,
     /// Regime of a run that starts on the orbit picked.
     pub(super) on_orbit: Regime,
+    /// Drive periods after which a run from rest stays within [`SETTLED_SHARE`] of the force of the orbit picked; none if
+    /// it does not get there.
+    pub(super) settling_cycles: Option<u32>,
     /// Corners of the uncertainty.
     pub(super) corners: usize,
     /// How many of them settle on 1/1 from rest.
@@ -99,6 +118,7 @@ impl Runs {
         };
         Ok(Self {
             force_ratio_at_natural: at_natural.force_ratio,
+            settling_cycles: settling_cycles(params, chosen)?,
             from_rest: from_rest.regime,
             on_orbit: on_orbit.regime,
             corners: corners.len(),

@@ -12,9 +12,9 @@ pub struct CycleArgs {
     #[arg(long, value_name = "N", default_value_t = 600)]
     cycles: u32,
 
-    /// How many of the first are not recorded
-    #[arg(long, value_name = "N", default_value_t = 480)]
-    transient: u32,
+    /// How many of the first are not recorded [default: 480, of fewer than 600 cycles four fifths]
+    #[arg(long, value_name = "N")]
+    transient: Option<u32>,
 }
 
 impl CycleArgs {
@@ -23,17 +23,24 @@ impl CycleArgs {
     /// # Errors
     /// If no cycle is left to record.
     pub fn plan(self) -> Result<Plan, UserError> {
-        if self.transient >= self.cycles {
+        let cycles = self.cycles;
+        if cycles == 0 {
+            return Err(UserError::new("--cycles is 0, must be at least 1"));
+        }
+        let usual = (cycles - cycles.div_ceil(5)).min(480);
+        let transient = self.transient.unwrap_or(usual);
+        if transient >= cycles {
             return Err(UserError::new(format!(
-                "--transient {} leaves nothing of --cycles {} to record; it must be smaller",
-                self.transient, self.cycles
+                "--transient {transient} leaves nothing of --cycles {cycles} to record; it must be smaller"
             )));
         }
-        Ok(Plan {
-            cycles: self.cycles,
-            transient: self.transient,
-        })
+        Ok(Plan { cycles, transient })
     }
+}
+
+/// How many of the last of `cycles` are recorded where that is left open: 100, of fewer than 200 half.
+pub fn usual_recorded(cycles: u32) -> u32 {
+    (cycles / 2).clamp(1, 100)
 }
 
 /// Reads `rest`, `fixed`, or `MM,M_PER_S`.

@@ -41,10 +41,16 @@ pub struct Drives {
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     ratio: Option<String>,
 
-    /// Drive frequencies, Hz: FROM:TO:STEP, or one value [where it may be left out: the chapter's, 1.41:7.28:0.01 on
-    /// wires and the same Ω/ω for other rigs]
+    /// Drive frequencies, Hz: FROM:TO:STEP, or one value
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     frequency: Option<String>,
+}
+
+/// The help of `--frequency` in a command whose default are the chapter's frequencies.
+pub fn chapters(frequency: clap::Arg) -> clap::Arg {
+    frequency.help(
+        "Drive frequencies, Hz: FROM:TO:STEP, or one value [default: the chapter's, 1.41:7.28:0.01 on wires and the same Ω/ω for other rigs]",
+    )
 }
 
 impl Drives {

@@ -12,7 +12,7 @@ const USUAL_TICK_US: f64 = 50.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EngineName {
-    /// Event-located reference, f64
+    /// Located events, f64: the reference; in map, basins and bifurcation the fast engine, which runs many motions at once
     Event,
     /// The microcontroller's switch model, corrected stepper, fixed tick
     Switch,

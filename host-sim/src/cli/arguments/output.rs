@@ -47,7 +47,7 @@ pub struct OutputArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
-    /// No progress, no notes on standard error
+    /// No progress, no notes on standard error; warnings and errors stay
     #[arg(long)]
     pub quiet: bool,
 
@@ -177,10 +177,11 @@ impl OutputArgs {
         note(self.quiet, text);
     }
 
-    /// Says which values of `rig` look like ones in another unit.
+    /// Says which values of `rig` look like ones in another unit, also where no notes are wanted: the answer may be for
+    /// another rig than the one meant.
     pub fn doubt(&self, rig: &NamedRig) {
         for line in rigfile::doubts(&rig.params) {
-            self.note(&line);
+            say(&line);
         }
     }
 

@@ -16,8 +16,8 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
     if !(from.is_finite() && to.is_finite() && step.is_finite()) {
         return Err("every part must be a finite number".to_owned());
     }
-    if from > to {
-        return Err(format!("FROM ({from}) is above TO ({to}); swap them"));
+    if from != to {
+        rising(from, to)?;
     }
     if step <= 0.0 {
         return Err(format!("STEP is {step}, must be positive"));
@@ -44,6 +44,20 @@ pub fn range_or_value(text: &str) -> Result<Vec<f64>, String> {
         |_| Err("write FROM:TO:STEP, or one number".to_owned()),
         |value| Ok(vec![value]),
     )
+}
+
+/// Refuses a range that does not rise.
+///
+/// # Errors
+/// If it does not.
+pub fn rising(from: f64, to: f64) -> Result<(), String> {
+    if from > to {
+        return Err(format!("FROM ({from}) is above TO ({to}); swap them"));
+    }
+    if from == to {
+        return Err(format!("FROM and TO are both {from}; widen the range"));
+    }
+    Ok(())
 }
 
 /// Values of a parameter, and whether they are spaced by factors.
@@ -87,9 +101,7 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
             "{spacing}: there must be from 2 to {MOST:.0} values"
         ));
     }
-    if from >= to {
-        return Err(format!("FROM ({from}) must be below TO ({to})"));
-    }
+    rising(from, to)?;
     if log && from <= 0.0 {
         return Err(format!("FROM is {from}, must be positive for {spacing}"));
     }
@@ -138,6 +150,11 @@ mod tests {
         ] {
             assert!(parse_values(bad).is_err(), "{bad}");
         }
+        assert!(
+            parse_values("1:0.1:lin5")
+                .unwrap_err()
+                .contains("swap them")
+        );
     }
 
     #[test]

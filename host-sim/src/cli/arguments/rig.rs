@@ -50,6 +50,8 @@ impl RigName {
     /// # Errors
     /// If the rig, an override or a setting cannot be used.
     pub fn load_with(&self, name: &str, settings: &[String]) -> Result<NamedRig, UserError> {
+        once(&self.set).map_err(|error| error.at("--set"))?;
+        once(settings)?;
         rigfile::load(name, &[&self.set, settings].concat())
     }
 
@@ -57,6 +59,26 @@ impl RigName {
     pub fn overrides(&self, key: &str) -> bool {
         let keys = self.set.iter().filter_map(|set| set.split('=').next());
         keys.map(str::trim).any(|set| set == key)
+    }
+}
+
+/// Refuses settings of which two set the same parameter.
+fn once(settings: &[String]) -> Result<(), UserError> {
+    let key = |setting: &String| {
+        setting
+            .split('=')
+            .next()
+            .unwrap_or_default()
+            .trim()
+            .to_owned()
+    };
+    let keys: Vec<String> = settings.iter().map(key).collect();
+    match (1..keys.len()).find(|i| keys[..*i].contains(&keys[*i])) {
+        Some(i) => Err(UserError::new(format!(
+            "{} is given twice; leave one of the two out",
+            keys[i]
+        ))),
+        None => Ok(()),
     }
 }
 

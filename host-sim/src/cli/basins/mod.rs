@@ -4,9 +4,11 @@ mod text;
 
 use serde::Serialize;
 
+use super::arguments::cycles::usual_recorded;
 use super::arguments::drive::Drive;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
+use super::arguments::range::rising;
 use super::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures::basins::figure;
 use crate::pictures::drawn;
@@ -61,9 +63,10 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 300)]
     cycles: u32,
 
-    /// How many of the last cycles are recorded; a contact in them counts as impact
-    #[arg(long, value_name = "N", default_value_t = 100)]
-    recorded: u32,
+    /// How many of the last cycles are recorded; a contact in them counts as impact [default: 100, of fewer than 200 cycles
+    /// half]
+    #[arg(long, value_name = "N")]
+    recorded: Option<u32>,
 
     /// Random starts in addition to the grid, for shares with confidence intervals and the table over cycles; 0: none
     #[arg(long, value_name = "N", default_value_t = 2000)]
@@ -165,7 +168,7 @@ fn queries(args: &Args) -> Result<Vec<(Option<Point>, BasinsRequest)>, UserError
     let points = points.into_iter().map(|(point, mut query)| {
         query.phase = args.phase;
         query.cycles = args.cycles;
-        query.recorded = args.recorded;
+        query.recorded = args.recorded.unwrap_or(usual_recorded(args.cycles));
         query.samples = args.samples;
         query.seed = args.seed;
         query.until = args.until.unwrap_or(args.cycles.max(1000));
@@ -306,9 +309,6 @@ fn parse_ends(text: &str) -> Result<[f64; 2], String> {
     let ends = text
         .split_once(':')
         .and_then(|(a, b)| number(a).zip(number(b)));
-    match ends {
-        Some((from, to)) if from < to => Ok([from, to]),
-        Some((from, to)) => Err(format!("FROM ({from}) must be below TO ({to})")),
-        None => Err("write FROM:TO, for example -6:1.5".to_owned()),
-    }
+    let (from, to) = ends.ok_or("write FROM:TO, for example -6:1.5")?;
+    rising(from, to).map(|()| [from, to])
 }

@@ -26,8 +26,13 @@ use numerics::sweep::spread;
 const USUAL_RATIOS: (f64, f64, usize) = (1.2, 4.0, 141);
 
 #[derive(Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("ratio", |ratio| ratio.help(
+    "Drive frequencies over the natural frequency, Ω/ω: FROM:TO:STEP, or one value [default: 1.2:4:0.02]"
+)))]
 pub struct Args {
+    #[command(flatten)]
+    drive: Drives,
+
     #[command(flatten)]
     ground: GroundArgs,
 
@@ -46,9 +51,6 @@ pub struct Args {
 
     #[command(flatten)]
     oscillator: published::Oscillator,
-
-    #[command(flatten)]
-    drive: Drives,
 
     #[command(flatten)]
     rig: RigAtGaps,
@@ -77,6 +79,8 @@ pub struct Answer {
     advice: DrillAnswer,
     /// The best of each gap whatever the motion.
     gaps_any_regime: Vec<DrillRow>,
+    /// The best of all gaps whatever the motion: `advice.best` where nothing is faster.
+    fastest_of_all: DrillRow,
     rows: Vec<DrillRow>,
 }
 
@@ -91,7 +95,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.doubt_without_uncertainty(&rig);
     let answer = answer(args, &rig, output)?;
     if let Some(dir) = &output.out {
-        let mut files = drawn(&output.name(""), &curves(&answer.rows, &answer.advice))?;
+        let mut files = drawn(
+            &output.name(""),
+            &curves(&answer.rows, &answer.advice, &answer.fastest_of_all),
+        )?;
         if answer.gaps.len() > 1 {
             files.extend(drawn(&output.name("-map"), &map(&answer.rows))?);
         }
@@ -146,6 +153,14 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
     };
     let advice = advise(&there, &setting, of_gap, Some(uncertainty), plan, &progress)?;
     progress.finish();
+    let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+    // A row of the grid beats the best 1/1, which is refined between rows, only by more than the grid is coarse.
+    let fastest_of_all = gaps_any_regime
+        .iter()
+        .filter(|row| rate(row) > 1.001 * rate(&advice.best))
+        .max_by(|a, b| rate(a).total_cmp(&rate(b)))
+        .unwrap_or(&advice.best)
+        .clone();
     Ok(Answer {
         rig: rig.name.clone(),
         cart: advice.cart,
@@ -158,6 +173,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         gaps,
         advice,
         gaps_any_regime,
+        fastest_of_all,
         rows,
     })
 }

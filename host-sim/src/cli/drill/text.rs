@@ -1,21 +1,25 @@
 //! What `drill` says on a terminal.
 
 use super::Answer;
-use numerics::drill::{Corner, DrillAnswer, DrillRow};
+use numerics::drill::{Corner, DrillAnswer};
 use numerics::pick::CartModel;
 use plot::chart::Chart;
 
 pub fn text(answer: &Answer) -> String {
     let advice = &answer.advice;
     let best = &advice.best;
+    let faster = faster(answer);
     let mut text = format!(
-        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: drills fastest at {:.4} Hz ({:.3} times the natural frequency)\n\n",
+        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: drills fastest{} on {} at {:.4} Hz ({:.3} times the natural frequency)\n{}\n",
         answer.rig,
         best.gap_mm,
         advice.cart.words(),
         answer.threshold_n,
+        if faster.is_empty() { " of all" } else { "" },
+        best.regime,
         best.frequency_hz,
-        best.frequency_ratio
+        best.frequency_ratio,
+        faster
     );
     let mut line = |name: &str, value: String| text += &format!("  {name:<22} {value}\n");
     line(
@@ -61,7 +65,6 @@ pub fn text(answer: &Answer) -> String {
         line("bit", bit);
     }
     text += &corners(&advice.corners, answer);
-    text += &faster(answer);
     if answer.gaps.len() > 1 {
         text += &gaps(answer);
     }
@@ -69,29 +72,27 @@ pub fn text(answer: &Answer) -> String {
     text + &chart(answer)
 }
 
-/// What another motion would drill, if it drills faster.
+/// The line of the motion that drills fastest of all; empty if that is the one recommended.
 fn faster(answer: &Answer) -> String {
-    let rate = |row: &&DrillRow| row.rate_of_penetration_um_per_s;
-    let all = answer.gaps_any_regime.iter();
-    let Some(fastest) = all.max_by(|a, b| rate(a).total_cmp(&rate(b))) else {
-        return String::new();
-    };
-    if rate(&fastest) <= 1.001 * answer.advice.best.rate_of_penetration_um_per_s {
+    let (best, fastest) = (&answer.advice.best, &answer.fastest_of_all);
+    if fastest == best {
         return String::new();
     }
     let end = answer
         .rows
         .last()
         .is_some_and(|r| r.frequency_hz == fastest.frequency_hz);
+    // The cart's peak force (M + m) A0 Ω², at the same amplitude.
+    let force = (fastest.frequency_hz / best.frequency_hz).powi(2);
     format!(
-        "  {:<22} {} at {:.4} Hz (Ω/ω {:.3}), gap {:?} mm: {:.1} µm/s{}; it is not 1/1, and the shaker must give more\n",
-        "faster still",
+        "fastest of all: {} at {:.4} Hz (Ω/ω {:.3}){}, gap {:?} mm: {:.1} µm/s instead of {:.1}; the shaker must move the cart with {force:.1} times the force\n",
         fastest.regime,
         fastest.frequency_hz,
         fastest.frequency_ratio,
+        if end { ", the end of the range" } else { "" },
         fastest.gap_mm,
         fastest.rate_of_penetration_um_per_s,
-        if end { " at the end of the range" } else { "" }
+        best.rate_of_penetration_um_per_s
     )
 }
 

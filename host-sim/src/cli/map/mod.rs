@@ -12,7 +12,7 @@ use answer::Answer;
 use written::{file_name, write};
 
 use super::arguments::choice::choice;
-use super::arguments::drive::Drives;
+use super::arguments::drive::{Drives, chapters};
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Format, OutputArgs};
 use super::arguments::rig::{CartArg, RigAtGaps};
@@ -31,7 +31,7 @@ use numerics::sweep::Direction;
 
 /// Exit code: 0; 2 the map could not be made; 130 interrupted, and the finished tiles are kept.
 #[derive(Clone, Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
+#[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("frequency", chapters))]
 pub struct Args {
     #[command(flatten)]
     drive: Drives,
@@ -56,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "N", conflicts_with = "recorded")]
     transient: Option<u32>,
 
-    /// Compute every cell with the event-located reference instead of the fast engine (hours, not seconds)
+    /// Compute every cell alone with the reference, instead of many at once as --engine event does (hours, not seconds)
     #[arg(long)]
     reference: bool,
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use clap::ValueEnum;
 
 use super::Args;
+use crate::cli::arguments::cycles::usual_recorded;
 use crate::cli::arguments::rig::at_gap;
 use files::UserError;
 use numerics::NamedRig;
@@ -136,7 +137,7 @@ fn recorded(args: &Args) -> Result<u32, UserError> {
             "--transient {transient} leaves nothing of --cycles {} to record; it must be smaller",
             args.cycles
         ))),
-        (None, None) => Ok((args.cycles / 2).min(100)),
+        (None, None) => Ok(usual_recorded(args.cycles)),
     }
 }
 

@@ -7,7 +7,7 @@ use shared::model::regime::Regime;
 use super::answer::Answer;
 use crate::words;
 use crate::words::map::percent;
-use numerics::map::{Map, MapRequest, Summary};
+use numerics::map::{Map, MapRequest, Strongest, Summary};
 use numerics::pick::CartModel;
 use plot::chart::terminal_width;
 
@@ -83,12 +83,10 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
         String::new()
     };
     let _ = writeln!(text, "regimes    {}{more}", shares.join(", "));
-    if let Some(best) = &summary.strongest {
-        let _ = writeln!(
-            text,
-            "strongest  1/1 with {:.2} m g ({:.2} N) at {:?} mm, {:?} Hz, Ω/ω {:.3}",
-            best.force_ratio, best.force_n, best.gap_mm, best.frequency_hz, best.frequency_ratio
-        );
+    let strongest = summary.strongest_one_one.iter();
+    let others = summary.strongest_of_all.iter();
+    for best in strongest.chain(others.filter(|of_all| !of_all.regime.is(1, 1))) {
+        text += &strongest_line(best, summary);
     }
     let _ = writeln!(
         text,
@@ -105,6 +103,20 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
         );
     }
     text
+}
+
+/// A cell with the largest force: of 1/1, of all regimes, or of both.
+fn strongest_line(best: &Strongest, summary: &Summary) -> String {
+    let of_all = summary.strongest_of_all.as_ref() == Some(best);
+    let what = match (best.regime.is(1, 1), of_all) {
+        (true, true) => "strongest of all: 1/1 with".to_owned(),
+        (true, false) => "strongest 1/1:".to_owned(),
+        (false, _) => format!("strongest of all: {} with", best.regime),
+    };
+    format!(
+        "{what} {:.2} N, {:.2} times the weight, at a gap of {:?} mm and {:?} Hz (Ω/ω {:.3})\n",
+        best.force_n, best.force_ratio, best.gap_mm, best.frequency_hz, best.frequency_ratio
+    )
 }
 
 /// The map in letters, the largest gap on top: each letter shows the cell in the middle of what it covers.

@@ -2,7 +2,7 @@
 
 use super::{Args, Axis, end_words, ends, ratios};
 use crate::cli::arguments::output::OutputArgs;
-use crate::cli::arguments::range::parse_finite;
+use crate::cli::arguments::range::{parse_finite, rising};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
@@ -46,9 +46,7 @@ pub fn parse_curve(text: &str) -> Result<CurveOver, String> {
     let (Some(from), Some(to)) = (parse_finite(from), parse_finite(to)) else {
         return Err(form.to_owned());
     };
-    if from >= to {
-        return Err(format!("FROM ({from}) must be below TO ({to})"));
-    }
+    rising(from, to)?;
     if log && from <= 0.0 {
         return Err(format!("FROM is {from}, must be positive with log"));
     }

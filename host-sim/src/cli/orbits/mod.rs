@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use curve::{CurveOver, parse_curve};
 
 use crate::cli::arguments::output::OutputArgs;
+use crate::cli::arguments::range::rising;
 use crate::cli::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures;
 use crate::pictures::drawn;
@@ -209,10 +210,10 @@ fn ratios(args: &Args, rig: &NamedRig) -> Result<(f64, f64), UserError> {
 fn ends(option: &str, text: &str) -> Result<(f64, f64), UserError> {
     let parts: Vec<_> = text.split(':').map(|t| t.trim().parse::<f64>()).collect();
     match parts.as_slice() {
-        [Ok(from), Ok(to)] if from.is_finite() && to.is_finite() && from < to => Ok((*from, *to)),
-        [Ok(from), Ok(to)] if from >= to => Err(UserError::new(format!(
-            "{option} {text}: FROM must be below TO; swap them or widen the range"
-        ))),
+        [Ok(from), Ok(to)] if from.is_finite() && to.is_finite() => {
+            let wrong = |what| UserError::new(format!("{option} {text}: {what}"));
+            rising(*from, *to).map(|()| (*from, *to)).map_err(wrong)
+        }
         _ => Err(UserError::new(format!(
             "{option} {text}: write FROM:TO, for example 0.8:4"
         ))),

@@ -31,13 +31,15 @@ pub fn text(rigs: &[NamedRig], picks: &[Pick]) -> String {
         |a, d| format!("{:.*}", d.force_ratio, a.force_ratio),
         |a| a.force_ratio,
     );
-    table.line("  over the uncertainty", |a, d| {
-        let digits = d.force_ratio;
-        format!(
-            "{:.digits$} to {:.digits$}",
-            a.force_ratio_worst, a.force_ratio_largest
-        )
-    });
+    if answers.iter().any(|a| a.uncertainty.is_some()) {
+        table.line("  over the uncertainty", |a, d| {
+            let digits = d.force_ratio;
+            format!(
+                "{:.digits$} to {:.digits$}",
+                a.force_ratio_worst, a.force_ratio_largest
+            )
+        });
+    }
     table.line("safe band, Hz", |a, d| d.band(a.safe_band_hz));
     table.line("period doubling, Hz", |a, d| {
         a.period_doubling_hz.map_or("-".to_owned(), |hz| d.hz(hz))

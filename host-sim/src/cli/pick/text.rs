@@ -137,6 +137,7 @@ fn operation(a: &Answer) -> Lines {
         digits.hz(a.power_optimum_hz)
     );
     let mut lines = vec![("regime", from_rest(a)), ("force", force + &spread)];
+    lines.extend(settling(a));
     lines.extend(bending::lines(a));
     lines.extend(cart(a));
     lines.push(("impact power", power));
@@ -149,17 +150,32 @@ fn operation(a: &Answer) -> Lines {
             at_the_ends(a)
         ),
     ));
-    let margin = (high / a.operating_frequency_hz - 1.0) * 100.0;
-    if margin < EDGE_PERCENT {
-        lines.push((
-            "no margin above",
-            format!(
-                "the operating frequency is the top of the safe band; if it can drift, run lower, for example at {} Hz",
-                digits.hz(0.5 * (low + high))
-            ),
-        ));
-    }
+    let middle = digits.hz(0.5 * (low + high));
+    let edge = |end: &str, way: &str| {
+        format!(
+            "the operating frequency is the {end} of the safe band; if it can drift, run {way}, for example at {middle} Hz"
+        )
+    };
+    let [below, above] = [a.margin_below_percent, a.margin_above_percent].map(|m| m < EDGE_PERCENT);
+    lines.extend(match (below, above) {
+        (false, false) => None,
+        (true, false) => Some(("no margin below", edge("bottom", "higher"))),
+        (false, true) => Some(("no margin above", edge("top", "lower"))),
+        (true, true) => Some((
+            "no margin",
+            "the safe band is so narrow that a small drift leaves it on either side".to_owned(),
+        )),
+    });
     lines
+}
+
+/// How long a run from rest takes to get to the force.
+fn settling(a: &Answer) -> Option<(&'static str, String)> {
+    let (cycles, seconds) = (a.force_settling_cycles?, a.force_settling_s?);
+    Some((
+        "settles",
+        format!("from rest within 1 % of this force after {cycles} drive periods ({seconds:.1} s)"),
+    ))
 }
 
 /// What the force in the band is of, on beams.
@@ -190,14 +206,24 @@ fn cart(a: &Answer) -> Lines {
             CartModel::Prescribed => "moved as prescribed, whatever force that takes".to_owned(),
         },
     )];
-    if let Some((what, force, hz)) = other_cart(a) {
-        let more = 100.0 * (force / a.force_ratio - 1.0);
+    if let Some(other) = other_cart(a) {
+        let more = 100.0 * (other.force_ratio / other.own_force_ratio - 1.0);
+        let n = digits.force_ratio;
+        let against = match other.own_force_ratio == a.force_ratio {
+            true => String::new(),
+            false => format!(
+                "; both carts nominal and without shaker_max_force_n: the cart above then gives {:.n$} times the weight at {} Hz",
+                other.own_force_ratio,
+                digits.hz(other.own_hz)
+            ),
+        };
         lines.push((
             "other cart",
             format!(
-                "{force:.*} times the weight at {} Hz {what} ({more:+.1} % of force)",
-                digits.force_ratio,
-                digits.hz(hz)
+                "{:.n$} times the weight at {} Hz {} ({more:+.1} % of force{against})",
+                other.force_ratio,
+                digits.hz(other.hz),
+                other.what
             ),
         ));
     }

@@ -65,10 +65,12 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     // What is written must be a rig.
     let (params, stated) = rigfile::parse_whole(&text, "rig new")?;
     let rig = NamedRig::new(name.clone(), params);
-    described.notes.extend(rigfile::doubts(&params));
     files::write::write_new(&new.file, &text)?;
     for line in &described.notes {
         note(new.quiet, line);
+    }
+    for line in rigfile::doubts(&params) {
+        note(false, &line);
     }
     note(new.quiet, &format!("wrote {}", new.file.display()));
     print(&summary(&new.file, &described, &rig, &stated));

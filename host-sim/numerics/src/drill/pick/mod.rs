@@ -217,6 +217,9 @@ fn pick_at_amplitude(
         frequency_ratio: hz / params.natural_frequency_hz(),
         regime: seen.on_orbit.regime,
         regime_from_rest: seen.from_rest,
+        // The force is cut off at the threshold: it says nothing of settling.
+        force_settling_cycles: None,
+        force_settling_s: None,
         corners: seen.corners,
         corners_reaching_one_one_from_rest: seen.corners_reaching,
         force_ratio: chosen.force_n / weight,
@@ -227,6 +230,8 @@ fn pick_at_amplitude(
         contact_time_ms: 1e3 * seen.blow.duration_s,
         band_hz: band.into(),
         safe_band_hz: safe.into(),
+        margin_below_percent: 100.0 * (1.0 - safe.0 / hz),
+        margin_above_percent: 100.0 * (safe.1 / hz - 1.0),
         safe_band_force_ratio_worst: safe_worst.map(|s| s.map(|s| s.weakest_n / weight)),
         stable_one_one_hz: branch.range().into(),
         stable_one_one_ends: [branch.low.end, branch.high.end],

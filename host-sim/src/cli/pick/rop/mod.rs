@@ -337,9 +337,18 @@ fn cart(pick: &RopPick) -> String {
     let (Some(at), Some(value)) = (at, value) else {
         return format!("{own}; the other is not known");
     };
-    let more = 100.0 * (value / g.rate_of_penetration_um_per_s - 1.0);
+    // The other cart's rate is the nominal rig's without limits: so is what it is compared with.
+    let unlimited = g.nominal_optimum_rate_um_per_s;
+    let more = 100.0 * (value / unlimited - 1.0);
+    let against = match unlimited > g.rate_of_penetration_um_per_s * (1.0 + 1e-6) {
+        true => format!(
+            " against {} of this cart, both nominal and without limits",
+            rate(pick, unlimited)
+        ),
+        false => String::new(),
+    };
     format!(
-        "{own}; {other}, {} µm/s at {} Hz ({more:+.0} %)",
+        "{own}; {other}, {} µm/s at {} Hz ({more:+.0} %{against})",
         rate(pick, value),
         hz(pick, at)
     )
