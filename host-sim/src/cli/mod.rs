@@ -37,7 +37,7 @@ mod trials;
 
 use std::ffi::OsString;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arguments::output::OutputArgs;
@@ -317,19 +317,28 @@ fn without_command(error: &clap::Error) -> i32 {
     }
     match error.kind() {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => say(error.to_string().trim_end()),
-        _ => complain(&one_line(&error.to_string())),
+        _ => complain(&one_line(&error.to_string(), comma(error).as_deref())),
     }
     2
 }
 
-/// The first paragraph of clap's message, on one line, and where to read more.
-fn one_line(message: &str) -> String {
+/// How to write a value that has a decimal comma, unless the message says so.
+fn comma(error: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidValue) else {
+        return None;
+    };
+    files::decimal::comma(value).filter(|_| !error.to_string().contains(" with a point"))
+}
+
+/// The first paragraph of clap's message, on one line, the `mend`, and where to read more.
+fn one_line(message: &str, mend: Option<&str>) -> String {
     let paragraph = message.lines().take_while(|line| !line.trim().is_empty());
     let words: Vec<_> = paragraph.map(str::trim).collect();
     let tip = message
         .lines()
         .map(str::trim)
         .find(|line| line.starts_with("tip:"));
+    let tip = tip.or(mend);
     let tip = tip.map_or(String::new(), |tip| format!(" ({tip})"));
     format!("{}{tip}; see --help", words.join(" "))
 }
