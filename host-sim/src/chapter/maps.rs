@@ -67,8 +67,16 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
             "measured points over the map",
             "they are not public; the text names the regimes of four (figures 3.17, 3.18, 3.19, 3.21)",
         ),
-        edge("3.3.6, figure 3.26", &map),
-        unrest("3.3.6, figure 3.24", &map),
+        edge(
+            "3.3.6, figure 3.26",
+            "the largest force \"does not occur at the z = 1/1 boundary, except for high values of gap\"",
+            &map,
+        ),
+        unrest(
+            "3.3.6, figure 3.24",
+            "\"for a gap condition higher than 1.5\" various motions between 1/1 and 1/2",
+            &map,
+        ),
     ];
     for point in POINTS.iter().filter(|p| p.rig == "wires") {
         all.push(basin(point, effort, progress)?);
@@ -82,7 +90,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
     Ok(all)
 }
 
-fn edge(section: &'static str, map: &Map) -> Statement {
+fn edge(section: &'static str, words: &'static str, map: &Map) -> Statement {
     let rows = strongest_rows(map);
     let edge: Vec<f64> = rows
         .iter()
@@ -101,7 +109,7 @@ fn edge(section: &'static str, map: &Map) -> Statement {
     );
     Statement::new(
         section,
-        "the largest force \"does not occur at the z = 1/1 boundary, except for high values of gap\"",
+        words,
         ours,
         Verdict::of(low == 0 && !edge.is_empty()),
     )
@@ -122,11 +130,11 @@ fn instability(wires: &Map, beams: &[Map]) -> Statement {
     )
 }
 
-fn unrest(section: &'static str, map: &Map) -> Statement {
+fn unrest(section: &'static str, words: &'static str, map: &Map) -> Statement {
     let [above, below] = unrest_shares(map);
     Statement::new(
         section,
-        "\"for a gap condition higher than 1.5\" various motions between 1/1 and 1/2",
+        words,
         format!(
             "between Ω/ω 1.5 and 2.6 neighbours in frequency differ in regime in {above:.1} % of pairs above 1.5 A0 and in {below:.1} % below"
         ),
@@ -249,14 +257,22 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
         "3.4.3, figure 3.48(b)",
         "3.4.3, figure 3.50(b)",
     ]) {
-        all.push(unrest(section, map));
+        all.push(unrest(
+            section,
+            "\"the instability region after the z = 1/1 region in values of non-dimensional gap higher than 1.5\"",
+            map,
+        ));
     }
     for (map, section) in maps.iter().zip([
         "3.4.3, figure 3.47",
         "3.4.3, figure 3.49",
         "3.4.3, figure 3.51",
     ]) {
-        all.push(edge(section, map));
+        all.push(edge(
+            section,
+            "\"the same observations stated for the hammer supported by wires\", figure 3.26: where the largest force lies",
+            map,
+        ));
     }
     for point in POINTS.iter().filter(|p| p.rig != "wires") {
         all.push(basin(point, effort, progress)?);

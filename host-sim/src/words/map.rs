@@ -4,8 +4,15 @@ use numerics::map::{Agreement, Similarity};
 
 /// An agreement cell by cell, percentages first.
 pub fn agreement(found: &Agreement) -> String {
+    let apart = found.cells - found.same_label;
+    let coexisting = match found.coexisting {
+        Some(count) if apart > 0 => format!(
+            "; in {count} of the {apart} with another label both motions exist (the reference keeps the first when started in it)"
+        ),
+        _ => String::new(),
+    };
     format!(
-        "same label {}; of the {} that repeat in both, same p/n {}, force within 0.1 % {}; flagged {}",
+        "same label {}; of the {} that repeat in both, same p/n {}, force within 0.1 % {}; flagged {}{coexisting}",
         percent(found.same_label, found.cells),
         found.both_periodic,
         percent(found.same_p_n, found.both_periodic),

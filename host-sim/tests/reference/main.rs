@@ -8,6 +8,7 @@ mod laws;
 mod lyapunov;
 mod monodromy;
 mod orders;
+mod published;
 mod scipy;
 mod special_points;
 mod stiff_limit;

@@ -150,10 +150,12 @@ def pick(
     amplitude_percent: float | None = None,
     contact_stiffness_percent: float | None = None,
     contact_damping_percent: float | None = None,
+    contact_damping_ratio_percent: float | None = None,
     gap_tolerance_mm: float | None = None,
     mass_percent: float | None = None,
     cart_mass_percent: float | None = None,
     shaker_loop_percent: float | None = None,
+    shaker_damping_percent: float | None = None,
     samples: int = 256,
     seed: int = 1,
     max_force_n: float | None = None,
@@ -172,8 +174,10 @@ def pick(
         The cart recoils where the rig's shaker is known (``shaker_loop_hz``); ``"prescribed"`` is the chapter's.
     nominal:
         Takes the parameters as exact.
-    natural_frequency_percent, ..., shaker_loop_percent:
-        Half-widths of the uncertainty; what is left out is the rig file's, else 2, 5, 20, 20 %, 0.05 mm, 0, 0, 0.
+    natural_frequency_percent, ..., shaker_damping_percent:
+        Half-widths of the uncertainty; what is left out is the rig file's, else 2, 5, 20, 20 %, 0.05 mm, 0, 0, 0, 0.
+    contact_damping_ratio_percent:
+        In place of ``contact_damping_percent``: the damping goes with the stiffness.
     samples, seed:
         Random rigs within the uncertainty beside its corners.
     max_force_n, max_frequency_hz, max_drive_force_n:
@@ -198,10 +202,12 @@ def pick(
         "amplitude_percent": amplitude_percent,
         "contact_stiffness_percent": contact_stiffness_percent,
         "contact_damping_percent": contact_damping_percent,
+        "contact_damping_ratio_percent": contact_damping_ratio_percent,
         "gap_tolerance_mm": gap_tolerance_mm,
         "mass_percent": mass_percent,
         "cart_mass_percent": cart_mass_percent,
         "shaker_loop_percent": shaker_loop_percent,
+        "shaker_damping_percent": shaker_damping_percent,
     }
     given = [(name, float(value)) for name, value in widths.items() if value is not None]
     if nominal and given:

@@ -366,6 +366,12 @@ mod tests {
         );
         let line = complaint("preset = \"wires\"\n[uncertainty]\nmass_percent = 50\n");
         assert!(line.contains("must be from 0 to below 50"), "{line}");
+        let both = "contact_damping_percent = 5\ncontact_damping_ratio_percent = 5\n";
+        let line = complaint(&format!("preset = \"wires\"\n[uncertainty]\n{both}"));
+        assert!(
+            line.contains("line 4: contact_damping_ratio_percent: contact_damping_percent and contact_damping_ratio_percent are both given"),
+            "{line}"
+        );
         let line = complaint("preset = \"wires\"\nuncertainty = 1\n");
         assert!(line.contains("must be a table"), "{line}");
     }

@@ -19,7 +19,7 @@ pub struct Width {
 }
 
 /// Every half-width, in the order of a file.
-pub const WIDTHS: [Width; 8] = [
+pub const WIDTHS: [Width; 10] = [
     Width {
         key: "natural_frequency_percent",
         meaning: "natural frequency, % either way",
@@ -45,6 +45,12 @@ pub const WIDTHS: [Width; 8] = [
         of: |s| &mut s.contact_damping_percent,
     },
     Width {
+        key: "contact_damping_ratio_percent",
+        meaning: "contact's damping ratio, % either way: the damping goes with the stiffness; instead of contact_damping_percent",
+        below: 100.0,
+        of: |s| &mut s.contact_damping_ratio_percent,
+    },
+    Width {
         key: "gap_tolerance_mm",
         meaning: "gap, mm either way",
         below: 10.0,
@@ -68,6 +74,12 @@ pub const WIDTHS: [Width; 8] = [
         below: 90.0,
         of: |s| &mut s.shaker_loop_percent,
     },
+    Width {
+        key: "shaker_damping_percent",
+        meaning: "damping ratio of the shaker's loop, % either way",
+        below: 90.0,
+        of: |s| &mut s.shaker_damping_percent,
+    },
 ];
 
 impl Width {
@@ -79,7 +91,7 @@ impl Width {
     /// States `value` for it, which `name` gives.
     ///
     /// # Errors
-    /// The value is out of range.
+    /// The value is out of range, or another width is stated that this one takes the place of.
     pub fn set(&self, stated: &mut Stated, name: &str, value: f64) -> Result<(), UserError> {
         let below = self.below;
         if !(0.0..below).contains(&value) {
@@ -88,6 +100,13 @@ impl Width {
             )));
         }
         *(self.of)(stated) = Some(value);
+        if stated.contact_damping_percent.is_some()
+            && stated.contact_damping_ratio_percent.is_some()
+        {
+            return Err(UserError::new(format!(
+                "{name}: contact_damping_percent and contact_damping_ratio_percent are both given; give one of them"
+            )));
+        }
         Ok(())
     }
 }

@@ -6,12 +6,12 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use shared::model::regime::Regime;
 
-use super::compute::cell_from_rest;
+use super::compute::{cell_from_rest, settled};
 use super::request::MapRequest;
 use super::{Map, MapCell};
 use crate::engine::Engine;
 use crate::error::{Error, MapError};
-use crate::lanes::{CellPlan, each_by_engine, or_failed, run_one};
+use crate::lanes::{Cell, CellPlan, each_by_engine, or_failed, run_one};
 use crate::progress::{Progress, step};
 use crate::sweep::Direction;
 
@@ -33,6 +33,9 @@ pub struct Agreement {
     pub same_force: usize,
     /// Flagged as uncertain in the first of the two.
     pub uncertain: usize,
+    /// Of those with another label, cells where both motions exist: the reference keeps the first's label when it starts
+    /// in the first's motion. `None` where this was not looked for.
+    pub coexisting: Option<usize>,
 }
 
 impl Agreement {
@@ -85,15 +88,15 @@ pub fn audit(
         sample(&mut ChaCha8Rng::seed_from_u64(seed), map.cells.len(), count).into_vec();
     chosen.sort_unstable();
     let mut again = Vec::with_capacity(count);
+    let plan = |cycles: u32| CellPlan {
+        cycles,
+        early: false,
+        ..request.plan
+    };
     // In portions, so that the progress moves.
     for portion in chosen.chunks(64) {
         let cells = portion.iter().map(|i| cell_from_rest(request, *i));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;
-        let plan = |cycles: u32| CellPlan {
-            cycles,
-            early: false,
-            ..request.plan
-        };
         let first = each_by_engine(Engine::Event, &cells, &plan(request.plan.cycles));
         for (cell, seen) in cells.iter().zip(first) {
             let mut seen = or_failed(seen)?;
@@ -105,9 +108,27 @@ pub fn audit(
         }
         step(progress, portion.len() as u64)?;
     }
-    Ok(Agreement::of(
-        chosen.iter().map(|i| &map.cells[*i]).zip(&again),
-    ))
+    let mut found = Agreement::of(chosen.iter().map(|i| &map.cells[*i]).zip(&again));
+    let mut coexisting = 0;
+    for (i, seen) in chosen.iter().zip(&again) {
+        let cell = &map.cells[*i];
+        if cell.failed || seen.failed || same_label(cell.regime, seen.regime) {
+            continue;
+        }
+        let first = settled(request, &[cell_from_rest(request, *i)?])?;
+        if let [Some(left)] = first.as_slice() {
+            let kept = Cell {
+                start: left.section,
+                ..cell_from_rest(request, *i)?
+            };
+            let kept = or_failed(run_one(Engine::Event, &kept, &plan(request.plan.cycles)))?;
+            let kept = kept.map_or(MapCell::FAILED, |seen| MapCell::from(&seen));
+            coexisting += usize::from(!kept.failed && same_label(kept.regime, cell.regime));
+        }
+        step(progress, 0)?;
+    }
+    found.coexisting = Some(coexisting);
+    Ok(found)
 }
 
 /// Whether an audit of this request makes sense, before any work.
@@ -198,7 +219,7 @@ pub(super) fn places(from: &[f64], to: &[f64]) -> Vec<Option<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::Grid;
+    use crate::map::{Grid, Runner};
     use crate::row::NamedRig;
     use shared::model::params::{BEAM_150, BEAM_170, RigParams};
 
@@ -247,6 +268,7 @@ mod tests {
             same_p_n: 1,
             same_force: 1,
             uncertain: 1,
+            coexisting: None,
         };
         assert_eq!(found, expected);
     }
@@ -259,6 +281,43 @@ mod tests {
         assert_eq!(places, expected);
         assert_eq!(super::places(&[1.0, 2.0], &[2.0]), [None, Some(0)]);
         assert_eq!(super::places(&[1.0], &[]), [None]);
+    }
+
+    /// At this cell the lanes come to rest on 6/14 and the reference loses contact: both motions exist.
+    #[test]
+    fn an_audit_tells_where_motions_coexist() {
+        let request = MapRequest {
+            rig: NamedRig::new("beam-150", BEAM_150),
+            grid: Grid {
+                gaps_mm: vec![1.7374],
+                frequencies_hz: vec![3.6589 * BEAM_150.natural_frequency_hz()],
+            },
+            runner: Runner::Lanes,
+            plan: CellPlan::CHAPTER,
+            settle: None,
+            from: Direction::Rest,
+        };
+        let lanes = Map {
+            rig: request.rig.clone(),
+            grid: request.grid.clone(),
+            cells: vec![cell(periodic(6, 14), 1.0, false)],
+        };
+        let found = audit(&request, &lanes, (1, 1), &()).unwrap();
+        assert_eq!((found.same_label, found.coexisting), (0, Some(1)));
+        // A label that is merely wrong is not excused.
+        let wrong = MapRequest {
+            grid: Grid {
+                gaps_mm: vec![0.0],
+                frequencies_hz: vec![2.0 * BEAM_150.natural_frequency_hz()],
+            },
+            ..request
+        };
+        let map = Map {
+            grid: wrong.grid.clone(),
+            ..lanes
+        };
+        let found = audit(&wrong, &map, (1, 1), &()).unwrap();
+        assert_eq!((found.same_label, found.coexisting), (0, Some(0)));
     }
 
     /// Two rigs that show the same over Ω/ω and gap/A0, though neither Hz nor mm are the same.

@@ -78,7 +78,7 @@ fn map_cell(outcome: &Option<Outcome>) -> MapCell {
 }
 
 /// Runs `cells`; those that have not settled run again, to the cycles of `settle`.
-fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Option<Outcome>>, Error> {
+pub(super) fn settled(request: &MapRequest, cells: &[Cell]) -> Result<Vec<Option<Outcome>>, Error> {
     let mut outcomes = run(request.runner, cells, &request.plan)?;
     if let Some(cycles) = request.settle {
         let restless: Vec<usize> = (0..cells.len())

@@ -176,7 +176,10 @@ fn pick_at_amplitude(
     let sensitivity = sensitivity::table(params, &nominal);
     let sensitivity = match &uncertainty {
         None => sensitivity,
-        Some(u) => sensitivity.into_iter().map(|row| row.known_to(u)).collect(),
+        Some(u) => {
+            let known = sensitivity.into_iter();
+            known.map(|row| row.known_to(u, &params.contact)).collect()
+        }
     };
     let other = other_cart(rig, limits, progress);
     let band = force_band(params, &branch, &choice.orbit);

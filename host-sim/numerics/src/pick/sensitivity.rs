@@ -46,17 +46,25 @@ impl Sensitivity {
         }
     }
 
-    /// The same row for a parameter known as well as `uncertainty` says.
+    /// The same row for a parameter known as well as `uncertainty` says. Where the damping ratio is known, the damping of the
+    /// spring-dashpot goes with its stiffness.
     #[must_use]
-    pub fn known_to(mut self, uncertainty: &Uncertainty) -> Self {
+    pub fn known_to(mut self, uncertainty: &Uncertainty, contact: &Law<f64>) -> Self {
+        let together = matches!(contact, Law::SpringDashpot { .. })
+            && uncertainty.contact_damping_ratio_percent.is_some();
+        let damping = uncertainty.contact_damping_ratio_percent;
+        let damping = damping.unwrap_or(uncertainty.contact_damping_percent);
         let percent = match self.parameter {
             NATURAL_FREQUENCY => uncertainty.natural_frequency_percent,
             AMPLITUDE => uncertainty.amplitude_percent,
             MASS => uncertainty.mass_percent,
-            CONTACT_STIFFNESS => uncertainty.contact_stiffness_percent,
-            CONTACT_DAMPING | OTHER_CONTACT_DAMPING => uncertainty.contact_damping_percent,
+            CONTACT_STIFFNESS if together => return self,
+            STIFFNESS_AND_DAMPING if !together => return self,
+            CONTACT_STIFFNESS | STIFFNESS_AND_DAMPING => uncertainty.contact_stiffness_percent,
+            CONTACT_DAMPING | OTHER_CONTACT_DAMPING => damping,
             CART_MASS => uncertainty.cart_mass_percent,
             SHAKER_LOOP => uncertainty.shaker_loop_percent,
+            SHAKER_DAMPING => uncertainty.shaker_damping_percent,
             GAP => {
                 self.uncertainty_mm = Some(uncertainty.gap_mm);
                 return self.over(uncertainty.gap_mm / GAP_STEP_MM);
@@ -82,6 +90,8 @@ const CONTACT_STIFFNESS: &str = "contact_stiffness_n_per_m";
 const GAP: &str = "gap_mm";
 const CART_MASS: &str = "cart_mass_kg (same loop frequency)";
 const SHAKER_LOOP: &str = "shaker_loop_hz";
+const SHAKER_DAMPING: &str = "shaker_damping_ratio";
+const STIFFNESS_AND_DAMPING: &str = "field surface stiffness (same restitution)";
 const CONTACT_DAMPING: &str = "contact_damping_n_s_per_m";
 const OTHER_CONTACT_DAMPING: &str = "contact damping";
 
@@ -164,7 +174,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
             }),
         ));
         rows.push((
-            "shaker_damping_ratio",
+            SHAKER_DAMPING,
             percent,
             relative(|rig, by| {
                 if let CartDrive::Loop(held) = &mut rig.cart {
@@ -201,7 +211,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
                 relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
             ));
             rows.push((
-                "field surface stiffness (same restitution)",
+                STIFFNESS_AND_DAMPING,
                 percent,
                 relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, by.sqrt())),
             ));

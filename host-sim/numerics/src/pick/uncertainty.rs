@@ -16,8 +16,11 @@ pub struct Uncertainty {
     pub amplitude_percent: f64,
     /// Contact stiffness, % either way.
     pub contact_stiffness_percent: f64,
-    /// Contact damping, % either way.
+    /// Contact damping, % either way, whatever the stiffness.
     pub contact_damping_percent: f64,
+    /// In its place the contact's damping ratio, % either way: the damping then goes with the square root of the stiffness.
+    /// A law whose damping has no scale (λ, or a restitution) keeps it at another stiffness as it is.
+    pub contact_damping_ratio_percent: Option<f64>,
     /// Gap, mm either way.
     pub gap_mm: f64,
     /// Samples inside the corners.
@@ -30,6 +33,8 @@ pub struct Uncertainty {
     pub cart_mass_percent: f64,
     /// Natural frequency of the shaker's position loop, % either way (a cart that recoils).
     pub shaker_loop_percent: f64,
+    /// Damping ratio of that loop, % either way (a cart that recoils).
+    pub shaker_damping_percent: f64,
 }
 
 /// What is said of a rig's uncertainty, for example in its file; `None` where nothing is.
@@ -43,6 +48,8 @@ pub struct Stated {
     pub contact_stiffness_percent: Option<f64>,
     /// See [`Uncertainty::contact_damping_percent`].
     pub contact_damping_percent: Option<f64>,
+    /// See [`Uncertainty::contact_damping_ratio_percent`].
+    pub contact_damping_ratio_percent: Option<f64>,
     /// See [`Uncertainty::gap_mm`].
     pub gap_mm: Option<f64>,
     /// See [`Uncertainty::mass_percent`].
@@ -51,12 +58,18 @@ pub struct Stated {
     pub cart_mass_percent: Option<f64>,
     /// See [`Uncertainty::shaker_loop_percent`].
     pub shaker_loop_percent: Option<f64>,
+    /// See [`Uncertainty::shaker_damping_percent`].
+    pub shaker_damping_percent: Option<f64>,
 }
 
 impl Stated {
-    /// What is stated here, else what is stated in `other`.
+    /// What is stated here, else what is stated in `other`. The two ways to state the contact's damping take each other's
+    /// place.
     #[must_use]
     pub fn or(&self, other: &Self) -> Self {
+        let damping =
+            self.contact_damping_percent.is_some() || self.contact_damping_ratio_percent.is_some();
+        let of_damping = if damping { self } else { other };
         Self {
             natural_frequency_percent: self
                 .natural_frequency_percent
@@ -65,26 +78,27 @@ impl Stated {
             contact_stiffness_percent: self
                 .contact_stiffness_percent
                 .or(other.contact_stiffness_percent),
-            contact_damping_percent: self
-                .contact_damping_percent
-                .or(other.contact_damping_percent),
+            contact_damping_percent: of_damping.contact_damping_percent,
+            contact_damping_ratio_percent: of_damping.contact_damping_ratio_percent,
             gap_mm: self.gap_mm.or(other.gap_mm),
             mass_percent: self.mass_percent.or(other.mass_percent),
             cart_mass_percent: self.cart_mass_percent.or(other.cart_mass_percent),
             shaker_loop_percent: self.shaker_loop_percent.or(other.shaker_loop_percent),
+            shaker_damping_percent: self.shaker_damping_percent.or(other.shaker_damping_percent),
         }
     }
 
     /// The uncertainty of a rig whose cart recoils or not: what is stated, else the usual widths. What only a cart that
     /// recoils feels has no width for one that does not.
     pub fn complete(&self, samples: u32, seed: u64, recoils: bool) -> Uncertainty {
-        let usual = Uncertainty::default();
-        let of_recoil = |stated: Option<f64>, usual: f64| {
-            if recoils {
-                stated.unwrap_or(usual)
-            } else {
-                0.0
-            }
+        let usual = Uncertainty::usual(recoils);
+        let of_recoil =
+            |stated: Option<f64>, usual: f64| stated.filter(|_| recoils).unwrap_or(usual);
+        let damping = match self.contact_damping_ratio_percent {
+            Some(_) => 0.0,
+            None => self
+                .contact_damping_percent
+                .unwrap_or(usual.contact_damping_percent),
         };
         Uncertainty {
             natural_frequency_percent: self
@@ -94,71 +108,108 @@ impl Stated {
             contact_stiffness_percent: self
                 .contact_stiffness_percent
                 .unwrap_or(usual.contact_stiffness_percent),
-            contact_damping_percent: self
-                .contact_damping_percent
-                .unwrap_or(usual.contact_damping_percent),
+            contact_damping_percent: damping,
+            contact_damping_ratio_percent: self.contact_damping_ratio_percent,
             gap_mm: self.gap_mm.unwrap_or(usual.gap_mm),
             samples,
             seed,
             mass_percent: self.mass_percent.unwrap_or(usual.mass_percent),
             cart_mass_percent: of_recoil(self.cart_mass_percent, usual.cart_mass_percent),
             shaker_loop_percent: of_recoil(self.shaker_loop_percent, usual.shaker_loop_percent),
+            shaker_damping_percent: of_recoil(
+                self.shaker_damping_percent,
+                usual.shaker_damping_percent,
+            ),
         }
     }
 }
 
 impl Default for Uncertainty {
+    /// Of a cart moved as prescribed.
     fn default() -> Self {
         Self {
             natural_frequency_percent: 2.0,
             amplitude_percent: 5.0,
             contact_stiffness_percent: 20.0,
             contact_damping_percent: 20.0,
+            contact_damping_ratio_percent: None,
             gap_mm: 0.05,
             samples: 256,
             seed: 1,
             mass_percent: 0.0,
             cart_mass_percent: 0.0,
             shaker_loop_percent: 0.0,
+            shaker_damping_percent: 0.0,
         }
     }
 }
 
 /// Dimensions of the uncertainty.
-const DIMENSIONS: usize = 8;
-/// The dimensions from here on move together in the corners: hammer mass, cart mass and loop all raise the force, and hardly.
-/// Each with corners of its own would make every pick four times as long. In the samples they move by themselves.
-const TOGETHER: usize = 5;
+const DIMENSIONS: usize = 9;
+/// This dimension, the hammer's mass, moves with the next, the cart's, in the corners: it is weighed to little, and a corner
+/// of its own would double their number. In the samples they move by themselves.
+const WITH_THE_NEXT: usize = 5;
+/// Where more axes than this are open, the corners are a fraction of all: so many axes freely, and each of the others on
+/// the side that [`GENERATORS`] say.
+const FREE: usize = 6;
+/// The free axes whose sides multiply to that of the first and of the second axis beyond them. With two, this is the design
+/// 2^(8−2) of resolution V of the textbooks (Box, Hunter and Hunter, Statistics for Experimenters; NIST/SEMATECH e-Handbook
+/// of Statistical Methods, 5.3.3.4): every side of any four axes meets every side of the others' four, and the first five
+/// axes have all their corners.
+const GENERATORS: [&[usize]; 2] = [&[0, 1, 2, 3], &[0, 1, 4, 5]];
 
 impl Uncertainty {
+    /// The usual widths, of a cart that recoils or not.
+    pub fn usual(recoils: bool) -> Self {
+        let prescribed = Self::default();
+        if !recoils {
+            return prescribed;
+        }
+        Self { ..prescribed }
+    }
+
     fn half_widths(&self) -> [f64; DIMENSIONS] {
+        let damping = self.contact_damping_ratio_percent;
         [
             self.natural_frequency_percent / 100.0,
             self.amplitude_percent / 100.0,
             self.contact_stiffness_percent / 100.0,
-            self.contact_damping_percent / 100.0,
+            damping.unwrap_or(self.contact_damping_percent) / 100.0,
             self.gap_mm / 1e3,
             self.mass_percent / 100.0,
             self.cart_mass_percent / 100.0,
             self.shaker_loop_percent / 100.0,
+            self.shaker_damping_percent / 100.0,
         ]
     }
 
     /// The dimensions that have a width, those that move together in the corners as one.
     fn axes(&self) -> Vec<Vec<usize>> {
         let widths = self.half_widths();
-        let open = |i: &usize| widths[*i] != 0.0;
-        let alone = (0..TOGETHER).filter(open).map(|i| vec![i]);
-        let together: Vec<usize> = (TOGETHER..DIMENSIONS).filter(open).collect();
-        let together = Some(together).filter(|axis| !axis.is_empty());
-        alone.chain(together).collect()
+        let mut axes: Vec<Vec<usize>> = Vec::new();
+        for i in (0..DIMENSIONS).filter(|i| widths[*i] != 0.0) {
+            match axes.last_mut() {
+                Some(last) if *last == [WITH_THE_NEXT] && i == WITH_THE_NEXT + 1 => last.push(i),
+                _ => axes.push(vec![i]),
+            }
+        }
+        axes
     }
 
-    /// The corners of the dimensions that have a width.
+    /// How many of the members are corners: all of them up to six dimensions, else a quarter or half.
+    fn corner_count(&self) -> usize {
+        match self.axes().len() {
+            0 => 0,
+            axes => 1 << axes.min(FREE),
+        }
+    }
+
+    /// The corners of the dimensions that have a width: all of them for up to six, else a fraction.
     pub fn corners(&self) -> Vec<Member> {
-        let axes = self.axes().len();
-        let count = if axes == 0 { 0 } else { 1 << axes };
-        self.members().into_iter().take(count).collect()
+        self.members()
+            .into_iter()
+            .take(self.corner_count())
+            .collect()
     }
 
     /// Every member: the corners, then the samples inside them.
@@ -169,17 +220,21 @@ impl Uncertainty {
             return Vec::new();
         }
         let corner = |bits: usize| {
+            let side = |axis: usize| if bits >> axis & 1 == 0 { -1.0 } else { 1.0 };
             let mut deviation = [0.0; DIMENSIONS];
-            for (bit, axis) in axes.iter().enumerate() {
-                let side = if bits >> bit & 1 == 0 { -1.0 } else { 1.0 };
-                for i in axis {
+            for (axis, dimensions) in axes.iter().enumerate() {
+                let side = match axis.checked_sub(FREE) {
+                    None => side(axis),
+                    Some(beyond) => GENERATORS[beyond].iter().map(|free| side(*free)).product(),
+                };
+                for i in dimensions {
                     deviation[*i] = side;
                 }
             }
             deviation
         };
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
-        let corners = (0..1 << axes.len()).map(corner);
+        let corners = (0..self.corner_count()).map(corner);
         let samples = (0..self.samples).map(|_| {
             let mut deviation = [0.0; DIMENSIONS];
             for i in axes.iter().flatten() {
@@ -187,14 +242,21 @@ impl Uncertainty {
             }
             deviation
         });
-        let scaled = |d: [f64; DIMENSIONS]| Member(std::array::from_fn(|i| d[i] * widths[i]));
-        corners.chain(samples).map(scaled).collect()
+        let member = |d: [f64; DIMENSIONS]| Member {
+            deviations: std::array::from_fn(|i| d[i] * widths[i]),
+            damping_ratio: self.contact_damping_ratio_percent.is_some(),
+        };
+        corners.chain(samples).map(member).collect()
     }
 }
 
 /// One rig within the uncertainty: its relative deviations, and that of the gap in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Member([f64; DIMENSIONS]);
+pub struct Member {
+    deviations: [f64; DIMENSIONS],
+    /// Whether the contact's damping deviates as a ratio.
+    damping_ratio: bool,
+}
 
 impl Member {
     /// `params` with a `share` (0 to 1) of this member's deviations.
@@ -208,15 +270,22 @@ impl Member {
             mass,
             cart_mass,
             shaker_loop,
-        ] = self.0.map(|d| d * share);
+            shaker_damping,
+        ] = self.deviations.map(|d| d * share);
         let mut rig = params.with_natural_frequency_scaled(1.0 + frequency);
         rig.amplitude_m *= 1.0 + amplitude;
         rig.gap_m += gap;
-        rig.contact = scale_contact(&rig.contact, 1.0 + stiffness, 1.0 + damping);
+        let with_stiffness = match params.contact {
+            Law::SpringDashpot { .. } if self.damping_ratio => (1.0 + stiffness).sqrt(),
+            _ => 1.0,
+        };
+        let by_damping = with_stiffness * (1.0 + damping);
+        rig.contact = scale_contact(&rig.contact, 1.0 + stiffness, by_damping);
         rig.mass_kg *= 1.0 + mass;
         rig.cart_mass_kg *= 1.0 + cart_mass;
         if let CartDrive::Loop(held) = &mut rig.cart {
             held.frequency_hz *= 1.0 + shaker_loop;
+            held.damping_ratio *= 1.0 + shaker_damping;
         }
         rig
     }
@@ -224,12 +293,15 @@ impl Member {
     /// This member at a `share` of its deviations.
     #[must_use]
     pub fn scaled(&self, share: f64) -> Self {
-        Self(self.0.map(|deviation| deviation * share))
+        Self {
+            deviations: self.deviations.map(|deviation| deviation * share),
+            ..*self
+        }
     }
 
     /// How its natural frequency relates to the nominal one.
     pub fn natural_frequency_factor(&self) -> f64 {
-        1.0 + self.0[0]
+        1.0 + self.deviations[0]
     }
 }
 
@@ -278,7 +350,7 @@ mod tests {
         assert_eq!(uncertainty.corners(), members[..32]);
         let extremes = members
             .iter()
-            .filter(|m| m.0[0] == 0.02 && m.0[4] == -0.05e-3);
+            .filter(|m| m.deviations[0] == 0.02 && m.deviations[4] == -0.05e-3);
         assert_eq!(extremes.count(), 8);
         let other = Uncertainty {
             seed: 2,
@@ -333,6 +405,108 @@ mod tests {
             Stated::default().complete(256, 1, true),
             Uncertainty::default()
         );
+    }
+
+    /// One reading of a contact time gives both: a stiffer contact is damped more, at the same ratio.
+    #[test]
+    fn stiffness_and_damping_ratio_deviate_by_themselves() {
+        let stated = Stated {
+            contact_stiffness_percent: Some(81.0),
+            contact_damping_ratio_percent: Some(10.0),
+            ..Stated::default()
+        };
+        let uncertainty = stated.complete(64, 1, false);
+        assert_eq!(uncertainty.members().len(), 32 + 64);
+        let ratio = |rig: &RigParams| {
+            let Law::SpringDashpot { stiffness, damping } = rig.contact else {
+                panic!("{rig:?}");
+            };
+            (stiffness, damping / stiffness.sqrt())
+        };
+        let (stiffness, nominal) = ratio(&WIRES);
+        let spread = |members: Vec<Member>| {
+            let rigs = members.into_iter().map(|m| ratio(&m.apply(&WIRES, 1.0)));
+            let mut sides: Vec<_> = rigs
+                .map(|(k, z)| {
+                    (
+                        (100.0 * k / stiffness).round(),
+                        (100.0 * z / nominal).round(),
+                    )
+                })
+                .collect();
+            sides.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            sides.dedup();
+            sides
+        };
+        let corners = [(19.0, 90.0), (19.0, 110.0), (181.0, 90.0), (181.0, 110.0)];
+        assert_eq!(spread(uncertainty.corners()), corners);
+        let all = spread(uncertainty.members());
+        assert!(
+            all.iter().all(|(_, z)| (90.0..=110.0).contains(z)),
+            "{all:?}"
+        );
+        // A law whose damping has no scale keeps it at another stiffness as it is.
+        let law = Law::HuntCrossley {
+            stiffness: 1e8,
+            exponent: 1.5,
+            damping_ratio: 0.4,
+        };
+        let rig = RigParams {
+            contact: law,
+            ..WIRES
+        };
+        let moved = uncertainty.corners()[0].apply(&rig, 1.0).contact;
+        assert_eq!(moved, scale_contact(&law, 1.0 - 0.81, 1.0 - 0.1));
+        // The two ways to state the damping take each other's place.
+        let other = Stated {
+            contact_damping_percent: Some(5.0),
+            ..Stated::default()
+        };
+        let whole = other.or(&stated).complete(0, 1, false);
+        assert_eq!(whole.contact_damping_ratio_percent, None);
+        assert_eq!(whole.contact_damping_percent, 5.0);
+        let whole = Stated::default().or(&stated).complete(0, 1, false);
+        assert_eq!(whole.contact_damping_ratio_percent, Some(10.0));
+        assert_eq!(whole.contact_damping_percent, 0.0);
+    }
+
+    /// Of eight dimensions a quarter of the corners: every side of any four meets every side of the others, and the first
+    /// five have all of theirs.
+    #[test]
+    fn a_fraction_of_the_corners_has_every_side_of_any_four_dimensions() {
+        let stated = Stated {
+            mass_percent: Some(1.0),
+            cart_mass_percent: Some(1.0),
+            shaker_loop_percent: Some(1.0),
+            shaker_damping_percent: Some(1.0),
+            ..Stated::default()
+        };
+        let uncertainty = stated.complete(0, 1, true);
+        let corners = uncertainty.members();
+        assert_eq!(corners.len(), 64);
+        let side = |member: &Member, axis: usize| {
+            // The hammer's mass moves with the cart's.
+            let dimension = if axis < 5 { axis } else { axis + 1 };
+            usize::from(member.deviations[dimension] > 0.0)
+        };
+        let all_met = |axes: &[usize]| {
+            let of = |m: &Member| axes.iter().fold(0, |bits, axis| 2 * bits + side(m, *axis));
+            let mut met: Vec<_> = corners.iter().map(of).collect();
+            met.sort_unstable();
+            met.dedup();
+            met.len() == 1 << axes.len()
+        };
+        assert!(all_met(&[0, 1, 2, 3, 4]));
+        for a in 0..8 {
+            for b in 0..a {
+                for c in 0..b {
+                    for d in 0..c {
+                        assert!(all_met(&[a, b, c, d]), "{a} {b} {c} {d}");
+                    }
+                }
+            }
+        }
+        assert!(corners.iter().all(|m| m.deviations[5] == m.deviations[6]));
     }
 
     #[test]

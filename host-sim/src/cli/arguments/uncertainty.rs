@@ -15,8 +15,8 @@ pub struct UncertaintyArgs {
     /// Take the parameters as exact
     #[arg(long, conflicts_with_all = [
         "natural_frequency_percent", "amplitude_percent", "contact_stiffness_percent",
-        "contact_damping_percent", "gap_tolerance_mm", "mass_percent", "cart_mass_percent",
-        "shaker_loop_percent", "samples", "seed",
+        "contact_damping_percent", "contact_damping_ratio_percent", "gap_tolerance_mm", "mass_percent",
+        "cart_mass_percent", "shaker_loop_percent", "shaker_damping_percent", "samples", "seed",
     ])]
     nominal: bool,
 
@@ -36,6 +36,11 @@ pub struct UncertaintyArgs {
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     contact_damping_percent: Option<f64>,
 
+    /// In its place the contact's damping ratio, % either way: the damping goes with the stiffness, as where one contact time
+    /// gave both
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    contact_damping_ratio_percent: Option<f64>,
+
     /// Gap, mm either way [default: the rig file's, else 0.05]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     gap_tolerance_mm: Option<f64>,
@@ -51,6 +56,10 @@ pub struct UncertaintyArgs {
     /// Natural frequency of the shaker's loop, % either way; counts where the cart recoils [default: the rig file's, else 0]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     shaker_loop_percent: Option<f64>,
+
+    /// Damping ratio of that loop, % either way; counts where the cart recoils [default: the rig file's, else 0]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    shaker_damping_percent: Option<f64>,
 
     /// Random rigs within the uncertainty, in addition to its corners
     #[arg(long, value_name = "N", default_value_t = 256)]
@@ -99,10 +108,12 @@ impl UncertaintyArgs {
             self.amplitude_percent,
             self.contact_stiffness_percent,
             self.contact_damping_percent,
+            self.contact_damping_ratio_percent,
             self.gap_tolerance_mm,
             self.mass_percent,
             self.cart_mass_percent,
             self.shaker_loop_percent,
+            self.shaker_damping_percent,
         ];
         let mut stated = Stated::default();
         for (width, value) in WIDTHS.iter().zip(options) {

@@ -222,15 +222,20 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
 
 /// The uncertainty as an answer carries it.
 fn stated(u: Uncertainty) -> Map<String, Value> {
+    let damping = match u.contact_damping_ratio_percent {
+        Some(percent) => ("contact_damping_ratio_percent", percent),
+        None => ("contact_damping_percent", u.contact_damping_percent),
+    };
     object([
         ("natural_frequency_percent", u.natural_frequency_percent),
         ("amplitude_percent", u.amplitude_percent),
         ("contact_stiffness_percent", u.contact_stiffness_percent),
-        ("contact_damping_percent", u.contact_damping_percent),
+        damping,
         ("gap_tolerance_mm", u.gap_mm),
         ("mass_percent", u.mass_percent),
         ("cart_mass_percent", u.cart_mass_percent),
         ("shaker_loop_percent", u.shaker_loop_percent),
+        ("shaker_damping_percent", u.shaker_damping_percent),
         ("samples", f64::from(u.samples)),
         ("seed", u.seed as f64),
     ])

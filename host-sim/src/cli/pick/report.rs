@@ -10,7 +10,7 @@ use files::made_from::{self, MadeFrom, into_pdf, into_svg};
 use files::words::pick::why;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
-use numerics::pick::Pick;
+use numerics::pick::{CartModel, Pick};
 use plot::{Block, PictureError, render_pdf, render_svg};
 
 /// Parameters named under "what to measure first".
@@ -140,16 +140,24 @@ fn uncertainty(pick: &Pick) -> String {
     let Some(u) = &pick.answer.uncertainty else {
         return "none: the parameters are taken as exact".to_owned();
     };
+    let damping = match u.contact_damping_ratio_percent {
+        Some(percent) => format!("damping ratio ±{percent} %"),
+        None => format!("damping ±{} %", u.contact_damping_percent),
+    };
+    let of_cart = match pick.answer.cart {
+        CartModel::Prescribed => String::new(),
+        CartModel::Recoil => format!(
+            ", cart mass ±{} %, shaker loop ±{} %, its damping ±{} %",
+            u.cart_mass_percent, u.shaker_loop_percent, u.shaker_damping_percent
+        ),
+    };
     format!(
-        "natural frequency ±{} %, amplitude ±{} %, contact stiffness ±{} %, contact damping ±{} %, gap ±{} mm, hammer mass ±{} %, cart mass ±{} %, shaker loop ±{} %; {} corners of it and {} rigs drawn at random (seed {})",
+        "natural frequency ±{} %, amplitude ±{} %, contact stiffness ±{} %, contact {damping}, gap ±{} mm, hammer mass ±{} %{of_cart}; {} corners of it and {} rigs drawn at random (seed {})",
         u.natural_frequency_percent,
         u.amplitude_percent,
         u.contact_stiffness_percent,
-        u.contact_damping_percent,
         u.gap_mm,
         u.mass_percent,
-        u.cart_mass_percent,
-        u.shaker_loop_percent,
         pick.answer.corners,
         u.samples,
         u.seed

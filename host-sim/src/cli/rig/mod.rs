@@ -162,7 +162,9 @@ fn worst_known(rig: &NamedRig, stated: &Stated) -> String {
     };
     let uncertainty = stated.complete(0, 1, rig.params.cart.recoils());
     let rows = picked.answer.sensitivity.into_iter();
-    let mut rows: Vec<_> = rows.map(|row| row.known_to(&uncertainty)).collect();
+    let contact = &rig.params.contact;
+    let rows = rows.map(|row| row.known_to(&uncertainty, contact));
+    let mut rows: Vec<_> = rows.collect();
     rows.retain(|row| row.force_over_uncertainty_percent.is_some());
     let by = |row: &numerics::pick::sensitivity::Sensitivity| {
         row.force_over_uncertainty_percent.unwrap_or(0.0)

@@ -250,6 +250,7 @@ fn pick_at_amplitude(
         uncertainty: uncertainty.map(|u| Uncertainty {
             contact_stiffness_percent: 0.0,
             contact_damping_percent: 0.0,
+            contact_damping_ratio_percent: None,
             ..u
         }),
         amplitude_mm: tidy(params.amplitude_m * 1e3),
