@@ -395,6 +395,13 @@ mod tests {
             panic!()
         };
         assert!((length_m - 0.3001).abs() < 1e-4);
+        // With another gravity the length gives way, too: the frequency asked for is the one there is.
+        let elsewhere = ["gravity_m_per_s2=5", "natural_frequency_hz=2.5"].map(str::to_owned);
+        let hz = load("wires", &elsewhere)
+            .unwrap()
+            .params
+            .natural_frequency_hz();
+        assert!((hz - 2.5).abs() < 1e-9);
         assert!(matches!(
             set("contact_law=hunt-crossley").contact,
             Law::HuntCrossley { .. }

@@ -47,16 +47,13 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
             law_to_table(preset, base);
         }
     }
-    // On wires, length and frequency follow from each other: the one given decides.
-    let length_given = has("wire_length_mm") || has("gravity_m_per_s2");
-    match (length_given, has("natural_frequency_hz")) {
-        (true, false) => {
-            base.remove("natural_frequency_hz");
-        }
-        (false, true) => {
+    // On wires, length, gravity and frequency follow from each other: what is given decides, and the length gives way first.
+    if has("natural_frequency_hz") {
+        if !has("wire_length_mm") {
             base.remove("wire_length_mm");
         }
-        _ => {}
+    } else if has("wire_length_mm") || has("gravity_m_per_s2") {
+        base.remove("natural_frequency_hz");
     }
     base.extend(changes);
     Ok(())

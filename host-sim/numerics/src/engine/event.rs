@@ -37,6 +37,7 @@ impl Machine for Event {
                 let mut sampler = Sampler {
                     frequency_hz: self.frequency_hz,
                     recorder,
+                    next: 0,
                 };
                 self.hammer.run_period(&mut sampler)
             }
@@ -54,16 +55,18 @@ impl Machine for Event {
     }
 }
 
-/// Samples the reference's smooth pieces: evenly in flight, and a few times per piece in contact, which
+/// Samples the smooth pieces of one period of the reference: evenly, and a few times per piece in contact, which
 /// is over long before the next even sample.
 struct Sampler<'a> {
     frequency_hz: f64,
     recorder: &'a mut Recorder,
+    /// Which even sample of the period is next.
+    next: usize,
 }
 
 impl Observer for Sampler<'_> {
     fn segment(&mut self, segment: &Segment) {
-        let per_period = self.recorder.samples_per_period;
+        let (per_period, evenly) = (self.recorder.samples_per_period, self.recorder.evenly);
         if per_period == 0 {
             return;
         }
@@ -76,16 +79,17 @@ impl Observer for Sampler<'_> {
             self.recorder.samples.push(sample);
         };
         let (start, end) = (segment.start.t, segment.end.t);
-        if segment.mode == shared::model::rig::Mode::Contact {
+        let dense = !evenly && segment.mode == shared::model::rig::Mode::Contact;
+        if dense {
             const PIECES: usize = 6;
             (0..=PIECES).for_each(|i| take(start + (end - start) * i as f64 / PIECES as f64));
-            return;
         }
         let spacing = 1.0 / (self.frequency_hz * per_period as f64);
-        let mut k = (start / spacing).ceil();
-        while k * spacing < end {
-            take(k * spacing);
-            k += 1.0;
+        while self.next < per_period && self.next as f64 * spacing < end {
+            if !dense {
+                take(self.next as f64 * spacing);
+            }
+            self.next += 1;
         }
     }
 
