@@ -39,7 +39,8 @@ impl Asked {
         // What is set over the rig came from a field of the page, not from the option.
         let rig = rig.map_err(|e| {
             let line = e.to_string();
-            line.strip_prefix("--set: ").map_or(line.clone(), str::to_owned)
+            line.strip_prefix("--set: ")
+                .map_or(line.clone(), str::to_owned)
         })?;
         match self.recoil {
             Some(false) => Ok(rig.prescribed()),

@@ -279,7 +279,7 @@ impl Described {
 
     fn shaker(&mut self, answers: &Answers) {
         let Some(held) = &answers.shaker_loop else {
-            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes less hard (--shaker-loop)".to_owned());
+            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes less hard (give --shaker-loop, and pick says how much)".to_owned());
             return;
         };
         let known = ("shaker_loop_hz", "shaker_loop_percent");
