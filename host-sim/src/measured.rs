@@ -14,7 +14,7 @@ use shared::model::regime::{MAX_PERIODS, Regime};
 pub fn force_curve(path: &Path, say: impl Fn(&str)) -> Result<sweep::Measured, UserError> {
     let table = Measurements::read(path)?;
     let lines = table.lines(&["frequency_hz", "force_n"])?;
-    let points = lines.iter().map(|line| pair(line, "force_n"));
+    let points = lines.map(|line| pair(&line?, "force_n"));
     let points = points.collect::<Result<_, _>>()?;
     table.said().into_iter().for_each(say);
     Ok(sweep::Measured { points })
@@ -38,7 +38,7 @@ pub fn diagram(
             return Ok(Vec::new());
         }
         let lines = table.lines(&["frequency_hz", column])?;
-        lines.iter().map(|line| pair(line, column)).collect()
+        lines.map(|line| pair(&line?, column)).collect()
     };
     let measured = bifurcation::measured::Measured {
         displacement_mm: pairs(displacement, "displacement_mm")?,
@@ -85,7 +85,8 @@ pub fn regimes(path: &Path, say: impl Fn(&str)) -> Result<Vec<map::measured::Mea
     };
     let table = Measurements::read(path)?;
     let lines = table.lines(&["gap_mm", "frequency_hz", "regime"])?;
-    let points = lines.iter().map(point).collect::<Result<_, _>>()?;
+    let points = lines.map(|line| point(&line?));
+    let points = points.collect::<Result<_, _>>()?;
     table.said().into_iter().for_each(say);
     Ok(points)
 }

@@ -68,7 +68,8 @@ fn under(ulimit: &str, limits: impl Iterator<Item = u64>, arguments: &[&str], sa
     assert!(!new.is_empty());
     for (refused, limit) in (0..).zip(limits) {
         for (name, _) in &new {
-            fs::write(out.join(name), "old").unwrap();
+            // An answer that may be replaced.
+            fs::write(out.join(name), "\"made_from\": old").unwrap();
         }
         let old = files(&out);
         let done = run(folder.path(), Some(format!("{ulimit} {limit}")), arguments);
@@ -91,21 +92,21 @@ fn rising(from: u64, percent: u64) -> impl Iterator<Item = u64> {
 
 #[test]
 fn a_limit_on_the_size_of_files_leaves_no_half_answer() {
-    let arguments = ["contact", "--out", "o", "--replace"];
+    let arguments = ["contact", "--out", "o"];
     let refused = under("-f", rising(0, 150), &arguments, "cannot write");
     assert!(refused >= 4, "{refused}");
 }
 
 #[test]
 fn a_limit_on_the_size_of_files_leaves_no_half_log() {
-    let arguments = ["emulate", "short.toml", "--out", "o", "--replace"];
-    let refused = under("-f", rising(0, 150), &arguments, "cannot write");
+    let arguments = ["emulate", "short.toml", "--out", "o"];
+    let refused = under("-f", rising(0, 150), &arguments, "File too large");
     assert!(refused >= 4, "{refused}");
 }
 
 #[test]
 fn too_little_memory_anywhere_is_one_line_and_leaves_nothing() {
-    let arguments = ["emulate", "short.toml", "--out", "o", "--replace"];
+    let arguments = ["emulate", "short.toml", "--out", "o"];
     // With less the program cannot be loaded, and so say nothing.
     let loaded = |limit: &u64| {
         let limit = Some(format!("-v {limit}"));

@@ -12,17 +12,19 @@ use crate::rig::Rig;
 /// The longest tick at which the switch engine meets its accuracy, µs; the default.
 const USUAL_TICK_US: f64 = 50.0;
 
-/// The rig with its gap and its cart as asked for; without a word on the cart as prescribed.
+/// The rig with its gap and its cart as asked for; without a word on the cart it recoils where its shaker is known.
 pub fn at(rig: &Rig, gap_mm: Option<f64>, cart: Option<&str>) -> PyResult<NamedRig> {
-    moved(with_gap(rig, gap_mm)?, cart)
-}
-
-/// The same; without a word on the cart it recoils where its shaker is known.
-pub fn as_the_machine(rig: &Rig, gap_mm: Option<f64>, cart: Option<&str>) -> PyResult<NamedRig> {
     let rig = with_gap(rig, gap_mm)?;
     match cart {
         None => Ok(rig.recoiling().unwrap_or(rig)),
-        Some(_) => moved(rig, cart),
+        Some("prescribed") => Ok(rig.prescribed()),
+        Some("recoil") => rig.recoiling().ok_or_else(|| {
+            wrong(format!(
+                "cart is 'recoil', but the shaker of rig {} is not known; give shaker_loop_hz",
+                rig.name
+            ))
+        }),
+        Some(other) => Err(choice("cart", other, &["prescribed", "recoil"])),
     }
 }
 
@@ -36,19 +38,6 @@ pub fn with_gap(rig: &Rig, gap_mm: Option<f64>) -> PyResult<NamedRig> {
             .map_err(|e| from_user(numerics::Error::from(e).into()))?;
     }
     Ok(rig)
-}
-
-fn moved(rig: NamedRig, cart: Option<&str>) -> PyResult<NamedRig> {
-    match cart {
-        None | Some("prescribed") => Ok(rig.prescribed()),
-        Some("recoil") => rig.recoiling().ok_or_else(|| {
-            wrong(format!(
-                "cart is 'recoil', but the shaker of rig {} is not known; give shaker_loop_hz",
-                rig.name
-            ))
-        }),
-        Some(other) => Err(choice("cart", other, &["prescribed", "recoil"])),
-    }
 }
 
 /// The error that says what may stand for `argument`.

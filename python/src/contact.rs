@@ -182,6 +182,7 @@ pub fn identify<'py>(
         impacts,
         gain_percent,
         release_height_percent,
+        ..Settings::default()
     };
     let how = How { threads, progress };
     let searches = families.len() * misfits.len();

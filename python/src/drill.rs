@@ -43,7 +43,7 @@ pub fn drill<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let rig = arguments::as_the_machine(rig, gap_mm, cart)?;
+    let rig = arguments::at(rig, gap_mm, cart)?;
     let asked = Asked {
         threshold_n: Some(threshold_n),
         ground_stiffness_n_per_m,

@@ -43,7 +43,7 @@ pub fn pick<'py>(
             "samples is {samples}, must be at most {MOST_SAMPLES}"
         )));
     }
-    let rig = arguments::as_the_machine(rig, Some(gap_mm), cart)?;
+    let rig = arguments::at(rig, Some(gap_mm), cart)?;
     let mut given = Stated::default();
     for (name, value) in &widths {
         let width = WIDTHS.iter().find(|width| width.key == name);

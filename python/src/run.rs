@@ -44,6 +44,7 @@ pub fn simulate<'py>(
         let mut hammer = machine(engine, &rig.params, hz, start)?;
         let mut recorder = Recorder {
             samples_per_period,
+            evenly: true,
             ..Recorder::default()
         };
         let seen = observe(hammer.as_mut(), plan, &mut recorder)?;

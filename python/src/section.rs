@@ -14,7 +14,7 @@ use crate::values::{columns, record};
 use crate::work::How;
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, points, transient, phases_turns, start, progress))]
+#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, points, transient, phases_turns, start, progress))]
 #[allow(
     clippy::too_many_arguments,
     reason = "each is a keyword of the Python function"
@@ -25,6 +25,7 @@ pub fn poincare<'py>(
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
+    cart: Option<&str>,
     points: u32,
     transient: u32,
     mut phases_turns: Vec<f64>,
@@ -44,7 +45,7 @@ pub fn poincare<'py>(
     }
     phases_turns.sort_by(f64::total_cmp);
     phases_turns.dedup();
-    let rig = arguments::at(rig, gap_mm, None)?;
+    let rig = arguments::at(rig, gap_mm, cart)?;
     let request = SectionRequest {
         params: rig.params,
         frequency_hz: arguments::one_frequency(&rig, ratio, frequency_hz)?,
@@ -67,7 +68,7 @@ pub fn poincare<'py>(
 }
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, periods, transient, start))]
+#[pyo3(signature = (rig, *, ratio, frequency_hz, gap_mm, cart, periods, transient, start))]
 #[allow(
     clippy::too_many_arguments,
     reason = "each is a keyword of the Python function"
@@ -78,11 +79,12 @@ pub fn lyapunov<'py>(
     ratio: Option<f64>,
     frequency_hz: Option<f64>,
     gap_mm: Option<f64>,
+    cart: Option<&str>,
     periods: u32,
     transient: u32,
     start: StartArgument,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let rig = arguments::at(rig, gap_mm, None)?;
+    let rig = arguments::at(rig, gap_mm, cart)?;
     let hz = arguments::one_frequency(&rig, ratio, frequency_hz)?;
     let start = start.start()?;
     let how = How {

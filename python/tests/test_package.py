@@ -153,11 +153,30 @@ def test_records_travel_and_print():
     assert again.shape == (2, 3) and (again.regime == found.regime).all()
     assert "2 x 3 cells" in repr(found)
     run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, samples_per_period=20)
-    assert run.history.time_s.shape == (120 * 20,) or run.history.rows > 0
     assert pickle.loads(pickle.dumps(run)).force_n == run.force_n
     assert "regime='1/1'" in repr(run)
     with pytest.raises(AttributeError, match="there is no field"):
         run.nothing
+
+
+@pytest.mark.parametrize("options", [{}, {"engine": "switch", "tick_us": 20.0}])
+def test_a_history_is_evenly_spaced_and_a_record_like_any_other(options):
+    cycles, samples = 4, 20_000 if not options else 5_000
+    run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, cycles=300, transient=300 - cycles, samples_per_period=samples, **options)
+    history = run.history
+    assert history.time_s.shape == history.force_n.shape == (cycles * samples,)
+    step = 1 / (run.frequency_hz * samples)
+    slack = 1e-9 if not options else 20e-6
+    assert np.abs(np.diff(history.time_s) - step).max() <= slack
+    # The mean force is the impulse of the contacts over the time, which uneven rows would not give.
+    assert history.force_n.mean() == pytest.approx(run.contacts.impulse_n_s.mean() * run.frequency_hz, rel=0.02)
+
+
+def test_identify_takes_the_history_of_a_run():
+    run = vi.simulate(WIRES, ratio=2.02, gap_mm=0.0, cycles=304, transient=300, samples_per_period=20_000)
+    found = vi.identify(WIRES, run.history.time_s, run.history.force_n, misfit="force", gap_mm=0.0)
+    stiffness = next(one for one in found.fits[0].parameters if "stiffness" in one["key"])
+    assert stiffness["value"] == pytest.approx(5.5e6, rel=0.02)
 
 
 def test_tables_become_pandas_and_xarray():

@@ -45,12 +45,14 @@ def test_simulate(host_sim):
 
 
 def test_simulate_from_a_start_with_the_switch_engine(host_sim):
-    found = vi.simulate(WIRES, frequency_hz=3.7, gap_mm=0.5, start=(-1.0, 0.05), cycles=200, transient=100, engine="switch")
+    found = vi.simulate(
+        WIRES, frequency_hz=3.7, gap_mm=0.5, cart="prescribed", start=(-1.0, 0.05), cycles=200, transient=100, engine="switch"
+    )
     same(
         found,
         host_sim(
             "simulate", "--frequency", 3.7, "--gap", 0.5, "--initial=-1,0.05", "--cycles", 200, "--transient", 100,
-            "--engine", "switch",
+            "--engine", "switch", "--cart", "prescribed",
         ),
     )
 

@@ -273,6 +273,54 @@ fn a_line_break_in_a_name_does_not_break_the_line() {
     }
 }
 
+/// What a file may be, too, and how long a line becomes.
+#[cfg(unix)]
+#[test]
+fn files_that_are_none_and_what_is_too_long() {
+    use std::process::Command;
+    let folder = folder().with("large.toml", vec![b'#'; (1 << 20) + 1]).with(
+        "key.toml",
+        format!("preset = \"wires\"\n{} = 1\n", "k".repeat(100_000)),
+    );
+    let pipe = folder.path("pipe.toml");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let refused = [
+        (
+            "simulate --ratio 2 --rig pipe.toml",
+            "pipe.toml: it is a pipe; give a file",
+        ),
+        ("emulate pipe.toml", "pipe.toml: it is a pipe; give a file"),
+        ("compare pipe.toml", "pipe.toml: it is a pipe; give a file"),
+        ("identify pipe.toml", "pipe.toml: it is a pipe; give a file"),
+        (
+            "sweep --ratio 2 --measured pipe.toml",
+            "pipe.toml: it is a pipe; give a file",
+        ),
+        ("replay pipe.toml", "it is a pipe; give an ordinary file"),
+        (
+            "simulate --ratio 2 --rig large.toml",
+            "it has more than 1 MB",
+        ),
+        ("emulate large.toml", "it has more than 1 MB"),
+        ("simulate --ratio 2 --rig key.toml", "kkk…kkk"),
+        (
+            "pick --amplitude-percent 1e308",
+            "--amplitude-percent is 1e308, must",
+        ),
+        (
+            "simulate --frequency 1e-9",
+            "is 0.000000001 Hz, 5.49451e-10 times",
+        ),
+        ("contact --speed 1e-300:1:1e-300", "that is 1e300 values"),
+    ];
+    support::assert_refused(&folder, refused);
+    for (line, _) in refused {
+        let ran = folder.run(line);
+        assert!(ran.err.chars().count() < 700, "{ran:?}");
+    }
+}
+
 /// A value in another unit is doubted whether or not notes are wanted, and the answer keeps the doubt.
 #[test]
 fn a_doubt_about_a_unit_is_said_with_quiet_too() {

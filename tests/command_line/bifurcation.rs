@@ -182,7 +182,7 @@ fn a_command_for_one_gap_refuses_several() {
 /// At 2.4 mm the 1/1 ends in a strip of chaos two frequencies wide; that is no reason not to list its end.
 #[test]
 fn the_end_of_the_one_one_is_listed_where_what_follows_is_brief() {
-    let line = "bifurcation --gap 2.4 --frequency 2.5:3.1:0.01";
+    let line = "bifurcation --gap 2.4 --frequency 2.5:3.1:0.01 --cart prescribed";
     let told = answer(line);
     let changes = told["diagrams"][0]["changes"].as_array().expect("changes");
     let end = changes

@@ -20,6 +20,31 @@ fn simulated(drive: &str) -> Folder {
     folder.with("record.csv", csv)
 }
 
+/// A simulation is its own measurement: force, contact time and impulse are the same on both sides, with either cart.
+/// The history has its instants where the simulation puts them, close together in a contact and far apart in flight.
+#[test]
+fn a_simulation_finds_its_own_contacts() {
+    for cart in ["recoil", "prescribed"] {
+        let folder = Folder::new();
+        let rig = format!("--gap 1 --ratio 1.8 --cart {cart} {SHORT}");
+        let told = folder.run(&format!("simulate {rig} --out s --format json --quiet"));
+        let told = told.well().json();
+        let history = folder.made("s/simulate", "-history.csv");
+        let line = format!("compare {} {rig} --format json --quiet", history.display());
+        let seen = folder.run(&line).well().json();
+        let off = |a: f64, b: f64| (a / b - 1.0).abs();
+        let of = |key: &str| number(&seen, key);
+        let times = ["measured", "simulated"].map(|side| of(&format!("{side}_contact_time_ms")));
+        assert!(off(times[0], times[1]) < 0.02, "{seen}");
+        assert!(
+            off(times[0], number(&told, "contact_time_ms")) < 0.03,
+            "{seen}"
+        );
+        assert!(of("force_peak_percent").abs() < 0.1, "{seen}");
+        assert_eq!(told["cart"], cart);
+    }
+}
+
 #[test]
 fn a_record_of_the_model_lies_on_it() {
     let folder = simulated("--gap 1 --ratio 1.5");

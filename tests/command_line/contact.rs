@@ -6,7 +6,7 @@ use crate::support::{
 
 #[test]
 fn the_rigs_own_contact_is_the_closed_form_and_alone_would_pull() {
-    let rows = answer("contact --speed 0.08:0.08:1");
+    let rows = answer("contact --speed 0.08");
     let rows = rows.as_array().expect("rows");
     assert_eq!(rows.len(), 4);
     let dashpot = &rows[0];
@@ -54,6 +54,8 @@ fn bad_input_is_one_line_and_nothing_is_written() {
         &Folder::new(),
         [
             ("contact --speed 0:1:0.1", "is not a speed above 0"),
+            ("contact --speed 0", "0 m/s is not a speed above 0"),
+            ("contact --speed x", "write FROM:TO:STEP, or one number"),
             ("contact --speed -1:1:0.1", "is not a speed above 0"),
             ("contact --speed 1:nan:1", "finite"),
             ("contact --speed 1e-9:1:1e-5", "more than 10000"),

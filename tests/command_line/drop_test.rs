@@ -69,13 +69,16 @@ fn two_percent_of_noise_leave_the_truth_in_the_interval() {
 #[test]
 fn a_law_that_does_not_fit_is_refused_in_one_line() {
     let folder = dropped("--noise-n 0.1 --impacts 3");
-    let ran = folder.run("identify drop.csv --law hertz --misfit force --format json --quiet");
-    assert_eq!(ran.code, Some(2), "{}", ran.err);
-    assert!(ran.err.contains("hertz does not fit"), "{}", ran.err);
-    assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
-    let json = ran.json();
+    let line = "identify drop.csv --law hertz --misfit force --out o --quiet";
+    assert_refused(&folder, [(line, "hertz does not fit: it misses")]);
+    let both = "identify drop.csv --law hertz --law spring-dashpot --misfit force";
+    let json = folder
+        .run(&format!("{both} --format json --quiet"))
+        .well()
+        .json();
     assert_eq!(json["fits"][0]["refused"], true);
     assert_eq!(json["fits"][0]["parameters"][0]["low"], Value::Null);
+    assert_eq!(json["fits"][1]["refused"], false);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::support::{
 /// A map in which much happens, in a moment.
 pub const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "gap_mm",
     "frequency_hz",
     "frequency_ratio",
@@ -26,6 +26,7 @@ const COLUMNS: [&str; 13] = [
     "largest_period_searched",
     "uncertain",
     "failed",
+    "cart",
 ];
 
 /// The files of a folder and what they hold, tiles left out.
@@ -112,7 +113,9 @@ fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
 #[test]
 fn a_cell_that_fails_is_a_row_that_says_so() {
     let folder = Folder::new();
-    let ran = folder.run("map --gap 0 --ratio 1.5 --engine switch --tick-us 1000 --format json");
+    let ran = folder.run(
+        "map --gap 0 --ratio 1.5 --engine switch --cart prescribed --tick-us 1000 --format json",
+    );
     assert_eq!(ran.code, Some(0), "{ran:?}");
     assert!(ran.err.contains("in 1 of 1 cells"), "{ran:?}");
     let json: Value = serde_json::from_str(&ran.out).unwrap();
@@ -128,7 +131,7 @@ fn a_cell_that_fails_is_a_row_that_says_so() {
     );
     assert_eq!(map["summary"]["regimes"], serde_json::json!([]));
     let ran =
-        folder.run("map --gap 0 --ratio 1.5 --engine switch --tick-us 1000 --format csv --quiet");
+        folder.run("map --gap 0 --ratio 1.5 --engine switch --cart prescribed --tick-us 1000 --format csv --quiet");
     let rows = csv_rows(&ran.out);
     assert_eq!(
         (&rows[0]["regime"], &rows[0]["failed"]),
@@ -179,7 +182,7 @@ fn settle_runs_on_what_has_not_settled() {
 #[test]
 fn the_switch_engine_makes_maps_and_its_difference_is_told() {
     let folder = Folder::new();
-    let line = "map --gap 0:0.4:0.4 --ratio 1.3:2.3:0.5 --cycles 120 --against switch --quiet";
+    let line = "map --gap 0:0.4:0.4 --ratio 1.3:2.3:0.5 --cycles 120 --cart prescribed --against switch --quiet";
     let ran = folder.run(&format!("{line} --format json --out o")).well();
     let whole = ran.json();
     let engines: Vec<_> = [0, 1].map(|i| whole["maps"][i]["engine"].clone()).to_vec();
@@ -190,7 +193,7 @@ fn the_switch_engine_makes_maps_and_its_difference_is_told() {
     assert_eq!(against["same_label"], 6, "{against}");
     assert_eq!(against["same_force"], 6, "{against}");
     let names = folder.names();
-    let options = "ratio-1.3-2.3-0.5-cycles-120-against-switch-gap-0-0.4-0.4";
+    let options = "ratio-1.3-2.3-0.5-cycles-120-against-switch-gap-0-0.4-0.4-cart-prescribed";
     for (map, end) in [
         ("map-wires-switch", ".csv"),
         ("map-wires", "-against.svg"),

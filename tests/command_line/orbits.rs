@@ -7,7 +7,7 @@ use crate::support::{
 };
 
 /// The 1/1 on wires at 0.0 mm about its period doubling, and the 2/2 it doubles into.
-const SHORT: &str = "orbits --gap 0 --ratio 2.4:2.8 --starts 4";
+const SHORT: &str = "orbits --gap 0 --ratio 2.4:2.8 --starts 4 --cart prescribed";
 
 #[test]
 fn the_doubling_is_told_and_the_doubled_orbits_begin_there() {

@@ -4,7 +4,7 @@ use crate::support::{
     Folder, answer, assert_refused, assert_svg_shows, csv_rows, number, png_size,
 };
 
-const CHAOS: &str = "poincare --gap 1 --ratio 2.7 --transient 100";
+const CHAOS: &str = "poincare --gap 1 --ratio 2.7 --cart prescribed --transient 100";
 
 #[test]
 fn chaos_has_a_positive_exponent_and_a_periodic_motion_a_negative_one() {
@@ -82,12 +82,13 @@ fn bad_input_gets_one_line() {
             ("--ratio 1.5 --phase nan", "--phase is NaN"),
             ("--ratio 1.5 --points 5 --lyapunov", "too few"),
             ("--ratio 1.5 --epsilon-m 1e-6", "--against"),
+            ("--ratio 1.5 --against smoothed", "use --cart prescribed"),
             (
-                "--ratio 1.5 --points 40 --against smoothed --epsilon-m 0",
+                "--ratio 1.5 --points 40 --cart prescribed --against smoothed --epsilon-m 0",
                 "must be a positive number",
             ),
             (
-                "--ratio 1.5 --against smoothed --phase 0.5",
+                "--ratio 1.5 --cart prescribed --against smoothed --phase 0.5",
                 "leave --phase out",
             ),
             (

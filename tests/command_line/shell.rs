@@ -1,9 +1,11 @@
-//! `host-sim completions` and `host-sim man`.
+//! `host-sim completions`, `host-sim man`, and the examples of every `--help`.
 
+#[cfg(unix)]
+use crate::emulate::STOPPED;
 use crate::support::Folder;
 
 /// The commands that `--help` lists.
-fn commands() -> Vec<String> {
+pub fn commands() -> Vec<String> {
     let help = Folder::new().run("--help").well().out;
     let list = help.lines().skip_while(|line| *line != "Commands:").skip(1);
     let words = list.take_while(|line| !line.is_empty());
@@ -44,4 +46,51 @@ fn every_command_has_a_page() {
     let page = folder.read("pages/host-sim-pick.1");
     assert!(page.contains(".TH host-sim-pick 1"), "{page}");
     assert!(page.contains("max\\-force\\-n"), "{page}");
+}
+
+/// As a person types them, in a shell. A second of processor time is enough to tell a mistake; what takes longer is
+/// ended, and counts as well. Left out: what needs a board, a browser or a terminal.
+#[cfg(unix)]
+#[test]
+fn the_examples_of_every_help_run() {
+    use crate::support::{finish, program};
+    let sine = |i: i32| (f64::from(i) * 1e-3, (f64::from(i) * 0.023).sin());
+    let record = (0..12_000).map(sine);
+    let record = record
+        .map(|(t, x)| format!("{t},{x}\n"))
+        .collect::<String>();
+    let folder = Folder::new()
+        .with("record.csv", format!("time_s,displacement_mm\n{record}"))
+        .with("field.toml", STOPPED);
+    folder.run("emulate field.toml --quiet").well();
+    let drop = folder.run("drop --noise-n 0.2 --format csv --quiet").well();
+    let folder = folder.with("drop.csv", drop.out);
+    let completions = folder.path(".local/share/bash-completion/completions");
+    std::fs::create_dir_all(completions).unwrap();
+    let mut examples = 0;
+    for command in commands() {
+        let help = folder.run(&format!("{command} --help")).well().out;
+        let lines = help.lines().filter(|line| line.starts_with("  host-sim "));
+        for line in lines {
+            let left_out = ["link", "lab"].contains(&command.as_str());
+            if left_out || line.ends_with("rig new mine.toml") {
+                continue;
+            }
+            match command.as_str() {
+                "rig" => std::fs::remove_file(folder.path("mine.toml")).unwrap(),
+                _ => std::fs::write(folder.path("mine.toml"), "preset = \"wires\"\n").unwrap(),
+            }
+            let mut shell = std::process::Command::new("/bin/sh");
+            shell
+                .args(["-c", &format!("ulimit -t 1; {line}")])
+                .current_dir(folder.path(""))
+                .env("PATH", program().parent().unwrap())
+                .env("HOME", folder.path(""))
+                .stdin(std::process::Stdio::null());
+            let ran = finish(shell);
+            assert!(!matches!(ran.code, Some(1 | 2)), "{line}: {ran:?}");
+            examples += 1;
+        }
+    }
+    assert!(examples > 40, "{examples}");
 }

@@ -25,7 +25,7 @@ const CHAPTER: [(f64, f64, &str); 9] = [
 #[test]
 fn the_chapter_s_regimes() {
     for (gap, ratio, expected) in CHAPTER {
-        let seen = regime(&format!("--gap {gap} --ratio {ratio}"));
+        let seen = regime(&format!("--gap {gap} --ratio {ratio} --cart prescribed"));
         assert_eq!(seen, expected, "gap {gap} mm, ratio {ratio}");
     }
 }
@@ -60,7 +60,7 @@ fn where_it_starts_decides_where_two_regimes_share_a_frequency() {
 #[test]
 fn the_switch_model_agrees_with_the_reference() {
     for (gap, ratio, expected) in [CHAPTER[0], CHAPTER[1], CHAPTER[2], CHAPTER[3], CHAPTER[7]] {
-        let line = format!("simulate --gap {gap} --ratio {ratio}");
+        let line = format!("simulate --gap {gap} --ratio {ratio} --cart prescribed");
         let reference = number(&answer(&line), "force_n");
         for tick_us in [50, 10] {
             let seen = answer(&format!("{line} --engine switch --tick-us {tick_us}"));
@@ -91,7 +91,7 @@ fn ratio_and_frequency_say_the_same() {
 /// Half m (approach² − rebound²) is what a blow takes, but for what gravity and drive do meanwhile.
 #[test]
 fn the_answer_s_blow_adds_up() {
-    let row = answer("simulate --gap 0 --ratio 2");
+    let row = answer("simulate --gap 0 --ratio 2 --cart prescribed");
     let square = |key| number(&row, key).powi(2);
     let lost = 0.5 * 0.298 * (square("approach_speed_m_per_s") - square("rebound_speed_m_per_s"));
     let said = number(&row, "energy_per_blow_j");
@@ -108,7 +108,7 @@ fn csv_says_what_json_says_with_units_in_its_header() {
     let csv = folder.run(&format!("{line} --format csv --quiet")).well();
     assert_eq!(
         csv.out.lines().next().unwrap_or_default(),
-        "rig,gap_mm,frequency_hz,frequency_ratio,impacts,periods,regime,force_ratio,force_n,\
+        "rig,gap_mm,cart,frequency_hz,frequency_ratio,impacts,periods,regime,force_ratio,force_n,\
          approach_speed_m_per_s,contact_time_ms"
     );
     let rows = csv_rows(&csv.out);

@@ -22,7 +22,7 @@ const ANSWERS: &[(&str, &str)] = &[
     ("simulate-silent", "simulate --gap 2.4 --ratio 0.8"),
     (
         "simulate-switch",
-        "simulate --ratio 3.8 --engine switch --out o",
+        "simulate --ratio 3.8 --engine switch --cart prescribed --out o",
     ),
     ("sweep", "sweep --gap 1 --ratio 1:4:0.25 --direction up"),
     ("map", "map --gap 0:3:0.5 --ratio 1:4:0.25 --audit 10"),

@@ -82,7 +82,7 @@ fn threads_do_not_change_a_byte() {
 
 #[test]
 fn the_switch_model_sweeps_too() {
-    let line = "--ratio 1.4:1.6:0.1";
+    let line = "--ratio 1.4:1.6:0.1 --cart prescribed";
     let reference = sweep(line);
     for (switch, event) in sweep(&format!("{line} --engine switch"))
         .iter()

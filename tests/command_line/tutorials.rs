@@ -51,5 +51,9 @@ fn an_emulated_rig() {
 fn to_a_running_board() {
     // As `link PORT sweep --csv` writes it.
     let curve = "frequency_hz,force_n\n3.0,60.0\n3.5,80.0\n4.0,75.0\n";
-    executed("tutorial-board.md", Folder::new().with("curve.csv", curve));
+    let folder = Folder::new().with("curve.csv", curve);
+    executed(
+        "tutorial-board.md",
+        folder.with("mine.toml", "preset = \"wires\"\n"),
+    );
 }

@@ -9,14 +9,16 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 use shared::control::State;
-use shared::model::params::PRESETS;
+use shared::model::cart::CartDrive;
+use shared::model::params::preset;
 
 use crate::local::Local;
 use crate::optimum::two_bodies;
 use crate::run::run;
 use crate::scenario::{Scenario, parse};
 use crate::verdict::{Best, judge_by};
-use files::UserError;
+use files::{UserError, rigfile};
+use numerics::NamedRig;
 
 /// The presets a trial may run on.
 pub const RIGS: [&str; 4] = ["wires", "beam-170", "beam-150", "beam-135"];
@@ -38,13 +40,45 @@ pub mod spread {
     pub const NOISE_PERCENT: f64 = 2.0;
 }
 
+/// A rig that the controller believes in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Believed {
+    /// Its name.
+    pub name: String,
+    /// The lines of `[true_rig]` that describe it.
+    keys: String,
+    /// The table of its shaker; nothing: the usual one.
+    shaker: String,
+}
+
+impl Believed {
+    /// `rig`; its shaker is the usual one where none is known.
+    pub fn new(rig: &NamedRig) -> Self {
+        let name = rig.name.clone();
+        if preset(&name) == Some(rig.params) {
+            let keys = format!("preset = \"{name}\"\n");
+            let shaker = String::new();
+            return Self { name, keys, shaker };
+        }
+        let shaker = match rig.recoiling().map(|rig| rig.params.cart) {
+            Some(CartDrive::Loop(held)) => format!(
+                "[shaker]\nloop_hz = {:?}\nloop_damping_ratio = {:?}\nfeed_forward = {:?}\nforce_n = {:?}\n\n",
+                held.frequency_hz, held.damping_ratio, held.feed_forward, held.max_force_n
+            ),
+            _ => String::new(),
+        };
+        let keys = rigfile::lines(&rig.clone().prescribed().params);
+        Self { name, keys, shaker }
+    }
+}
+
 /// A trial: which rig, and how it differs from what the controller believes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// Its number, from 0.
     pub trial: u32,
-    /// Preset that the controller believes in.
-    pub rig: &'static str,
+    /// What the controller believes in.
+    pub rig: Believed,
     /// Seed of the noise.
     pub seed: u32,
     /// True natural frequency over the believed one, % more.
@@ -66,7 +100,10 @@ pub struct Trial {
 impl Trial {
     /// Trial number `trial` of `seed`, on one of `rigs` in turn. Each number is drawn by itself: more trials change none
     /// of those before.
-    pub fn draw(seed: u64, trial: u32, rigs: &[&'static str]) -> Self {
+    ///
+    /// # Panics
+    /// Without a rig.
+    pub fn draw(seed: u64, trial: u32, rigs: &[Believed]) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(u64::from(trial));
         let mut within = |from: f64, to: f64| {
@@ -79,10 +116,7 @@ impl Trial {
         let natural = spread::NATURAL_PERCENT;
         Self {
             trial,
-            rig: rigs
-                .get(trial as usize % rigs.len().max(1))
-                .copied()
-                .unwrap_or("wires"),
+            rig: rigs[trial as usize % rigs.len()].clone(),
             natural_frequency_percent: within(-natural, natural),
             contact_stiffness_percent: within(-contact, contact),
             contact_damping_percent: within(-contact, contact),
@@ -108,12 +142,13 @@ impl Trial {
             hammer_gain_percent: hammer,
             cart_gain_percent: cart,
         } = self;
+        let Believed { keys, shaker, .. } = rig;
         let noise = spread::NOISE_PERCENT;
         format!(
             "name = \"trial-{trial}\"\nduration_s = {duration_s:?}\nseed = {seed}\n\n\
-             [true_rig]\npreset = \"{rig}\"\nnatural_frequency_percent = {natural:?}\n\
+             [true_rig]\n{keys}natural_frequency_percent = {natural:?}\n\
              contact_stiffness_percent = {stiffness:?}\ncontact_damping_percent = {damping:?}\n\
-             gap_offset_mm = {gap:?}\n\n[sensors]\nnoise_percent = {noise:?}\nforce_gain_percent = {force:?}\n\
+             gap_offset_mm = {gap:?}\n\n{shaker}[sensors]\nnoise_percent = {noise:?}\nforce_gain_percent = {force:?}\n\
              hammer_gain_percent = {hammer:?}\ncart_gain_percent = {cart:?}\n\n\
              [[events]]\nat_s = {START_S:?}\nkind = \"start\"\n"
         )
@@ -151,7 +186,7 @@ impl Trial {
             .map(|ratio| ratio * scenario.true_rig.weight_n());
         let names = verdict.faults.iter().map(|fault| fault.name);
         Ok(Outcome {
-            trial: *self,
+            trial: self.clone(),
             hold_s: verdict.time_to_hold_s,
             held: summary.final_state() == State::Hold,
             force_share: verdict.force_share,
@@ -192,7 +227,7 @@ pub struct Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     trial: u32,
-    rig: &'static str,
+    rig: String,
     seed: u32,
     natural_frequency_percent: f64,
     contact_stiffness_percent: f64,
@@ -213,10 +248,10 @@ pub struct Row {
 
 impl From<&Outcome> for Row {
     fn from(outcome: &Outcome) -> Self {
-        let trial = outcome.trial;
+        let trial = &outcome.trial;
         Self {
             trial: trial.trial,
-            rig: trial.rig,
+            rig: trial.rig.name.clone(),
             seed: trial.seed,
             natural_frequency_percent: trial.natural_frequency_percent,
             contact_stiffness_percent: trial.contact_stiffness_percent,
@@ -312,14 +347,10 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
 pub fn run_all(
     seed: u64,
     count: u32,
-    rigs: &[&'static str],
+    rigs: &[Believed],
     duration_s: f64,
     progress: &dyn Progress,
 ) -> Result<Vec<Outcome>, UserError> {
-    debug_assert!(
-        rigs.iter()
-            .all(|rig| PRESETS.iter().any(|(name, _)| name == rig))
-    );
     (0..count)
         .into_par_iter()
         .map(|trial| {
@@ -337,11 +368,17 @@ pub fn run_all(
 mod tests {
     use super::*;
 
+    fn presets() -> Vec<Believed> {
+        let rig = |name| NamedRig::preset(name).map(|rig| Believed::new(&rig));
+        RIGS.into_iter().map(rig).collect::<Result<_, _>>().unwrap()
+    }
+
     #[test]
     fn trials_are_drawn_one_by_one_within_their_ranges() {
-        let all: Vec<_> = (0..400).map(|k| Trial::draw(7, k, &RIGS)).collect();
-        assert_eq!(all[33], Trial::draw(7, 33, &RIGS));
-        assert_ne!(all[33].seed, Trial::draw(8, 33, &RIGS).seed);
+        let rigs = presets();
+        let all: Vec<_> = (0..400).map(|k| Trial::draw(7, k, &rigs)).collect();
+        assert_eq!(all[33], Trial::draw(7, 33, &rigs));
+        assert_ne!(all[33].seed, Trial::draw(8, 33, &rigs).seed);
         let range = |value: fn(&Trial) -> f64| {
             let values = all.iter().map(value);
             let low = values.clone().fold(f64::INFINITY, f64::min);
@@ -352,7 +389,7 @@ mod tests {
         let (low, high) = range(|t| t.natural_frequency_percent);
         assert!((-10.0..-9.8).contains(&low) && (9.8..=10.0).contains(&high));
         for rig in RIGS {
-            assert_eq!(all.iter().filter(|t| t.rig == rig).count(), 100);
+            assert_eq!(all.iter().filter(|t| t.rig.name == rig).count(), 100);
         }
     }
 
@@ -369,7 +406,7 @@ mod tests {
 
     #[test]
     fn a_trial_is_a_scenario_file_with_its_own_numbers() {
-        let trial = Trial::draw(1, 2, &RIGS);
+        let trial = Trial::draw(1, 2, &presets());
         let scenario = trial.scenario(30.0).expect("a scenario");
         let believed = scenario.settings.rig;
         let factor = scenario.true_rig.natural_frequency_hz() / believed.natural_frequency_hz();
@@ -377,5 +414,18 @@ mod tests {
         let gap_mm = 1e3 * (scenario.true_rig.gap_m - believed.gap_m);
         assert!((gap_mm - trial.gap_offset_mm).abs() < 1e-9);
         assert_eq!(scenario.duration_s, 30.0);
+    }
+    /// The controller believes in the file's rig and its shaker; what is drawn is on top of the true one.
+    #[test]
+    fn a_rig_of_one_s_own_is_what_the_controller_believes_in() {
+        let settings = ["mass_kg=1.7", "gap_mm=0.5", "shaker_loop_hz=30"].map(str::to_owned);
+        let rig = rigfile::load("wires", &settings).unwrap();
+        let trial = Trial::draw(1, 0, &[Believed::new(&rig)]);
+        let scenario = trial.scenario(30.0).expect("a scenario");
+        let believed = scenario.settings.rig;
+        assert_eq!((believed.mass_kg, believed.gap_m), (1.7, 0.5e-3));
+        assert_eq!(scenario.shaker.loop_hz, 30.0);
+        let gap_mm = 1e3 * (scenario.true_rig.gap_m - believed.gap_m);
+        assert!((gap_mm - trial.gap_offset_mm).abs() < 1e-9);
     }
 }

@@ -6,6 +6,7 @@
 
 #[cfg(feature = "columns")]
 pub mod columns;
+pub mod decimal;
 mod error;
 pub mod ground;
 pub mod made_from;

@@ -7,17 +7,17 @@ use std::path::Path;
 use crate::UserError;
 
 /// Most bytes of a file that a person writes: rigs, scenarios, settings. The longest that comes with the program has
-/// 4 kB.
-pub const MOST_TEXT: u64 = 16 << 20;
+/// 4 kB; what a parser makes of a file has a hundred times its size.
+pub const MOST_TEXT: u64 = 1 << 20;
 
 /// Most bytes of a table: ten minutes of three sensors at 20 kHz have half of it.
 pub const MOST_TABLE: u64 = 1 << 30;
 
-/// The text of the file `path`, of at most `MOST_TEXT` bytes. A pipe is read to its end, which may be a shell's
-/// `<(command)`; a device is refused.
+/// The text of the file `path`, of at most `MOST_TEXT` bytes. A shell's `<(command)` is read to its end; a pipe with a
+/// name of its own, which may never have a writer, and a device are refused.
 ///
 /// # Errors
-/// There is no such file, it is a folder or a device, too large, or not UTF-8.
+/// There is no such file, it is a folder, a pipe or a device, too large, or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, UserError> {
     read_text_of(path, MOST_TEXT)
 }
@@ -115,29 +115,37 @@ fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, UserError> {
 pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, UserError> {
     let check = |e: io::Error| cannot(path, &e, "check the path");
     let found = path.metadata().map_err(check)?;
-    if !is_readable(&found) {
+    if !is_readable(path, &found) {
         let what = kind(found.file_type());
         return Err(cannot(path, &what, "give a file"));
+    }
+    let too_large = || {
+        let what = format!("it has more than {} MB", most >> 20);
+        cannot(path, &what, "is it the right file?")
+    };
+    if found.len() > most {
+        return Err(too_large());
     }
     let mut bytes = Vec::new();
     // A file's length may change while it is read, and a pipe has none.
     let mut rest = File::open(path).map_err(check)?.take(most + 1);
     rest.read_to_end(&mut bytes).map_err(check)?;
     if bytes.len() as u64 > most {
-        let what = format!("it has more than {} MB", most >> 20);
-        return Err(cannot(path, &what, "is it the right file?"));
+        return Err(too_large());
     }
     Ok(bytes)
 }
 
+/// The pipe of a shell's `<(command)` is below `/dev` or `/proc`, and somebody writes into it.
 #[cfg(unix)]
-fn is_readable(found: &Metadata) -> bool {
+fn is_readable(path: &Path, found: &Metadata) -> bool {
     use std::os::unix::fs::FileTypeExt;
-    found.is_file() || found.file_type().is_fifo()
+    let by_a_shell = path.starts_with("/dev") || path.starts_with("/proc");
+    found.is_file() || found.file_type().is_fifo() && by_a_shell
 }
 
 #[cfg(not(unix))]
-fn is_readable(found: &Metadata) -> bool {
+fn is_readable(_: &Path, found: &Metadata) -> bool {
     found.is_file()
 }
 
@@ -215,6 +223,23 @@ mod tests {
         }
     }
 
+    /// Waits for ever if the pipe is opened.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_without_a_writer_and_a_socket_are_refused_at_once() {
+        let dir = tempfile::tempdir().unwrap();
+        let [pipe, socket] = ["pipe", "socket"].map(|name| dir.path().join(name));
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let _socket = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        for (path, what) in [(&pipe, "it is a pipe"), (&socket, "not an ordinary file")] {
+            for read in [read_text(path).err(), read_table(path).err()] {
+                let line = read.unwrap().to_string();
+                assert!(line.contains(what), "{line}");
+            }
+        }
+    }
+
     #[cfg(unix)]
     #[test]
     fn devices_are_refused_and_an_endless_pipe_ends_at_the_limit() {
@@ -232,7 +257,7 @@ mod tests {
         let pipe = yes.stdout.take().unwrap();
         let path = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&pipe));
         let line = read_text(Path::new(&path)).unwrap_err().to_string();
-        assert!(line.contains("more than 16 MB"), "{line}");
+        assert!(line.contains("more than 1 MB"), "{line}");
         let line = open_file(Path::new(&path)).unwrap_err().to_string();
         assert!(line.contains("it is a pipe"), "{line}");
         yes.kill().unwrap();

@@ -9,6 +9,7 @@ use shared::settings::{DriveKind, Settings};
 use toml::{Table, Value};
 
 use crate::UserError;
+use crate::decimal::comma_at;
 use crate::rigfile::{self, nearest};
 use keys::{NUMBERS, SECTIONS, SWITCHES};
 
@@ -56,9 +57,11 @@ pub fn overlay(base: &Settings, text: &str) -> Result<Settings, UserError> {
         let start = e.span().map_or(0, |s| s.start.min(text.len()));
         let line = text[..start].lines().count().max(1);
         let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
-        UserError::new(format!(
-            "line {line}: {what}; settings have sections like [trips] and lines like force_n = 300.0"
-        ))
+        let mend = comma_at(text, line);
+        let mend = mend.unwrap_or_else(|| {
+            "settings have sections like [trips] and lines like force_n = 300.0".to_owned()
+        });
+        UserError::new(format!("line {line}: {what}; {mend}"))
     })?;
     let mut settings = *base;
     let mut wanted = Wanted::default();

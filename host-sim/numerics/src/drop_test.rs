@@ -2,7 +2,8 @@
 //! falls back, strikes and strikes again, ever more softly (figures 3.8 to 3.10 of the chapter, whose raw data are
 //! not public).
 
-use std::f64::consts::TAU;
+use std::collections::VecDeque;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use serde::Serialize;
 use shared::model::params::RigParams;
@@ -10,8 +11,77 @@ use shared::model::rig::{Mode, Rig};
 
 use crate::contact_law::undriven::{Course, Piece, Undriven};
 use crate::error::{DropTestError, Error};
-use crate::low_pass::LowPass;
+use crate::low_pass::{self, LowPass};
 use crate::noise::Noise;
+
+/// A force channel's converter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Converter {
+    /// Samples as they are.
+    Plain,
+    /// A digital low-pass of second order (Butterworth), corner at a fifth of the sampling rate.
+    Iir,
+    /// A digital linear-phase low-pass: 31 samples, Hamming's window, corner at a fifth of the sampling rate.
+    Fir,
+    /// The mean of three samples.
+    Mean,
+    /// 64 times as many samples, a linear-phase low-pass of 40 samples' length with Hamming's window and its corner at 0.45 of
+    /// the sampling rate, and every 64th of what that makes.
+    DeltaSigma,
+}
+
+impl Converter {
+    /// What it adds up: weights of the newest and the older samples.
+    fn weights(self) -> Vec<f64> {
+        let windowed = |count: usize, corner: f64| {
+            let one = |i: usize| {
+                let at = i as f64 - 0.5 * (count - 1) as f64;
+                let turn = TAU * corner * at;
+                let sinc = if turn == 0.0 { 1.0 } else { turn.sin() / turn };
+                sinc * (0.54 + 0.46 * (TAU * at / (count - 1) as f64).cos())
+            };
+            let all: Vec<f64> = (0..count).map(one).collect();
+            let sum: f64 = all.iter().sum();
+            all.iter().map(|w| w / sum).collect()
+        };
+        match self {
+            Self::Plain => vec![1.0],
+            Self::Iir => low_pass::digital(0.2, FRAC_1_SQRT_2).collect(),
+            Self::Fir => windowed(31, 0.2),
+            Self::Mean => vec![1.0 / 3.0; 3],
+            Self::DeltaSigma => windowed(40 * MODULATOR_STEPS + 1, 0.45 / MODULATOR_STEPS as f64),
+        }
+    }
+}
+
+/// The last samples, and their weights.
+struct Sum {
+    weights: Vec<f64>,
+    last: VecDeque<f64>,
+}
+
+impl Sum {
+    fn new(weights: Vec<f64>) -> Self {
+        Self {
+            last: VecDeque::new(),
+            weights,
+        }
+    }
+
+    /// Before the first one there were others like it.
+    fn take(&mut self, newest: f64) {
+        self.last.push_front(newest);
+        self.last.resize(self.weights.len(), newest);
+    }
+
+    fn now(&self) -> f64 {
+        self.weights
+            .iter()
+            .zip(&self.last)
+            .map(|(w, f)| w * f)
+            .sum()
+    }
+}
 
 /// How the test is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +110,12 @@ pub struct DropTest {
     pub offset_n: f64,
     /// How fast that reading rises, N/s.
     pub drift_n_per_s: f64,
+    /// What the force channel's converter does to the samples.
+    pub converter: Converter,
+    /// The zero goes up or down by so many N in each 0.1 s, at an instant that is drawn.
+    pub step_n: f64,
+    /// The record's clock is so many percent fast.
+    pub clock_fast_percent: f64,
     /// −3 dB corner of the force channel's second-order Butterworth filter, Hz; 0: no filter.
     pub filter_hz: f64,
     /// The displacement channel reads so many percent too much.
@@ -65,6 +141,9 @@ impl Default for DropTest {
             force_gain_percent: 0.0,
             offset_n: 0.0,
             drift_n_per_s: 0.0,
+            converter: Converter::Plain,
+            step_n: 0.0,
+            clock_fast_percent: 0.0,
             filter_hz: 0.0,
             displacement_gain_percent: 0.0,
             seed: 1,
@@ -99,6 +178,12 @@ const PATIENCE_S: f64 = 60.0;
 
 /// Steps of the filter in the time of a sample.
 const FILTER_STEPS: usize = 16;
+
+/// Samples that a delta-sigma converter makes one of.
+const MODULATOR_STEPS: usize = 64;
+
+/// The zero steps once in this time, s.
+const STEP_EACH_S: f64 = 0.1;
 
 /// Most samples of a record.
 const MOST_SAMPLES: f64 = 5e6;
@@ -168,14 +253,23 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
     }
     let pieces = pieces(params, &rig, test.release_m, until)?;
     let mut noise = Noise::new(test.seed);
-    let mut filter = (test.filter_hz > 0.0).then(|| {
-        let step_s = 1.0 / (test.sampling_hz * FILTER_STEPS as f64);
-        LowPass::butterworth(test.filter_hz, step_s)
-    });
+    let rate = 1.0 + 0.01 * test.clock_fast_percent;
+    let sampling_hz = test.sampling_hz * rate;
+    let modulated = test.converter == Converter::DeltaSigma;
+    let steps = if modulated {
+        MODULATOR_STEPS
+    } else {
+        FILTER_STEPS
+    };
+    let mut filter = (test.filter_hz > 0.0)
+        .then(|| LowPass::butterworth(test.filter_hz, 1.0 / (sampling_hz * steps as f64)));
+    let mut converter = Sum::new(test.converter.weights());
+    let zeros = zeros(test, until);
     let mut at = 0;
-    let mut filtered_at = 0;
+    let mut stepped_at = 0;
     let rows = (0..=count as usize).map(|i| {
-        let time_s = i as f64 / test.sampling_hz;
+        let shown_s = i as f64 / test.sampling_hz;
+        let time_s = shown_s / rate;
         while at + 1 < pieces.len() && pieces[at].end_s() < time_s {
             at += 1;
         }
@@ -184,23 +278,36 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
         let kinematics = rig.kinematics(q, v);
         let acceleration = rig.acceleration(&kinematics, v, 0.0, force);
         let mut seen = force + ringing(test, &courses, time_s);
-        if let Some(filter) = &mut filter {
-            let steps = (i * FILTER_STEPS).saturating_sub(FILTER_STEPS - 1)..=i * FILTER_STEPS;
-            for step in steps {
-                let time_s = step as f64 / (test.sampling_hz * FILTER_STEPS as f64);
-                while filtered_at + 1 < pieces.len() && pieces[filtered_at].end_s() < time_s {
-                    filtered_at += 1;
+        if filter.is_some() || modulated {
+            for step in (i * steps).saturating_sub(steps - 1)..=i * steps {
+                let time_s = step as f64 / (sampling_hz * steps as f64);
+                while stepped_at + 1 < pieces.len() && pieces[stepped_at].end_s() < time_s {
+                    stepped_at += 1;
                 }
-                let force = pieces[filtered_at].force(&rig, time_s);
-                seen = filter.next(force + ringing(test, &courses, time_s));
+                seen = pieces[stepped_at].force(&rig, time_s) + ringing(test, &courses, time_s);
+                if let Some(filter) = &mut filter {
+                    seen = filter.next(seen);
+                }
+                if modulated {
+                    converter.take(seen);
+                }
             }
         }
-        let zero = test.offset_n + test.drift_n_per_s * time_s;
+        let stepped = zeros.iter().filter(|(from_s, _)| *from_s <= time_s);
+        let zero = test.offset_n + test.drift_n_per_s * time_s + stepped.map(|z| z.1).sum::<f64>();
         let gain = 1.0 + 0.01 * test.force_gain_percent;
-        let disturbed = gain * seen + zero + test.noise_n * noise.sample();
+        let disturb =
+            |seen: f64, noise: &mut Noise| gain * seen + zero + test.noise_n * noise.sample();
+        let shown = if modulated {
+            disturb(converter.now(), &mut noise)
+        } else {
+            // The noise is the amplifier's.
+            converter.take(disturb(seen, &mut noise));
+            converter.now()
+        };
         Row {
-            time_s,
-            force_n: quantised(test, disturbed),
+            time_s: shown_s,
+            force_n: quantised(test, shown),
             displacement_mm: rig.relative_displacement(q)
                 * 1e3
                 * (1.0 + 0.01 * test.displacement_gain_percent),
@@ -208,6 +315,22 @@ pub fn record(params: &RigParams, test: &DropTest) -> Result<Vec<Row>, Error> {
         }
     });
     Ok(rows.collect())
+}
+
+/// When the zero steps, and by how much, s and N.
+fn zeros(test: &DropTest, until_s: f64) -> Vec<(f64, f64)> {
+    if test.step_n == 0.0 {
+        return Vec::new();
+    }
+    let mut drawn = Noise::new(test.seed ^ 0x57e9);
+    let one = |i: usize| {
+        let from_s = (i as f64 + drawn.even()) * STEP_EACH_S;
+        let up = drawn.even() < 0.5;
+        (from_s, if up { test.step_n } else { -test.step_n })
+    };
+    (0..(until_s / STEP_EACH_S).ceil() as usize)
+        .map(one)
+        .collect()
 }
 
 /// The whole motion until `until_s`.

@@ -1,6 +1,6 @@
 //! A second-order low-pass filter, exact for an input that is linear between its steps.
 
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 /// Output and its rate over the corner's angular frequency.
 pub type State = [f64; 2];
@@ -31,6 +31,29 @@ pub fn advance(
     let rest = [state[0] - (from - lag), state[1] - slope];
     let left = decay.map(|row| row[0] * rest[0] + row[1] * rest[1]);
     [to - lag + left[0], slope + left[1]]
+}
+
+/// What a digital filter makes of a single 1: of second order, its −3 dB corner (in cycles a sample, below ½) where that of
+/// an analog one of this damping is (the bilinear transformation). Ends when it has died away.
+pub fn digital(corner: f64, damping: f64) -> impl Iterator<Item = f64> {
+    let warped = (PI * corner.min(0.4999)).tan();
+    let under = 1.0 + 2.0 * damping * warped + warped * warped;
+    let gain = warped * warped / under;
+    let back = [
+        2.0 * (warped * warped - 1.0) / under,
+        (1.0 - 2.0 * damping * warped + warped * warped) / under,
+    ];
+    let mut last = [0.0_f64; 2];
+    [1.0, 2.0, 1.0]
+        .into_iter()
+        .chain(std::iter::repeat(0.0))
+        .map(move |input| {
+            let now = gain * input - back[0] * last[0] - back[1] * last[1];
+            last = [now, last[0]];
+            last
+        })
+        .take_while(|last| last[0].abs().max(last[1].abs()) > 1e-9)
+        .map(|last| last[0])
 }
 
 /// A filter stepped at a fixed time.
@@ -96,5 +119,22 @@ mod tests {
             }
         }
         assert!((largest - FRAC_1_SQRT_2).abs() < 1e-4, "{largest}");
+    }
+
+    /// The digital one passes a constant as it is, and 1/√2 of its corner.
+    #[test]
+    fn the_digital_corner_is_the_analog_ones() {
+        for corner in [0.02, 0.2, 0.45] {
+            let weights: Vec<f64> = digital(corner, FRAC_1_SQRT_2).collect();
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-7, "{corner}");
+            let turned = |i: usize| TAU * corner * i as f64;
+            let (re, im) = weights.iter().enumerate().fold((0.0, 0.0), |sum, (i, w)| {
+                (sum.0 + w * turned(i).cos(), sum.1 + w * turned(i).sin())
+            });
+            assert!(
+                (f64::hypot(re, im) - FRAC_1_SQRT_2).abs() < 1e-6,
+                "{corner}"
+            );
+        }
     }
 }

@@ -28,14 +28,15 @@ pub struct Span {
 /// The standard error is computed from the spread of this many equal stretches of the trajectory.
 pub const BLOCKS: u32 = 20;
 
-/// The two exponents of a trajectory.
+/// The two largest exponents of a trajectory: with a prescribed cart there are no more, with one that recoils there are two
+/// more, of its deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Exponents {
     /// The largest exponent, 1/s: positive in chaos, 0 on a quasi-periodic motion, negative on a periodic one.
     pub largest_per_s: f64,
     /// Its standard error, 1/s, from the means of [`BLOCKS`] stretches.
     pub standard_error_per_s: f64,
-    /// The other one, 1/s. None where it is lost in rounding beside the largest, as in a sustained contact.
+    /// The second, 1/s. None where it is lost in rounding beside the largest, as in a sustained contact.
     pub other_per_s: Option<f64>,
     /// Largest exponent in nats per drive period.
     pub largest_per_period: f64,
@@ -65,7 +66,8 @@ impl Exponents {
 /// What carries two directions through a drive period.
 trait Carrier {
     fn period(&mut self);
-    fn state(&self) -> [Dual<2>; 2];
+    /// Coordinate and rate; deviation of the cart and its rate.
+    fn state(&self) -> [Dual<2>; 4];
     fn redirect(&mut self, f: impl Fn(Dual<2>) -> Dual<2>);
 }
 
@@ -73,8 +75,9 @@ impl Carrier for Reference<Dual<2>> {
     fn period(&mut self) {
         self.run_period(&mut ());
     }
-    fn state(&self) -> [Dual<2>; 2] {
-        Self::state(self).into()
+    fn state(&self) -> [Dual<2>; 4] {
+        let ((q, v), [e, w]) = (Self::state(self), self.cart());
+        [q, v, e, w]
     }
     fn redirect(&mut self, f: impl Fn(Dual<2>) -> Dual<2>) {
         Self::redirect(self, f);
@@ -85,8 +88,9 @@ impl Carrier for SmoothedReference<Dual<2>> {
     fn period(&mut self) {
         self.run_period();
     }
-    fn state(&self) -> [Dual<2>; 2] {
-        Self::state(self).into()
+    fn state(&self) -> [Dual<2>; 4] {
+        let (q, v) = Self::state(self);
+        [q, v, Dual::constant(0.0), Dual::constant(0.0)]
     }
     fn redirect(&mut self, f: impl Fn(Dual<2>) -> Dual<2>) {
         Self::redirect(self, f);
@@ -94,7 +98,7 @@ impl Carrier for SmoothedReference<Dual<2>> {
 }
 
 /// The exponents of the trajectory of `params` at `frequency_hz` (Hz) that begins on `section` (coordinate and rate
-/// at drive phase 0).
+/// at drive phase 0), with the cart on its course.
 ///
 /// # Errors
 /// If a parameter, the frequency or the number of periods is out of range, if the hammer leaves what the model
@@ -106,9 +110,6 @@ pub fn exponents(
     plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
-    if params.cart.recoils() {
-        return Err(Error::Recoil("a Lyapunov exponent"));
-    }
     let (q, v) = seeds(section);
     let carrier = Reference::<Dual<2>>::new(params, frequency_hz, q, v)?;
     grow(carrier, units(params, frequency_hz)?, frequency_hz, plan)
@@ -134,15 +135,17 @@ fn seeds([q, v]: [f64; 2]) -> (Dual<2>, Dual<2>) {
     (Dual::variable(q, 0), Dual::variable(v, 1))
 }
 
-/// A0 and A0 Ω in the rig's coordinate: lengths of directions are taken in these.
-fn units(params: &RigParams, frequency_hz: f64) -> Result<[f64; 2], Error> {
+/// A0 and A0 Ω in the rig's coordinate and in metres: lengths of directions are taken in these.
+fn units(params: &RigParams, frequency_hz: f64) -> Result<[f64; 4], Error> {
     let scale = shared::model::rig::Rig::<f64>::new(params)?.coordinate_scale();
-    Ok([scale, scale * std::f64::consts::TAU * frequency_hz])
+    let omega = std::f64::consts::TAU * frequency_hz;
+    let amplitude = params.amplitude_m;
+    Ok([scale, scale * omega, amplitude, amplitude * omega])
 }
 
 fn grow(
     mut carrier: impl Carrier,
-    units: [f64; 2],
+    units: [f64; 4],
     frequency_hz: f64,
     plan: Span,
 ) -> Result<Exponents, Error> {
@@ -160,10 +163,10 @@ fn grow(
     let mut booked = Vec::with_capacity(plan.periods as usize);
     for k in 0..plan.transient + plan.periods {
         carrier.period();
-        let [q, v] = carrier.state();
-        let y = [q.eps.map(|e| e / units[0]), v.eps.map(|e| e / units[1])];
-        let Some((growth, back)) = triangle(y) else {
-            return Err(lost(q.re, frequency_hz));
+        let state = carrier.state();
+        let y = [0, 1, 2, 3].map(|i| state[i].eps.map(|e| e / units[i]));
+        let Some((growth, back)) = triangle(&y) else {
+            return Err(lost(state[0].re, frequency_hz));
         };
         carrier.redirect(|x| Dual {
             re: x.re,
@@ -189,14 +192,17 @@ const ROUNDING: f64 = 1e-12;
 
 /// ln of the two diagonal entries of R in Y = Q R (the second none where rounding has it), and the entries 11, 12 and
 /// 22 of its inverse. `None` if the first is no positive number.
-fn triangle([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<([Option<f64>; 2], [f64; 3])> {
-    let first = a.hypot(c);
+fn triangle(y: &[[f64; 2]; 4]) -> Option<([Option<f64>; 2], [f64; 3])> {
+    let length = |k: usize| y.iter().fold(0.0_f64, |sum, row| sum.hypot(row[k]));
+    let first = length(0);
     if !(first > f64::MIN_POSITIVE && first.is_finite()) {
         return None;
     }
-    let across = (a * b + c * d) / first;
-    let second = (a * d - b * c).abs() / first;
-    let size = first.hypot(b.hypot(d));
+    let across = y.iter().map(|[a, b]| a * b).sum::<f64>() / first;
+    let pairs = (0..4).flat_map(|i| (0..i).map(move |k| (y[k], y[i])));
+    let area = pairs.fold(0.0_f64, |sum, ([a, b], [c, d])| sum.hypot(a * d - b * c));
+    let second = area / first;
+    let size = first.hypot(length(1));
     // The smaller direction is kept alive whatever it is, or it could never grow again.
     let held = second.max(ROUNDING * size);
     let other = (second > ROUNDING * size).then(|| second.ln());

@@ -9,6 +9,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::Observation;
 use crate::error::{Error, MotionError, PickError};
+use crate::pick::CartModel;
 use crate::pick::uncertainty::Stated;
 
 /// A rig and its name.
@@ -81,6 +82,8 @@ pub struct Row {
     pub rig: String,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
+    /// How the cart is moved.
+    pub cart: CartModel,
     /// Drive frequency Ω/2π, Hz.
     pub frequency_hz: f64,
     /// Ω/ω.
@@ -113,6 +116,7 @@ pub struct Row {
 struct Shown<'a> {
     rig: &'a str,
     gap_mm: f64,
+    cart: CartModel,
     frequency_hz: f64,
     frequency_ratio: f64,
     impacts: Option<u16>,
@@ -130,6 +134,7 @@ impl Serialize for Row {
         let shown = Shown {
             rig: &self.rig,
             gap_mm: self.gap_mm,
+            cart: self.cart,
             frequency_hz: self.frequency_hz,
             frequency_ratio: self.frequency_ratio,
             impacts: (!self.failed).then_some(self.impacts),
@@ -194,6 +199,7 @@ impl Row {
         Self {
             rig: rig.to_owned(),
             gap_mm: tidy(params.gap_m * 1e3),
+            cart: CartModel::of(params),
             frequency_hz: tidy(frequency_hz),
             frequency_ratio: tidy(frequency_hz / params.natural_frequency_hz()),
             impacts: 0,

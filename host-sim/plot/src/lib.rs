@@ -214,6 +214,8 @@ pub struct Axis {
     pub range: Range,
     /// Whether equal lengths are equal factors. What is not positive is left out then.
     pub log: bool,
+    /// Whether only whole numbers are written at it: it counts something.
+    pub whole: bool,
 }
 
 impl Axis {
@@ -223,7 +225,14 @@ impl Axis {
             label: label.into(),
             range: Range::Auto,
             log: false,
+            whole: false,
         }
+    }
+
+    /// Writes whole numbers only.
+    pub fn whole(mut self) -> Self {
+        self.whole = true;
+        self
     }
 
     /// Makes the axis logarithmic.

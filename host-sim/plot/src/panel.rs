@@ -220,7 +220,8 @@ fn ticks(axis: &Axis, (lo, hi): (f64, f64), most: usize) -> Ticks {
     if axis.log {
         Ticks::logarithmic(lo, hi, most)
     } else {
-        Ticks::new(lo, hi, most)
+        let wholes = if axis.whole { (hi - lo) as usize } else { most };
+        Ticks::new(lo, hi, most.min(wholes))
     }
 }
 

@@ -18,7 +18,6 @@ use numerics::bifurcation::answer::{Answer, DiagramAnswer};
 use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
 use numerics::lanes::CellPlan;
 use numerics::map::request::chapter_frequencies_hz;
-use numerics::pick::CartModel;
 use numerics::row::regime_as_text;
 use numerics::sweep::Direction;
 use plot::chart::Chart;
@@ -191,19 +190,16 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     let mut text = String::new();
     for (found, diagram) in answer.diagrams.iter().zip(diagrams) {
         text += &format!(
-            "{}, gap {:?} mm, {}: {} frequencies{}\n",
+            "{}, gap {:?} mm, {}, {}: {} frequencies\n",
             answer.rig,
             found.gap_mm,
+            answer.cart.words(),
             match diagram.direction {
                 Direction::Rest => "each from rest",
                 Direction::Up => "carried up",
                 Direction::Down => "carried down",
             },
-            found.frequencies,
-            match answer.cart {
-                CartModel::Prescribed => "",
-                CartModel::Recoil => ", the cart recoils",
-            }
+            found.frequencies
         );
         let points = diagram.stations.iter().flat_map(|s| {
             let few = s.points.iter().rev().take(16);

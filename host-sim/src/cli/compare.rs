@@ -7,13 +7,15 @@ use super::arguments::cycles::{CycleArgs, parse_start};
 use super::arguments::drive::Drive;
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::OutputArgs;
-use super::arguments::rig::RigArgs;
+use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::words::compare::Worded;
 use files::UserError;
+use numerics::NamedRig;
 use numerics::compare::{Comparison, ComparisonRequest, Errors, Frame, compare};
 use numerics::engine::Start;
+use numerics::pick::CartModel;
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
@@ -51,6 +53,9 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     engine: EngineArgs,
 
     #[command(flatten)]
@@ -60,7 +65,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.rig.load()?;
+    let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let question = ComparisonRequest {
@@ -85,10 +90,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let answer = Worded::from(&comparison.errors);
     if let Some(dir) = &output.out {
         let title = format!(
-            "{} against {}, gap {:?} mm",
+            "{} against {}, gap {:?} mm, {}",
             signal.name,
             rig.name,
-            numerics::row::tidy(rig.params.gap_m * 1e3)
+            numerics::row::tidy(rig.params.gap_m * 1e3),
+            CartModel::of(&rig.params).words()
         );
         let figure = pictures::compare::figure(title, &comparison, args.frame);
         let mut contents = drawn(&output.name(""), &figure)?;
@@ -96,15 +102,17 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         output.write(dir, contents)?;
     }
     output.emit(&answer, &comparison.rows, || {
-        text(&signal, &rig.name, &comparison, &answer.notes)
+        text(&signal, &rig, &comparison, &answer.notes)
     })
 }
 
-fn text(signal: &Signal, rig: &str, comparison: &Comparison, notes: &[String]) -> String {
+fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[String]) -> String {
     let e = &comparison.errors;
     let mut text = format!(
-        "{} against {rig}: drive {:.4} Hz ({}), {:.4} times the natural frequency; simulation: regime {}\n\n",
+        "{} against {}, {}: drive {:.4} Hz ({}), {:.4} times the natural frequency; simulation: regime {}\n\n",
         signal.name,
+        rig.name,
+        CartModel::of(&rig.params).words(),
         e.frequency_hz,
         e.frequency_from.name(),
         e.frequency_ratio,

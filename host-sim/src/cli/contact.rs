@@ -1,7 +1,7 @@
 //! `host-sim contact`.
 
 use super::arguments::output::OutputArgs;
-use super::arguments::range::parse_range;
+use super::arguments::range::range_or_value;
 use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use crate::pictures::drawn;
@@ -20,8 +20,8 @@ enum Which {
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Approach speeds, m/s [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true)]
+    /// Approach speeds, m/s: FROM:TO:STEP, or one value [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     speed: Option<String>,
 
     /// Which laws
@@ -103,7 +103,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
 fn speeds(text: &str) -> Result<Vec<f64>, UserError> {
     const FASTEST: f64 = 100.0;
     let bad = |what: String| UserError::new(format!("--speed {text}: {what}"));
-    let speeds = parse_range(text).map_err(bad)?;
+    let speeds = range_or_value(text).map_err(bad)?;
     match speeds.iter().find(|v| !(**v > 0.0 && **v <= FASTEST)) {
         Some(v) => Err(bad(format!(
             "{v} m/s is not a speed above 0 and up to {FASTEST}"
@@ -125,6 +125,7 @@ fn some(speeds: &[f64]) -> Vec<f64> {
 }
 
 fn figure(case: &Case, all: &[Row]) -> Result<plot::Figure, UserError> {
+    let mut at = String::new();
     let drawn: Vec<_> = match case.laws.as_slice() {
         [(_, law)] => some(&case.speeds)
             .into_iter()
@@ -132,11 +133,16 @@ fn figure(case: &Case, all: &[Row]) -> Result<plot::Figure, UserError> {
             .collect(),
         laws => {
             let v = middle(&case.speeds);
-            let named = |(name, law): &(&str, Law<f64>)| (format!("{name}, {v:.3} m/s"), *law, v);
+            at = format!(", approach at {v:.3} m/s");
+            let named = |(name, law): &(&str, Law<f64>)| ((*name).to_owned(), *law, v);
             laws.iter().map(named).collect()
         }
     };
-    let mut panels = blows(case.mass_kg, &drawn)?.to_vec();
+    let [plane, force] = blows(case.mass_kg, &drawn)?;
+    let mut panels = vec![
+        plane.titled(format!("Phase plane{at}")),
+        force.titled(format!("Contact force{at}")),
+    ];
     if case.speeds.len() > 1 {
         panels.extend(over_speed(all));
     }
@@ -155,7 +161,9 @@ fn text(case: &Case, all: &[Row]) -> String {
     );
     let every = case.speeds.len().div_ceil(8);
     for (i, row) in all.iter().enumerate() {
-        if !(i % case.speeds.len()).is_multiple_of(every) {
+        // The speed that the picture shows is among those listed.
+        let k = i % case.speeds.len();
+        if !k.is_multiple_of(every) && k != case.speeds.len() / 2 {
             continue;
         }
         let pull = if row.pull_share > 0.0 {

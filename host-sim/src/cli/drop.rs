@@ -1,10 +1,11 @@
 //! `host-sim drop`.
 
+use super::arguments::choice::{Choice, choice};
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
 use crate::pictures::drawn;
 use files::UserError;
-use numerics::drop_test::{DropTest, Row, record};
+use numerics::drop_test::{Converter, DropTest, Row, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
@@ -107,6 +108,28 @@ pub struct Args {
     )]
     filter_hz: f64,
 
+    /// What the force channel's converter does to the samples
+    #[arg(long, value_parser = choice::<Converter>(), default_value = "plain")]
+    converter: Converter,
+
+    /// The reading without force goes up or down by so many N in each 0.1 s
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    step_n: f64,
+
+    /// The record's clock is so many percent fast
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    clock_fast_percent: f64,
+
     /// The displacement channel reads this many percent too much, so that the release is read wrong
     #[arg(
         long,
@@ -178,6 +201,9 @@ fn test(args: &Args) -> Result<DropTest, UserError> {
         offset_n: within("--offset-n", args.offset_n, -1e6, 1e6)?,
         drift_n_per_s: within("--drift-n-per-s", args.drift_n_per_s, -1e6, 1e6)?,
         filter_hz: within("--filter-hz", args.filter_hz, 0.0, 1e6)?,
+        converter: args.converter,
+        step_n: within("--step-n", args.step_n, 0.0, 1e6)?,
+        clock_fast_percent: within("--clock-fast-percent", args.clock_fast_percent, -50.0, 50.0)?,
         displacement_gain_percent: within(
             "--displacement-gain-percent",
             args.displacement_gain_percent,
@@ -206,11 +232,18 @@ fn faults(test: &DropTest) -> String {
         (test.offset_n, "offset", "N"),
         (test.drift_n_per_s, "drift", "N/s"),
         (test.filter_hz, "filter", "Hz"),
+        (test.step_n, "steps of the zero", "N"),
+        (test.clock_fast_percent, "clock", "% fast"),
         (test.displacement_gain_percent, "displacement gain", "% off"),
     ];
     let there = listed.iter().filter(|(value, ..)| *value != 0.0);
+    let there = there.map(|(value, name, unit)| format!(", {name} {value} {unit}"));
+    let converter = Converter::CHOICES
+        .iter()
+        .find(|(.., c)| *c == test.converter);
+    let named = converter.filter(|(.., c)| *c != Converter::Plain);
     there
-        .map(|(value, name, unit)| format!(", {name} {value} {unit}"))
+        .chain(named.map(|(name, ..)| format!(", converter {name}")))
         .collect()
 }
 

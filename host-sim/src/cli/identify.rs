@@ -17,7 +17,9 @@ use files::table::to_csv;
 use files::words::identify::Worded;
 use numerics::NamedRig;
 use numerics::identify::ring::Ring;
-use numerics::identify::{Family, Fit, ImpactRow, Measured, Misfit, Settings, fit, measure};
+use numerics::identify::{
+    Estimate, Family, Fit, ImpactRow, Measured, Misfit, Model, Settings, fit, measure,
+};
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
@@ -64,6 +66,10 @@ pub struct Args {
     #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.release_height_percent, allow_negative_numbers = true)]
     release_height_percent: f64,
 
+    /// How uncertain the clock of the samples is: standard deviation, %
+    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.clock_percent, allow_negative_numbers = true)]
+    clock_percent: f64,
+
     #[command(flatten)]
     coverage: CoverageArgs,
 
@@ -89,6 +95,7 @@ struct Answer<'a> {
     drift_n_per_s: f64,
     gain_percent: f64,
     release_height_percent: f64,
+    clock_percent: f64,
     fits: Vec<Worded<'a>>,
 }
 
@@ -105,6 +112,7 @@ struct Row {
     noise_n: f64,
     widened: f64,
     refused: bool,
+    intervals: bool,
     misses_share: f64,
 }
 
@@ -147,8 +155,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         drift_n_per_s: measured.drift_n_per_s,
         gain_percent: settings.gain_percent,
         release_height_percent: settings.release_height_percent,
+        clock_percent: settings.clock_percent,
         fits: fits.iter().map(Worded::from).collect(),
     };
+    refuse(&answer)?;
     let rows = rows(&fits);
     if let Some(dir) = &output.out {
         let mut contents = drawn(&output.name(""), &figure(&rig, &measured, &fits, &settings))?;
@@ -158,12 +168,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         }
         output.write(dir, contents)?;
     }
-    output.emit(&answer, &rows, || text(&answer))?;
-    refusal(&answer)
+    output.emit(&answer, &rows, || text(&answer))
 }
 
-/// An error if none of the laws fits.
-fn refusal(answer: &Answer) -> Result<(), UserError> {
+/// An error if none of the laws fits: there is no answer then.
+fn refuse(answer: &Answer) -> Result<(), UserError> {
     if answer.fits.iter().any(|worded| !worded.fit.refused) {
         return Ok(());
     }
@@ -171,7 +180,7 @@ fn refusal(answer: &Answer) -> Result<(), UserError> {
     names.dedup();
     let least = answer.fits.iter().map(|w| w.fit.misses_share);
     Err(UserError::new(format!(
-        "{}: {} does not fit: it misses {:.0} % of the force; try --all-laws, and check --rig, --gap and --release-mm",
+        "{}: {} does not fit: it misses {:.0} % of the force; try --all-laws, and check --rig, --gap and --release-mm; a filter in the converter may be why, too",
         answer.file,
         names.join(", "),
         100.0 * least.fold(f64::INFINITY, f64::min)
@@ -246,12 +255,13 @@ fn settings(args: &Args, signal: &Signal) -> Result<Settings, UserError> {
             0.0,
             50.0,
         )?,
+        clock_percent: within("--clock-percent", args.clock_percent, 0.0, 50.0)?,
     })
 }
 
 fn rows(fits: &[Fit]) -> Vec<Row> {
     let of = |fit: &'_ Fit| -> Vec<Row> {
-        let row = |p: &numerics::identify::Estimate| Row {
+        let row = |p: &Estimate| Row {
             law: fit.law,
             misfit: fit.misfit,
             parameter: p.key,
@@ -262,6 +272,7 @@ fn rows(fits: &[Fit]) -> Vec<Row> {
             noise_n: fit.noise_n,
             widened: fit.widened,
             refused: fit.refused,
+            intervals: fit.intervals,
             misses_share: fit.misses_share,
         };
         fit.parameters.iter().map(row).collect()
@@ -271,26 +282,44 @@ fn rows(fits: &[Fit]) -> Vec<Row> {
 
 /// Four significant digits.
 fn short(x: f64) -> String {
+    significant(x, 4)
+}
+
+/// So many significant digits.
+fn significant(x: f64, digits: usize) -> String {
     if x != 0.0 && !(1e-2..1e5).contains(&x.abs()) {
-        return format!("{x:.3e}");
+        return format!("{x:.*e}", digits - 1);
     }
     if x == 0.0 {
         return "0".to_owned();
     }
-    let digits = 3 - x.abs().max(1e-9).log10().floor() as i32;
-    format!("{x:.*}", digits.max(0) as usize)
+    let decimals = digits as i32 - 1 - x.abs().max(1e-9).log10().floor() as i32;
+    format!("{x:.*}", decimals.max(0) as usize)
+}
+
+/// How many digits show the width of the interval: four, or more for a narrow one.
+fn digits(estimate: &Estimate) -> usize {
+    let width = estimate
+        .low
+        .zip(estimate.high)
+        .map(|(low, high)| high - low);
+    let shares = width.map_or(0.0, |width| (estimate.value.abs() / width).log10().ceil());
+    shares.clamp(2.0, 10.0) as usize + 2
 }
 
 fn text(answer: &Answer) -> String {
     let mut text = format!(
-        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\n",
+        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\ntaken as known (standard deviations): the sensor's gain to {} %, the height of the release to {} %, the clock to {} %\n",
         answer.file,
         answer.impacts,
         short(answer.sampling_hz),
         short(answer.noise_n),
         answer.rig,
         answer.gap_mm,
-        answer.release_mm
+        answer.release_mm,
+        answer.gain_percent,
+        answer.release_height_percent,
+        answer.clock_percent
     );
     for Worded { fit, warnings } in &answer.fits {
         text += &fit_text(fit, warnings);
@@ -315,15 +344,28 @@ fn text(answer: &Answer) -> String {
 fn fit_text(fit: &Fit, warnings: &[String]) -> String {
     let mut text = format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
     for p in &fit.parameters {
-        let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), short);
-        let interval = match fit.refused {
-            true => "no interval: the law does not fit".to_owned(),
-            false => format!("95 %: {} to {}", end(p.low), end(p.high)),
+        let digits = digits(p);
+        let shown = |x| significant(x, digits);
+        let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), shown);
+        let interval = match (fit.refused, fit.intervals) {
+            (true, _) => "no interval: the law does not fit".to_owned(),
+            (_, false) => "no interval: the misfit is more than twice the noise".to_owned(),
+            _ => format!("95 %: {} to {}", end(p.low), end(p.high)),
         };
-        text += &format!("  {:<30} {:>10}   {interval}\n", p.key, short(p.value));
+        text += &format!("  {:<30} {:>10}   {interval}\n", p.key, shown(p.value));
     }
     if let Some(hz) = fit.sensor.filter_hz {
-        text += &format!("  the sensor filters from about {hz:.0} Hz on\n");
+        let kind = match fit.sensor.filter {
+            Model::Analog => "an analog low-pass",
+            Model::Digital => "a digital low-pass of second order",
+            Model::LinearPhase => "a linear-phase low-pass before the samples (delta-sigma)",
+            Model::OddSamples | Model::EvenSamples => {
+                "weighted sums of neighbouring samples (a linear-phase filter)"
+            }
+        };
+        text += &format!(
+            "  the sensor filters from about {hz:.0} Hz on: of the filters tried, {kind} fits best\n"
+        );
     }
     text += &format!(
         "  misfit {} N ({} N is noise); {} of {} searches end here; {} drop tests simulated\n",
@@ -369,11 +411,13 @@ fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings
     let title = format!("Drop test {}: contact parameters", measured.name);
     let found = fits.first().map_or(String::new(), |fit| {
         let each = fit.parameters.iter().map(|p| {
-            let end = |e: Option<f64>| e.map_or("?".to_owned(), short);
+            let digits = digits(p);
+            let shown = |x| significant(x, digits);
+            let end = |e: Option<f64>| e.map_or("?".to_owned(), shown);
             format!(
                 "{} {} ({} to {})",
                 p.key,
-                short(p.value),
+                shown(p.value),
                 end(p.low),
                 end(p.high)
             )

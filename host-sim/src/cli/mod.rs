@@ -325,6 +325,14 @@ fn without_command(error: &clap::Error, arguments: &[OsString]) -> i32 {
     2
 }
 
+/// How to write a value that has a decimal comma, unless the message says so.
+fn comma(error: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidValue) else {
+        return None;
+    };
+    files::decimal::comma(value).filter(|_| !error.to_string().contains(" with a point"))
+}
+
 /// The first paragraph of clap's message, on one line, what may have been meant, and where to read more.
 fn one_line(error: &clap::Error, arguments: &[OsString]) -> String {
     let parser = Cli::command();
@@ -335,6 +343,7 @@ fn one_line(error: &clap::Error, arguments: &[OsString]) -> String {
     let tip = || {
         let tips = message.lines().map(str::trim);
         let tip = tips.clone().find(|line| line.starts_with("tip:"));
+        let tip = tip.map(str::to_owned).or_else(|| comma(error));
         tip.map_or(String::new(), |tip| format!(" ({tip})"))
     };
     let word = |kind| match error.get(kind) {

@@ -6,7 +6,7 @@ use super::arguments::choice::choice;
 use super::arguments::cycles::CycleArgs;
 use super::arguments::drive::Drives;
 use super::arguments::output::OutputArgs;
-use super::arguments::rig::RigArgs;
+use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
@@ -44,6 +44,9 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     pub output: OutputArgs,
 }
 
@@ -75,7 +78,7 @@ impl From<&BendingMode> for ModeAnswer {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.rig.load()?;
+    let rig = args.cart.apply(args.rig.load()?)?;
     let output = &output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let beam = Beam {
@@ -120,8 +123,20 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.emit(&answer, &rows, || text(&modes, &rows, &args.modes))
 }
 
+/// What is computed, for text and picture.
+fn heading(rows: &[Row]) -> String {
+    rows.first().map_or(String::new(), |row| {
+        let cart = row.cart.words();
+        format!(
+            "{}, gap {:?} mm, {cart}: bending modes",
+            row.rig, row.gap_mm
+        )
+    })
+}
+
 fn text(modes: &[ModeAnswer], rows: &[Row], counts: &[usize]) -> String {
-    let mut text = String::from("mode   frequency, Hz   modal mass, kg   participation, kg\n");
+    let mut text = heading(rows);
+    text += "\n\nmode   frequency, Hz   modal mass, kg   participation, kg\n";
     for (i, mode) in modes.iter().enumerate() {
         text += &format!(
             "{:>4} {:>15.3} {:>16.4} {:>19.5}\n",
@@ -174,9 +189,6 @@ fn of(rows: &[Row], count: usize, column: impl Fn(&Row) -> f64) -> Vec<(f64, f64
 
 /// Force, swing and energy in the higher modes over frequency.
 fn figure(rows: &[Row], counts: &[usize]) -> Figure {
-    let title = rows.first().map_or(String::new(), |row| {
-        format!("{}, gap {:?} mm: bending modes", row.rig, row.gap_mm)
-    });
     let subtitle = rows.first().map_or(String::new(), |row| {
         format!(
             "From rest. Springs of {} times the hammer's mass, tip {}. Swing: largest less least displacement in the fixed frame.",
@@ -199,7 +211,7 @@ fn figure(rows: &[Row], counts: &[usize]) -> Figure {
         }
         panel
     };
-    Figure::new(title)
+    Figure::new(heading(rows))
         .subtitle(subtitle)
         .size(1000, 1150)
         .panel(panel("largest force, N", |row| row.force_n))

@@ -3,18 +3,19 @@
 use super::arguments::cycles::parse_start;
 use super::arguments::drive::Drive;
 use super::arguments::output::OutputArgs;
-use super::arguments::rig::RigArgs;
+use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::Progress;
 use files::UserError;
-use numerics::NamedRig;
 use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
+use numerics::pick::CartModel;
 use numerics::poincare::against::{self, Against, SectionSummary};
 use numerics::poincare::answer::Answer;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, portrait};
 use numerics::row::tidy;
+use numerics::{Error, NamedRig};
 use plot::chart::Chart;
 
 /// What the section is compared with.
@@ -67,13 +68,20 @@ pub struct Args {
     rig: RigArgs,
 
     #[command(flatten)]
+    cart: CartArg,
+
+    #[command(flatten)]
     pub output: OutputArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.rig.load()?;
+    let rig = args.cart.apply(args.rig.load()?)?;
+    if args.against.is_some() && rig.params.cart.recoils() {
+        let refused = UserError::from(Error::Recoil("the smoothing method"));
+        return Err(refused.at("--against smoothed"));
+    }
     output.doubt_without_uncertainty(&rig);
     let request = request(args, &rig)?;
     let output = &output.about([&rig])?;
@@ -162,7 +170,7 @@ fn exponents(request: &SectionRequest) -> Result<Exponents, UserError> {
 
 fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
     format!(
-        "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n",
+        "{}, gap {:?} mm, cart prescribed, {:.4} Hz ({:.4} times the natural frequency)\n",
         rig.name,
         tidy(request.params.gap_m * 1e3),
         request.frequency_hz,
@@ -172,9 +180,10 @@ fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
 
 fn text(answer: &Answer, portrait: &Portrait) -> String {
     let mut text = format!(
-        "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency)\n  regime    {} over {} drive periods\n  force     {:.2} N, {:.3} times the hammer's weight\n",
+        "{}, gap {:?} mm, {}, {:.4} Hz ({:.4} times the natural frequency)\n  regime    {} over {} drive periods\n  force     {:.2} N, {:.3} times the hammer's weight\n",
         answer.rig,
         answer.gap_mm,
+        answer.cart.words(),
         answer.frequency_hz,
         answer.frequency_ratio,
         answer.regime,
@@ -188,7 +197,11 @@ fn text(answer: &Answer, portrait: &Portrait) -> String {
             e.largest_per_s, e.standard_error_per_s, e.largest_per_period
         );
         if let Some(other) = e.other_per_s {
-            text += &format!("            the other {other:+.4} per second\n");
+            let which = match answer.cart {
+                CartModel::Prescribed => "the other",
+                CartModel::Recoil => "the second of the four of hammer and cart",
+            };
+            text += &format!("            {which} {other:+.4} per second\n");
         }
     }
     for (phase, section) in answer.phases_turns.iter().zip(&portrait.sections) {

@@ -139,8 +139,13 @@ fn unsettled(answer: &Answer) -> String {
 fn text(answer: &Answer, recorder: &Recorder) -> String {
     let row = &answer.row;
     let mut text = format!(
-        "{}, gap {:?} mm, {:.4} Hz ({:.4} times the natural frequency), {} engine\n",
-        row.rig, row.gap_mm, row.frequency_hz, row.frequency_ratio, answer.engine
+        "{}, gap {:?} mm, {}, {:.4} Hz ({:.4} times the natural frequency), {} engine\n",
+        row.rig,
+        row.gap_mm,
+        row.cart.words(),
+        row.frequency_hz,
+        row.frequency_ratio,
+        answer.engine
     );
     let meaning = match row.regime {
         Regime::None => "no contact in the recorded cycles".to_owned(),
@@ -195,7 +200,7 @@ fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]
     let gap = rig.params.gap_m * 1e3;
     let displacement = "displacement relative to the cart, mm";
     let velocity = "velocity relative to the cart, m/s";
-    Figure::new(format!("{}, gap {:?} mm, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.frequency_hz, row.outcome()))
+    Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.outcome()))
         .subtitle(format!(
             "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; section at drive phase 0 over all {} recorded.",
             row.frequency_ratio, row.force_n, row.force_ratio, section.len()

@@ -6,8 +6,8 @@ use super::arguments::output::OutputArgs;
 use crate::pictures::drawn;
 use crate::pictures::trials::figure;
 use crate::progress::Progress;
-use emulator::trials::{Distribution, Outcome, RIGS, Row, run_all};
-use files::UserError;
+use emulator::trials::{Believed, Distribution, Outcome, RIGS, Row, Trial, run_all};
+use files::{UserError, rigfile};
 use numerics::NamedRig;
 
 /// Rig time of a trial, s: from 20 s, in which every trial should hold, to an hour.
@@ -29,8 +29,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Only this rig [default: all four]
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(RIGS))]
+    /// Only this rig: a preset or a rig file [default: the four presets]
+    #[arg(long, value_name = "NAME|FILE.toml")]
     rig: Option<String>,
 
     /// Print one trial as a scenario file, for `host-sim emulate`, and run none
@@ -74,20 +74,22 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             "--count is {got}, must be from 1 to {MOST}"
         )));
     }
-    let rigs: Vec<&'static str> = RIGS
-        .into_iter()
-        .filter(|rig| args.rig.as_ref().is_none_or(|only| only == rig))
-        .collect();
+    let rigs: Vec<NamedRig> = match &args.rig {
+        Some(rig) => vec![rigfile::load(rig, &[])?],
+        None => named()?,
+    };
+    let believed: Vec<Believed> = rigs.iter().map(Believed::new).collect();
     if let Some(number) = args.show {
-        let trial = emulator::trials::Trial::draw(args.seed, number, &rigs);
+        let trial = Trial::draw(args.seed, number, &believed);
         super::terminal::print(&trial.to_toml(args.seconds));
         return Ok(());
     }
-    let output = &output.about(&named(&rigs)?)?;
+    let output = &output.about(&rigs)?;
     let progress = Progress::new("trials", u64::from(args.count), output.quiet);
-    let outcomes = run_all(args.seed, args.count, &rigs, args.seconds, &progress)?;
+    let outcomes = run_all(args.seed, args.count, &believed, args.seconds, &progress)?;
     progress.finish();
-    let lines = lines(&rigs, &outcomes);
+    let names: Vec<&str> = rigs.iter().map(|rig| &*rig.name).collect();
+    let lines = lines(&names, &outcomes);
     let rows: Vec<Row> = outcomes.iter().map(Row::from).collect();
     let answer = Answer {
         seed: args.seed,
@@ -96,22 +98,22 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         trials: &rows,
     };
     if let Some(dir) = &output.out {
-        let mut contents = drawn(&output.name(""), &figure(&outcomes, args.seconds))?;
+        let mut contents = drawn(&output.name(""), &figure(&names, &outcomes, args.seconds))?;
         contents.extend(output.tables(&output.name(""), &answer, &rows)?);
         output.write(dir, contents)?;
     }
     output.emit(&answer, &rows, || text(args, &lines))
 }
 
-/// The nominal rigs, around which the trials are drawn.
-fn named(rigs: &[&str]) -> Result<Vec<NamedRig>, UserError> {
-    rigs.iter().map(|rig| Ok(NamedRig::preset(rig)?)).collect()
+/// The presets, around which the trials are drawn.
+fn named() -> Result<Vec<NamedRig>, UserError> {
+    RIGS.iter().map(|rig| Ok(NamedRig::preset(rig)?)).collect()
 }
 
 /// Each rig that was tried, then all of them.
-fn lines(rigs: &[&'static str], outcomes: &[Outcome]) -> Vec<Line> {
+fn lines(rigs: &[&str], outcomes: &[Outcome]) -> Vec<Line> {
     let of = |rig: &str| {
-        let these = outcomes.iter().filter(|o| o.trial.rig == rig);
+        let these = outcomes.iter().filter(|o| o.trial.rig.name == rig);
         Line {
             rig: rig.to_owned(),
             distribution: Distribution::of(&these.cloned().collect::<Vec<_>>()),

@@ -110,7 +110,7 @@ fn page(figure: &'static str, effort: Effort, progress: &Progress) -> Result<Vec
         ),
         command: points.first().map_or(String::new(), |p| {
             format!(
-                "host-sim basins --rig {rig} --ratio {} --gap-ratio {} --out DIR",
+                "host-sim basins --rig {rig} --cart prescribed --ratio {} --gap-ratio {} --out DIR",
                 p.ratio, p.gap_over_amplitude
             )
         }),

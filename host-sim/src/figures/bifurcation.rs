@@ -165,7 +165,7 @@ fn wires_pages(
     };
     let (from, to) = detail.range;
     let zoom_command = format!(
-        "host-sim bifurcation --rig wires --gap {gap:?} --ratio {from:.4}:{to:.4}:{:.5}",
+        "host-sim bifurcation --rig wires --cart prescribed --gap {gap:?} --ratio {from:.4}:{to:.4}:{:.5}",
         detail.step
     );
     let zoomed = |k: usize, quantity| {
@@ -177,7 +177,9 @@ fn wires_pages(
         page(
             0,
             "bifurcation diagrams of displacement and force",
-            format!("host-sim bifurcation --rig wires --gap {gap:?} --direction all"),
+            format!(
+                "host-sim bifurcation --rig wires --cart prescribed --gap {gap:?} --direction all"
+            ),
             files(
                 what.numbers[0],
                 &figure(&lean, Abscissa::Ratio, None),
@@ -442,7 +444,9 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
                 "Found: {}. A steady 1/1 is a single point here: the one-mode model does not scatter. The chapter's measured points are not available as numbers.",
                 peaks.join("; ")
             ),
-            command: format!("host-sim bifurcation --rig {name} --gap 0 --gap 1 --gap 3"),
+            command: format!(
+                "host-sim bifurcation --rig {name} --cart prescribed --gap 0 --gap 1 --gap 3"
+            ),
             files: files(number, &figure, &rows(&found))?,
         })
     };

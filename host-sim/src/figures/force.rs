@@ -134,7 +134,7 @@ fn page(
         chapter,
         found,
         command: format!(
-            "host-sim sweep --rig {} --gap {:?} --ratio 0.6:4:0.01 --direction up",
+            "host-sim sweep --rig {} --gap {:?} --ratio 0.6:4:0.01 --direction up --cart prescribed",
             curves[0].rig,
             gap_mm(&curves[0].params)
         ),

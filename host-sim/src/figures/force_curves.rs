@@ -8,6 +8,7 @@ use crate::progress::Progress;
 use files::UserError;
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan, Outcome};
+use numerics::pick::CartModel;
 use numerics::row::{Row, tidy};
 use numerics::sweep::spread;
 
@@ -83,6 +84,7 @@ fn row(rig: &str, cell: &Cell, seen: &Outcome) -> Row {
     Row {
         rig: rig.to_owned(),
         gap_mm: gap_mm(params),
+        cart: CartModel::of(params),
         frequency_hz: tidy(cell.frequency_hz),
         frequency_ratio: tidy(cell.frequency_hz / params.natural_frequency_hz()),
         impacts: seen.regime.impacts(),

@@ -47,13 +47,17 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         title: "Wires: Peterka map".to_owned(),
         chapter: "3.3.6: red (z = 1/1) and green (z = 1/2) areas; \"for a gap condition higher than 1.5\" between them various motions that depend on the start. 209,916 simulations took around 120 hours.",
         found: format!("{} {} {}", areas(&map), shares(&map), unrest(&map)),
-        command: "host-sim map --rig wires --out out".to_owned(),
+        command: "host-sim map --rig wires --cart prescribed --out out".to_owned(),
         files: with_cells("3.24", effort, &pictures::map::regimes(&map), &map)?,
     };
     Ok(vec![
         first,
         measured(&map)?,
-        by_force("3.26", &map, "host-sim map --rig wires --out out")?,
+        by_force(
+            "3.26",
+            &map,
+            "host-sim map --rig wires --cart prescribed --out out",
+        )?,
     ])
 }
 
@@ -79,7 +83,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         let detail = pictures::map::detail(&fine, DETAIL.0, DETAIL.1, &named);
         let mut files = with_cells(regimes, effort, &pictures::map::regimes(&map), &map)?;
         files.extend(drawn(&format!("{}-detail", stem(regimes)), &detail)?);
-        let command = format!("host-sim map --rig {rig} --out out");
+        let command = format!("host-sim map --rig {rig} --cart prescribed --out out");
         pages.push(Page {
             figure: regimes,
             title: format!("{rig}: Peterka map, and its detail between 1/1 and 1/2"),
@@ -139,7 +143,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
         chapter: "Beyond the chapter, which has one engine.",
         found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), words::map::agreement(&agreement)),
-        command: "host-sim map --rig wires --against switch --out out".to_owned(),
+        command: "host-sim map --rig wires --cart prescribed --against switch --out out".to_owned(),
         files,
     }])
 }
@@ -408,7 +412,8 @@ fn measured(map: &Map) -> Result<Page, UserError> {
             agree.points,
             agree.outside
         ),
-        command: "host-sim map --rig wires --measured figure-3-25.csv --out out".to_owned(),
+        command: "host-sim map --rig wires --cart prescribed --measured figure-3-25.csv --out out"
+            .to_owned(),
         files,
     })
 }
@@ -433,7 +438,7 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
         title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
         chapter: "3.4.3: the maps \"are identical in all cases, except for the chaotic region between regions z = 1/1 and z = 1/2\".",
         found: text,
-        command: "host-sim map --beams --out out".to_owned(),
+        command: "host-sim map --beams --cart prescribed --out out".to_owned(),
         files,
     })
 }

@@ -107,7 +107,10 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
         ),
         chapter: gap.chapter,
         found: claims.join(" "),
-        command: format!("host-sim orbits --rig wires --gap {:?}", gap.gap_mm),
+        command: format!(
+            "host-sim orbits --rig wires --gap {:?} --cart prescribed",
+            gap.gap_mm
+        ),
         files,
     })
 }
@@ -194,7 +197,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
         title: "Wires: special points of the 1/1 over the Peterka map".to_owned(),
         chapter: "Figure 3.24 shows the regimes and not what bounds them; figure 3.26 their force.",
         found: lines_found(&rows, &lines),
-        command: "host-sim orbits --rig wires --curves".to_owned(),
+        command: "host-sim orbits --rig wires --curves --cart prescribed".to_owned(),
         files,
     }])
 }

@@ -80,7 +80,7 @@ pub fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
             100.0 * found.again.boxes_not_shared
         ),
         command: format!(
-            "host-sim poincare --rig wires --gap 1 --ratio {RATIO} --against smoothed --points {points} --transient {transient}"
+            "host-sim poincare --rig wires --gap 1 --ratio {RATIO} --cart prescribed --against smoothed --points {points} --transient {transient}"
         ),
         files: files(
             "3.4",
@@ -198,7 +198,7 @@ pub fn portraits(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserE
             chapter,
             found,
             command: format!(
-                "host-sim poincare --rig wires --gap {gap:?} --ratio {ratio} --points {points} --transient {transient}"
+                "host-sim poincare --rig wires --gap {gap:?} --ratio {ratio} --cart prescribed --points {points} --transient {transient}"
             ),
             files: files(
                 number,

@@ -41,7 +41,7 @@ impl RigFile {
     /// The half-width `key`, rounded up to two digits and kept within what a rig file may state.
     pub fn width(&mut self, key: &'static str, value: f64, source: &str) {
         let below = WIDTHS.iter().find(|width| width.key == key);
-        let most = below.map_or(f64::MAX, |width| 0.9 * width.below);
+        let most = below.map_or(f64::MAX, |width| 0.99 * width.below);
         self.widths.push(Entry {
             key,
             value: format!("{:?}", rounded_up(value).min(most)),

@@ -3,3 +3,4 @@
 pub mod contact;
 pub mod file;
 pub mod reading;
+pub mod surface;

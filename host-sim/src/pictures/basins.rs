@@ -109,12 +109,9 @@ pub fn attractor_panel(basins: &Basins, title: impl Into<String>) -> Panel {
 pub fn caption(basins: &Basins) -> String {
     let s = &basins.query;
     let params = &s.rig.params;
-    let cart = match CartModel::of(params) {
-        CartModel::Prescribed => "",
-        CartModel::Recoil => ", in a cart that recoils and is on its course then",
-    };
+    let cart = CartModel::of(params).words();
     format!(
-        "{}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), let go at drive phase {} turns{cart}",
+        "{}, {cart}: Ω/ω = {:.3} ({:.4} Hz), gap = {:.3} A0 ({:.3} mm), let go at drive phase {} turns",
         s.rig.name,
         s.frequency_hz / params.natural_frequency_hz(),
         s.frequency_hz,
@@ -161,7 +158,7 @@ fn looks_panel(basins: &Basins) -> Panel {
     };
     let of = over_cycles.first().map_or(0, |l| l.impact.of);
     Panel::new(
-        Axis::new("drive cycles run when one looks").with_zero(),
+        Axis::new("drive cycles since the start").with_zero(),
         Axis::new("impact, % of the random starts").fixed(0.0, 105.0),
     )
     .titled(format!("{of} random starts, run on"))

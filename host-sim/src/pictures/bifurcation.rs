@@ -48,15 +48,15 @@ pub struct View<'a> {
     pub marks: bool,
 }
 
-/// More names than this above a plot would overlap.
-const MOST_MARKS: usize = 5;
+/// More names than this above a plot would overlap; the changes beyond are marked without a name.
+const MOST_NAMES: usize = 8;
 
 /// Side of a dot, px: later diagrams in smaller dots, so that those below show; larger where frequencies are few.
 fn dot(diagram: &Diagram, k: usize, alone: bool) -> f64 {
     let few = if diagram.stations.len() < 150 {
-        1.5
+        2.6
     } else {
-        1.0
+        1.5
     };
     few * match k {
         0 if alone => 1.25,
@@ -74,6 +74,14 @@ fn color(direction: Direction) -> Color {
     }
 }
 
+fn way(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Rest => "from rest",
+        Direction::Up => "carried up",
+        Direction::Down => "carried down",
+    }
+}
+
 /// One panel over `diagrams` of one gap, the first at the bottom. One alone is dark blue.
 pub fn panel(diagrams: &[&Diagram], view: View) -> Panel {
     let label = match view.quantity {
@@ -85,16 +93,19 @@ pub fn panel(diagrams: &[&Diagram], view: View) -> Panel {
         x = x.fixed(from, to);
     }
     let mut y = Axis::new(label);
-    if view.quantity == Quantity::Force {
+    // Where a motion has periods without contact, the axis leaves room below them.
+    let silent = |d: &&Diagram| {
+        d.stations
+            .iter()
+            .flat_map(|s| &s.points)
+            .any(|p| p.force_n == 0.0)
+    };
+    if view.quantity == Quantity::Force && !diagrams.iter().any(silent) {
         y = y.with_zero();
     }
     let mut panel = Panel::new(x, y);
     for (k, diagram) in diagrams.iter().enumerate() {
-        let label = match diagram.direction {
-            Direction::Rest => "from rest",
-            Direction::Up => "carried up",
-            Direction::Down => "carried down",
-        };
+        let label = way(diagram.direction);
         panel = panel.item(Item::Cloud {
             points: points(diagram, view),
             color: if diagrams.len() == 1 {
@@ -157,14 +168,13 @@ fn measured_points(measured: &Measured, diagram: &Diagram, view: View) -> Item {
     }
 }
 
-/// Place and name of the first lasting changes of the first diagram.
+/// Place and name of the lasting changes of the first diagram.
 fn marks(diagrams: &[&Diagram], view: View) -> Vec<(f64, String)> {
     let Some(diagram) = diagrams.first() else {
         return Vec::new();
     };
     let lasting = diagram.changes.iter().filter(|c| c.lasting);
-    let worth = lasting.filter(|c| c.kind != Kind::Contacts);
-    let place = worth.map(|c| {
+    let place = lasting.map(|c| {
         let x = match view.abscissa {
             Abscissa::Ratio => c.frequency_ratio,
             Abscissa::Frequency => c.frequency_hz,
@@ -174,10 +184,12 @@ fn marks(diagrams: &[&Diagram], view: View) -> Vec<(f64, String)> {
             _ => (x, format!("{} to {}", c.below, c.above)),
         }
     });
-    place
-        .filter(|(x, _)| view.range.is_none_or(|(a, b)| (a..=b).contains(x)))
-        .take(MOST_MARKS)
-        .collect()
+    let shown = place.filter(|(x, _)| view.range.is_none_or(|(a, b)| (a..=b).contains(x)));
+    let named = |(i, (x, name)): (usize, (f64, String))| match i {
+        0..MOST_NAMES => (x, name),
+        _ => (x, String::new()),
+    };
+    shown.enumerate().map(named).collect()
 }
 
 /// Displacement over force for one gap, with all its directions.
@@ -191,18 +203,20 @@ pub fn figure(diagrams: &[&Diagram], abscissa: Abscissa, measured: Option<&Measu
     };
     let title = diagrams.first().map_or(String::new(), |d| {
         let rig = d.stations.first().map_or("", |s| s.row.rig.as_str());
-        format!("{rig}, gap {:?} mm: bifurcation diagram", d.gap_mm)
+        let cart = CartModel::of(&d.params).words();
+        format!("{rig}, gap {:?} mm, {cart}: bifurcation diagram", d.gap_mm)
     });
-    let directions: Vec<_> = diagrams.iter().map(|d| d.direction.name()).collect();
+    let ways: Vec<_> = diagrams.iter().map(|d| way(d.direction)).collect();
+    let marked = ways.first().copied().unwrap_or_default();
     let cart = diagrams.first().map(|d| CartModel::of(&d.params));
     let displacement = match cart {
-        Some(CartModel::Recoil) => "displacement relative to the cart, which recoils",
+        Some(CartModel::Recoil) => "displacement relative to the cart",
         _ => "where the displacement in the fixed frame is that relative to the cart",
     };
     Figure::new(title)
         .subtitle(format!(
-            "Section at drive phase 0, {displacement}; largest contact force of each drive period. Frequencies visited: {}. Marked: lasting changes of the first. A band of displacements without force is the hammer swinging free of the surface.",
-            directions.join(", ")
+            "Section at drive phase 0, {displacement}; largest contact force of each drive period. Each frequency {}. Dashed lines: the regime changes and stays changed ({marked}). A band of displacements without force is the hammer swinging free of the surface.",
+            ways.join(", ")
         ))
         .size(1200, 980)
         .panel(panel(diagrams, view(Quantity::Displacement)).titled("Displacement"))

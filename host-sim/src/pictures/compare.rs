@@ -19,51 +19,54 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
             .collect()
     };
     let mut figure = Figure::new(title).columns(2);
-    let time = || Axis::new("record time, s");
+    let begin = shown.first().map_or(0.0, |r| r.time_s);
+    let time = || Axis::new(format!("time from {begin:.4} s of the record, s"));
+    let at = |r: &Row| r.time_s - begin;
     if shown.iter().any(|r| r.measured_displacement_mm.is_some()) {
         let label = match frame {
             Frame::Fixed => "displacement, mm",
             Frame::Relative => "displacement relative to the cart, mm",
         };
-        let model = shown
-            .iter()
-            .map(|r| (r.time_s, r.simulated_displacement_mm));
+        let model = shown.iter().map(|r| (at(r), r.simulated_displacement_mm));
         figure = figure.panel(
             Panel::new(time(), Axis::new(label))
                 .titled("Displacement")
-                .item(Item::line("simulation", Color::BLUE, model.collect()))
                 .item(Item::line(
                     "measured",
                     Color::RED,
-                    measured(&shown, |r| Some((r.time_s, r.measured_displacement_mm?))),
-                )),
+                    measured(&shown, |r| Some((at(r), r.measured_displacement_mm?))),
+                ))
+                .item(Item::dashed("simulation", Color::BLUE, model.collect())),
         );
         figure = figure.panel(plane(comparison, &shown, label, frame));
     }
     if shown.iter().any(|r| r.measured_force_n.is_some()) {
-        let model = shown.iter().map(|r| (r.time_s, r.simulated_force_n));
+        let model = shown.iter().map(|r| (at(r), r.simulated_force_n));
         let force = || Axis::new("contact force, N").with_zero();
         figure = figure.panel(
             Panel::new(time(), force())
                 .titled("Contact force")
-                .item(Item::line("simulation", Color::BLUE, model.collect()))
                 .item(Item::line(
                     "measured",
                     Color::RED,
-                    measured(&shown, |r| Some((r.time_s, r.measured_force_n?))),
-                )),
+                    measured(&shown, |r| Some((at(r), r.measured_force_n?))),
+                ))
+                .item(Item::dashed("simulation", Color::BLUE, model.collect())),
         );
         if let Some(near) = strongest(&comparison.rows) {
-            let model = near.iter().map(|r| (r.time_s, r.simulated_force_n));
+            let begin = near.first().map_or(0.0, |r| r.time_s);
+            let at = |r: &Row| (r.time_s - begin) * 1e3;
+            let model = near.iter().map(|r| (at(r), r.simulated_force_n));
+            let time = Axis::new(format!("time from {begin:.4} s of the record, ms"));
             figure = figure.panel(
-                Panel::new(time(), force())
+                Panel::new(time, force())
                     .titled("Strongest measured contact")
-                    .item(Item::line("simulation", Color::BLUE, model.collect()))
                     .item(Item::line(
                         "measured",
                         Color::RED,
-                        measured(&near, |r| Some((r.time_s, r.measured_force_n?))),
-                    )),
+                        measured(&near, |r| Some((at(r), r.measured_force_n?))),
+                    ))
+                    .item(Item::dashed("simulation", Color::BLUE, model.collect())),
             );
         }
     }
@@ -96,7 +99,7 @@ fn subtitle(comparison: &Comparison) -> String {
     text
 }
 
-fn measured(rows: &[&Row], f: fn(&Row) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
+fn measured(rows: &[&Row], f: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
     rows.iter().filter_map(|r| f(r)).collect()
 }
 
@@ -106,7 +109,6 @@ fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> 
         .map(|r| (r.simulated_displacement_mm, r.simulated_velocity_m_per_s));
     Panel::new(Axis::new(label), Axis::new("velocity, m/s"))
         .titled("Phase plane; dots: drive phase 0")
-        .item(Item::line("simulation", Color::BLUE, model.collect()))
         .item(Item::line(
             "measured",
             Color::RED,
@@ -114,6 +116,7 @@ fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> 
                 Some((r.measured_displacement_mm?, r.measured_velocity_m_per_s?))
             }),
         ))
+        .item(Item::dashed("simulation", Color::BLUE, model.collect()))
         .item(Item::points(
             "section, measured",
             Color::ORANGE,

@@ -5,7 +5,7 @@ use shared::model::rig::Rig;
 
 use files::UserError;
 use numerics::contact_law::{Row, free_mass, motion, one_contact, unclamped};
-use plot::{Axis, Color, Figure, Item, Panel};
+use plot::{Axis, Color, Figure, Item, Panel, Stroke};
 
 /// Instants drawn per contact.
 const POINTS: usize = 300;
@@ -69,8 +69,16 @@ pub fn over_speed(rows: &[Row]) -> [Panel; 2] {
     for (i, law) in rows.chunk_by(|a, b| a.law == b.law).enumerate() {
         let color = Color::series(i);
         let name = law[0].law.as_str();
-        restitution = restitution.item(Item::line(name, color, curve(|r| r.restitution, law)));
-        duration = duration.item(Item::line(name, color, curve(|r| r.contact_time_ms, law)));
+        // Two laws may give the same curve: the later is drawn narrower over the earlier, so that both show.
+        let drawn = |points| Item::Line {
+            points,
+            color,
+            label: name.to_owned(),
+            width: 5.0 - 1.2 * i as f64,
+            stroke: Stroke::Solid,
+        };
+        restitution = restitution.item(drawn(curve(|r| r.restitution, law)));
+        duration = duration.item(drawn(curve(|r| r.contact_time_ms, law)));
     }
     [restitution, duration]
 }

@@ -85,6 +85,27 @@ impl Trace {
         }
     }
 
+    /// The frequencies between which the controller searches and holds, with `optimum` and a margin, Hz; none where it
+    /// never does. The ramp from rest would leave the search a flat line.
+    fn searched(&self, optimum: Option<f64>) -> Option<(f64, f64)> {
+        let ends = self.states.iter().skip(1).map(|(at, _)| *at);
+        let spans = self.states.iter().zip(ends.chain([f64::INFINITY]));
+        let searching =
+            |(state, _): &(&(f64, State), f64)| matches!(state.1, State::Seek | State::Hold);
+        let spans: Vec<_> = spans
+            .filter(searching)
+            .map(|((from, _), to)| *from..to)
+            .collect();
+        let within = |(t, _): &&Point| spans.iter().any(|span| span.contains(t));
+        let seen = self.frequency.iter().filter(within).map(|(_, hz)| *hz);
+        let seen = seen.chain(optimum).filter(|hz| hz.is_finite());
+        let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), hz| {
+            (low.min(hz), high.max(hz))
+        });
+        let margin = (0.15 * (high - low)).max(0.01 * high);
+        (!spans.is_empty() && low < high).then_some((low - margin, high + margin))
+    }
+
     /// Rig time seen so far, s.
     pub fn time_s(&self) -> f64 {
         self.time_s
@@ -178,8 +199,16 @@ pub fn figure(trace: &Trace, about: &About) -> Figure {
         item
     };
 
-    let mut frequency = panel(trace, time(), Axis::new("frequency, Hz"), true)
-        .titled("Drive frequency, and what the controller is doing");
+    let (axis, cut) = match trace.searched(about.optimum.map(|(hz, _)| hz)) {
+        Some((low, high)) => (
+            Axis::new("frequency, Hz").fixed(low, high),
+            " (lower frequencies, on the way there, are cut off)",
+        ),
+        None => (Axis::new("frequency, Hz"), ""),
+    };
+    let mut frequency = panel(trace, time(), axis, true).titled(format!(
+        "Drive frequency, and what the controller is doing{cut}"
+    ));
     let mut force = panel(trace, time(), Axis::new("F/(m g)").with_zero(), false)
         .titled("Largest true contact force of each drive period over the hammer's weight");
     if let Some((hz, newtons)) = about.optimum {
@@ -270,7 +299,8 @@ fn panel(trace: &Trace, x: Axis, y: Axis, named: bool) -> Panel {
 fn state_color(state: State) -> Option<Color> {
     match state {
         State::Idle => None,
-        State::SelfTest | State::Prove => Some(Color::PURPLE),
+        State::SelfTest => Some(Color::PURPLE),
+        State::Prove => Some(Color(0xF0, 0xE4, 0x42)),
         State::Ramp => Some(Color::SKY),
         State::Seek => Some(Color::ORANGE),
         State::Hold => Some(Color::GREEN),

@@ -1,7 +1,7 @@
 //! Figures 3.9 and 3.10, and what they are derived from: force of the first impacts, peaks over impact number, and the
 //! misfit over each parameter.
 
-use numerics::identify::{Fit, Measured, beside};
+use numerics::identify::{Family, Fit, Measured, beside};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Impacts whose force is drawn.
@@ -51,15 +51,24 @@ pub fn forces(measured: &Measured, fit: &Fit) -> Vec<Panel> {
 
 /// Peaks over impact number.
 pub fn peaks(fits: &[Fit]) -> Panel {
-    let mut panel = Panel::new(Axis::new("impact"), Axis::new("force peak, N").with_zero())
-        .titled("Force peaks");
+    let mut panel = Panel::new(
+        Axis::new("impact").whole(),
+        Axis::new("force peak, N").with_zero(),
+    )
+    .titled("Force peaks");
     for (i, fit) in fits.iter().enumerate() {
         let model = fit
             .impacts
             .iter()
             .map(|r| (r.impact as f64, r.model_peak_n));
         let label = format!("{}, by {}", fit.law.name(), fit.misfit.name());
-        panel = panel.item(Item::line(label, Color::series(2 * i), model.collect()));
+        let (color, points) = (Color::series(2 * i), model.collect());
+        // Fits that agree lie on each other: a dashed one leaves the one below it to be seen.
+        panel = panel.item(if i == 0 {
+            Item::line(label, color, points)
+        } else {
+            Item::dashed(label, color, points)
+        });
     }
     if let Some(fit) = fits.first() {
         let seen = fit
@@ -84,7 +93,7 @@ fn profile(fit: &Fit, i: usize) -> Option<Panel> {
         return None;
     }
     let estimate = &profile.estimate;
-    let (label, scale) = unit(estimate.key);
+    let (label, scale) = unit(estimate.key, fit.law);
     let points: Vec<_> = profile
         .points
         .iter()
@@ -96,7 +105,10 @@ fn profile(fit: &Fit, i: usize) -> Option<Panel> {
         Axis::new(label),
         Axis::new("rise of χ²").fixed(0.0, 4.0 * LEVEL),
     )
-    .titled("Profile likelihood")
+    .titled(format!(
+        "Profile likelihood: {}",
+        label.split(',').next().unwrap_or(label)
+    ))
     .item(Item::line(
         "all others at their best",
         Color::BLUE,
@@ -121,8 +133,9 @@ fn profile(fit: &Fit, i: usize) -> Option<Panel> {
 }
 
 /// The label of a parameter's axis, and the factor of its values.
-fn unit(key: &str) -> (&str, f64) {
+fn unit(key: &str, law: Family) -> (&str, f64) {
     match key {
+        "contact_stiffness_n_per_m" if law == Family::SpringDashpot => ("ki, 10⁶ N/m", 1e-6),
         "contact_stiffness_n_per_m" => ("ki, 10⁶ N/mⁿ", 1e-6),
         "contact_damping_n_s_per_m" => ("ci, N·s/m", 1.0),
         "contact_damping_ratio_s_per_m" => ("λ, s/m", 1.0),

@@ -4,6 +4,7 @@ use shared::model::regime::Regime;
 
 use crate::pictures::regimes::{regime_color, regime_group, regime_raster};
 use numerics::map::Map;
+use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 
 /// A point drawn over a map: gap (mm), drive frequency (Hz), and the regime seen there.
@@ -83,7 +84,7 @@ pub fn side_by_side(maps: &[&Map], alike: &str) -> Figure {
         .columns(maps.len().max(1))
         .size(1500, 620);
     maps.iter().fold(figure, |figure, map| {
-        figure.panel(regime_panel(map).titled(map.rig.name.as_str()))
+        figure.panel(regime_panel(map).titled(named(map)))
     })
 }
 
@@ -120,6 +121,12 @@ pub fn differences(a: &Map, b: &Map, other: &str) -> Figure {
     figure(a, &format!("where {other} differs")).panel(axes().item(Item::Raster(raster)))
 }
 
+/// Rig and cart.
+fn named(map: &Map) -> String {
+    let cart = CartModel::of(&map.rig.params).words();
+    format!("{}, {cart}", map.rig.name)
+}
+
 fn figure(map: &Map, what: &str) -> Figure {
     let hz = &map.grid.frequencies_hz;
     let gaps = &map.grid.gaps_mm;
@@ -128,7 +135,7 @@ fn figure(map: &Map, what: &str) -> Figure {
         (Some(a), Some(b)) => format!("{a:.2} to {b:.2}"),
         _ => "none".to_owned(),
     };
-    Figure::new(format!("{}: {what}", map.rig.name))
+    Figure::new(format!("{}: {what}", named(map)))
         .subtitle(format!(
             "{} gaps ({} mm) by {} frequencies ({} Hz): {} simulations.",
             gaps.len(),

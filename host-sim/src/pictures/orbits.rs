@@ -10,11 +10,12 @@ use crate::pictures::regimes::regime_color;
 use files::UserError;
 use numerics::continuation::curves::Line;
 use numerics::continuation::family::Node;
-use numerics::continuation::table::{motion_at, stretches};
+use numerics::continuation::table::{motion_at, names, stretches};
 use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
 use numerics::orbit::Stability;
+use numerics::pick::CartModel;
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// Values of simulations at drive phase 0: (parameter, value).
@@ -82,15 +83,23 @@ pub fn simulated(diagram: &Diagram, count: usize) -> Result<Simulated, UserError
     Ok(found)
 }
 
-/// How a special point is marked.
-fn mark(special: Special) -> (Mark, Color) {
+/// How a special point is marked, and how large: kinds that fall on one place show beside each other.
+fn mark(special: Special) -> (Mark, Color, f64) {
     match special {
-        Special::PeriodDoubling => (Mark::Diamond, Color::INK),
-        Special::Fold => (Mark::Square, Color::RED),
-        Special::GrazingGained => (Mark::Triangle, Color::PURPLE),
-        Special::GrazingLost => (Mark::Ring, Color::PURPLE),
+        Special::PeriodDoubling => (Mark::Diamond, Color::INK, 3.5),
+        Special::Fold => (Mark::Square, Color::RED, 4.5),
+        Special::GrazingGained => (Mark::Triangle, Color::PURPLE, 5.5),
+        Special::GrazingLost => (Mark::Ring, Color(0x5B, 0x2C, 0x83), 8.0),
     }
 }
+
+/// Colours of further branches of a regime that has one already.
+const BRANCHES: [Color; 4] = [
+    Color(0x5C, 0x4B, 0x00),
+    Color(0x00, 0x8C, 0x8C),
+    Color(0xA0, 0x3C, 0x78),
+    Color(0x50, 0x50, 0xC8),
+];
 
 /// Displacement and force of every curve over the parameter, over the points of simulations.
 pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
@@ -111,6 +120,7 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     let (low, high) = diagram.request.limits;
     let panel = |y: &str| Panel::new(Axis::new(x).fixed(low, high), Axis::new(y));
     let params = &diagram.params;
+    let cart = CartModel::of(params).words();
     let weight = params.weight_n();
     let displacement =
         |node: &Node, k: usize| Some(motion_at(params, node, node.orbit.strobes[k]).0);
@@ -135,7 +145,7 @@ pub fn figure(rig: &str, diagram: &Diagram, behind: &Simulated) -> Figure {
     draw(diagram, &mut panels[0], &displacement);
     draw(diagram, &mut panels[1], &force);
     let [top, bottom] = panels;
-    Figure::new(format!("{rig}, {place}: periodic orbits, stable and unstable"))
+    Figure::new(format!("{rig}, {place}, {cart}: periodic orbits, stable and unstable"))
         .subtitle(
             "Lines: orbits followed by pseudo-arclength, solid where stable, dashed where not. Dots: simulations from rest and from a push.",
         )
@@ -154,9 +164,13 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
             String::new()
         }
     };
-    for curve in &diagram.curves {
-        let regime = curve.regime().to_string();
-        let color = regime_color(&regime);
+    let mut further = BRANCHES.iter().cycle();
+    for (curve, name) in diagram.curves.iter().zip(names(diagram)) {
+        let (regime, name) = (curve.regime().to_string(), name.to_string());
+        let color = match name == regime {
+            true => regime_color(&regime),
+            false => *further.next().expect("a cycle has no end"),
+        };
         for (nodes, stability) in stretches(&curve.nodes) {
             for k in 0..usize::from(curve.periods()) {
                 let at = |n: &Node| (n.parameter(), value(n, k).unwrap_or(f64::NAN));
@@ -173,14 +187,14 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
                 panel.items.push(Item::Line {
                     points,
                     color,
-                    label: once(format!("{regime} {word}")),
+                    label: once(format!("{name} {word}")),
                     width: if stable { 2.2 } else { 1.4 },
                     stroke,
                 });
             }
         }
     }
-    for kind in Special::ALL {
+    for kind in Special::ALL.into_iter().rev() {
         let of = |curve: &numerics::continuation::Curve| {
             let points = curve.specials().filter(|(_, k)| *k == kind);
             let points = points.flat_map(|(node, _)| {
@@ -192,12 +206,12 @@ pub fn draw(diagram: &Diagram, panel: &mut Panel, value: &dyn Fn(&Node, usize) -
         };
         let points: Vec<(f64, f64)> = diagram.curves.iter().flat_map(of).collect();
         if !points.is_empty() {
-            let (mark, color) = mark(kind);
+            let (mark, color, radius) = mark(kind);
             panel.items.push(Item::Points {
                 points,
                 color,
                 label: kind.label().to_owned(),
-                radius: 4.0,
+                radius,
                 mark,
             });
         }
@@ -221,7 +235,7 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
     // The legend shows a kind by one of its lines, if it has any, rather than by a line of a single point.
     let (long, points): (Vec<&Line>, Vec<&Line>) = lines.iter().partition(|l| l.nodes.len() > 1);
     for line in long.into_iter().chain(points) {
-        let (mark, _) = mark(line.special);
+        let (mark, ..) = mark(line.special);
         let (stroke, color) = stroke(line.special);
         let label = if named.contains(&line.special) {
             String::new()
@@ -266,11 +280,14 @@ pub fn line_items(lines: &[Line]) -> Vec<Item> {
 pub fn lines_figure(rig: &str, params: &RigParams, lines: &[Line]) -> Figure {
     let mut panel = Panel::new(Axis::new("gap, mm"), Axis::new("drive frequency, Hz"));
     panel.items.extend(line_items(lines));
-    Figure::new(format!("{rig}: where the 1/1 doubles, folds and grazes"))
-        .subtitle(format!(
-            "Special points of the 1/1 orbits, stable or not; natural frequency {:.2} Hz.",
-            params.natural_frequency_hz()
-        ))
-        .size(1000, 720)
-        .panel(panel)
+    Figure::new(format!(
+        "{rig}, {}: where the 1/1 doubles, folds and grazes",
+        CartModel::of(params).words()
+    ))
+    .subtitle(format!(
+        "Special points of the 1/1 orbits, stable or not; natural frequency {:.2} Hz.",
+        params.natural_frequency_hz()
+    ))
+    .size(1000, 720)
+    .panel(panel)
 }

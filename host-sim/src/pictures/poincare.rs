@@ -3,6 +3,7 @@
 use crate::pictures::regimes::regime_color;
 use numerics::NamedRig;
 use numerics::engine::Sample;
+use numerics::pick::CartModel;
 use numerics::poincare::against::Against;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, TRAJECTORY_PERIODS};
 use plot::{Axis, Color, Figure, Item, Panel};
@@ -60,9 +61,10 @@ fn line(trajectory: &[Sample]) -> Vec<(f64, f64)> {
 fn headed(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let ratio = request.frequency_hz / request.params.natural_frequency_hz();
     Figure::new(format!(
-        "{}, gap {:?} mm, {:.4} Hz: Poincaré section",
+        "{}, gap {:?} mm, {}, {:.4} Hz: Poincaré section",
         rig.name,
         numerics::row::tidy(request.params.gap_m * 1e3),
+        CartModel::of(&request.params).words(),
         request.frequency_hz
     ))
     .subtitle(format!(
@@ -164,7 +166,7 @@ pub fn against_figure(rig: &NamedRig, request: &SectionRequest, found: &Against)
     };
     let ratio = request.frequency_hz / request.params.natural_frequency_hz();
     let mut figure = Figure::new(format!(
-        "{}, gap {:?} mm, {ratio:.4} times the natural frequency: smoothing against the switch",
+        "{}, gap {:?} mm, cart prescribed, {ratio:.4} times the natural frequency: smoothing against the switch",
         rig.name,
         numerics::row::tidy(request.params.gap_m * 1e3),
     ))

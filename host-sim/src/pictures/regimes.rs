@@ -5,7 +5,8 @@ use plot::{Color, Item, Mark, Point, Raster, Stroke, Style};
 /// The regimes that have a look of their own, in the order of a legend: `1/1` and what it doubles to, `1/2` and what
 /// it doubles to, fewer and more contacts per period, and last what is no periodic contact.
 ///
-/// Neighbours on a map (a regime and its doubling) differ in lightness as well as in hue.
+/// Neighbours on a map (a regime and its doubling) differ in lightness as well as in hue, and no two regimes that are
+/// common on maps share a hue: 1/1 alone is blue, 1/2 alone orange.
 pub const REGIMES: [(&str, Style); 14] = [
     ("1/1", look(Color::BLUE, Mark::Circle, Stroke::Solid)),
     ("2/2", look(Color::GREEN, Mark::Square, Stroke::Dashed)),
@@ -28,18 +29,24 @@ pub const REGIMES: [(&str, Style); 14] = [
     ),
     (
         "2/1",
-        look(Color(0x33, 0x22, 0x88), Mark::Circle, Stroke::Dashed),
+        look(Color(0x88, 0x22, 0x55), Mark::Circle, Stroke::Dashed),
     ),
     (
         "3/1",
-        look(Color(0x8C, 0x7A, 0xD6), Mark::Circle, Stroke::Dotted),
+        look(Color(0xB8, 0x5C, 0xC0), Mark::Circle, Stroke::Dotted),
     ),
     (
         "3/2",
-        look(Color(0x7A, 0x1F, 0x4B), Mark::Plus, Stroke::Dashed),
+        look(Color(0x33, 0x22, 0x88), Mark::Plus, Stroke::Dashed),
     ),
-    (OTHER_PERIODIC, look(Color::SKY, Mark::Ring, Stroke::Dashed)),
-    ("aperiodic", look(Color::RED, Mark::Cross, Stroke::Dotted)),
+    (
+        OTHER_PERIODIC,
+        look(Color(0xC9, 0xB8, 0xF0), Mark::Ring, Stroke::Dashed),
+    ),
+    (
+        "aperiodic",
+        look(Color(0x4A, 0x4A, 0x4A), Mark::Cross, Stroke::Dotted),
+    ),
     ("chatter", look(Color::PURPLE, Mark::Plus, Stroke::Dotted)),
     ("none", look(Color::GREY, Mark::Ring, Stroke::Dotted)),
 ];

@@ -1,10 +1,10 @@
 //! The picture of many trials: how soon they hold, and how hard they strike from then on.
 
-use emulator::trials::{Outcome, RIGS};
+use emulator::trials::Outcome;
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Share of the trials that hold by a time, and share of them that keep at least a share of the optimum's force.
-pub fn figure(outcomes: &[Outcome], seconds: f64) -> Figure {
+pub fn figure(rigs: &[&str], outcomes: &[Outcome], seconds: f64) -> Figure {
     let held = outcomes.iter().filter(|o| o.held).count();
     let mut time = Panel::new(
         Axis::new("Hold after the start, s").with_zero(),
@@ -17,8 +17,11 @@ pub fn figure(outcomes: &[Outcome], seconds: f64) -> Figure {
         Axis::new("trials with at most that, %").fixed(0.0, 100.0),
     )
     .titled("how hard it strikes from Hold on");
-    for (k, rig) in RIGS.into_iter().enumerate() {
-        let these: Vec<&Outcome> = outcomes.iter().filter(|o| o.trial.rig == rig).collect();
+    for (k, rig) in rigs.iter().copied().enumerate() {
+        let these: Vec<&Outcome> = outcomes
+            .iter()
+            .filter(|o| o.trial.rig.name == rig)
+            .collect();
         if these.is_empty() {
             continue;
         }

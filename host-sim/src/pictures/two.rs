@@ -65,8 +65,10 @@ pub fn figure(rig: &str, plane: &Plane, answer: &Answer) -> Figure {
         }
     }
     Figure::new(format!(
-        "{rig}: period doublings, folds and grazes over {} and {}",
-        answer.parameter_1, answer.parameter_2
+        "{rig}, {}: period doublings, folds and grazes over {} and {}",
+        answer.cart.words(),
+        answer.parameter_1,
+        answer.parameter_2
     ))
     .subtitle(
         "Each line is one continuation in both parameters. The orbits on it may be stable or not.",

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use numerics::lyapunov::{BLOCKS, Exponents, Span, exponents, of_smoothed};
 use numerics::orbit::{Multipliers, shoot};
 use numerics::reference::{Contact, Reference};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::contact::Law;
 use shared::model::params::{BEAM_150, BEAM_170, RigParams, SupportParams, WIRES};
 use shared::model::rig::Rig;
@@ -73,6 +74,32 @@ fn a_periodic_orbit_has_the_logarithms_of_its_multipliers() {
         compared += 1;
     }
     assert_eq!(compared, 3);
+}
+
+/// The same with a cart that recoils: two of its four multipliers are its own, e^−ζω T of its loop and so next to nothing,
+/// and the two largest are the exponents. Without a cart in the derivative they would be those of another motion.
+#[test]
+fn a_periodic_orbit_in_a_cart_that_recoils_has_its_two_largest() {
+    for ratio in [1.8, 1.9] {
+        let params = RigParams {
+            cart: CartDrive::Loop(ASSUMED_SHAKER),
+            ..with_gap(WIRES, 1.0).0
+        };
+        let hz = ratio * params.natural_frequency_hz();
+        let mut hammer = Reference::<f64>::at_rest(&params, hz).unwrap();
+        (0..400).for_each(|_| {
+            hammer.run_period(&mut ());
+        });
+        let section = hammer.state().into();
+        let orbit = shoot(&params, hz, section).expect("a settled 1/1");
+        let Multipliers::Real(a, b) = orbit.multipliers() else {
+            panic!("{:?}", orbit.multipliers());
+        };
+        let (large, small) = (a.abs().max(b.abs()), a.abs().min(b.abs()));
+        let found = at(&params, ratio, section, 400, 200);
+        close("largest", found.largest_per_s, large.ln() * hz, 1e-6);
+        close("second", found.other_per_s.unwrap(), small.ln() * hz, 1e-6);
+    }
 }
 
 /// The sum is the mean divergence: the support's damper all the time, the contact's while there is contact (the force

@@ -54,13 +54,15 @@ def simulate(
     gap_mm:
         Clearance at rest, mm; the rig's if left out.
     cart:
-        ``"prescribed"`` (as the chapter, the default) or ``"recoil"`` (contacts push it off its course).
+        ``"recoil"`` (contacts push the cart off its course) where the rig's shaker is known (``shaker_loop_hz``), else
+        ``"prescribed"`` (as the chapter). The switch engine needs ``"prescribed"``.
     start:
         ``"rest"``, ``"fixed"`` (at rest in the fixed frame), or displacement in mm and velocity in m/s relative to the cart.
     cycles, transient:
         Drive cycles in all, and how many of the first are not recorded.
     samples_per_period:
-        Samples of the history in a drive period; 0 keeps none.
+        Samples of the history in a drive period, evenly spaced (with ``"switch"`` to a tick, and one a tick at
+        most); 0 keeps none. A contact lasts about 0.6 ms: ask for 20,000 where the history must show its force.
     engine, precision, tick_us:
         ``"event"`` is the event-located reference in f64; ``"switch"`` is the microcontroller's switch model of a fixed tick
         (50 µs) in ``"f32"`` or ``"f64"``.
@@ -171,7 +173,7 @@ def pick(
     gap_mm:
         Clearance at rest, mm. The field's is 0.0, whatever the rig file says.
     cart:
-        The cart recoils where the rig's shaker is known (``shaker_loop_hz``); ``"prescribed"`` is the chapter's.
+        As in :func:`simulate`.
     nominal:
         Takes the parameters as exact.
     natural_frequency_percent, ..., shaker_damping_percent:
@@ -461,6 +463,8 @@ def orbits(
         ``"gap"``: ``gap_mm`` is the pair, and ``ratio`` or ``frequency_hz`` one number.
     periods, impacts:
         Orbits of up to so many drive periods (1 to 8) and contacts (1 to 16).
+    cart:
+        As in :func:`simulate`.
     starts, checks:
         Values at which simulations look for orbits, and at which they check that none was missed.
 
@@ -483,6 +487,7 @@ def poincare(
     ratio: float | None = None,
     frequency_hz: float | None = None,
     gap_mm: float | None = None,
+    cart: Cart | None = None,
     points: int = 10_000,
     transient: int = 500,
     phases_turns: Numbers = 0.0,
@@ -491,6 +496,8 @@ def poincare(
 ) -> Record:
     """Poincaré sections of one trajectory at one or several drive phases (figures 3.15 to 3.23).
 
+    The arguments are those of :func:`simulate`; ``points`` is the number of points of each section.
+
     Returns
     -------
     Record
@@ -498,7 +505,7 @@ def poincare(
         ``relative_velocity_m_per_s``, ``force_n``, ...); ``trajectory``: the periods after the last point; ``regime``.
     """
     found = _native.poincare(
-        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, points=points, transient=transient,
+        rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, points=points, transient=transient,
         phases_turns=_list(phases_turns), start=start, progress=progress,
     )
     return Record(_tables(found, "section", "trajectory"))
@@ -510,11 +517,15 @@ def lyapunov(
     ratio: float | None = None,
     frequency_hz: float | None = None,
     gap_mm: float | None = None,
+    cart: Cart | None = None,
     periods: int = 10_000,
     transient: int = 500,
     start: Start = "rest",
 ) -> Record:
-    """Both Lyapunov exponents of a trajectory, through its contacts.
+    """The two largest Lyapunov exponents of a trajectory, through its contacts.
+
+    The arguments are those of :func:`simulate`. With a prescribed cart there are two exponents in all, with one that recoils
+    four.
 
     Returns
     -------
@@ -529,7 +540,8 @@ def lyapunov(
     """
     return Record(
         _native.lyapunov(
-            rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, periods=periods, transient=transient, start=start
+            rig, ratio=ratio, frequency_hz=frequency_hz, gap_mm=gap_mm, cart=cart, periods=periods, transient=transient,
+            start=start,
         )
     )
 

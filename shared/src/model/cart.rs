@@ -60,6 +60,9 @@ impl LoopParams {
     }
 }
 
+/// The force of a shaker whose limit is not known, N.
+pub const UNLIMITED_N: f64 = 1e9;
+
 /// The shaker that is assumed where none is given: a laboratory shaker of 200 N. The chapter does not describe its own.
 pub const ASSUMED_SHAKER: LoopParams = LoopParams {
     frequency_hz: 50.0,

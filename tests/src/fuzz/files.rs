@@ -56,8 +56,8 @@ pub fn scenario(data: &[u8]) {
 /// A table of measurements: numbers of lines rise and are those of lines that are there.
 pub fn table(data: &[u8]) {
     let text = String::from_utf8_lossy(data).into_owned();
-    let lines = Measurements::new("fuzz.csv", text.clone())
-        .and_then(|table| table.lines(&["frequency_hz", "force_n"]));
+    let lines: Result<Vec<_>, _> = Measurements::new("fuzz.csv", text.clone())
+        .and_then(|table| table.lines(&["frequency_hz", "force_n"])?.collect());
     match lines {
         Err(error) => one_line(&error),
         Ok(lines) => {

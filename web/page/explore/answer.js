@@ -21,6 +21,7 @@ export class AnswerPanel {
     this.pool = pool;
     this.hear = hear;
     this.said = element("div", { role: "status", "aria-live": "polite", id: "answer" });
+    this.problem = element("p", { class: "wrong", role: "alert", id: "no-answer" });
     this.table = element("div", { class: "scroll" });
     this.more = element("button", { type: "button", id: "uncertain", onclick: () => this.whole(false) }, "With the uncertainty of the parameters");
     this.took = element("p", { class: "note", id: "took" });
@@ -31,7 +32,7 @@ export class AnswerPanel {
     });
     this.saves = element("div", { class: "row" });
     this.panel = element("section", { class: "panel answer", "aria-label": "Recommendation" },
-      element("h2", {}, "Where to run it"), this.said, this.table,
+      element("h2", {}, "Where to run it"), this.problem, this.said, this.table,
       element("details", {}, element("summary", {}, "Limits of the machine"), element("div", { class: "row" }, ...this.limits.map((one) => one.label))),
       element("div", { class: "row" }, this.more, this.saves), this.took, this.chart.figure);
     this.leave = new AbortController();
@@ -44,6 +45,7 @@ export class AnswerPanel {
     Object.assign(this, { rig, gap_mm, limits_set: limits, madeFrom, began: performance.now() });
     for (const { key, input } of this.limits) if (document.activeElement !== input) input.value = limits[key] ?? "";
     this.panel.dataset.state = "asked";
+    this.problem.textContent = "";
     this.panel.setAttribute("aria-busy", "true");
     const { leave } = this;
     this.first().then(() => !leave.signal.aborted && this.whole(true));
@@ -55,6 +57,7 @@ export class AnswerPanel {
       const { value } = await this.pool.json("explore.pick_first", { rig: this.rig, gap_mm: this.gap_mm }, { order: 1, signal: leave.signal });
       const ms = performance.now() - this.began;
       this.panel.dataset.state = "first";
+      this.panel.classList.remove("stale");
       this.panel.dataset.firstMs = Math.round(ms);
       const [low, high] = value.stable_one_one_ends.map((end) => ENDS[end]);
       this.said.replaceChildren(
@@ -93,13 +96,14 @@ export class AnswerPanel {
     if (leave.signal.aborted) return;
     this.panel.dataset.state = "wrong";
     this.panel.setAttribute("aria-busy", "false");
-    this.said.replaceChildren(element("p", { class: "wrong" }, error.message));
-    this.table.replaceChildren();
     this.took.textContent = "";
     this.hear.found(null);
+    this.problem.textContent = this.hear.inWords(error);
+    this.panel.classList.add("stale");
   }
 
   show(value, nominal, ms, all) {
+    this.panel.classList.remove("stale");
     this.panel.dataset.state = nominal ? "nominal" : "whole";
     this.panel.setAttribute("aria-busy", "false");
     const [low, high] = value.stable_one_one_ends.map((end) => ENDS[end]);

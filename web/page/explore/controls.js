@@ -18,7 +18,7 @@ const CHOICES = {
 };
 
 // What decides for another: the one that is set last counts.
-const EITHER = { natural_frequency_hz: ["wire_length_mm"], wire_length_mm: ["natural_frequency_hz"], gravity_m_per_s2: ["natural_frequency_hz"] };
+const EITHER = { natural_frequency_hz: ["wire_length_mm"], wire_length_mm: ["natural_frequency_hz"] };
 
 const UNITS = [["_m_per_s2", "m/s²"], ["_n_per_m3", "N/m³"], ["_n_s_per_m", "N·s/m"], ["_s_per_m", "s/m"], ["_n_per_m", "N/m"], ["_kg", "kg"], ["_mm", "mm"], ["_hz", "Hz"], ["_force_n", "N"]];
 
@@ -28,6 +28,12 @@ export function title(key) {
   const cut = ending === "_force_n" ? "_n" : ending;
   const name = key.slice(0, key.length - cut.length).replaceAll("_", " ");
   return unit ? `${name}, ${unit}` : name;
+}
+
+// A mistake in the page's words: parameters by their names here.
+function inWords(message, keys) {
+  const longest = [...keys].sort((a, b) => b.length - a.length);
+  return longest.reduce((said, key) => said.replaceAll(new RegExp(`\\b${key}\\b`, "g"), title(key).replace(/, (.*)$/, " ($1)")), message);
 }
 
 export class Controls {
@@ -90,14 +96,30 @@ export class Controls {
     for (const [key, row] of this.rows) row.set(now[key], own[key] ?? now[key], key in state.settings);
   }
 
+  // Marks the parameter that a mistake is about, else the one changed last, and returns the mistake in the page's words.
+  refuse(message, changed) {
+    this.accept();
+    const keys = [...(this.rows?.keys() ?? [])];
+    const key = keys.find((one) => new RegExp(`\\b${one}\\b`).test(message)) ?? changed;
+    const said = inWords(message, keys);
+    this.rows?.get(key)?.refuse(said);
+    return said;
+  }
+
+  // Takes the marks away.
+  accept() {
+    for (const row of this.rows?.values() ?? []) row.refuse(null);
+  }
+
   row(key, meaning) {
     const id = fresh(key);
     const name = element("label", { for: id, title: meaning }, title(key));
     const change = (value) => this.hear({ key, value, without: EITHER[key] ?? [] });
     if (CHOICES[key]) {
       const select = element("select", { id, "data-key": key, onchange: () => change(select.value) }, ...CHOICES[key].map((one) => element("option", { value: one }, one)));
-      this.rows.set(key, { set: (value) => { select.value = value; } });
-      return element("div", { class: "pair" }, name, select);
+      const pair = element("div", { class: "pair" }, name, select);
+      this.rows.set(key, { set: (value) => { select.value = value; }, refuse: refusal(pair, [select]) });
+      return pair;
     }
     const straight = STRAIGHT[key];
     const slider = element("input", { type: "range", id, "data-key": key, "aria-description": meaning, ...(straight ? { min: straight[0], max: straight[1], step: straight[2] } : { min: -1, max: 1, step: 0.005 }) });
@@ -119,7 +141,27 @@ export class Controls {
         slider.setAttribute("aria-valuetext", `${number.value} ${title(key).split(", ")[1] ?? ""}`);
         row.classList.toggle("changed", changed);
       },
+      refuse: refusal(row, [slider, number]),
     });
     return row;
   }
+}
+
+// Marks the fields of a row and says why below them; null takes both away.
+function refusal(row, fields) {
+  const why = element("p", { class: "wrong why", id: fresh("why"), hidden: true });
+  row.append(why);
+  return (message) => {
+    why.hidden = message === null;
+    why.textContent = message ?? "";
+    for (const field of fields) {
+      if (message === null) {
+        field.removeAttribute("aria-invalid");
+        field.removeAttribute("aria-errormessage");
+      } else {
+        field.setAttribute("aria-invalid", "true");
+        field.setAttribute("aria-errormessage", why.id);
+      }
+    }
+  };
 }

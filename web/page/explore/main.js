@@ -71,6 +71,7 @@ export async function start(container) {
       bestHz = best?.hz ?? null;
       take.disabled = bestHz === null;
     },
+    inWords: (error) => controls.refuse(error.message, null),
     limit(key, value) {
       if (value === null || !(value > 0)) delete state.limits[key];
       else state.limits[key] = value;
@@ -78,6 +79,7 @@ export async function start(container) {
     },
   });
   let bestHz = null;
+  let changed = null;
   const motion = new MotionPanel(pool, {
     start(section) {
       state.start = section;
@@ -85,7 +87,10 @@ export async function start(container) {
     },
   });
   const controls = new Controls(presets, (change) => {
-    if (change.wrong) return wrong(new Error(change.wrong));
+    if (change.wrong) {
+      problem.textContent = change.wrong;
+      return;
+    }
     if (change.source !== undefined) Object.assign(state, { source: change.source, text: change.text, settings: {}, gap_mm: 0, start: null, ratio: null });
     if (change.cart) state.cart = change.cart;
     if (change.reset) Object.assign(state, { settings: {}, gap_mm: own.parameters.gap_mm });
@@ -96,12 +101,19 @@ export async function start(container) {
       if (own.parameters[change.key] === change.value) delete state.settings[change.key];
       else state.settings[change.key] = change.value;
     }
-    if (change.key) state.start = null;
+    if (change.key) [state.start, changed] = [null, change.key];
     clearTimeout(waiting);
     waiting = setTimeout(() => refresh({ rig: change.key !== "gap_mm" }), change.key ? REST : 0);
   });
   const problem = element("p", { class: "wrong", role: "alert", id: "problem" });
-  const wrong = (error) => { problem.textContent = error.message; };
+  // What stands on the page belongs to the rig before: it is greyed until an answer takes its place.
+  const wrong = (error) => {
+    const inFile = state.text !== null && error.message.startsWith(state.source);
+    const said = facts && !inFile ? controls.refuse(error.message, changed) : error.message;
+    problem.textContent = facts ? `${said}. What is shown in grey is for the values before.` : said;
+    for (const panel of [plane, answer.panel, motion.panel]) panel.classList.add("stale");
+    take.disabled = true;
+  };
 
   const button = (name, said, act) => element("button", { type: "button", "aria-label": said, title: said, onclick: act }, name);
   const look = () => map.setLook(state);
@@ -163,7 +175,6 @@ export async function start(container) {
       const fresh = JSON.stringify(rigOf(state)) !== map.shows;
       map.shows = JSON.stringify(rigOf(state));
       facts = found;
-      problem.textContent = "";
       if (fresh) {
         for (const name of Object.keys(times)) delete times[name];
         for (const name of DETAILS) delete container.dataset[name];
@@ -171,6 +182,11 @@ export async function start(container) {
       }
     }
     problem.textContent = "";
+    controls.accept();
+    for (const panel of [plane, motion.panel]) panel.classList.remove("stale");
+    // The recommendation that stands there is for the values before until the new one comes.
+    if (rig || pick) answer.panel.classList.add("stale");
+    take.disabled = bestHz === null;
     controls.show(state, own.parameters, { ...facts.parameters, gap_mm: state.gap_mm }, facts.meanings, facts.shaker_known);
     controls.notes.replaceChildren(...facts.notes.map((note) => element("p", { class: "wrong" }, note)),
       element("p", {}, `Natural frequency ${facts.natural_frequency_hz.toPrecision(5)} Hz, weight ${facts.weight_n.toPrecision(4)} N. `, saveButtons({ name: "rig", madeFrom, value: () => ({ parameters: facts.parameters, toml: facts.toml }) })));

@@ -53,6 +53,7 @@ export class MotionPanel {
     } catch (error) {
       if (leave.signal.aborted) return;
       this.panel.dataset.state = "wrong";
+      this.panel.setAttribute("aria-busy", "false");
       this.said.replaceChildren(element("p", { class: "wrong" }, error.message));
       this.table.replaceChildren();
       this.panel.querySelector(".charts").hidden = true;

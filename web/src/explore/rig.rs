@@ -36,7 +36,12 @@ impl Asked {
             }
             None => return Err(format!("no rig is called '{}'", self.source)),
         };
-        let rig = rig.map_err(|e| e.to_string())?;
+        // What is set over the rig came from a field of the page, not from the option.
+        let rig = rig.map_err(|e| {
+            let line = e.to_string();
+            line.strip_prefix("--set: ")
+                .map_or(line.clone(), str::to_owned)
+        })?;
         match self.recoil {
             Some(false) => Ok(rig.prescribed()),
             Some(true) => rig.recoiling().ok_or_else(|| {
@@ -118,6 +123,9 @@ mod tests {
         assert_eq!(answer["parameters"]["mass_kg"], 2.0);
         assert_eq!(answer["parameters"]["gap_mm"], 0.5);
         assert_eq!(answer["shaker_known"], true);
+        let refused = r#"{"source":"wires","text":null,"settings":["mass_kg=-1"]}"#;
+        let line = rig(refused.as_bytes()).unwrap_err();
+        assert!(line.starts_with("mass_kg is -1"), "{line}");
     }
 
     #[test]

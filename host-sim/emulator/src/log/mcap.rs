@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+use mcap::McapError;
 use mcap::records::{MessageHeader, Metadata};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -73,6 +74,14 @@ impl Window {
     }
 }
 
+/// The system's own word, where it is the disk that refuses.
+fn refused(path: &Path, error: McapError) -> UserError {
+    match error {
+        McapError::Io(error) => failed(path, error),
+        other => failed(path, other),
+    }
+}
+
 impl Writer {
     /// Begins the file `path`; an older one stays until this one is whole.
     ///
@@ -108,7 +117,7 @@ impl Writer {
             })?;
             Ok((file, channels))
         };
-        let (file, channels) = begin().map_err(|e| failed(&target, e))?;
+        let (file, channels) = begin().map_err(|e| refused(&target, e))?;
         Ok(Self {
             file,
             target,
@@ -225,7 +234,7 @@ impl Writer {
         self.close_force()?;
         self.close_displacement()?;
         let target = self.target;
-        self.file.finish().map_err(|e| failed(&target, e))?;
+        self.file.finish().map_err(|e| refused(&target, e))?;
         let staged = self.file.into_inner().into_inner();
         staged.map_err(|e| failed(&target, e.error()))
     }
@@ -306,7 +315,7 @@ impl Writer {
         };
         self.sequence[at] = self.sequence[at].wrapping_add(1);
         let written = self.file.write_to_known_channel(&header, &bytes);
-        written.map_err(|e| failed(&self.target, e))
+        written.map_err(|e| refused(&self.target, e))
     }
 }
 

@@ -17,6 +17,7 @@ use super::ground::GroundTable;
 use super::hardware::{Cart, MotorTable, Sensors, Shaker, motor, mounting, sensors, shaker};
 use crate::cart::Mounting;
 use crate::names::{BASINS, STATES, basin_name, state_name};
+use files::decimal::comma_at;
 use files::rigfile;
 use files::{UserError, line_at};
 
@@ -127,7 +128,9 @@ struct Operator {
 pub fn parse(name: &str, text: &str, place: &str) -> Result<Scenario, UserError> {
     let file: File = toml::from_str(text).map_err(|e| {
         let line = line_at(text, e.span().map_or(0, |span| span.start));
-        not_understood(e.message()).at(format!("{place}, line {line}"))
+        let mend = comma_at(text, line).map_or(String::new(), |write| format!("; {write}"));
+        let why = not_understood(e.message());
+        UserError::new(format!("{place}, line {line}: {why}{mend}"))
     })?;
     check(&file).map_err(|e| e.at(place))?;
     let expect = expect(&file.expect).map_err(|e| e.at(format!("{place}, [expect]")))?;

@@ -16,6 +16,7 @@ use shared::model::params::{PRESETS, RigParams, preset};
 use toml::Value;
 
 use crate::UserError;
+use crate::decimal::comma_at;
 use crate::{line_at, read_text};
 pub use doubts::doubts;
 use keys::NoRig;
@@ -220,9 +221,9 @@ pub fn parse_whole(text: &str, place: &str) -> Result<(RigParams, Stated), UserE
     let mut changes: Table = toml::from_str(text).map_err(|e| {
         let line = line_at(text, e.span().map_or(0, |span| span.start));
         let what = e.message().lines().next().unwrap_or("not TOML").to_owned();
-        UserError::new(format!(
-            "{place}, line {line}: {what}; a rig file has lines like mass_kg = 0.298"
-        ))
+        let mend = comma_at(text, line);
+        let mend = mend.unwrap_or_else(|| "a rig file has lines like mass_kg = 0.298".to_owned());
+        UserError::new(format!("{place}, line {line}: {what}; {mend}"))
     })?;
     let stated = uncertainty::stated(changes.remove("uncertainty"));
     let whole = stated.and_then(|stated| Ok((parameters(changes, with_shaker)?, stated)));
@@ -394,6 +395,13 @@ mod tests {
             panic!()
         };
         assert!((length_m - 0.3001).abs() < 1e-4);
+        // With another gravity the length gives way, too: the frequency asked for is the one there is.
+        let elsewhere = ["gravity_m_per_s2=5", "natural_frequency_hz=2.5"].map(str::to_owned);
+        let hz = load("wires", &elsewhere)
+            .unwrap()
+            .params
+            .natural_frequency_hz();
+        assert!((hz - 2.5).abs() < 1e-9);
         assert!(matches!(
             set("contact_law=hunt-crossley").contact,
             Law::HuntCrossley { .. }
@@ -413,6 +421,12 @@ mod tests {
         assert!(set("mass_kg=-1").contains("mass_kg is -1, must be a positive number"));
         assert!(set("mass_kg=NaN").contains("mass_kg is NaN"));
         assert!(set("mass_kg=heavy").contains("must be a number"));
+        assert!(set("mass_kg=0,3").contains("write 0.3 with a point"));
+        let line = complaint(file("preset = \"wires\"\nmass_kg = 0,3\n"));
+        assert!(
+            line.contains("line 2") && line.contains("write 0.3 with a point"),
+            "{line}"
+        );
         assert!(set("mass_kg").contains("key=value"));
         assert!(set("damping_ratio=0.1").contains("does not apply"));
         assert!(set("natural_frequency_hz=0").contains("natural_frequency_hz"));

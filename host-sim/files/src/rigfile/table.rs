@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
 use shared::model::contact::Law;
 use shared::model::params::{LAWS, RigParams, SupportParams, Torque};
 use toml::Value;
+
+use crate::decimal::comma;
 
 use super::keys::{KEYS, NoRig, nearest};
 
@@ -45,16 +47,13 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
             law_to_table(preset, base);
         }
     }
-    // On wires, length and frequency follow from each other: the one given decides.
-    let length_given = has("wire_length_mm") || has("gravity_m_per_s2");
-    match (length_given, has("natural_frequency_hz")) {
-        (true, false) => {
-            base.remove("natural_frequency_hz");
-        }
-        (false, true) => {
+    // On wires, length, gravity and frequency follow from each other: what is given decides, and the length gives way first.
+    if has("natural_frequency_hz") {
+        if !has("wire_length_mm") {
             base.remove("wire_length_mm");
         }
-        _ => {}
+    } else if has("wire_length_mm") || has("gravity_m_per_s2") {
+        base.remove("natural_frequency_hz");
     }
     base.extend(changes);
     Ok(())
@@ -106,7 +105,9 @@ pub(super) fn to_table(params: &RigParams) -> Table {
         put("shaker_loop_hz", held.frequency_hz);
         put("shaker_damping_ratio", held.damping_ratio);
         put("shaker_feed_forward", held.feed_forward);
-        put("shaker_max_force_n", held.max_force_n);
+        if held.max_force_n < UNLIMITED_N {
+            put("shaker_max_force_n", held.max_force_n);
+        }
     }
     law_to_table(&params.contact, &mut table);
     table
@@ -228,7 +229,7 @@ fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {
     }
 }
 
-/// The shaker, if its position loop is given; what is left out of it is the assumed one's.
+/// The shaker, if its position loop is given; what is left out of it is the assumed one's, but a largest force.
 fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
     if table.get("shaker_loop_hz").and_then(Value::as_str) == Some(PRESCRIBED) {
         table.retain(|key, _| !key.starts_with("shaker_"));
@@ -253,7 +254,7 @@ fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
         frequency_hz,
         damping_ratio: damping.unwrap_or(ASSUMED_SHAKER.damping_ratio),
         feed_forward: forward.unwrap_or(ASSUMED_SHAKER.feed_forward),
-        max_force_n: most.unwrap_or(ASSUMED_SHAKER.max_force_n),
+        max_force_n: most.unwrap_or(UNLIMITED_N),
     }))
 }
 
@@ -302,8 +303,10 @@ fn optional(table: &mut Table, key: &str) -> Result<Option<f64>, NoRig> {
     table
         .remove(key)
         .map(|value| {
-            as_number(&value)
-                .ok_or_else(|| NoRig::new(key, format!("{key} is {value}, must be a number")))
+            as_number(&value).ok_or_else(|| {
+                let write = comma(&value.to_string()).map_or(String::new(), |w| format!("; {w}"));
+                NoRig::new(key, format!("{key} is {value}, must be a number{write}"))
+            })
         })
         .transpose()
 }

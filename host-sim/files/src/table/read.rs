@@ -66,12 +66,15 @@ impl Measurements {
         self.bad(1, what)
     }
 
-    /// The `columns` of every line; others are passed over. White space around names and fields does not count, nor
-    /// do blank lines.
+    /// The `columns` of every line, one after the other; other columns are passed over. White space around names and
+    /// fields does not count, nor do blank lines. A line of another length than the first is an error.
     ///
     /// # Errors
-    /// A column is missing, a line has another length than the first, or there is no line below the first.
-    pub fn lines(&self, columns: &[&'static str]) -> Result<Vec<Line>, UserError> {
+    /// A column is missing, or there is no line below the first.
+    pub fn lines<'a>(
+        &'a self,
+        columns: &[&'static str],
+    ) -> Result<impl Iterator<Item = Result<Line, UserError>> + use<'a>, UserError> {
         let at = |name: &&'static str| {
             let found = self.columns.iter().position(|column| column == name);
             found.map(|at| (*name, at)).ok_or_else(|| {
@@ -83,26 +86,26 @@ impl Measurements {
         };
         let wanted: Vec<_> = columns.iter().map(at).collect::<Result<_, _>>()?;
         let mut numbers = LineNumbers::new(&self.text);
-        let mut lines = Vec::new();
-        for record in csv::Reader::from_reader(self.text.as_bytes()).records() {
-            let record = record.map_err(|e| self.bad(numbers.of(e.position()), short(&e)))?;
-            let field = |(name, at): &(&'static str, usize)| {
-                let text = record.get(*at).unwrap_or("").trim();
-                (*name, text.to_owned())
-            };
-            lines.push(Line {
-                number: numbers.of(record.position()),
-                place: Arc::clone(&self.place),
-                fields: wanted.iter().map(field).collect(),
-            });
-        }
-        if lines.is_empty() {
+        let records = csv::Reader::from_reader(self.text.as_bytes()).into_records();
+        let mut records = records.peekable();
+        if records.peek().is_none() {
             return Err(UserError::new(format!(
                 "{}: there is no measurement below the first line",
                 self.place
             )));
         }
-        Ok(lines)
+        Ok(records.map(move |record| {
+            let record = record.map_err(|e| self.bad(numbers.of(e.position()), short(&e)))?;
+            let field = |(name, at): &(&'static str, usize)| {
+                let text = record.get(*at).unwrap_or("").trim();
+                (*name, text.to_owned())
+            };
+            Ok(Line {
+                number: numbers.of(record.position()),
+                place: Arc::clone(&self.place),
+                fields: wanted.iter().map(field).collect(),
+            })
+        }))
     }
 
     fn bad(&self, line: usize, what: impl std::fmt::Display) -> UserError {
@@ -184,20 +187,21 @@ fn short(error: &csv::Error) -> String {
 mod tests {
     use super::*;
 
-    fn table(text: &str) -> Measurements {
-        Measurements::new("m.csv", text.to_owned()).unwrap()
+    fn lines(text: &str, columns: &[&'static str]) -> Result<Vec<Line>, UserError> {
+        let table = Measurements::new("m.csv", text.to_owned()).unwrap();
+        table.lines(columns)?.collect()
     }
 
     #[test]
     fn lines_are_counted_with_blank_ones_and_either_line_end() {
         let text = "a,b\n\n1,2\r\n\r\n3,\"4\n5\"\n\n\n6,7";
-        let lines = table(text).lines(&["b"]).unwrap();
-        let numbers: Vec<_> = lines.iter().map(|line| line.number).collect();
-        assert_eq!(numbers, [3, 5, 9]);
-        let lines = table("a\r1\r\r2\n").lines(&["a"]).unwrap();
-        let numbers: Vec<_> = lines.iter().map(|line| line.number).collect();
-        assert_eq!(numbers, [2, 4]);
-        let line = table("a\n1\n\n2,3\n").lines(&["a"]).unwrap_err();
+        let numbers = |text, column| {
+            let lines = lines(text, &[column]).unwrap();
+            lines.iter().map(|line| line.number).collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(text, "b"), [3, 5, 9]);
+        assert_eq!(numbers("a\r1\r\r2\n", "a"), [2, 4]);
+        let line = lines("a\n1\n\n2,3\n", &["a"]).unwrap_err();
         assert!(
             line.to_string().starts_with("m.csv, line 4: 2 fields"),
             "{line}"
@@ -211,7 +215,7 @@ mod tests {
         let text: String = std::iter::once("a,b\n")
             .chain(std::iter::repeat_n("0.25,0.5\n", LINES))
             .collect();
-        let lines = table(&text).lines(&["a", "b"]).unwrap();
+        let lines = lines(&text, &["a", "b"]).unwrap();
         assert_eq!(lines.len(), LINES);
         assert_eq!(lines.last().map(|line| line.number), Some(LINES + 1));
     }

@@ -45,9 +45,16 @@ fn warning(warning: &Warning) -> String {
             "{parameter} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either"
         ),
         Warning::DoesNotFit { share } => format!(
-            "this law does not fit: it misses {:.0} % of the force, far more than noise and sensor explain; its values have no intervals; try --all-laws, and check --rig, --gap and --release-mm",
+            "this law does not fit: it misses {:.0} % of the force, far more than noise and sensor explain; its values have no intervals; try --all-laws, and check --rig, --gap and --release-mm; a filter in the sensor's converter that is not in the model may be why, too",
             100.0 * share
         ),
+        Warning::BeyondNoise { factor } => format!(
+            "what is left of the misfit is {factor:.1} times the noise: something in sensor or converter is not in the model, and the values have no intervals"
+        ),
+        Warning::ZeroSteps => {
+            "the force without contact steps or wanders; near each contact its own is taken off"
+                .to_owned()
+        }
         Warning::Widened { factor } => format!(
             "what is left of the misfit is {factor:.1} times what independent noise explains; the intervals are widened by as much"
         ),

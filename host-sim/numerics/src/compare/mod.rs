@@ -10,7 +10,7 @@ use shared::model::regime::Regime;
 
 use crate::engine::{Engine, Plan, Start};
 use crate::error::{Error, RecordError};
-use crate::identify::{EVERY_CONTACT, measure};
+use crate::identify::{EVERY_CONTACT, Measured, measure};
 use crate::signal::Signal;
 pub use align::pitch;
 pub use simulated::Simulated;
@@ -150,7 +150,7 @@ pub struct Errors {
     pub simulated_contacts_per_period: f64,
     /// Measured time over the noise's threshold, mean of the contacts, ms.
     pub measured_contact_time_ms: Option<f64>,
-    /// Contact time of the simulation's strongest contact, ms.
+    /// The same of the simulated force: at the record's instants, over the same threshold, ms.
     pub simulated_contact_time_ms: Option<f64>,
     /// What to keep in mind.
     #[serde(skip)]
@@ -245,7 +245,12 @@ fn errors(
     );
     let force = Difference::of(rows, |r| r.measured_force_n, |r| r.simulated_force_n);
     let travel = signal.displacement_mm.as_deref().map(peak_to_peak);
-    let contacts = Contacts::of(signal);
+    let found = signal.force_n.as_ref();
+    let found = found.and_then(|_| measure(signal, &EVERY_CONTACT).ok());
+    let contacts = found.as_ref().and_then(Contacts::of);
+    // One definition of the contact time: the simulated force is looked at in the same instants.
+    let modelled = found.map(|m| m.with_force(rows.iter().map(|r| r.simulated_force_n).collect()));
+    let modelled = modelled.as_ref().and_then(Contacts::of);
     let cart_amplitude_mm = signal
         .cart_mm
         .as_ref()
@@ -273,7 +278,7 @@ fn errors(
             .map(|c| c.count / (c.span_s * simulated.frequency_hz)),
         simulated_contacts_per_period: simulated.contacts_per_period,
         measured_contact_time_ms: contacts.map(|c| c.duration_s * 1e3),
-        simulated_contact_time_ms: simulated.contact_time_s.map(|s| s * 1e3),
+        simulated_contact_time_ms: modelled.map(|c| c.duration_s * 1e3),
         notes: Vec::new(),
     };
     errors.notes = notes(signal, question, simulated, &errors);
@@ -307,7 +312,7 @@ fn peak_to_peak(values: &[f64]) -> f64 {
     high - values.iter().fold(f64::INFINITY, |m, x| m.min(*x))
 }
 
-/// The contacts of the measured force.
+/// The contacts of a force at the record's instants.
 #[derive(Clone, Copy)]
 struct Contacts {
     count: f64,
@@ -322,23 +327,19 @@ struct Contacts {
 }
 
 impl Contacts {
-    /// `None` if no force was measured, or no contact stands out in it.
-    fn of(signal: &Signal) -> Option<Self> {
-        signal.force_n.as_ref()?;
-        let found = measure(signal, &EVERY_CONTACT).ok()?;
+    /// `None` if no contact stands out in it.
+    fn of(found: &Measured) -> Option<Self> {
+        if found.impacts.is_empty() {
+            return None;
+        }
         let count = found.impacts.len() as f64;
-        let duration = |impact: &crate::identify::Impact| {
-            let inside = impact.window.clone().skip(1);
-            let over = inside.filter(|k| found.force_n[*k] > found.threshold_n);
-            over.map(|k| found.time_s[k] - found.time_s[k - 1])
-                .sum::<f64>()
-        };
-        let times = &signal.time_s;
+        let times = &found.time_s;
+        let durations = found.impacts.iter().map(|impact| found.time_over_s(impact));
         let peaks = || found.impacts.iter().map(|i| i.peak_n);
         Some(Self {
             count,
-            span_s: times[times.len() - 1] - times[0] + signal.sample_s(),
-            duration_s: found.impacts.iter().map(duration).sum::<f64>() / count,
+            span_s: times[times.len() - 1] - times[0] + found.sample_s,
+            duration_s: durations.sum::<f64>() / count,
             largest_n: peaks().fold(0.0_f64, f64::max),
             mean_n: peaks().sum::<f64>() / count,
         })

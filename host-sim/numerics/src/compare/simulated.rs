@@ -31,8 +31,6 @@ pub struct Simulated {
     pub force_n: f64,
     /// Contacts over drive periods.
     pub contacts_per_period: f64,
-    /// How long the strongest contact lasted, s.
-    pub contact_time_s: Option<f64>,
     /// Section points in both frames are the samples at whole periods; here all samples, time from drive phase 0.
     pub samples: Vec<Sample>,
 }
@@ -97,8 +95,7 @@ impl Simulated {
             periods,
             force_n: settled.force_n.max(seen.force_n),
             contacts_per_period: contacts,
-            contact_time_s: settled.strongest.or(seen.strongest).map(|c| c.duration_s),
-            samples: recorder.samples,
+            samples: with_jumps(recorder.samples),
         };
         simulated.keep_last(f64::from(plan.cycles));
         Ok(simulated)
@@ -164,6 +161,24 @@ impl Simulated {
         };
         (0..self.periods).map(at).collect()
     }
+}
+
+/// `samples` with each onset twice: the force jumps there, and would else rise from the last sample of the flight on.
+fn with_jumps(samples: Vec<Sample>) -> Vec<Sample> {
+    let mut all = Vec::with_capacity(samples.len());
+    let mut touched = true;
+    for sample in samples {
+        let touches = sample.force_n > 0.0;
+        if touches && !touched {
+            all.push(Sample {
+                force_n: 0.0,
+                ..sample
+            });
+        }
+        touched = touches;
+        all.push(sample);
+    }
+    all
 }
 
 impl Frame {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::engine::{Recorder, Start, machine, observe};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{BEAM_170, WIRES};
 
 const PLAN: Plan = Plan {
@@ -78,6 +79,56 @@ fn a_record_made_by_the_model_lies_on_it_with_its_phase_found() {
     );
     // Counted in samples of 50 µs.
     assert!((over - true_ms).abs() < 0.06, "{over} {true_ms}");
+}
+
+/// What a converter makes of the model's own force, at even instants, in either cart: the same contact time and impulse on both
+/// sides, however coarse.
+#[test]
+fn sampled_evenly_it_has_its_own_contact_time_and_impulse() {
+    let recoils = RigParams {
+        cart: CartDrive::Loop(ASSUMED_SHAKER),
+        ..WIRES
+    };
+    for params in [WIRES, recoils] {
+        let hz = 1.8 * params.natural_frequency_hz();
+        let mut fine = made(&params, hz, 0.0, |_| 0.0);
+        let whole = ComparisonRequest {
+            params,
+            ..question(Some(hz))
+        };
+        let dense = fine.time_s.clone();
+        let [force, displacement] =
+            [&fine.force_n, &fine.displacement_mm].map(|c| c.clone().unwrap());
+        for sample_s in [1e-4, 5e-5, 2e-5] {
+            let count = (dense[dense.len() - 1] / sample_s) as usize;
+            fine.time_s = (1..count).map(|k| k as f64 * sample_s).collect();
+            // The last instant before, so that a force that jumps is not drawn out.
+            let held = |values: &[f64]| {
+                let at = |t: &f64| values[dense.partition_point(|s| s <= t) - 1];
+                fine.time_s.iter().map(at).collect::<Vec<_>>()
+            };
+            (fine.force_n, fine.displacement_mm) = (Some(held(&force)), Some(held(&displacement)));
+            let seen = compare(&fine, &whole).unwrap();
+            let e = &seen.errors;
+            let [measured, simulated] =
+                [e.measured_contact_time_ms, e.simulated_contact_time_ms].map(Option::unwrap);
+            let off = |a: f64, b: f64| (a / b - 1.0).abs();
+            assert!(off(measured, simulated) < 0.05, "{sample_s} {e:?}");
+            let sum = |force: fn(&Row) -> f64| seen.rows.iter().map(force).sum::<f64>();
+            let impulses = (
+                sum(|r| r.measured_force_n.unwrap()),
+                sum(|r| r.simulated_force_n),
+            );
+            assert!(
+                off(impulses.0, impulses.1) < 0.02,
+                "{sample_s} {impulses:?}"
+            );
+            assert!(
+                e.force_peak_percent.unwrap().abs() < 2.0,
+                "{sample_s} {e:?}"
+            );
+        }
+    }
 }
 
 /// Figure 3.52 a: from rest 1/1, but the motion that never touches is stable, too. Without contact the beams are a

@@ -10,6 +10,7 @@ use super::curves::Line;
 use super::family::Node;
 use super::{Along, Curve, Diagram, End, Origin, Seen, Special};
 use crate::orbit::Stability;
+use crate::pick::CartModel;
 use crate::row::tidy;
 
 /// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".
@@ -175,6 +176,8 @@ pub struct SeenRow {
 pub struct Answer {
     /// Name of the rig.
     pub rig: String,
+    /// How the cart is moved.
+    pub cart: CartModel,
     /// "frequency" or "gap".
     pub along: &'static str,
     /// The curves.
@@ -212,6 +215,7 @@ impl Answer {
         });
         Self {
             rig: name.to_owned(),
+            cart: CartModel::of(&diagram.params),
             along: match diagram.request.along {
                 Along::Frequency => "frequency",
                 Along::Gap(_) => "gap",

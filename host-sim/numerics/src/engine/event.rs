@@ -8,15 +8,17 @@ use super::{Machine, Recorder, Sample};
 use crate::error::Error;
 use crate::reference::{Contact, Observer, Reference, Segment};
 
-/// The reference at coordinate and rate `section`, at drive `phase` (turns).
+/// The reference at coordinate and rate `section` with the cart `deviation` (m, m/s) off its course, at drive `phase`
+/// (turns).
 pub fn machine(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
+    deviation: [f64; 2],
     phase: f64,
 ) -> Result<Box<dyn Machine>, Error> {
     let hammer = Reference::<f64>::new(params, frequency_hz, section[0], section[1])?;
-    let hammer = hammer.from_phase(phase);
+    let hammer = hammer.with_cart(deviation).from_phase(phase);
     Ok(Box::new(Event {
         hammer,
         frequency_hz,
@@ -35,6 +37,7 @@ impl Machine for Event {
                 let mut sampler = Sampler {
                     frequency_hz: self.frequency_hz,
                     recorder,
+                    next: 0,
                 };
                 self.hammer.run_period(&mut sampler)
             }
@@ -52,16 +55,18 @@ impl Machine for Event {
     }
 }
 
-/// Samples the reference's smooth pieces: evenly in flight, and a few times per piece in contact, which
+/// Samples the smooth pieces of one period of the reference: evenly, and a few times per piece in contact, which
 /// is over long before the next even sample.
 struct Sampler<'a> {
     frequency_hz: f64,
     recorder: &'a mut Recorder,
+    /// Which even sample of the period is next.
+    next: usize,
 }
 
 impl Observer for Sampler<'_> {
     fn segment(&mut self, segment: &Segment) {
-        let per_period = self.recorder.samples_per_period;
+        let (per_period, evenly) = (self.recorder.samples_per_period, self.recorder.evenly);
         if per_period == 0 {
             return;
         }
@@ -74,16 +79,17 @@ impl Observer for Sampler<'_> {
             self.recorder.samples.push(sample);
         };
         let (start, end) = (segment.start.t, segment.end.t);
-        if segment.mode == shared::model::rig::Mode::Contact {
+        let dense = !evenly && segment.mode == shared::model::rig::Mode::Contact;
+        if dense {
             const PIECES: usize = 6;
             (0..=PIECES).for_each(|i| take(start + (end - start) * i as f64 / PIECES as f64));
-            return;
         }
         let spacing = 1.0 / (self.frequency_hz * per_period as f64);
-        let mut k = (start / spacing).ceil();
-        while k * spacing < end {
-            take(k * spacing);
-            k += 1.0;
+        while self.next < per_period && self.next as f64 * spacing < end {
+            if !dense {
+                take(self.next as f64 * spacing);
+            }
+            self.next += 1;
         }
     }
 

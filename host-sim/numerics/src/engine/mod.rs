@@ -2,7 +2,7 @@
 //! drive period by drive period.
 
 pub mod answer;
-mod event;
+pub(crate) mod event;
 pub mod recorder;
 pub mod switch;
 
@@ -120,7 +120,7 @@ pub fn machine_at(
     let rig = Rig::<f64>::new(params)?;
     let section = start.section(&rig, std::f64::consts::TAU * frequency_hz)?;
     match engine {
-        Engine::Event => event::machine(params, frequency_hz, section, phase),
+        Engine::Event => event::machine(params, frequency_hz, section, [0.0; 2], phase),
         Engine::Switch(_) if params.cart.recoils() => Err(Error::Recoil("the switch model")),
         Engine::Switch(_) if phase != 0.0 => Err(StartError::SwitchPhase.into()),
         Engine::Switch(setting) => switch::machine(setting, params, frequency_hz, section),

@@ -26,6 +26,9 @@ pub struct Sample {
 pub struct Recorder {
     /// Samples per drive period kept; 0 keeps none.
     pub samples_per_period: usize,
+    /// Keeps these samples alone, evenly spaced (the switch model's to a tick). Without it there are more in contact,
+    /// so that a picture shows each force.
+    pub evenly: bool,
     /// The samples, in time.
     pub samples: Vec<Sample>,
     /// The finished contacts, in time.

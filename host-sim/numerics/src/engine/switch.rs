@@ -182,12 +182,20 @@ impl<R: Real, S: Stepper<R>> Switch<R, S> {
         if recorder.samples_per_period == 0 {
             return;
         }
-        let ticks_per_period = 1.0 / (frequency_hz * drive.tick_s().to_f64());
-        let every = (ticks_per_period / recorder.samples_per_period as f64).max(1.0) as u64;
-        if self.ticks.is_multiple_of(every) || force > R::ZERO {
+        let now = turns(drive.now());
+        let per_tick = frequency_hz * drive.tick_s().to_f64();
+        let per_period = recorder.samples_per_period as f64;
+        let due = if recorder.evenly {
+            // The first tick at or after each even instant; an instant on a tick counts once whatever its last digit.
+            let passed = |turns: f64| (turns * per_period + 1e-6).floor();
+            passed(now) > passed(now - per_tick)
+        } else {
+            let every = (1.0 / (per_tick * per_period)).max(1.0) as u64;
+            self.ticks.is_multiple_of(every) || force > R::ZERO
+        };
+        if due {
             let state = self.twin.state();
             let at = (state.q.hi.to_f64(), state.v.hi.to_f64());
-            let now = turns(drive.now());
             let sample = Sample::new(&self.plain, frequency_hz, now, at, [0.0; 2], force.to_f64());
             recorder.samples.push(sample);
         }

@@ -36,7 +36,7 @@ impl Landscape for ByForce<'_> {
 /// that of one, 5.991/3.841. With that of one the intervals held the truth in 17 of 20 records.
 const SEEN_FILTER: f64 = 1.560;
 
-/// The same where the filter is too fast to be seen. Filter and onsets then have several leasts between two samples, and
+/// The same where the filter is too fast to be seen, or digital. Filter and onsets then have several leasts between two samples, and
 /// χ² is no parabola: the 95 % point of three (parameter, filter, onset), 7.815/3.841.
 const UNSEEN_FILTER: f64 = 2.035;
 
@@ -51,18 +51,19 @@ pub fn fit(measured: &Measured, unknowns: &Unknowns, whole: &Whole) -> Option<Fi
         cost: whole.best.cost,
         evaluations: whole.evaluations,
     };
-    let refused = whole.beyond_noise > REFUSED_SHARE;
-    let per_cost = match (refused, shape.shows_filter(&best.x)) {
-        (true, _) => f64::INFINITY,
-        (_, true) => SEEN_FILTER,
-        (_, false) => UNSEEN_FILTER,
+    let per_cost = match (whole.intervals, shape.shows_filter(&best.x)) {
+        (false, _) => f64::INFINITY,
+        (_, true) if !shape.jumps(&best.x) => SEEN_FILTER,
+        _ => UNSEEN_FILTER,
     };
     let (profiles, sought) = profile::all(&ByForce(shape), unknowns, &mut best, per_cost);
     let (found, _) = unknowns.read(&best.x[..unknowns.list().len()])?;
     Some(Fit {
         law: Family::SpringDashpot,
         misfit: Misfit::Force,
-        refused,
+        refused: whole.beyond_noise > REFUSED_SHARE,
+        intervals: whole.intervals,
+        times_noise: whole.times_noise,
         misses_share: whole.beyond_noise,
         rms_n: whole.rms_n,
         noise_n: shape::unit_n(measured),

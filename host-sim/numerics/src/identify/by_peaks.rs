@@ -85,11 +85,10 @@ pub fn fit(
     let mut best = landscape.least(&searched.best.x, &[], 0.0);
     let degrees = peaks.data().saturating_sub(laws);
     let widened = widened(best.cost, degrees);
-    let refused = whole.beyond_noise > REFUSED_SHARE;
-    let per_cost = if refused {
-        f64::INFINITY
-    } else {
+    let per_cost = if whole.intervals {
         widened * widened
+    } else {
+        f64::INFINITY
     };
     let (profiles, sought) = profile::all(&landscape, unknowns, &mut best, per_cost);
     let (found, release_m) = unknowns.read(&best.x)?;
@@ -102,7 +101,9 @@ pub fn fit(
     Some(Fit {
         law: Family::SpringDashpot,
         misfit: Misfit::Peaks,
-        refused,
+        refused: whole.beyond_noise > REFUSED_SHARE,
+        intervals: whole.intervals,
+        times_noise: whole.times_noise,
         misses_share: whole.beyond_noise,
         rms_n: peaks.rms_n(found, release_m),
         noise_n: peaks.deviation_n(),

@@ -31,6 +31,8 @@ pub struct Measured {
     pub offset_n: f64,
     /// How fast that rises, N/s.
     pub drift_n_per_s: f64,
+    /// Whether the zero steps or wanders: that near each contact is then taken off.
+    pub zero_steps: bool,
     /// Standard deviation of the offset, N.
     pub offset_deviation_n: f64,
     /// Standard deviation of a sample where nothing happens, quantisation included, N; 0: none seen.
@@ -62,6 +64,35 @@ pub struct Impact {
     pub window: Range<usize>,
 }
 
+impl Measured {
+    /// Another force at the same instants, its impacts found in the same way and over the same threshold.
+    #[must_use]
+    pub fn with_force(&self, force_n: Vec<f64>) -> Self {
+        let mut other = Self {
+            force_n,
+            ..self.clone()
+        };
+        other.impacts = find(&other, usize::MAX);
+        other
+    }
+
+    /// How long the force is over the threshold in the window of `impact`, s. Between two samples over it, all the time;
+    /// before the first and after the last, half the distance to the next sample, the nearer of the two.
+    pub fn time_over_s(&self, impact: &Impact) -> f64 {
+        let times = &self.time_s;
+        let over = |k: usize| self.force_n.get(k).is_some_and(|f| *f > self.threshold_n);
+        let gap = |k: usize| times.get(k + 1).map_or(f64::INFINITY, |t| t - times[k]);
+        let inside = impact.window.clone().filter(|k| *k > 0 && over(*k));
+        let one = |k: usize| {
+            let (before, after) = (gap(k - 1), gap(k));
+            let edge = 0.5 * before.min(after);
+            let half = |over: bool, gap: f64| if over { 0.5 * gap } else { edge };
+            half(over(k - 1), before) + half(over(k + 1), after)
+        };
+        inside.map(one).sum()
+    }
+}
+
 /// The first impacts of a record, `most` of them.
 ///
 /// # Errors
@@ -77,9 +108,8 @@ pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
     let step_n = quantisation(force).filter(|step| *step > finest_n);
     let step_n = step_n.unwrap_or(0.0);
     let quiet = Quiet::of(times, force, step_n);
-    let zero = |t: f64| quiet.offset_n + quiet.drift_n_per_s * (t - times[0]);
     let pairs = force.iter().zip(times);
-    let force_n: Vec<f64> = pairs.map(|(f, t)| f - zero(*t)).collect();
+    let force_n: Vec<f64> = pairs.map(|(f, t)| f - quiet.zero(*t, times[0])).collect();
     let largest = force_n.iter().fold(0.0_f64, |m, f| m.max(*f));
     let rounding_n = step_n / 12.0_f64.sqrt();
     let noise_n = quiet.deviation_n.max(rounding_n);
@@ -102,6 +132,7 @@ pub fn measure(signal: &Signal, most: usize) -> Result<Measured, Error> {
         sample_s,
         offset_n: quiet.offset_n,
         drift_n_per_s: quiet.drift_n_per_s,
+        zero_steps: !quiet.local.is_empty(),
         offset_deviation_n: quiet.offset_deviation_n,
         noise_n,
         white_n,

@@ -7,7 +7,7 @@ use shared::model::contact::Law;
 use shared::model::params::{LAWS, RigParams, WIRES};
 
 use super::{Family, Fit, Misfit, Settings, fit, measure};
-use crate::drop_test::{DropTest, record};
+use crate::drop_test::{Converter, DropTest, record};
 use crate::error::Error;
 use crate::noise::Noise;
 use crate::progress::Progress;
@@ -145,6 +145,28 @@ pub fn cases() -> Vec<Case> {
         truth: LAWS[2].1,
         ..dashpot("hunt-crossley-as-dashpot", usual)
     };
+    for (name, converter) in [
+        ("digital-filter", Converter::Iir),
+        ("linear-phase-filter", Converter::Fir),
+        ("mean-of-three", Converter::Mean),
+        ("delta-sigma", Converter::DeltaSigma),
+    ] {
+        cases.push(dashpot(name, DropTest { converter, ..usual }));
+    }
+    cases.push(dashpot(
+        "clock-1-percent",
+        DropTest {
+            clock_fast_percent: 1.0,
+            ..usual
+        },
+    ));
+    cases.push(dashpot(
+        "steps",
+        DropTest {
+            step_n: 0.5,
+            ..usual
+        },
+    ));
     cases.push(crossley);
     cases.push(Case {
         name: "hunt-crossley",
@@ -167,7 +189,7 @@ pub struct Row {
     pub tests: usize,
     /// Tests with the right answer: the interval holds the truth; or the law is not the record's and is refused.
     pub right: usize,
-    /// Tests in which the law was refused as one that does not fit.
+    /// Tests in which the law was refused as one that does not fit, or no interval was given.
     pub refused: usize,
     /// Tests in which the interval has no end on one side or both.
     pub unbounded: usize,
@@ -179,7 +201,7 @@ pub struct Row {
     pub median_half_width_percent: Option<f64>,
 }
 
-/// The answer of one drop test: of each parameter error and interval over the truth; `None` if refused.
+/// The answer of one drop test: of each parameter error and interval over the truth; `None` if there is no interval.
 type Outcome = Result<Option<Vec<Seen>>, ()>;
 
 #[derive(Clone, Copy)]
@@ -229,7 +251,7 @@ fn one(case: &Case, misfit: Misfit, seed: u64, number: usize) -> Outcome {
         ..case.test
     };
     let fitted = identified(case, &test, misfit).map_err(|_| ())?;
-    if fitted.refused {
+    if !fitted.intervals {
         return Ok(None);
     }
     let sought = case.sought();
@@ -260,6 +282,11 @@ pub fn identified(case: &Case, test: &DropTest, misfit: Misfit) -> Result<Fit, E
     let settings = Settings {
         release_m: test.release_m * read,
         impacts: 6,
+        // A clock that is off is stated to be.
+        clock_percent: test
+            .clock_fast_percent
+            .abs()
+            .max(Settings::DEFAULT.clock_percent),
         ..Settings::default()
     };
     let signal = Signal {

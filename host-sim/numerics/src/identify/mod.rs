@@ -29,6 +29,7 @@ use crate::signal::Signal;
 pub use contacts::{Impact, Measured};
 pub use profile::{Estimate, Profile};
 use ring::Ring;
+pub use sensor::Model;
 use sensor::Sensor;
 use unknowns::Unknowns;
 pub use warnings::Warning;
@@ -102,11 +103,13 @@ pub struct Settings {
     pub gain_percent: f64,
     /// How uncertain the distance of the release from rest is: standard deviation, %.
     pub release_height_percent: f64,
+    /// How uncertain the clock of the samples is: standard deviation, %.
+    pub clock_percent: f64,
 }
 
 impl Settings {
     /// Released 3 mm out, six impacts, nothing but the law sought; a calibrated force sensor, and a release measured to
-    /// 0.03 mm.
+    /// 0.03 mm; any crystal for a clock.
     pub const DEFAULT: Self = Self {
         release_m: -3e-3,
         seek_release: false,
@@ -114,6 +117,7 @@ impl Settings {
         impacts: 6,
         gain_percent: 2.0,
         release_height_percent: 1.0,
+        clock_percent: 0.02,
     };
 }
 
@@ -157,7 +161,9 @@ pub struct ImpactRow {
 pub struct SensorFound {
     /// What it reads over the true force: 1 unless the data say otherwise.
     pub gain: f64,
-    /// Corner of its filter, Hz; none: too fast to be seen in this record.
+    /// Its kind of filter.
+    pub filter: Model,
+    /// The filter's −3 dB corner, Hz; none: too fast to be seen in this record.
     pub filter_hz: Option<f64>,
     /// How fast its zero rises, N/s.
     pub drift_n_per_s: f64,
@@ -165,10 +171,10 @@ pub struct SensorFound {
 
 impl SensorFound {
     fn new(sensor: &Sensor, measured: &Measured) -> Self {
-        let seen = sensor.filter_s > 0.3 * measured.sample_s;
         Self {
             gain: sensor.gain,
-            filter_hz: seen.then(|| 1.0 / (std::f64::consts::TAU * sensor.filter_s)),
+            filter: sensor.model,
+            filter_hz: sensor.corner().map(|cycles| cycles / measured.sample_s),
             drift_n_per_s: measured.drift_n_per_s,
         }
     }
@@ -184,6 +190,10 @@ pub struct Fit {
     /// Whether the law is refused, because it does not fit the record: the values are then the best it can do and
     /// have no intervals.
     pub refused: bool,
+    /// Whether there are intervals: not where the law is refused, nor where more than twice the noise is left.
+    pub intervals: bool,
+    /// What is left of the whole force over the noise (root mean squares).
+    pub times_noise: f64,
     /// What was sought, with 95 % profile likelihood intervals.
     pub parameters: Vec<Estimate>,
     /// Root mean square misfit: of the peaks, or of the samples, N.
@@ -249,7 +259,7 @@ pub fn fit(
     }
     .ok_or(Error::SearchLeftRange)?;
     fit.law = family;
-    if fit.refused {
+    if !fit.intervals {
         for estimate in &mut fit.parameters {
             (estimate.low, estimate.high) = (None, None);
         }

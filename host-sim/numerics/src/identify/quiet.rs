@@ -21,8 +21,14 @@ const SIGNIFICANT: f64 = 4.0;
 /// Samples over which noise may hang together.
 const LAGS: usize = 40;
 
+/// The zero near a contact is the median of so many windows about each one.
+const NEAR: usize = 9;
+
+/// The zero steps when these medians are off the straight line by more than this many deviations of a window's mean.
+const STEPPED: f64 = 1.5;
+
 /// The record where nothing happens.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Quiet {
     /// Force shown at the record's first sample without force, N.
     pub offset_n: f64,
@@ -34,6 +40,8 @@ pub struct Quiet {
     pub colour: f64,
     /// Standard deviation of the offset, N.
     pub offset_deviation_n: f64,
+    /// Where the zero steps or wanders: times, and how much it is off the straight line there, N; else empty.
+    pub local: Vec<(f64, f64)>,
 }
 
 impl Quiet {
@@ -48,6 +56,7 @@ impl Quiet {
             .into_iter()
             .filter(|w| w.deviation <= limit * (1.0 + 1e-9))
             .collect();
+        let all: Vec<Window> = calm.clone();
         let mut line = (median(calm.iter().map(|w| w.mean)), 0.0);
         // The first rounds are about the median, which outliers do not move.
         for round in 0..6 {
@@ -58,7 +67,41 @@ impl Quiet {
             calm.retain(|w| off(w).abs() <= reach);
             line = straight(&calm, time_s[0], round > 0);
         }
-        Self::about(line, &calm, time_s, force_n, step_n)
+        let (near, stepped) = near(&all, step_n);
+        if stepped {
+            let level = median(near.iter().copied());
+            let pairs = all.into_iter().zip(near);
+            let local = |(w, zero): (Window, f64)| Window {
+                local: zero - level,
+                ..w
+            };
+            line = (level, 0.0);
+            calm = pairs.map(local).collect();
+            let off = |w: &Window| (w.mean - level - w.local).abs();
+            let reach = AWAY * 1.4826 * median(calm.iter().map(off)) + 0.3 * step_n;
+            calm.retain(|w| off(w) <= reach);
+        }
+        let mut quiet = Self::about(line, &calm, time_s, force_n, step_n);
+        if stepped {
+            let samples = (NEAR * WINDOW) as f64;
+            let own = quiet.deviation_n * (quiet.colour / samples).sqrt();
+            quiet.offset_deviation_n = quiet.offset_deviation_n.max(own);
+            quiet.local = calm.iter().map(|w| (w.time_s, w.local)).collect();
+        }
+        quiet
+    }
+
+    /// The force shown without force at `t`, N, in a record that begins at `from_s`.
+    pub fn zero(&self, t: f64, from_s: f64) -> f64 {
+        let line = self.offset_n + self.drift_n_per_s * (t - from_s);
+        let after = self.local.partition_point(|(at, _)| *at < t);
+        let before = after.checked_sub(1).and_then(|i| self.local.get(i));
+        let local = match (before, self.local.get(after)) {
+            (Some((a, from)), Some((b, to))) => from + (to - from) * (t - a) / (b - a),
+            (Some((_, only)), None) | (None, Some((_, only))) => *only,
+            (None, None) => 0.0,
+        };
+        line + local
     }
 
     fn about(
@@ -68,12 +111,14 @@ impl Quiet {
         force_n: &[f64],
         step_n: f64,
     ) -> Self {
-        let rest = |i: usize| force_n[i] - offset_n - drift_n_per_s * (time_s[i] - time_s[0]);
+        let rest = |w: &Window, i: usize| {
+            force_n[i] - offset_n - drift_n_per_s * (time_s[i] - time_s[0]) - w.local
+        };
         let count = calm.iter().map(|w| w.range.len()).sum::<usize>() as f64;
         let square = |lag: usize| -> f64 {
             let of = |w: &Window| -> f64 {
                 let range = w.range.start..w.range.end - lag;
-                range.map(|i| rest(i) * rest(i + lag)).sum()
+                range.map(|i| rest(w, i) * rest(w, i + lag)).sum()
             };
             let share = 1.0 - lag as f64 / WINDOW as f64;
             calm.iter().map(of).sum::<f64>() / share
@@ -107,13 +152,17 @@ impl Quiet {
             drift_n_per_s,
             deviation_n,
             colour,
+            local: Vec::new(),
             offset_deviation_n: hidden.max(deviation_n * (colour / count.max(1.0)).sqrt()),
         }
     }
 }
 
+#[derive(Clone)]
 struct Window {
     range: Range<usize>,
+    /// How much the zero is off the straight line here.
+    local: f64,
     time_s: f64,
     mean: f64,
     deviation: f64,
@@ -129,11 +178,35 @@ fn windows(time_s: &[f64], force_n: &[f64]) -> Vec<Window> {
         Window {
             time_s: 0.5 * (time_s[range.start] + time_s[range.end - 1]),
             range,
+            local: 0.0,
             mean,
             deviation: (square / (size as f64 - 1.0).max(1.0)).sqrt(),
         }
     };
     (0..force_n.len() / size).map(one).collect()
+}
+
+/// The median of [`NEAR`] windows about each one, and whether these say that the zero steps or wanders: they are off the
+/// straight line by more than the windows are off them.
+fn near(windows: &[Window], step_n: f64) -> (Vec<f64>, bool) {
+    let half = NEAR / 2;
+    let one = |i: usize| {
+        let range = i.saturating_sub(half)..(i + half + 1).min(windows.len());
+        median(windows[range].iter().map(|w| w.mean))
+    };
+    let near: Vec<f64> = (0..windows.len()).map(one).collect();
+    let from_s = windows.first().map_or(0.0, |w| w.time_s);
+    let level = |(w, mean): (&Window, &f64)| Window {
+        mean: *mean,
+        ..w.clone()
+    };
+    let level: Vec<Window> = windows.iter().zip(&near).map(level).collect();
+    let line = straight(&level, from_s, true);
+    let off = |w: &Window| w.mean - line.0 - line.1 * (w.time_s - from_s);
+    let square = level.iter().map(|w| off(w).powi(2)).sum::<f64>() / level.len().max(1) as f64;
+    let scatter = median(windows.iter().zip(&near).map(|(w, n)| (w.mean - n).abs()));
+    let stepped = square.sqrt() > STEPPED * 1.4826 * scatter + 0.3 * step_n;
+    (near, stepped)
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

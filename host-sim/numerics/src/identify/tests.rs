@@ -350,6 +350,58 @@ fn a_drift_is_covered() {
     covered("drift");
 }
 
+/// Three drop tests behind each converter, with a clock that is off and a zero that steps, by the whole force: before, the
+/// law was refused in most of them or the interval missed the truth.
+#[test]
+fn converters_clocks_and_zeros_as_people_have_them_are_covered() {
+    let names = [
+        "digital-filter",
+        "linear-phase-filter",
+        "mean-of-three",
+        "delta-sigma",
+        "clock-1-percent",
+        "steps",
+    ];
+    let cases = coverage::cases();
+    let cases: Vec<_> = cases
+        .into_iter()
+        .filter(|c| names.contains(&c.name))
+        .collect();
+    assert_eq!(cases.len(), names.len());
+    for pair in coverage::table(&cases, &[Misfit::Force], 3, 1, &())
+        .unwrap()
+        .chunks(2)
+    {
+        let right: usize = pair.iter().map(|row| row.right).sum();
+        assert!(right >= 5, "{pair:?}");
+    }
+}
+
+/// A force sensor that is not straight: 0.5 N in 40 are less than what refuses a law, and several times the noise.
+#[test]
+fn more_than_twice_the_noise_leaves_no_interval() {
+    let test = DropTest {
+        noise_n: 0.03,
+        ..DropTest::default()
+    };
+    let rows = record(&WIRES, &test).unwrap();
+    let bent = |f: f64| f + 0.3 * (f / 5.0).sin();
+    let signal = Signal {
+        name: "bent".into(),
+        time_s: rows.iter().map(|r| r.time_s).collect(),
+        force_n: Some(rows.iter().map(|r| bent(r.force_n)).collect()),
+        ..Signal::default()
+    };
+    let data = measure(&signal, &SETTINGS).unwrap();
+    for misfit in [Misfit::Force, Misfit::Peaks] {
+        let found = fit(&data, &WIRES, Family::SpringDashpot, misfit, &SETTINGS).unwrap();
+        assert!(!found.refused && !found.intervals, "{}", found.times_noise);
+        assert!(found.parameters.iter().all(|p| p.low.is_none()));
+        let says = |w: &Warning| matches!(w, Warning::BeyondNoise { factor } if *factor > 2.0);
+        assert!(found.warnings.iter().any(says), "{:?}", found.warnings);
+    }
+}
+
 #[test]
 fn noise_of_two_percent_is_covered() {
     covered("noise-2-percent");

@@ -44,11 +44,19 @@ pub enum Warning {
         /// What it misses of the force, as a share of it.
         share: f64,
     },
+    /// What is left of the misfit is more than twice the noise: something in the sensor is not in its model. There are no
+    /// intervals.
+    BeyondNoise {
+        /// How many times the noise.
+        factor: f64,
+    },
     /// What is left of the misfit is more than independent noise explains, and the intervals are widened by as much.
     Widened {
         /// How many times worse.
         factor: f64,
     },
+    /// The zero steps or wanders: that near each contact is taken off.
+    ZeroSteps,
     /// The law loses no energy, but there are several impacts.
     NoEnergyLoss,
     /// The record shows no noise between the impacts: a small share of the largest peak stands for it.
@@ -68,10 +76,13 @@ pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
     if fit.refused {
         let share = fit.misses_share;
         found.push(Warning::DoesNotFit { share });
+    } else if !fit.intervals {
+        let factor = fit.times_noise;
+        found.push(Warning::BeyondNoise { factor });
     }
     for estimate in &fit.parameters {
         let parameter = estimate.key;
-        if !fit.refused && (estimate.low.is_none() || estimate.high.is_none()) {
+        if fit.intervals && (estimate.low.is_none() || estimate.high.is_none()) {
             found.push(Warning::Unbounded { parameter });
         }
         if estimate.at_limit {
@@ -79,6 +90,9 @@ pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
         }
         if let Some((other, correlation)) = estimate.strongest_correlation
             && correlation.abs() > CLOSE_CORRELATION
+            && !found.iter().any(
+                |w| matches!(w, Warning::Correlated { parameter: first, .. } if *first == other),
+            )
         {
             found.push(Warning::Correlated {
                 parameter,
@@ -87,10 +101,13 @@ pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
             });
         }
     }
-    if fit.widened > 1.2 && !fit.refused {
+    if fit.widened > 1.2 && fit.intervals {
         found.push(Warning::Widened {
             factor: fit.widened,
         });
+    }
+    if measured.zero_steps {
+        found.push(Warning::ZeroSteps);
     }
     if fit.law == Family::Hertz && peaks > 1 {
         found.push(Warning::NoEnergyLoss);

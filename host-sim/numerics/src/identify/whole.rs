@@ -5,23 +5,26 @@ use rayon::prelude::*;
 use shared::model::params::RigParams;
 
 use super::Settings;
+use super::by_force::REFUSED_SHARE;
 use super::contacts::Measured;
 use super::least_squares::Solved;
 use super::ring::{self, Ring};
+use super::sensor::Model;
 use super::shape::{RingingGuess, Shape};
 use super::unknowns::Unknowns;
-
-/// Time constants of the filter, in samples, with which the search begins at the first guess of the law.
-const FILTERS: [f64; 3] = [0.0, 0.8, 2.5];
-
-/// And at the other starts.
-const USUAL_FILTER: f64 = 0.5;
 
 /// Rounds of a search from afar, and of the last one.
 const ROUNDS: (usize, usize) = (14, 40);
 
 /// What is left is more than noise when its square is this many of its standard deviations above the noise's.
 const SIGNIFICANT: f64 = 4.0;
+
+/// Where more than this many times the noise is left, what makes it is not known, and there are no intervals.
+const MOST_TIMES: f64 = 2.0;
+
+/// A digital filter of a spring-dashpot's force has a least for each space between samples that the onsets may lie in: all
+/// of them are moved by so many.
+const SHIFTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 
 /// Samples over which what is left may hang together.
 const LAGS: usize = 60;
@@ -42,6 +45,10 @@ pub struct Whole<'a> {
     pub widened: f64,
     /// Root mean square of what is left, N.
     pub rms_n: f64,
+    /// What is left over the noise, both as root mean squares.
+    pub times_noise: f64,
+    /// Whether intervals mean something: the law fits, and no more than [`MOST_TIMES`] the noise is left.
+    pub intervals: bool,
     /// What is left beyond noise over the force, both as root mean squares.
     pub beyond_noise: f64,
     /// The ringing.
@@ -55,17 +62,43 @@ pub fn fit<'a>(
     unknowns: &'a Unknowns,
     settings: &Settings,
 ) -> Option<Whole<'a>> {
-    let still = Shape::new(measured, params, unknowns, settings, None);
-    let mut found = search(still, unknowns, None)?;
+    let with = |model, ringing| Shape::new(measured, params, unknowns, settings, model, ringing);
+    let mut best = ringing(measured, unknowns, &with, Model::Analog, None)?;
+    let law = best.0.best.x[..unknowns.list().len()].to_vec();
+    for model in Model::OTHERS {
+        if best.0.ratio()? < best.0.likely(measured, 1.0) {
+            break;
+        }
+        let Some(other) = ringing(measured, unknowns, &with, model, Some(&law)) else {
+            continue;
+        };
+        let evaluations = best.0.evaluations + other.0.evaluations;
+        if other.0.best.cost < best.0.best.cost {
+            best = other;
+        }
+        best.0.evaluations = evaluations;
+    }
+    best.0.judged(measured, best.1)
+}
+
+/// The best with a kind of filter, first without ringing and, if what is left shows some, with it; from `law` only if that
+/// is given.
+fn ringing<'a>(
+    measured: &'a Measured,
+    unknowns: &'a Unknowns,
+    with: &impl Fn(Model, Option<RingingGuess>) -> Shape<'a>,
+    model: Model,
+    law: Option<&[f64]>,
+) -> Option<(Found<'a>, Option<Ring>)> {
+    let mut found = search(with(model, None), unknowns, law)?;
     let mut ring = ring::of(measured, &found.shape.tails(&found.best.x)?);
     if let Some(seen) = &mut ring {
         let guess = RingingGuess {
             hz: seen.frequency_hz,
             decay_s: seen.decay_ms * 1e-3,
         };
-        let ringing = Shape::new(measured, params, unknowns, settings, Some(guess));
-        let law = &found.best.x[..unknowns.list().len()];
-        let again = search(ringing, unknowns, Some(law))?;
+        let nearby = &found.best.x[..unknowns.list().len()];
+        let again = search(with(model, Some(guess)), unknowns, Some(nearby))?;
         let evaluations = found.evaluations + again.evaluations;
         found = Found {
             evaluations,
@@ -77,7 +110,7 @@ pub fn fit<'a>(
             seen.damping_ratio = ring::damping_ratio(swing.hz, swing.decay_s);
         }
     }
-    found.judged(measured, ring)
+    Some((found, ring))
 }
 
 struct Found<'a> {
@@ -91,15 +124,17 @@ struct Found<'a> {
 /// From all starts, and from `law` if it is given.
 fn search<'a>(shape: Shape<'a>, unknowns: &Unknowns, law: Option<&[f64]>) -> Option<Found<'a>> {
     let guesses = unknowns.starts();
-    let mut starts: Vec<Vec<f64>> = FILTERS
+    let filters = shape.model.starts();
+    let mut starts: Vec<Vec<f64>> = filters
         .iter()
-        .map(|filter| shape.start(law.unwrap_or(&guesses[0]), *filter))
+        .map(|filter| shape.start(law.unwrap_or(&guesses[0]), filter))
         .collect();
-    starts.extend(
-        guesses[1..]
-            .iter()
-            .map(|guess| shape.start(guess, USUAL_FILTER)),
-    );
+    if shape.model == Model::Analog {
+        let usual = starts.len() - 1;
+        starts.truncate(usual);
+        let others = guesses[1..].iter();
+        starts.extend(others.map(|guess| shape.start(guess, filters[usual])));
+    }
     let ended: Vec<Solved> = starts
         .par_iter()
         .filter_map(|start| shape.solve_from(start, ROUNDS.0))
@@ -110,6 +145,15 @@ fn search<'a>(shape: Shape<'a>, unknowns: &Unknowns, law: Option<&[f64]>) -> Opt
     evaluations += best.evaluations;
     if nearest.cost < best.cost {
         best = nearest.clone();
+    }
+    if shape.model != Model::Analog && shape.jumps(&best.x) {
+        for by in SHIFTS {
+            let moved = shape.solve(&shape.shifted(&best.x, by), &[], ROUNDS.0)?;
+            evaluations += moved.evaluations;
+            if moved.cost < best.cost {
+                best = moved;
+            }
+        }
     }
     let near = 1e-2 * best.cost.abs() + 0.5;
     Some(Found {
@@ -122,15 +166,31 @@ fn search<'a>(shape: Shape<'a>, unknowns: &Unknowns, law: Option<&[f64]>) -> Opt
 }
 
 impl<'a> Found<'a> {
+    /// What is left over what noise leaves, as squares.
+    fn ratio(&self) -> Option<f64> {
+        let left = self.shape.left(&self.best.x)?;
+        let square: f64 = left.iter().flatten().map(|r| r * r).sum();
+        Some(square / self.degrees() / self.shape.deviation_n.powi(2))
+    }
+
+    fn degrees(&self) -> f64 {
+        (self.shape.data() as f64 - self.best.x.len() as f64).max(1.0)
+    }
+
+    /// Noise makes that ratio no larger, but for chance of so many standard deviations.
+    fn likely(&self, measured: &Measured, deviations: f64) -> f64 {
+        1.0 + deviations * (2.0 * measured.colour / self.degrees()).sqrt()
+    }
+
     /// How much of what is left is noise; if not all of it is, deviations are widened and the search goes on.
     fn judged(mut self, measured: &Measured, ring: Option<Ring>) -> Option<Whole<'a>> {
         let left = self.shape.left(&self.best.x)?;
         let data = self.shape.data() as f64;
-        let degrees = (data - self.best.x.len() as f64).max(1.0);
+        let degrees = self.degrees();
         let square: f64 = left.iter().flatten().map(|r| r * r).sum();
         let variance = self.shape.deviation_n.powi(2);
         let ratio = square / degrees / variance;
-        let more = ratio > 1.0 + SIGNIFICANT * (2.0 * measured.colour / degrees).sqrt();
+        let more = ratio > self.likely(measured, SIGNIFICANT);
         let colour = colour(&left).max(measured.colour);
         let widened = (if more { ratio } else { 1.0 } * colour).sqrt();
         let forces = measured_squares(measured, &self.shape);
@@ -141,6 +201,9 @@ impl<'a> Found<'a> {
             self.evaluations += again.evaluations;
             self.best = again;
         }
+        let beyond_noise = if more { (beyond / forces).sqrt() } else { 0.0 };
+        // Without noise there is nothing to compare with.
+        let explained = measured.noise_n == 0.0 || ratio <= MOST_TIMES * MOST_TIMES;
         Some(Whole {
             shape: self.shape,
             best: self.best,
@@ -149,7 +212,9 @@ impl<'a> Found<'a> {
             evaluations: self.evaluations,
             widened,
             rms_n: (square / data).sqrt(),
-            beyond_noise: if more { (beyond / forces).sqrt() } else { 0.0 },
+            times_noise: ratio.sqrt(),
+            intervals: explained && beyond_noise <= REFUSED_SHARE,
+            beyond_noise,
             ring,
         })
     }

@@ -20,6 +20,7 @@ pub use self::request::{MapRequest, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
 pub use self::summary::{Strongest, Summary};
 use crate::lanes::Outcome;
+use crate::pick::CartModel;
 use crate::row::NamedRig;
 use crate::row::tidy;
 
@@ -168,6 +169,7 @@ impl Map {
     pub fn rows(&self) -> impl Iterator<Item = CellRow> {
         let natural = self.rig.params.natural_frequency_hz();
         let weight_n = self.rig.params.weight_n();
+        let cart = CartModel::of(&self.rig.params);
         self.cells.iter().enumerate().map(move |(index, cell)| {
             let (gap_mm, frequency_hz) = self.grid.at(index);
             CellRow {
@@ -184,6 +186,7 @@ impl Map {
                 largest_period_searched: cell.searched,
                 uncertain: cell.uncertain,
                 failed: cell.failed,
+                cart,
             }
         })
     }
@@ -218,4 +221,6 @@ pub struct CellRow {
     pub uncertain: bool,
     /// Whether the hammer left what the model describes, so that the other columns say nothing.
     pub failed: bool,
+    /// How the cart is moved.
+    pub cart: CartModel,
 }

@@ -8,7 +8,8 @@
 //!
 //! with shapes that are 1 at the hammer, modal masses m_i and participations Γ_i ([`beam`]). Between contacts every mode
 //! moves in closed form ([`flight`]); in contact they are integrated together ([`contact`]); both switches are located
-//! ([`hammer`]). [`observe`] summarises a run. [`linear`] finds the 1/1 orbits, also in a cart that recoils.
+//! ([`hammer`]). [`observe`] summarises a run. In a cart that recoils [`linear`] runs
+//! it, and finds the 1/1 orbits in either cart.
 
 pub mod beam;
 pub mod contact;

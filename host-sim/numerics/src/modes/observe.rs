@@ -2,15 +2,17 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use shared::model::contacts::Period;
+use shared::model::contacts::{Contact, Period};
 use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 
 use super::flight::Flight;
 use super::hammer::{Hammer, Watch};
+use super::linear::{Follower, Motion};
 use super::{Beam, MAX_MODES, ModalRig, PerMode, State, Tip};
 use crate::engine::Plan as Cycles;
 use crate::error::{Error, ModesError};
+use crate::pick::CartModel;
 use crate::progress::{Progress, step};
 use crate::reference::flow::Totals;
 use crate::row::NamedRig;
@@ -53,7 +55,13 @@ impl ModesRequest<'_> {
             .collect();
         runs.into_par_iter()
             .map(|(hz, rig)| {
-                let seen = observe(rig.clone(), hz, self.cycles)?;
+                let params = &self.rig.params;
+                let seen = if params.cart.recoils() {
+                    let motion = Motion::of(params, self.beam, rig.modes.len(), hz)?;
+                    watched(Follower::at_rest(motion, rig), rig, hz, self.cycles)?
+                } else {
+                    observe(rig.clone(), hz, self.cycles)?
+                };
                 step(progress, 1)?;
                 Ok(Row::new(self.rig, self.beam, rig.modes.len(), hz, &seen))
             })
@@ -94,42 +102,90 @@ pub fn observe(
     if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
         return Err(Error::Frequency(frequency_hz));
     }
+    let hammer = Hammer::at_rest(rig.clone(), frequency_hz);
+    watched(hammer, &rig, frequency_hz, cycles)
+}
+
+/// A hammer that is run a drive period at a time.
+pub(super) trait Follow {
+    fn period(&mut self, sampler: Option<&mut Sampler>) -> Period<f64>;
+    fn at(&self) -> State;
+    /// The contact with the largest force since this was last asked.
+    fn strongest(&mut self) -> Option<Contact<f64>>;
+}
+
+impl Follow for Hammer {
+    fn period(&mut self, sampler: Option<&mut Sampler>) -> Period<f64> {
+        match sampler {
+            Some(sampler) => self.run_period(sampler),
+            None => self.run_period(&mut ()),
+        }
+    }
+    fn at(&self) -> State {
+        *self.state()
+    }
+    fn strongest(&mut self) -> Option<Contact<f64>> {
+        self.take_strongest()
+    }
+}
+
+impl Follow for Follower {
+    fn period(&mut self, sampler: Option<&mut Sampler>) -> Period<f64> {
+        let Some(sampler) = sampler else {
+            return self.run_period(|_, _| {}, |_| {});
+        };
+        let mut work = 0.0;
+        let period = self.run_period(|state, cart_m| sampler.see(state, cart_m), |w| work += w);
+        sampler.contact_work += work;
+        period
+    }
+    fn at(&self) -> State {
+        self.state()
+    }
+    fn strongest(&mut self) -> Option<Contact<f64>> {
+        self.take_strongest()
+    }
+}
+
+/// Runs `hammer` of `rig` through `cycles`.
+pub(super) fn watched(
+    mut hammer: impl Follow,
+    rig: &ModalRig,
+    frequency_hz: f64,
+    cycles: Cycles,
+) -> Result<ModalObservation, Error> {
     let amplitude = rig.amplitude_m;
-    let mut hammer = Hammer::at_rest(rig, frequency_hz);
     let omega = std::f64::consts::TAU * frequency_hz;
     let mut detector = Detector::new(amplitude, amplitude * omega);
-    let lost = |hammer: &Hammer| -> Result<(), Error> {
-        if hammer.state().tip().abs() < 1.0 {
+    let lost = |state: &State| -> Result<(), Error> {
+        if state.tip().abs() < 1.0 {
             return Ok(());
         }
         Err(ModesError::Lost { frequency_hz }.into())
     };
     for _ in 0..cycles.transient {
-        hammer.run_period(&mut ());
-        lost(&hammer)?;
+        hammer.period(None);
+        lost(&hammer.at())?;
     }
-    hammer.take_strongest();
-    let tip = |hammer: &Hammer| (hammer.state().tip(), hammer.state().tip_rate());
-    let (q, v) = tip(&hammer);
-    detector.push(q, v, &Period::default());
-    let mut sampler = Sampler::new(hammer.rig().clone(), omega, *hammer.state());
+    hammer.strongest();
+    let start = hammer.at();
+    detector.push(start.tip(), start.tip_rate(), &Period::default());
+    let mut sampler = Sampler::new(rig.clone(), omega, start);
     let (mut force_n, mut section_m) = (0.0_f64, Vec::new());
     for _ in cycles.transient..cycles.cycles {
-        let period = hammer.run_period(&mut sampler);
-        lost(&hammer)?;
+        let period = hammer.period(Some(&mut sampler));
+        let state = hammer.at();
+        lost(&state)?;
         sampler.last.0 = 0.0;
-        let (q, v) = tip(&hammer);
-        detector.push(q, v, &period);
-        section_m.push(q);
+        detector.push(state.tip(), state.tip_rate(), &period);
+        section_m.push(state.tip());
         force_n = force_n.max(period.peak_force);
     }
     let time = f64::from(cycles.cycles - cycles.transient) / frequency_hz;
     Ok(ModalObservation {
         regime: detector.regime(),
         force_n,
-        approach_m_per_s: hammer
-            .take_strongest()
-            .map(|contact| contact.approach_speed),
+        approach_m_per_s: hammer.strongest().map(|contact| contact.approach_speed),
         reach_m: sampler.reach,
         section_m,
         energy_j: sampler.energy.map(|e| e / time),
@@ -139,7 +195,7 @@ pub fn observe(
 }
 
 /// Follows a run at its contact steps and at even times of its flights; integrals by the trapezoidal rule.
-struct Sampler {
+pub(super) struct Sampler {
     rig: ModalRig,
     omega: f64,
     reach: [f64; 2],
@@ -164,8 +220,9 @@ impl Sampler {
         }
     }
 
-    fn see(&mut self, state: &State) {
-        let x = state.tip() + self.rig.amplitude_m * (self.omega * state.t).sin();
+    /// The hammer at `state`, its cart `cart_m` off its course.
+    fn see(&mut self, state: &State, cart_m: f64) {
+        let x = state.tip() + self.rig.amplitude_m * (self.omega * state.t).sin() + cart_m;
         self.reach = [self.reach[0].min(x), self.reach[1].max(x)];
         let (energies, losses) = (self.rig.energies(state), self.rig.losses(state));
         let half = 0.5 * (state.t - self.last.0);
@@ -182,15 +239,15 @@ impl Watch for Sampler {
         let every = std::f64::consts::TAU / self.omega / SAMPLES;
         let first = (from / every).floor() + 1.0;
         let inside = (to / every - first).ceil().max(0.0) as usize;
-        self.see(&flight.at(from));
+        self.see(&flight.at(from), 0.0);
         for k in 0..inside {
-            self.see(&flight.at((first + k as f64) * every));
+            self.see(&flight.at((first + k as f64) * every), 0.0);
         }
-        self.see(&flight.at(to));
+        self.see(&flight.at(to), 0.0);
     }
 
     fn contact(&mut self, end: &State, totals: &Totals) {
-        self.see(end);
+        self.see(end, 0.0);
         self.contact_work += totals.contact_work;
     }
 }
@@ -202,6 +259,8 @@ pub struct Row {
     pub rig: String,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
+    /// How the cart is moved.
+    pub cart: CartModel,
     /// How the hammer holds the beam's end.
     pub tip: Tip,
     /// Mass of the springs over the hammer's.
@@ -276,6 +335,7 @@ impl Row {
         Self {
             rig: rig.name.clone(),
             gap_mm: tidy(params.gap_m * 1e3),
+            cart: CartModel::of(params),
             tip: beam.tip,
             beam_mass_ratio: beam.mass_ratio,
             modes,

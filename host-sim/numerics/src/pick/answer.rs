@@ -50,7 +50,7 @@ pub struct Shaker {
     pub loop_force_n: Option<f64>,
 }
 
-/// How the cart is moved in a pick.
+/// How the cart is moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CartModel {
@@ -67,6 +67,14 @@ impl CartModel {
             Self::Recoil
         } else {
             Self::Prescribed
+        }
+    }
+
+    /// What a heading says of it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Prescribed => "cart prescribed",
+            Self::Recoil => "cart recoils",
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::error::{Error, PickError};
 use crate::orbit::{Orbit, loop_force_n};
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
-use shared::model::cart::CartDrive;
+use shared::model::cart::{CartDrive, UNLIMITED_N};
 use shared::model::params::RigParams;
 
 /// What the operating point must respect.
@@ -30,7 +30,7 @@ impl Limits {
     pub fn with_shaker_of(self, params: &RigParams) -> Self {
         let max_loop_force_n = match params.cart {
             CartDrive::Prescribed => None,
-            CartDrive::Loop(held) => Some(held.max_force_n),
+            CartDrive::Loop(held) => Some(held.max_force_n).filter(|most| *most < UNLIMITED_N),
         };
         Self {
             max_loop_force_n,

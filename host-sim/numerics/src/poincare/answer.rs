@@ -5,6 +5,7 @@ use shared::model::regime::Regime;
 
 use super::{Portrait, SectionRequest};
 use crate::lyapunov::Exponents;
+use crate::pick::CartModel;
 use crate::row::{regime_as_text, tidy};
 
 /// What a section showed. Units are in the names.
@@ -14,6 +15,8 @@ pub struct Answer {
     pub rig: String,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
+    /// How the cart is moved.
+    pub cart: CartModel,
     /// Drive frequency Ω/2π, Hz.
     pub frequency_hz: f64,
     /// Ω/ω.
@@ -51,6 +54,7 @@ impl Answer {
         Self {
             rig: rig.to_owned(),
             gap_mm: tidy(params.gap_m * 1e3),
+            cart: CartModel::of(params),
             frequency_hz: tidy(request.frequency_hz),
             frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
             regime: portrait.regime,

@@ -12,7 +12,7 @@ use shared::model::params::RigParams;
 use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
-use crate::engine::{self, Engine, Recorder, Sample, Start, machine, observe};
+use crate::engine::{self, Recorder, Sample, Start, event, observe};
 use crate::error::{Error, MotionError};
 use crate::progress::{Progress, check, step};
 use crate::reference::{Observer, Reference, Segment};
@@ -80,7 +80,8 @@ const SAMPLES_PER_PERIOD: usize = 400;
 /// step, whose error is below 1e-8 of A0.
 struct Strober<'a> {
     times_s: &'a [f64],
-    found: Vec<(f64, f64)>,
+    /// Coordinate and rate, deviation of the cart and its rate.
+    found: Vec<((f64, f64), [f64; 2])>,
 }
 
 impl Observer for Strober<'_> {
@@ -90,7 +91,7 @@ impl Observer for Strober<'_> {
             if *t >= segment.end.t {
                 break;
             }
-            self.found.push(segment.at(*t));
+            self.found.push((segment.at(*t), segment.cart(*t)));
         }
     }
 }
@@ -138,7 +139,7 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
         let (q, v) = hammer.state();
         detector.push(q, v, &happened);
         force_n = force_n.max(happened.peak_force);
-        for (k, (q, v)) in strober.found.into_iter().enumerate() {
+        for (k, ((q, v), [deviation, drift])) in strober.found.into_iter().enumerate() {
             let phase_turns = request.phases[k];
             let relative = rig.relative_displacement(q);
             let rate = rig.kinematics(q, v).rate;
@@ -148,8 +149,8 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
                 period,
                 relative_displacement_mm: relative * 1e3,
                 relative_velocity_m_per_s: rate,
-                displacement_mm: (relative + rig.amplitude() * sin) * 1e3,
-                velocity_m_per_s: rate + rig.amplitude() * omega * cos,
+                displacement_mm: (relative + rig.amplitude() * sin + deviation) * 1e3,
+                velocity_m_per_s: rate + rig.amplitude() * omega * cos + drift,
                 contacts: happened.onsets,
                 force_n: happened.peak_force,
             });
@@ -161,7 +162,7 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
         sections,
         regime: detector.regime(),
         force_n,
-        trajectory: trajectory(params, *frequency_hz, end)?,
+        trajectory: trajectory(params, *frequency_hz, end, hammer.cart())?,
         steps_per_period: (hammer.steps() - steps) as f64 / f64::from(request.points),
         end,
     })
@@ -179,14 +180,14 @@ fn check_phases(phases: &[f64]) -> Result<(), Error> {
     }
 }
 
-/// Samples of a few periods from `section` on.
+/// Samples of a few periods from `section` on, with the cart `deviation` off its course.
 fn trajectory(
     params: &RigParams,
     frequency_hz: f64,
     section: [f64; 2],
+    deviation: [f64; 2],
 ) -> Result<Vec<Sample>, Error> {
-    let start = Start::Section(section);
-    let mut hammer = machine(Engine::Event, params, frequency_hz, start)?;
+    let mut hammer = event::machine(params, frequency_hz, section, deviation, 0.0)?;
     let mut recorder = Recorder {
         samples_per_period: SAMPLES_PER_PERIOD,
         ..Recorder::default()

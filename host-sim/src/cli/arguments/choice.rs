@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use numerics::compare::Frame;
+use numerics::drop_test::Converter;
 use numerics::identify::{Family, Misfit};
 use numerics::modes::Tip;
 use numerics::sweep::Direction;
@@ -23,6 +24,28 @@ pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
             .map(|(.., value)| value.clone())
             .ok_or("unknown choice")
     })
+}
+
+impl Choice for Converter {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
+        ("plain", "samples as they are", Self::Plain),
+        (
+            "iir",
+            "digital low-pass of second order, corner at a fifth of the sampling rate",
+            Self::Iir,
+        ),
+        (
+            "fir",
+            "digital linear-phase low-pass of 31 samples, the same corner",
+            Self::Fir,
+        ),
+        ("mean", "mean of three samples", Self::Mean),
+        (
+            "delta-sigma",
+            "linear-phase low-pass before the samples are taken, corner at 0.45 of the sampling rate",
+            Self::DeltaSigma,
+        ),
+    ];
 }
 
 /// How the cart is moved.

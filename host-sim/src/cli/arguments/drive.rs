@@ -3,7 +3,7 @@
 use files::UserError;
 use numerics::row::tidy;
 
-use super::range::parse_range;
+use super::range::range_or_value;
 
 /// One drive frequency.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -70,12 +70,7 @@ impl Drives {
             (None, None) => return Ok(None),
         };
         let wrong = |what: String| UserError::new(format!("{option} {text}: {what}"));
-        let values = if text.contains(':') {
-            parse_range(text).map_err(wrong)?
-        } else {
-            let value = text.trim().parse();
-            vec![value.map_err(|_| wrong("write FROM:TO:STEP, or one number".to_owned()))?]
-        };
+        let values = range_or_value(text).map_err(wrong)?;
         match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
             Some(bad) if bad.is_infinite() => Err(wrong("write a finite number".to_owned())),
             Some(bad) => Err(wrong(format!("{bad} is not a positive value"))),

@@ -1,5 +1,7 @@
 //! `FROM:TO:STEP`.
 
+use files::decimal::comma;
+
 /// Values at most.
 const MOST: f64 = 1e6;
 
@@ -29,6 +31,21 @@ pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
         ));
     }
     Ok((0..count as u64).map(|i| from + i as f64 * step).collect())
+}
+
+/// The same, or one number.
+///
+/// # Errors
+/// If it is neither.
+pub fn range_or_value(text: &str) -> Result<Vec<f64>, String> {
+    if text.contains(':') {
+        return parse_range(text);
+    }
+    let value = text.trim().parse();
+    value.map_or_else(
+        |_| Err("write FROM:TO:STEP, or one number".to_owned()),
+        |value| Ok(vec![value]),
+    )
 }
 
 /// Refuses a range that does not rise.
@@ -64,6 +81,12 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
     };
     let parts: Vec<&str> = text.split(':').map(str::trim).collect();
     let [from, to, spacing] = parts.as_slice() else {
+        // 1,8 may be one number.
+        if let Some(write) = comma(text) {
+            return Err(format!(
+                "'{text}' may be one value or two: {write}, or two values with a point in one, as 1.0,8"
+            ));
+        }
         let list: Result<Vec<f64>, _> = text.split(',').map(number).collect();
         let list = list.map_err(|why| {
             format!("{why}; write FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with commas")
@@ -117,6 +140,7 @@ mod tests {
         assert_eq!(list("1:3:lin5"), [1.0, 1.5, 2.0, 2.5, 3.0]);
         assert_eq!(list("0:1:0.5"), [0.0, 0.5, 1.0]);
         assert_eq!(list("5,2,2.5"), [5.0, 2.0, 2.5]);
+        assert_eq!(list("1.0,8"), [1.0, 8.0]);
         assert_eq!(list("-0.1"), [-0.1]);
         let log = parse_values("1e5:1e7:log3").unwrap();
         assert!(log.log && log.list.len() == 3);
@@ -132,6 +156,8 @@ mod tests {
             "1,a",
             "1:2:cube5",
             "1:nan:lin3",
+            "1,8",
+            "0,5:1,5:lin3",
         ] {
             assert!(parse_values(bad).is_err(), "{bad}");
         }

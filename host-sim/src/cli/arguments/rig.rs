@@ -136,7 +136,7 @@ impl RigArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 #[command(next_help_heading = "Rig")]
 pub struct CartArg {
-    /// How the cart is moved [default: prescribed; pick, drill: recoil where the rig's shaker is known]
+    /// How the cart is moved [default: recoil where the rig's shaker is known, else prescribed]
     #[arg(long, value_parser = choice::<Cart>())]
     cart: Option<Cart>,
 }
@@ -145,21 +145,11 @@ impl CartArg {
     /// `rig` with its cart moved as asked for; without that, as the machine's: recoiling where its shaker is known.
     ///
     /// # Errors
-    /// As [`Self::apply`].
-    pub fn as_the_machine(&self, rig: NamedRig) -> Result<NamedRig, UserError> {
-        match self.cart {
-            None => Ok(rig.recoiling().unwrap_or(rig)),
-            Some(_) => self.apply(rig),
-        }
-    }
-
-    /// `rig` with its cart moved as asked for, or as prescribed.
-    ///
-    /// # Errors
     /// If it should recoil and its shaker is not known.
     pub fn apply(&self, rig: NamedRig) -> Result<NamedRig, UserError> {
         match self.cart {
-            None | Some(Cart::Prescribed) => Ok(rig.prescribed()),
+            None => Ok(rig.recoiling().unwrap_or(rig)),
+            Some(Cart::Prescribed) => Ok(rig.prescribed()),
             Some(Cart::Recoil) => rig.recoiling().ok_or_else(|| {
                 UserError::new(format!(
                     "--cart recoil: the shaker of rig {} is not known; give shaker_loop_hz in its file or with --set",

@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     if args.published {
         return published::run(&args.oscillator, args.settle, output);
     }
-    let rig = args.cart.as_the_machine(args.rig.name.load()?)?;
+    let rig = args.cart.apply(args.rig.name.load()?)?;
     let output = &output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let answer = answer(args, &rig, output)?;

@@ -10,9 +10,10 @@ pub fn text(answer: &Answer) -> String {
     let best = &advice.best;
     let faster = faster(answer);
     let mut text = format!(
-        "{}, gap {:?} mm, ground that gives way at {:?} N: drills fastest{} on {} at {:.4} Hz ({:.3} times the natural frequency)\n{}\n",
+        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: drills fastest{} on {} at {:.4} Hz ({:.3} times the natural frequency)\n{}\n",
         answer.rig,
         best.gap_mm,
+        advice.cart.words(),
         answer.threshold_n,
         if faster.is_empty() { " of all" } else { "" },
         best.regime,

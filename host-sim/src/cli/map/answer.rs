@@ -6,6 +6,7 @@ use super::requests;
 use files::UserError;
 use numerics::map::measured::Hits;
 use numerics::map::{Agreement, Map, MapCell, MapRequest, Similarity, Summary};
+use numerics::pick::CartModel;
 
 /// Everything that was found.
 pub struct Answer<'a> {
@@ -36,6 +37,7 @@ struct Json<'a> {
 struct MapJson<'a> {
     name: String,
     rig: &'a str,
+    cart: CartModel,
     engine: &'static str,
     from: &'static str,
     cycles: u32,
@@ -82,6 +84,7 @@ fn map<'a>(request: &'a MapRequest, map: &'a Map, summary: &'a Summary) -> MapJs
     MapJson {
         name: requests::name(request),
         rig: &map.rig.name,
+        cart: CartModel::of(&map.rig.params),
         engine: request.runner.name(),
         from: request.from.name(),
         cycles: request.plan.cycles,

@@ -8,6 +8,7 @@ use super::answer::Answer;
 use crate::words;
 use crate::words::map::percent;
 use numerics::map::{Map, MapRequest, Strongest, Summary};
+use numerics::pick::CartModel;
 use plot::chart::terminal_width;
 
 /// Regimes named one by one.
@@ -53,8 +54,9 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
     };
     let settle = settle.map_or(String::new(), |n| format!(" (unsettled: {n})"));
     let mut text = format!(
-        "{}: {} gaps ({}) by {} frequencies ({}), {} cells\n{}, engine {}, {} cycles{settle}, last {} recorded\n\n",
+        "{}, {}: {} gaps ({}) by {} frequencies ({}), {} cells\n{}, engine {}, {} cycles{settle}, last {} recorded\n\n",
         map.rig.name,
+        CartModel::of(&map.rig.params).words(),
         map.grid.gaps_mm.len(),
         ends(&map.grid.gaps_mm, "mm"),
         map.grid.frequencies_hz.len(),

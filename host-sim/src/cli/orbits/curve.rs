@@ -206,8 +206,14 @@ fn text(answer: &Answer) -> String {
             .to_owned();
     }
     let mut text = format!(
-        "{:<20} {:<6} {:>6}  {:<26} {:<30} ends\n",
-        "curve", "p/n", "points", answer.parameter_1, answer.parameter_2
+        "{}, {}: special points over two parameters\n\n{:<20} {:<6} {:>6}  {:<26} {:<30} ends\n",
+        answer.rig,
+        answer.cart.words(),
+        "curve",
+        "p/n",
+        "points",
+        answer.parameter_1,
+        answer.parameter_2
     );
     for curve in &answer.curves {
         text += &curve_line(curve);

@@ -11,6 +11,7 @@ use files::UserError;
 use numerics::NamedRig;
 use numerics::continuation::table::{SpecialRow, line_rows};
 use numerics::continuation::{Special, curves};
+use numerics::pick::CartModel;
 use plot::chart::Chart;
 
 /// Finds the lines.
@@ -45,13 +46,18 @@ pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserE
         contents.extend(output.tables(&output.name(""), &rows, &rows)?);
         output.write(dir, contents)?;
     }
-    output.emit(&rows, &rows, || curves_text(&rows))
+    output.emit(&rows, &rows, || curves_text(rig, &rows))
 }
 
-fn curves_text(rows: &[SpecialRow]) -> String {
+fn curves_text(rig: &NamedRig, rows: &[SpecialRow]) -> String {
     let mut text = format!(
-        "{:<20} {:>6} {:>20} {:>24}\n",
-        "line of the 1/1", "points", "gaps, mm", "frequencies, Hz"
+        "{}, {}: special points of the 1/1\n\n{:<20} {:>6} {:>20} {:>24}\n",
+        rig.name,
+        CartModel::of(&rig.params).words(),
+        "line of the 1/1",
+        "points",
+        "gaps, mm",
+        "frequencies, Hz"
     );
     let mut from = 0;
     while from < rows.len() {

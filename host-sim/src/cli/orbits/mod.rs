@@ -231,7 +231,9 @@ fn text(answer: &Answer) -> String {
         "Ω/ω"
     };
     let mut text = format!(
-        "{:<8} {:>6} {:<19} {:<36} {:>9}  ends\n",
+        "{}, {}: periodic orbits\n\n{:<8} {:>6} {:<19} {:<36} {:>9}  ends\n",
+        answer.rig,
+        answer.cart.words(),
         "branch",
         "orbits",
         parameter,

@@ -87,8 +87,9 @@ pub fn lines(a: &Answer) -> Vec<(&'static str, String)> {
         return vec![("bending modes", what.to_owned())];
     };
     let mut force = format!(
-        "{modes} {}: {ratio:.2} times the weight",
-        if modes == 1 { "mode" } else { "modes" }
+        "{modes} {}, {}: {ratio:.2} times the weight",
+        if modes == 1 { "mode" } else { "modes" },
+        a.cart.words()
     );
     if let (Some(low), Some(high), Some(percent), Some(rigs), Some(one_one)) = (
         b.modes_force_ratio_worst,

@@ -61,7 +61,7 @@ struct There {
 /// The rig with `settings` on top, at 0.0 mm unless the command line says otherwise.
 fn rig(args: &Args, asked: &Over, settings: &[String]) -> Result<There, UserError> {
     let loaded = args.rig.load_with(args.rig.name.name(), settings)?;
-    let mut rig = args.cart.as_the_machine(loaded)?;
+    let mut rig = args.cart.apply(loaded)?;
     let keeps = args.rig.sets_gap() || asked.key == "gap_mm";
     let gap_set_to_zero = !keeps && rig.params.gap_m != 0.0;
     if gap_set_to_zero {

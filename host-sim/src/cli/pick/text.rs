@@ -8,6 +8,7 @@ use numerics::pick::answer::LimitUse;
 use numerics::pick::sensitivity::Sensitivity;
 use numerics::pick::{Answer, CartModel, Pick};
 use plot::chart::Chart;
+use shared::model::cart::UNLIMITED_N;
 
 /// One answer in full, several side by side.
 pub fn text(picks: &[Pick]) -> String {
@@ -311,9 +312,11 @@ fn shaker(a: &Answer) -> Lines {
     let s = &a.shaker;
     let digits = Digits::of(a);
     let held = s.loop_force_n.map_or(String::new(), |force| {
-        let most = a.shaker_loop.map_or(f64::INFINITY, |held| held.max_force_n);
+        let most = a.shaker_loop.map(|held| held.max_force_n);
+        let most = most.filter(|most| *most < UNLIMITED_N);
+        let most = most.map_or(" is not known".to_owned(), |most| format!(": {most} N"));
         format!(
-            "; its position loop gives up to {} N, recoil included (shaker_max_force_n: {most} N)",
+            "; its position loop gives up to {} N, recoil included (shaker_max_force_n{most})",
             digits.other(force)
         )
     });

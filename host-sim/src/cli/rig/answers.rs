@@ -3,6 +3,13 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use clap::builder::RangedI64ValueParser;
+
+use crate::own_rig::reading::{
+    CONTACT_TIME, DAMPING_RATIO, FORCE, FREQUENCY, GAP, LOOP_DAMPING, MASS, RESTITUTION, Reading,
+    STROKE, SWING_TIME, WIRE_LENGTH,
+};
+use crate::own_rig::surface;
 
 /// What the hammer hangs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -23,124 +30,103 @@ impl Support {
     }
 }
 
-/// The answers. A reading is 298, or 298+-1, or several with commas between them: 298,299,297.5.
+/// Swings that ring down: as written, and their logarithmic decrement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RingDown {
+    /// As written.
+    pub text: String,
+    /// Per swing.
+    pub decrement: f64,
+}
+
+/// Reads FROM:TO:SWINGS.
+///
+/// # Errors
+/// In words that name the mend.
+pub fn ring_down(text: &str) -> Result<RingDown, String> {
+    let parts: Vec<f64> = text
+        .split(':')
+        .filter_map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
+    match parts[..] {
+        [from, to, swings]
+            if text.split(':').count() == 3 && to > 0.0 && from > to && swings >= 1.0 =>
+        {
+            Ok(RingDown {
+                text: text.trim().to_owned(),
+                decrement: (from / to).ln() / swings,
+            })
+        }
+        _ => Err("write FROM:TO:SWINGS, the swing in mm at first, a smaller one at last, and full swings between: 5:3.1:20".to_owned()),
+    }
+}
+
+/// How many swings were timed.
+pub fn swings() -> RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=100_000)
+}
+
+/// The answers. A reading is 298g, or 298+-1g, or several with blanks or ; between them: "298 299 297.5 g".
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Answers {
     /// What the hammer hangs on
     #[arg(long, value_enum, help_heading = "Hammer")]
     pub support: Option<Support>,
 
-    /// Weight of the hammer with what moves with it, g
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Hammer"
-    )]
-    pub mass_g: Option<String>,
+    /// Weight of the hammer with what moves with it: 298g, 298+-1g or "298 299 297.5 g"
+    #[arg(long, value_name = "READING", value_parser = |text: &str| MASS.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
+    pub mass: Option<Reading>,
 
-    /// Wires: from where they hang to the hammer's centre of mass, mm
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Hammer"
-    )]
-    pub wire_length_mm: Option<String>,
+    /// Wires: from where they hang to the hammer's centre of mass: 75mm
+    #[arg(long, value_name = "READING", value_parser = |text: &str| WIRE_LENGTH.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
+    pub wire_length: Option<Reading>,
 
     /// Full swings that were timed, to and fro, cart held still, without contact
-    #[arg(
-        long,
-        value_name = "N",
-        requires = "swing_time_s",
-        help_heading = "Hammer"
-    )]
+    #[arg(long, value_name = "N", value_parser = swings(), requires = "swing_time", help_heading = "Hammer")]
     pub swings: Option<u32>,
 
-    /// Their time by the stopwatch, s
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        requires = "swings",
-        help_heading = "Hammer"
-    )]
-    pub swing_time_s: Option<String>,
+    /// Their time by the stopwatch: 10.99s
+    #[arg(long, value_name = "READING", value_parser = |text: &str| SWING_TIME.read(text), allow_hyphen_values = true, requires = "swings", help_heading = "Hammer")]
+    pub swing_time: Option<Reading>,
 
-    /// Natural frequency, if it is known otherwise, Hz
-    #[arg(long, value_name = "READING", allow_hyphen_values = true, conflicts_with_all = ["swings", "wire_length_mm"], help_heading = "Hammer")]
-    pub natural_frequency_hz: Option<String>,
+    /// Natural frequency, if it is known otherwise: 1.82Hz
+    #[arg(long, value_name = "READING", value_parser = |text: &str| FREQUENCY.read(text), allow_hyphen_values = true, conflicts_with_all = ["swings", "wire_length"], help_heading = "Hammer")]
+    pub natural_frequency: Option<Reading>,
 
     /// Beams, ringing down freely: swing in mm at first, in mm at last, and full swings between: 5:3.1:20
-    #[arg(long, value_name = "FROM:TO:SWINGS", conflicts_with_all = ["damping_ratio", "decrement"], help_heading = "Hammer")]
-    pub ring_down: Option<String>,
-
-    /// Beams: logarithmic decrement per swing
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        conflicts_with = "damping_ratio",
-        help_heading = "Hammer"
-    )]
-    pub decrement: Option<String>,
+    #[arg(long, value_name = "FROM:TO:SWINGS", value_parser = ring_down, conflicts_with = "damping_ratio", help_heading = "Hammer")]
+    pub ring_down: Option<RingDown>,
 
     /// Beams: damping ratio
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Hammer"
-    )]
-    pub damping_ratio: Option<String>,
+    #[arg(long, value_name = "READING", value_parser = |text: &str| DAMPING_RATIO.read(text), allow_hyphen_values = true, help_heading = "Hammer")]
+    pub damping_ratio: Option<Reading>,
 
-    /// Stroke of the cart, from end to end, mm
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Cart"
-    )]
-    pub stroke_mm: Option<String>,
+    /// Stroke of the cart, from end to end: 1.8mm
+    #[arg(long, value_name = "READING", value_parser = |text: &str| STROKE.read(text), allow_hyphen_values = true, help_heading = "Cart")]
+    pub stroke: Option<Reading>,
 
-    /// Weight of the cart with what moves with it, without the hammer, kg
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Cart"
-    )]
-    pub cart_mass_kg: Option<String>,
+    /// Weight of the cart with what moves with it, without the hammer: 5.4kg
+    #[arg(long, value_name = "READING", value_parser = |text: &str| MASS.read(text), allow_hyphen_values = true, help_heading = "Cart")]
+    pub cart_mass: Option<Reading>,
 
-    /// Natural frequency of the shaker's position loop with the cart alone, Hz; unknown: the cart is moved as prescribed
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Cart"
-    )]
-    pub shaker_loop_hz: Option<String>,
+    /// Natural frequency of the shaker's position loop with the cart alone: 50Hz; unknown: the cart is moved as prescribed
+    #[arg(long, value_name = "READING", value_parser = |text: &str| FREQUENCY.read(text), allow_hyphen_values = true, help_heading = "Cart")]
+    pub shaker_loop: Option<Reading>,
 
     /// Damping ratio of that loop [default: assumed]
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        requires = "shaker_loop_hz",
-        help_heading = "Cart"
-    )]
-    pub shaker_damping_ratio: Option<f64>,
+    #[arg(long, value_name = "READING", value_parser = |text: &str| LOOP_DAMPING.read(text), allow_hyphen_values = true, requires = "shaker_loop", help_heading = "Cart")]
+    pub shaker_damping_ratio: Option<Reading>,
 
-    /// Clearance between hammer and surface at rest, mm [default: 0+-0.05]
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub gap_mm: Option<String>,
+    /// Largest force that the shaker can give: 60N; unknown: it limits nothing
+    #[arg(long, value_name = "READING", value_parser = |text: &str| FORCE.read(text), allow_hyphen_values = true, requires = "shaker_loop", help_heading = "Cart")]
+    pub shaker_force: Option<Reading>,
+
+    /// Clearance between hammer and surface at rest [default: 0+-0.05mm]
+    #[arg(long, value_name = "READING", value_parser = |text: &str| GAP.read(text), allow_hyphen_values = true, help_heading = "Contact")]
+    pub gap: Option<Reading>,
 
     /// A drop test for `identify`: CSV with the columns time_s and force_n
-    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["restitution", "contact_time_ms"], help_heading = "Contact")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["surface", "restitution", "contact_time"], help_heading = "Contact")]
     pub drop_test: Option<PathBuf>,
 
     /// How far the hammer was pulled back in that test, mm; negative: away from the surface [default: as `identify`]
@@ -153,22 +139,16 @@ pub struct Answers {
     )]
     pub release_mm: Option<f64>,
 
-    /// Restitution: with the gap at 0 and the cart still, how far the hammer rebounds over how far it was pulled back
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub restitution: Option<String>,
+    /// How long hammer and surface touch in one contact: 0.57ms
+    #[arg(long, value_name = "READING", value_parser = |text: &str| CONTACT_TIME.read(text), allow_hyphen_values = true, help_heading = "Contact")]
+    pub contact_time: Option<Reading>,
 
-    /// How long it touches in one contact, ms
-    #[arg(
-        long,
-        value_name = "READING",
-        allow_hyphen_values = true,
-        requires = "restitution",
-        help_heading = "Contact"
-    )]
-    pub contact_time_ms: Option<String>,
+    /// Restitution: with the gap at 0 and the cart still, how far the hammer rebounds over how far it was pulled back
+    #[arg(long, value_name = "READING", value_parser = |text: &str| RESTITUTION.read(text), allow_hyphen_values = true, help_heading = "Contact")]
+    pub restitution: Option<Reading>,
+
+    /// What the hammer (of steel) strikes: for the stiffness without a contact time, and for the restitution if it is not
+    /// measured
+    #[arg(long, value_enum, help_heading = "Contact")]
+    pub surface: Option<surface::Choice>,
 }

@@ -1,11 +1,17 @@
 //! The questions of `rig new` on a terminal, for what the options leave open.
 
 use std::io::{BufRead, Write};
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::answers::{Answers, Support};
-use crate::own_rig::reading;
+use super::answers::{Answers, RingDown, Support, ring_down};
+use super::describe::{natural_frequency, swung};
+use crate::own_rig::reading::{
+    CONTACT_TIME, FORCE, FREQUENCY, GAP, MASS, Quantity, RESTITUTION, Reading, STROKE, SWING_TIME,
+    WIRE_LENGTH,
+};
+use crate::own_rig::surface::{Choice, SURFACES};
 use files::UserError;
 
 /// Asks on `out` for what `answers` leaves open, and reads from `input`. An empty line leaves an answer open.
@@ -18,55 +24,45 @@ pub fn ask(
     out: &mut dyn Write,
 ) -> Result<(), UserError> {
     let mut dialogue = Dialogue { input, out };
-    dialogue.say("A reading is 298, or 298+-1, or several with commas: 298,299,297.5. Enter alone leaves out what is in [brackets].")?;
-    if answers.support.is_none() {
-        let read = |text: &str| {
-            Support::from_str(text, true).map_err(|_| "write wires or beams".to_owned())
-        };
-        answers.support = dialogue.needed("What does the hammer hang on: wires or beams", read)?;
+    dialogue.say("A reading is 298g, or 298+-1g, or several: 298 299 297.5 g. Enter alone leaves out what is in [brackets].")?;
+    let support = match answers.support {
+        Some(support) => support,
+        None => {
+            let read = |text: &str| {
+                Support::from_str(text, true).map_err(|_| "write wires or beams".to_owned())
+            };
+            dialogue.needed("What does the hammer hang on: wires or beams", read)?
+        }
+    };
+    answers.support = Some(support);
+    if answers.mass.is_none() {
+        answers.mass = Some(dialogue.measured("Weight of the hammer, g or kg", &MASS)?);
     }
-    let wires = answers.support == Some(Support::Wires);
-    if answers.mass_g.is_none() {
-        answers.mass_g = dialogue.needed("Weight of the hammer, g", as_reading)?;
+    dialogue.frequency(answers, support)?;
+    if support == Support::Beams && answers.ring_down.is_none() && answers.damping_ratio.is_none() {
+        let question = "Ringing down freely: swing in mm at first, at last, and full swings between, as 5:3.1:20";
+        answers.ring_down = dialogue.open::<RingDown>(question, ring_down)?;
     }
-    dialogue.frequency(answers, wires)?;
-    if !wires
-        && [
-            &answers.ring_down,
-            &answers.decrement,
-            &answers.damping_ratio,
-        ]
-        .iter()
-        .all(|a| a.is_none())
-    {
-        answers.ring_down = dialogue.open("Ringing down freely: swing in mm at first, at last, and full swings between, as 5:3.1:20", as_text)?;
+    if answers.stroke.is_none() {
+        let question = "Stroke of the cart from end to end, mm";
+        answers.stroke = Some(dialogue.measured(question, &STROKE)?);
     }
-    if answers.stroke_mm.is_none() {
-        answers.stroke_mm =
-            dialogue.needed("Stroke of the cart from end to end, mm", as_reading)?;
+    if answers.cart_mass.is_none() {
+        let question = "Weight of the cart without the hammer, g or kg";
+        answers.cart_mass = Some(dialogue.measured(question, &MASS)?);
     }
-    if answers.cart_mass_kg.is_none() {
-        answers.cart_mass_kg =
-            dialogue.needed("Weight of the cart without the hammer, kg", as_reading)?;
+    if answers.shaker_loop.is_none() {
+        let question = "Natural frequency of the shaker's position loop, Hz";
+        answers.shaker_loop = dialogue.perhaps(question, &FREQUENCY)?;
     }
-    if answers.shaker_loop_hz.is_none() {
-        answers.shaker_loop_hz = dialogue.open(
-            "Natural frequency of the shaker's position loop, Hz",
-            as_reading,
-        )?;
+    if answers.shaker_loop.is_some() && answers.shaker_force.is_none() {
+        let question = "Largest force that the shaker can give, N";
+        answers.shaker_force = dialogue.perhaps(question, &FORCE)?;
     }
-    if answers.gap_mm.is_none() {
-        answers.gap_mm = dialogue.open("Gap at rest, mm", as_reading)?;
+    if answers.gap.is_none() {
+        answers.gap = dialogue.perhaps("Gap at rest, mm", &GAP)?;
     }
     dialogue.contact(answers)
-}
-
-fn as_text(text: &str) -> Result<String, String> {
-    Ok(text.to_owned())
-}
-
-fn as_reading(text: &str) -> Result<String, String> {
-    reading::read(text).map(|reading| reading.text)
 }
 
 struct Dialogue<'a> {
@@ -81,45 +77,104 @@ impl Dialogue<'_> {
     }
 
     /// The length of the wires or the time of some swings; either will do on wires.
-    fn frequency(&mut self, answers: &mut Answers, wires: bool) -> Result<(), UserError> {
-        if answers.swings.is_some() || answers.natural_frequency_hz.is_some() {
+    fn frequency(&mut self, answers: &mut Answers, support: Support) -> Result<(), UserError> {
+        if answers.swings.is_some() || answers.natural_frequency.is_some() {
             return Ok(());
         }
-        if wires && answers.wire_length_mm.is_none() {
-            answers.wire_length_mm = self.open(
-                "Wires, from where they hang to the hammer's centre of mass, mm",
-                as_reading,
-            )?;
+        if support == Support::Wires && answers.wire_length.is_none() {
+            let question = "Wires, from where they hang to the hammer's centre of mass, mm";
+            answers.wire_length = self.perhaps(question, &WIRE_LENGTH)?;
         }
-        let count = |text: &str| text.parse().map_err(|_| "write a whole number".to_owned());
+        let count = |text: &str| match text.parse() {
+            Ok(swings @ 1..=100_000) => Ok(swings),
+            _ => Err("write a whole number from 1 to 100000".to_owned()),
+        };
         let question = "Full swings timed with the stopwatch, cart held still, without contact";
-        answers.swings = if answers.wire_length_mm.is_some() {
+        answers.swings = if answers.wire_length.is_some() {
             self.open(question, count)?
         } else {
-            self.needed(question, count)?
+            Some(self.needed(question, count)?)
         };
-        if answers.swings.is_some() {
-            answers.swing_time_s = self.needed("Their time, s", as_reading)?;
+        if let Some(swings) = answers.swings {
+            let time = |text: &str| {
+                let time = SWING_TIME.read(text)?;
+                natural_frequency(support, swung(swings, &time))?;
+                Ok(time)
+            };
+            let time = self.needed("Their time, s", time)?;
+            answers.swing_time = self.doubted(time, &SWING_TIME)?;
         }
         Ok(())
     }
 
     fn contact(&mut self, answers: &mut Answers) -> Result<(), UserError> {
-        if answers.drop_test.is_some() || answers.restitution.is_some() {
+        if answers.drop_test.is_some() {
             return Ok(());
         }
-        let file = self.open("File of a drop test (time_s, force_n)", as_text)?;
-        answers.drop_test = file.map(Into::into);
-        if answers.drop_test.is_none() {
-            answers.restitution = self.open(
-                "Restitution: how far it rebounds over how far it was pulled back",
-                as_reading,
-            )?;
+        if answers.surface.is_none()
+            && answers.restitution.is_none()
+            && answers.contact_time.is_none()
+        {
+            let record = |text: &str| match crate::record::read(text.as_ref(), |_| ()) {
+                Ok(_) => Ok(PathBuf::from(text)),
+                Err(why) => Err(why.to_string()),
+            };
+            answers.drop_test = self.open("File of a drop test (time_s, force_n)", record)?;
+            if answers.drop_test.is_some() {
+                return Ok(());
+            }
         }
-        if answers.restitution.is_some() {
-            answers.contact_time_ms = self.open("Time of one contact, ms", as_reading)?;
+        if answers.contact_time.is_none() && answers.surface.is_none() {
+            let question = "Time of one contact, ms";
+            answers.contact_time = self.perhaps(question, &CONTACT_TIME)?;
+        }
+        if answers.restitution.is_none() {
+            let question = "Restitution: how far it rebounds over how far it was pulled back";
+            answers.restitution = self.perhaps(question, &RESTITUTION)?;
+        }
+        let measured = answers.contact_time.is_some() && answers.restitution.is_some();
+        if !measured && answers.surface.is_none() {
+            let names = SURFACES.each_ref().map(|surface| surface.name()).join(", ");
+            let read = |text: &str| {
+                Choice::from_str(text, true).map_err(|_| format!("write one of {names}"))
+            };
+            let question = format!("What does the hammer strike: {names}");
+            answers.surface = Some(self.needed(&question, read)?);
         }
         Ok(())
+    }
+
+    /// A reading that there must be.
+    fn measured(&mut self, question: &str, quantity: &Quantity) -> Result<Reading, UserError> {
+        let reading = self.needed(question, |text| quantity.read(text))?;
+        let kept = self.doubted(reading.clone(), quantity)?;
+        Ok(kept.unwrap_or(reading))
+    }
+
+    /// A reading that may be left open.
+    fn perhaps(
+        &mut self,
+        question: &str,
+        quantity: &Quantity,
+    ) -> Result<Option<Reading>, UserError> {
+        match self.open(question, |text| quantity.read(text))? {
+            Some(reading) => self.doubted(reading, quantity),
+            None => Ok(None),
+        }
+    }
+
+    /// `reading`, or what is written in its place if it is doubtful.
+    fn doubted(
+        &mut self,
+        reading: Reading,
+        quantity: &Quantity,
+    ) -> Result<Option<Reading>, UserError> {
+        let Some(doubt) = &reading.doubt else {
+            return Ok(Some(reading));
+        };
+        self.say(&format!("  {doubt}"))?;
+        let again = self.open("again, or Enter to keep it", |text| quantity.read(text))?;
+        Ok(again.or(Some(reading)))
     }
 
     /// An answer that may be left open.
@@ -128,39 +183,9 @@ impl Dialogue<'_> {
         question: &str,
         read: impl Fn(&str) -> Result<T, String>,
     ) -> Result<Option<T>, UserError> {
-        self.answer(&format!("[{question}]"), read, true)
-    }
-
-    /// An answer that there must be.
-    fn needed<T>(
-        &mut self,
-        question: &str,
-        read: impl Fn(&str) -> Result<T, String>,
-    ) -> Result<Option<T>, UserError> {
-        self.answer(question, read, false)
-    }
-
-    fn answer<T>(
-        &mut self,
-        question: &str,
-        read: impl Fn(&str) -> Result<T, String>,
-        may_be_open: bool,
-    ) -> Result<Option<T>, UserError> {
         loop {
-            let asked = write!(self.out, "{question}: ").and_then(|()| self.out.flush());
-            asked.map_err(|e| UserError::new(format!("cannot ask on the terminal: {e}")))?;
-            let mut line = String::new();
-            let length = self.input.read_line(&mut line);
-            let length =
-                length.map_err(|e| UserError::new(format!("cannot read the answer: {e}")))?;
-            if length == 0 {
-                return Err(UserError::new(
-                    "rig new: the answers ended early; nothing was written",
-                ));
-            }
-            match line.trim() {
-                "" if may_be_open => return Ok(None),
-                "" => self.say("  this one is needed")?,
+            match self.line(&format!("[{question}]"))?.trim() {
+                "" => return Ok(None),
                 text => match read(text) {
                     Ok(answer) => return Ok(Some(answer)),
                     Err(why) => self.say(&format!("  {why}"))?,
@@ -168,11 +193,43 @@ impl Dialogue<'_> {
             }
         }
     }
+
+    /// An answer that there must be.
+    fn needed<T>(
+        &mut self,
+        question: &str,
+        read: impl Fn(&str) -> Result<T, String>,
+    ) -> Result<T, UserError> {
+        loop {
+            match self.line(question)?.trim() {
+                "" => self.say("  this one is needed")?,
+                text => match read(text) {
+                    Ok(answer) => return Ok(answer),
+                    Err(why) => self.say(&format!("  {why}"))?,
+                },
+            }
+        }
+    }
+
+    /// The line that answers `question`.
+    fn line(&mut self, question: &str) -> Result<String, UserError> {
+        let asked = write!(self.out, "{question}: ").and_then(|()| self.out.flush());
+        asked.map_err(|e| UserError::new(format!("cannot ask on the terminal: {e}")))?;
+        let mut line = String::new();
+        match self.input.read_line(&mut line) {
+            Ok(0) => Err(UserError::new(
+                "rig new: the answers ended early; nothing was written",
+            )),
+            Ok(_) => Ok(line),
+            Err(e) => Err(UserError::new(format!("cannot read the answer: {e}"))),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::own_rig::reading::DAMPING_RATIO;
 
     fn asked(typed: &str, mut answers: Answers) -> (Result<(), UserError>, Answers, String) {
         let mut out = Vec::new();
@@ -180,21 +237,37 @@ mod tests {
         (done, answers, String::from_utf8(out).unwrap())
     }
 
+    /// Each mistake is answered at its own question, and what was answered before stays.
     #[test]
     fn what_is_open_is_asked_and_a_mistake_is_asked_again() {
-        let typed =
-            "rope\nwires\nheavy\n298\n\n20\n10.99,11.02\n\n1.78\n5.38\n\n\n\n0.32+-0.02\n\n";
+        let typed = "rope\nwires\nheavy\n1,7kg\n298\n298g\n0.04mm\n\n20\n0.2s\n10.99s 20s\n10.99 11.02 s\n\
+                     1800mm\n1.78mm\n\n5.38kg\n50Hz\n60N\n\nmissing.csv\n\n\n0.32+-0.02\nrope\nhard-rubber\n";
         let (done, answers, out) = asked(typed, Answers::default());
         done.unwrap();
+        let text = |reading: &Option<Reading>| reading.clone().map(|reading| reading.text);
         assert_eq!(answers.support, Some(Support::Wires));
-        assert_eq!(answers.mass_g.as_deref(), Some("298"));
-        assert_eq!((answers.wire_length_mm, answers.swings), (None, Some(20)));
-        assert_eq!(answers.stroke_mm.as_deref(), Some("1.78"));
-        assert_eq!(answers.restitution.as_deref(), Some("0.32+-0.02"));
+        assert_eq!(text(&answers.mass).as_deref(), Some("298g"));
+        assert_eq!(
+            (text(&answers.wire_length), answers.swings),
+            (None, Some(20))
+        );
+        assert_eq!(text(&answers.swing_time).as_deref(), Some("10.99 11.02 s"));
+        assert_eq!(text(&answers.stroke).as_deref(), Some("1.78mm"));
+        assert_eq!(text(&answers.shaker_force).as_deref(), Some("60N"));
+        assert_eq!(text(&answers.restitution).as_deref(), Some("0.32+-0.02"));
+        assert_eq!(answers.surface.map(|s| s.0.name()), Some("hard-rubber"));
         for said in [
             "write wires or beams",
             "'heavy' is no number",
+            "write 1.7 with a point",
+            "298 has no unit; write g or kg",
+            "0.04mm is out of range: write 1 mm to 100 m",
+            "20 swings in 0.2s are 100 Hz",
+            "the readings differ by 82 %",
+            "1800mm is out of range",
             "this one is needed",
+            "missing.csv",
+            "write one of steel, hardened-steel",
         ] {
             assert!(out.contains(said), "{said}: {out}");
         }
@@ -212,16 +285,19 @@ mod tests {
 
     #[test]
     fn what_the_options_say_is_not_asked() {
+        let read = |quantity: &Quantity, text: &str| Some(quantity.read(text).unwrap());
         let given = Answers {
             support: Some(Support::Beams),
-            mass_g: Some("298".into()),
-            natural_frequency_hz: Some("4.5".into()),
-            damping_ratio: Some("0.004".into()),
-            stroke_mm: Some("1.78".into()),
-            cart_mass_kg: Some("5.38".into()),
-            shaker_loop_hz: Some("50".into()),
-            gap_mm: Some("0".into()),
-            restitution: Some("0.3".into()),
+            mass: read(&MASS, "298g"),
+            natural_frequency: read(&FREQUENCY, "4.5Hz"),
+            damping_ratio: read(&DAMPING_RATIO, "0.004"),
+            stroke: read(&STROKE, "1.78mm"),
+            cart_mass: read(&MASS, "5.38kg"),
+            shaker_loop: read(&FREQUENCY, "50Hz"),
+            shaker_force: read(&FORCE, "60N"),
+            gap: read(&GAP, "0"),
+            contact_time: read(&CONTACT_TIME, "0.57ms"),
+            restitution: read(&RESTITUTION, "0.3"),
             ..Answers::default()
         };
         let (done, _, out) = asked("", given);

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::answers::{Answers, Support};
 use crate::own_rig::file::RigFile;
-use crate::own_rig::reading::{From, Reading, read};
+use crate::own_rig::reading::{From, Reading};
 use files::UserError;
 use shared::model::params::GRAVITY_M_PER_S2;
 
@@ -14,6 +14,8 @@ use shared::model::params::GRAVITY_M_PER_S2;
 const HAND_S: f64 = 0.2;
 /// How well the gap is known that nobody measured, mm.
 const ASSUMED_GAP_MM: f64 = 0.05;
+/// What is missing where nothing says how stiff the contact is.
+const SURFACE_MISSING: &str = "--surface (or --contact-time with --restitution, or --drop-test)";
 /// The damping ratio of beams that nobody measured: the chapter's.
 const ASSUMED_DAMPING_RATIO: f64 = 0.004;
 
@@ -31,179 +33,179 @@ pub struct Described {
 /// The rig file of `answers`, all of it but the contact of a drop test.
 ///
 /// # Errors
-/// An answer is missing, or cannot be used.
+/// An answer is missing, or contradicts another.
 pub fn describe(answers: &Answers) -> Result<Described, UserError> {
-    let missing = missing(answers);
-    if !missing.is_empty() {
-        return Err(UserError::new(format!(
-            "rig new: {} missing; measure and give {} (on a terminal the program asks)",
-            missing.join(", "),
-            if missing.len() == 1 { "it" } else { "them" }
-        )));
-    }
+    let (Some(support), Some(mass), Some(stroke), Some(cart)) = (
+        answers.support,
+        &answers.mass,
+        &answers.stroke,
+        &answers.cart_mass,
+    ) else {
+        return Err(missing(answers));
+    };
     let mut described = Described {
         file: RigFile::default(),
         notes: Vec::new(),
         contact_open: answers.drop_test.is_some(),
     };
-    let support = answers.support.unwrap_or(Support::Wires);
     described.file.word("support", support.name(), "as given");
-    let mass = needed("--mass-g", answers.mass_g.as_deref())?;
-    described.quantity(
-        "mass_kg",
-        mass.value / 1e3,
-        "mass_percent",
-        &mass,
-        "weighed",
-        "g",
-    );
-    described.frequency(answers, support)?;
-    described.damping(answers, support)?;
-    let stroke = needed("--stroke-mm", answers.stroke_mm.as_deref())?;
-    described.quantity(
-        "amplitude_mm",
-        stroke.value / 2.0,
-        "amplitude_percent",
-        &stroke,
-        "half the stroke",
-        "mm",
-    );
-    described.gap(answers)?;
-    let cart = needed("--cart-mass-kg", answers.cart_mass_kg.as_deref())?;
-    described.quantity(
-        "cart_mass_kg",
-        cart.value,
-        "cart_mass_percent",
-        &cart,
-        "weighed",
-        "kg",
-    );
-    described.shaker(answers)?;
+    let weighed = ("mass_kg", "mass_percent");
+    described.quantity(weighed, mass, 1.0, "weighed", "--mass");
+    let hz = described.frequency(answers, support)?;
+    described.damping(answers, support);
+    let half = ("amplitude_mm", "amplitude_percent");
+    described.quantity(half, stroke, 500.0, "half the stroke", "--stroke");
+    described.gap(answers, support, hz)?;
+    let weighed = ("cart_mass_kg", "cart_mass_percent");
+    described.quantity(weighed, cart, 1.0, "weighed", "--cart-mass");
+    described.shaker(answers);
     if !described.contact_open {
-        described.measured_contact(answers, mass.value / 1e3)?;
+        // The hammer strikes at some 3.5 times the greatest speed of a cart at twice the natural frequency (pick, the chapter's).
+        let speed = 3.5 * 0.5 * stroke.value * 2.0 * TAU * hz;
+        described.measured_contact(answers, mass.value, speed)?;
     }
     Ok(described)
 }
 
 /// The options without which there is no rig, where they are missing.
-fn missing(answers: &Answers) -> Vec<&'static str> {
-    let frequency = match answers.support {
-        Some(Support::Beams) => answers.swings.is_some() || answers.natural_frequency_hz.is_some(),
-        _ => {
-            answers.swings.is_some()
-                || answers.natural_frequency_hz.is_some()
-                || answers.wire_length_mm.is_some()
-        }
+fn missing(answers: &Answers) -> UserError {
+    let beams = answers.support == Some(Support::Beams);
+    let frequency = answers.swings.is_some()
+        || answers.natural_frequency.is_some()
+        || (!beams && answers.wire_length.is_some());
+    let timed = if beams {
+        "--swings with --swing-time"
+    } else {
+        "--wire-length or --swings with --swing-time"
     };
-    let timed = match answers.support {
-        Some(Support::Beams) => "--swings with --swing-time-s",
-        _ => "--wire-length-mm or --swings with --swing-time-s",
-    };
+    let contact = answers.drop_test.is_some()
+        || answers.surface.is_some()
+        || (answers.contact_time.is_some() && answers.restitution.is_some());
     let all = [
         ("--support", answers.support.is_some()),
-        ("--mass-g", answers.mass_g.is_some()),
+        ("--mass", answers.mass.is_some()),
         (timed, frequency),
-        ("--stroke-mm", answers.stroke_mm.is_some()),
-        ("--cart-mass-kg", answers.cart_mass_kg.is_some()),
+        ("--stroke", answers.stroke.is_some()),
+        ("--cart-mass", answers.cart_mass.is_some()),
+        (SURFACE_MISSING, contact),
     ];
     let open = all.iter().filter(|(_, there)| !there);
-    open.map(|(option, _)| *option).collect()
+    let open: Vec<_> = open.map(|(option, _)| *option).collect();
+    UserError::new(format!(
+        "rig new: {} missing; measure and give {} (on a terminal the program asks)",
+        open.join(", "),
+        if open.len() == 1 { "it" } else { "them" }
+    ))
 }
 
-/// The positive reading of an option.
-fn needed(option: &str, text: Option<&str>) -> Result<Reading, UserError> {
-    let text = text.unwrap_or_default();
-    let reading = read(text).map_err(|why| UserError::new(format!("{option} {text}: {why}")))?;
-    if reading.value <= 0.0 {
-        return Err(UserError::new(format!(
-            "{option} is {}, must be a positive number",
-            reading.value
-        )));
+/// Hz, if a hammer on this support can have it.
+///
+/// # Errors
+/// In words: what was given, and what can be.
+pub fn natural_frequency(support: Support, (hz, given): (f64, String)) -> Result<f64, String> {
+    let (from, to) = match support {
+        // 100 m and 1 mm.
+        Support::Wires => (0.05, 15.7),
+        Support::Beams => (0.01, 1e4),
+    };
+    if (from..=to).contains(&hz) {
+        return Ok(hz);
     }
-    Ok(reading)
+    let name = support.name();
+    Err(format!(
+        "{given} are {hz:.4} Hz; a hammer on {name} has from {from} to {to} Hz"
+    ))
+}
+
+/// The frequency of so many swings, Hz, and how it was measured.
+pub fn swung(swings: u32, time: &Reading) -> (f64, String) {
+    let hz = f64::from(swings) / time.value;
+    (hz, format!("{swings} swings in {}", time.text))
 }
 
 impl Described {
-    /// A value of the file with its half-width, which is relative.
+    /// A value of the file, `factor` times a reading, with its half-width, which is relative.
     fn quantity(
         &mut self,
-        key: &'static str,
-        value: f64,
-        width: &'static str,
+        (key, width): (&'static str, &'static str),
         reading: &Reading,
+        factor: f64,
         how: &str,
-        unit: &str,
+        option: &str,
     ) {
-        let source = format!("{how}: {} {unit}", reading.text);
-        self.file.number(key, value, &source);
+        let source = format!("{how}: {}", self.read(option, reading));
+        self.file.number(key, factor * reading.value, &source);
         self.file
             .width(width, reading.percent(), &reading.from.to_string());
     }
 
-    fn frequency(&mut self, answers: &Answers, support: Support) -> Result<(), UserError> {
-        let given = |option, text: &Option<String>| {
-            text.as_deref()
-                .map(|text| needed(option, Some(text)))
-                .transpose()
-        };
-        let known = given("--natural-frequency-hz", &answers.natural_frequency_hz)?;
-        let length = given("--wire-length-mm", &answers.wire_length_mm)?;
-        if support == Support::Wires {
+    /// A reading as it was written, with what is doubtful about it, which is also said aloud.
+    fn read(&mut self, option: &str, reading: &Reading) -> String {
+        let text = &reading.text;
+        match &reading.doubt {
+            None => text.clone(),
+            Some(doubt) => {
+                self.notes.push(format!("note: {option} {text}: {doubt}"));
+                format!("{text} ({doubt})")
+            }
+        }
+    }
+
+    /// Writes the natural frequency, and gives it in Hz.
+    fn frequency(&mut self, answers: &Answers, support: Support) -> Result<f64, UserError> {
+        let wires = support == Support::Wires;
+        if wires {
             self.file.number(
                 "gravity_m_per_s2",
                 GRAVITY_M_PER_S2,
                 "as the chapter has it",
             );
             self.file.word("torque", "literal", "as the chapter has it");
-        } else if length.is_some() {
+        } else if answers.wire_length.is_some() {
             return Err(UserError::new(
-                "--wire-length-mm is for wires; time some swings of the beams: --swings with --swing-time-s",
+                "--wire-length is for wires; time some swings of the beams: --swings with --swing-time",
             ));
         }
-        if let Some(reading) = known {
-            self.quantity(
-                "natural_frequency_hz",
-                reading.value,
-                "natural_frequency_percent",
-                &reading,
-                "given",
-                "Hz",
-            );
-            return Ok(());
+        let possible = |given| natural_frequency(support, given);
+        let known = ("natural_frequency_hz", "natural_frequency_percent");
+        if let Some(reading) = &answers.natural_frequency {
+            let given = (reading.value, reading.text.clone());
+            let hz = possible(given).map_err(|e| UserError::new(e).at("--natural-frequency"))?;
+            self.quantity(known, reading, 1.0, "given", "--natural-frequency");
+            return Ok(hz);
         }
-        let of_length = |mm: f64| (GRAVITY_M_PER_S2 / (mm / 1e3)).sqrt() / TAU;
-        if let Some((swings, time)) = timed(answers)? {
-            let hz = f64::from(swings) / time.value;
-            let source = format!("{swings} swings in {} s", time.text);
-            self.file.number("natural_frequency_hz", hz, &source);
-            let how = match time.from {
-                From::LastDigit => format!("one reading by hand: {HAND_S} s either way"),
-                from => from.to_string(),
+        let of_length = |m: f64| (GRAVITY_M_PER_S2 / m).sqrt() / TAU;
+        if let Some((swings, time)) = answers.swings.zip(answers.swing_time.as_ref()) {
+            let given = swung(swings, time);
+            let hz = possible(given).map_err(|e| UserError::new(e).at("--swing-time"))?;
+            let source = format!("{swings} swings in {}", self.read("--swing-time", time));
+            self.file.number(known.0, hz, &source);
+            let (width, how) = match time.from {
+                From::LastDigit => (
+                    time.half_width.hypot(HAND_S),
+                    format!("one reading by hand: {HAND_S} s either way"),
+                ),
+                from => (time.half_width, from.to_string()),
             };
-            self.file
-                .width("natural_frequency_percent", time.percent(), &how);
-            if let Some(length) = &length {
-                self.compare(
-                    hz,
-                    time.percent(),
-                    of_length(length.value),
-                    0.5 * length.percent(),
-                );
+            let percent = 100.0 * width / time.value;
+            self.file.width(known.1, percent, &how);
+            if let Some(length) = &answers.wire_length {
+                self.compare(hz, percent, of_length(length.value), 0.5 * length.percent());
             }
-            return Ok(());
+            return Ok(hz);
         }
-        let length = length.ok_or_else(|| UserError::new("rig new: no length and no swings"))?;
-        self.file.number(
-            "wire_length_mm",
-            length.value,
-            &format!("measured: {} mm", length.text),
-        );
+        let Some(length) = answers.wire_length.as_ref() else {
+            return Err(missing(answers));
+        };
+        let source = format!("measured: {}", self.read("--wire-length", length));
+        self.file
+            .number("wire_length_mm", 1e3 * length.value, &source);
         self.file.width(
-            "natural_frequency_percent",
+            known.1,
             0.5 * length.percent(),
             &format!("half that of the wires' length, {}", length.from),
         );
-        Ok(())
+        Ok(of_length(length.value))
     }
 
     /// Says so if the length of the wires contradicts the swings.
@@ -216,34 +218,23 @@ impl Described {
         }
     }
 
-    fn damping(&mut self, answers: &Answers, support: Support) -> Result<(), UserError> {
-        let given = [
-            &answers.damping_ratio,
-            &answers.decrement,
-            &answers.ring_down,
-        ];
+    fn damping(&mut self, answers: &Answers, support: Support) {
         if support == Support::Wires {
-            if given.iter().any(|answer| answer.is_some()) {
+            if answers.damping_ratio.is_some() || answers.ring_down.is_some() {
                 self.notes.push(
                     "note: the model of wires has no damping; what was measured of it is left out"
                         .to_owned(),
                 );
             }
-            return Ok(());
+            return;
         }
-        let (ratio, source) = if let Some(text) = &answers.damping_ratio {
-            let reading = needed("--damping-ratio", Some(text))?;
-            (reading.value, format!("given: {}", reading.text))
-        } else if let Some(text) = &answers.decrement {
-            let reading = needed("--decrement", Some(text))?;
+        let (ratio, source) = if let Some(reading) = &answers.damping_ratio {
+            let source = format!("given: {}", self.read("--damping-ratio", reading));
+            (reading.value, source)
+        } else if let Some(swings) = &answers.ring_down {
             (
-                of_decrement(reading.value),
-                format!("logarithmic decrement {}", reading.text),
-            )
-        } else if let Some(text) = &answers.ring_down {
-            (
-                of_decrement(ring_down(text)?),
-                format!("ringing down, mm:mm:swings: {text}"),
+                of_decrement(swings.decrement),
+                format!("ringing down, mm:mm:swings: {}", swings.text),
             )
         } else {
             (
@@ -252,67 +243,63 @@ impl Described {
             )
         };
         self.file.number("damping_ratio", ratio, &source);
-        Ok(())
     }
 
-    fn gap(&mut self, answers: &Answers) -> Result<(), UserError> {
-        let (gap, source) = match &answers.gap_mm {
+    fn gap(&mut self, answers: &Answers, support: Support, hz: f64) -> Result<(), UserError> {
+        let (gap, source, how) = match &answers.gap {
             None => (
-                Reading::assumed(0.0, ASSUMED_GAP_MM),
+                Reading::assumed(0.0, ASSUMED_GAP_MM / 1e3),
                 "not measured: hung so that it just touches".to_owned(),
+                "not measured: assumed".to_owned(),
             ),
-            Some(text) => {
-                let gap =
-                    read(text).map_err(|why| UserError::new(format!("--gap-mm {text}: {why}")))?;
-                let source = format!("measured: {} mm", gap.text);
-                (gap, source)
-            }
+            Some(gap) => (
+                gap.clone(),
+                format!("measured: {}", gap.text),
+                gap.from.to_string(),
+            ),
         };
-        self.file.number("gap_mm", gap.value, &source);
-        let how = match answers.gap_mm {
-            None => "not measured: assumed".to_owned(),
-            Some(_) => gap.from.to_string(),
-        };
-        self.file.width("gap_tolerance_mm", gap.half_width, &how);
-        Ok(())
-    }
-
-    fn shaker(&mut self, answers: &Answers) -> Result<(), UserError> {
-        let Some(text) = &answers.shaker_loop_hz else {
-            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes some 10 % less hard (--shaker-loop-hz)".to_owned());
-            return Ok(());
-        };
-        let held = needed("--shaker-loop-hz", Some(text))?;
-        self.quantity(
-            "shaker_loop_hz",
-            held.value,
-            "shaker_loop_percent",
-            &held,
-            "given",
-            "Hz",
-        );
-        if let Some(ratio) = answers.shaker_damping_ratio {
-            self.file.number("shaker_damping_ratio", ratio, "given");
+        let length = GRAVITY_M_PER_S2 / (TAU * hz).powi(2);
+        if support == Support::Wires && gap.value.abs() > 0.5 * length {
+            return Err(UserError::new(format!(
+                "--gap {} is more than half the wires' length ({:.1} mm)",
+                gap.text,
+                1e3 * length
+            )));
         }
+        self.file.number("gap_mm", 1e3 * gap.value, &source);
+        // A gap written 0 has no unit, and no digit that says how well it is known.
+        let width = if gap.value == 0.0 && gap.from == From::LastDigit {
+            ASSUMED_GAP_MM
+        } else {
+            1e3 * gap.half_width
+        };
+        self.file.width("gap_tolerance_mm", width, &how);
         Ok(())
     }
-}
 
-/// The swings timed, and their time; a single reading has the hand's uncertainty.
-fn timed(answers: &Answers) -> Result<Option<(u32, Reading)>, UserError> {
-    let Some(swings) = answers.swings else {
-        return Ok(None);
-    };
-    if swings == 0 {
-        return Err(UserError::new(
-            "--swings is 0, must be at least 1; 20 or more are well timed by hand",
-        ));
+    fn shaker(&mut self, answers: &Answers) {
+        let Some(held) = &answers.shaker_loop else {
+            self.notes.push("note: the shaker is not known, so the cart is moved as prescribed; a real one recoils, and the hammer strikes less hard (give --shaker-loop, and pick says how much)".to_owned());
+            return;
+        };
+        let known = ("shaker_loop_hz", "shaker_loop_percent");
+        self.quantity(known, held, 1.0, "given", "--shaker-loop");
+        if let Some(ratio) = &answers.shaker_damping_ratio {
+            let source = format!("given: {}", ratio.text);
+            self.file
+                .number("shaker_damping_ratio", ratio.value, &source);
+        }
+        match &answers.shaker_force {
+            Some(force) => {
+                let source = format!("given: {}", self.read("--shaker-force", force));
+                self.file.number("shaker_max_force_n", force.value, &source);
+            }
+            None => self.notes.push(
+                "note: the shaker's largest force is not known, so it limits nothing (--shaker-force)"
+                    .to_owned(),
+            ),
+        }
     }
-    let mut time = needed("--swing-time-s", answers.swing_time_s.as_deref())?;
-    if time.from == From::LastDigit {
-        time.half_width = time.half_width.hypot(HAND_S);
-    }
-    Ok(Some((swings, time)))
 }
 
 /// Damping ratio from the logarithmic decrement per swing.
@@ -320,38 +307,19 @@ fn of_decrement(decrement: f64) -> f64 {
     decrement / TAU.hypot(decrement)
 }
 
-/// Decrement from FROM:TO:SWINGS.
-fn ring_down(text: &str) -> Result<f64, UserError> {
-    let parts: Vec<_> = text
-        .split(':')
-        .map(|part| part.trim().parse::<f64>())
-        .collect();
-    match parts.as_slice() {
-        [Ok(from), Ok(to), Ok(swings)]
-            if *to > 0.0
-                && from > to
-                && *swings >= 1.0
-                && from.is_finite()
-                && swings.is_finite() =>
-        {
-            Ok((from / to).ln() / swings)
-        }
-        _ => Err(UserError::new(format!(
-            "--ring-down {text}: write FROM:TO:SWINGS, the swing in mm at first, a smaller one at last, and full swings between: 5:3.1:20"
-        ))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::answers::ring_down;
     use super::*;
 
     #[test]
     fn a_ring_down_gives_the_damping_ratio() {
         // exp(−2π ζ n/√(1−ζ²)) with ζ = 0.004, n = 20: 0.60489.
-        let decrement = ring_down("5:3.02445:20").unwrap();
+        let decrement = ring_down("5:3.02445:20").unwrap().decrement;
         assert!((of_decrement(decrement) / 0.004 - 1.0).abs() < 1e-4);
-        for bad in ["5:5:20", "3:5:20", "5:3", "5:0:20", "a:b:c", "5:3:0"] {
+        for bad in [
+            "5:5:20", "3:5:20", "5:3", "5:0:20", "a:b:c", "5:3:0", "5:3:20:x",
+        ] {
             assert!(ring_down(bad).is_err(), "{bad}");
         }
     }

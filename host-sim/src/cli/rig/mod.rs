@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         let contact = identified(&answers, &mut described, new.quiet)?;
         let file = answers.drop_test.as_deref().unwrap_or(Path::new(""));
         let source = format!("drop test {}", file.display());
-        described.contact(&contact, [&source, &source]);
+        described.contact(&contact, [&source, &source], [&source, &source]);
     }
     let name = new.file.file_stem().unwrap_or_default().to_string_lossy();
     let text = described.file.text(&name);
@@ -111,7 +111,7 @@ fn identified(
     )?;
     if fit.refused {
         return Err(UserError::new(format!(
-            "{}: a spring-dashpot does not fit this drop test; give --restitution and --contact-time-ms instead",
+            "{}: a spring-dashpot does not fit this drop test; give --contact-time and --restitution instead",
             file.display()
         )));
     }
@@ -120,12 +120,8 @@ fn identified(
     described.notes.extend(notes);
     let (stiffness, stiffness_percent) = estimate(&fit, "contact_stiffness_n_per_m")?;
     let (damping, damping_percent) = estimate(&fit, "contact_damping_n_s_per_m")?;
-    Ok(Contact {
-        stiffness,
-        stiffness_percent,
-        damping,
-        damping_percent,
-    })
+    let percent = [stiffness_percent, damping_percent];
+    Ok(Contact::apart(stiffness, damping, percent))
 }
 
 /// The rig so far, with a contact that the search begins from.

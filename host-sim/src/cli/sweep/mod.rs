@@ -157,8 +157,8 @@ fn describe(error: &MeasuredError) -> String {
 }
 
 fn text(rows: &[Row]) -> String {
-    let mut text =
-        String::from("   Hz        Ω/ω      regime      force/weight  force, N  approach, m/s\n");
+    let mut text = heading(rows) + "\n\n";
+    text += "   Hz        Ω/ω      regime      force/weight  force, N  approach, m/s\n";
     let every = rows.len().div_ceil(40).max(1);
     for row in rows.iter().step_by(every) {
         text += &format!("{:>9.4} {:>8.4}   ", row.frequency_hz, row.frequency_ratio);
@@ -192,6 +192,17 @@ fn text(rows: &[Row]) -> String {
     text
 }
 
+/// What is swept, for text and picture.
+fn heading(rows: &[Row]) -> String {
+    rows.first().map_or(String::new(), |r| {
+        let cart = r.cart.words();
+        format!(
+            "{}, gap {:?} mm, {cart}: force over frequency",
+            r.rig, r.gap_mm
+        )
+    })
+}
+
 const BLUE: Color = Color(0x1f, 0x4e, 0x79);
 const GREY: Color = Color(0x80, 0x80, 0x80);
 const BLACK: Color = Color(0, 0, 0);
@@ -203,9 +214,6 @@ fn figure(
     measured: Option<&Measured>,
     error: Option<MeasuredError>,
 ) -> Figure {
-    let title = rows.first().map_or(String::new(), |r| {
-        format!("{}, gap {:?} mm: force over frequency", r.rig, r.gap_mm)
-    });
     let mut subtitle = match direction {
         Direction::Rest => {
             "Largest contact force of the recorded cycles, each frequency from rest.".to_owned()
@@ -220,7 +228,7 @@ fn figure(
     if let Some(measured) = measured {
         panel = panel.item(Item::points("measured", BLACK, measured.points.clone()));
     }
-    Figure::new(title)
+    Figure::new(heading(rows))
         .subtitle(subtitle)
         .size(1100, 680)
         .panel(panel)

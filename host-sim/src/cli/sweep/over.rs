@@ -12,6 +12,7 @@ use crate::progress::Progress;
 use files::UserError;
 use files::words::digits::significant;
 use numerics::NamedRig;
+use numerics::pick::CartModel;
 use numerics::row::{Outcome, Row};
 use numerics::sweep::{Direction, over};
 use plot::chart::Chart;
@@ -27,6 +28,7 @@ struct OverRow<'a> {
     // What follows is the row of a sweep over frequency: a CSV cannot hold one row inside another.
     rig: &'a str,
     gap_mm: f64,
+    cart: CartModel,
     frequency_hz: f64,
     frequency_ratio: f64,
     impacts: Option<u16>,
@@ -48,6 +50,7 @@ impl<'a> OverRow<'a> {
             value,
             rig: &row.rig,
             gap_mm: row.gap_mm,
+            cart: row.cart,
             frequency_hz: row.frequency_hz,
             frequency_ratio: row.frequency_ratio,
             impacts: (!row.failed).then_some(row.impacts),
@@ -91,7 +94,7 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
         contents.extend(output.tables(&output.name(""), &rows, &rows)?);
         output.write(dir, contents)?;
     }
-    output.emit(&rows, &rows, || text(output, asked, &rows))
+    output.emit(&rows, &rows, || text(output, &rig, asked, &rows))
 }
 
 /// A rig and its drive frequency for each value.
@@ -111,9 +114,16 @@ fn runs(args: &Args, asked: &Over) -> Result<Vec<(NamedRig, f64)>, UserError> {
     asked.values.list.iter().map(one).collect()
 }
 
-fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
+/// What is computed, for text and picture.
+fn heading(rig: &NamedRig, asked: &Over) -> String {
+    let cart = CartModel::of(&rig.params).words();
+    format!("{}, {cart}: force over {}", rig.name, asked.key)
+}
+
+fn text(output: &OutputArgs, rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
     let mut text = format!(
-        "{:>28}   Hz        Ω/ω      regime      force/weight  force, N\n",
+        "{}\n\n{:>28}   Hz        Ω/ω      regime      force/weight  force, N\n",
+        heading(rig, asked),
         asked.key
     );
     let every = rows.len().div_ceil(40).max(1);
@@ -165,7 +175,6 @@ fn text(output: &OutputArgs, asked: &Over, rows: &[OverRow<'_>]) -> String {
 const BLUE: Color = Color(0x1f, 0x4e, 0x79);
 
 fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_>]) -> Figure {
-    let title = format!("{}: force over {}", rig.name, asked.key);
     let how = match direction {
         Direction::Rest => "each value from rest",
         Direction::Up => "state carried from value to value, upwards",
@@ -187,7 +196,7 @@ fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_
     for (regime, points) in by_regime(placed.iter()) {
         panel = panel.item(regime_points(&regime, points));
     }
-    Figure::new(title)
+    Figure::new(heading(rig, asked))
         .subtitle(format!(
             "Largest contact force of the recorded cycles, {how}."
         ))

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{Codimension, Condition, Curve, Plane, Point};
 use crate::continuation::End;
+use crate::pick::CartModel;
 use crate::row::tidy;
 
 /// A point of a curve. Units are in the names, or in the name of the parameter beside a value.
@@ -77,6 +78,8 @@ pub struct CurveRow {
 pub struct Answer {
     /// Name of the rig.
     pub rig: String,
+    /// How the cart is moved.
+    pub cart: CartModel,
     /// The first parameter, with its unit.
     pub parameter_1: &'static str,
     /// The second parameter, with its unit.
@@ -119,6 +122,7 @@ impl Answer {
         let marked = points.iter().filter(|p| p.codimension_two.is_some());
         Self {
             rig: name.to_owned(),
+            cart: CartModel::of(&plane.params),
             parameter_1: first,
             parameter_2: second,
             curves: (curves.iter().zip(&names))

@@ -8,7 +8,6 @@
 
 mod problem;
 
-use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 
 use nalgebra::DMatrix;
@@ -19,7 +18,7 @@ use super::Settings;
 use super::contacts::Measured;
 use super::least_squares::{self, Solved};
 use super::ring::{self, Tail};
-use super::sensor::{Pulse, Sensor, Swing};
+use super::sensor::{Model, Pulse, Sensor, Swing};
 use super::unknowns::Unknowns;
 use crate::contact_law::undriven::Course;
 use crate::drop_test::impacts;
@@ -28,12 +27,6 @@ use crate::reference::Contact;
 /// Where no noise is seen, squares are counted in this share of the largest peak, so that the search has a scale.
 const SCALE_SHARE: f64 = 1e-5;
 
-/// A filter of a shorter time constant, in samples, leaves the onset a jump.
-const SHARP: f64 = 0.4;
-
-/// A filter of a longer time constant, in samples, is told from none.
-const BLURRED: f64 = 0.7;
-
 /// The window reaches this many time constants of the ringing beyond the contact.
 const RINGING_DECAYS: f64 = 3.0;
 
@@ -41,9 +34,9 @@ const RINGING_DECAYS: f64 = 3.0;
 const RELEASE: usize = 0;
 const GAIN: usize = 1;
 const OFFSET: usize = 2;
-const FILTER: usize = 3;
-const DAMPING: usize = 4;
-const COMMON: usize = 5;
+const CLOCK: usize = 3;
+/// The first of the filter's, of which [`Model::unknowns`] says how many there are.
+const FILTER: usize = 4;
 /// After these, those of the ringing if it is sought: two sizes, ln Hz, ln s.
 const RINGING: usize = 4;
 
@@ -62,6 +55,8 @@ pub struct Shape<'a> {
     params: RigParams,
     unknowns: &'a Unknowns,
     settings: Settings,
+    /// The kind of filter.
+    pub model: Model,
     ringing: Option<RingingGuess>,
     windows: Vec<Range<usize>>,
     /// The deviation of a sample, N.
@@ -75,12 +70,13 @@ pub struct Contacts {
 }
 
 impl<'a> Shape<'a> {
-    /// Of `measured`, with ringing if there is a guess of it.
+    /// Of `measured`, with this kind of filter, and with ringing if there is a guess of it.
     pub fn new(
         measured: &'a Measured,
         params: &RigParams,
         unknowns: &'a Unknowns,
         settings: &Settings,
+        model: Model,
         ringing: Option<RingingGuess>,
     ) -> Self {
         let mut windows: Vec<Range<usize>> =
@@ -101,6 +97,7 @@ impl<'a> Shape<'a> {
             params: *params,
             unknowns,
             settings: *settings,
+            model,
             ringing,
             windows,
             deviation_n: unit_n(measured),
@@ -121,8 +118,13 @@ impl<'a> Shape<'a> {
         self.unknowns.list().len()
     }
 
+    /// Where the ringing's are, if it is sought.
+    fn ringing_at(&self) -> usize {
+        FILTER + self.model.unknowns()
+    }
+
     fn first_onset(&self) -> usize {
-        self.laws() + COMMON + if self.ringing.is_some() { RINGING } else { 0 }
+        self.laws() + self.ringing_at() + if self.ringing.is_some() { RINGING } else { 0 }
     }
 
     /// The sensor's gain at a point. Gain and release make up for each other: only their product is seen. Where the
@@ -141,16 +143,21 @@ impl<'a> Shape<'a> {
     /// The sensor at a point.
     pub fn sensor(&self, x: &[f64]) -> Sensor {
         let own = &x[self.laws()..];
+        let swing = &own[self.ringing_at()..];
+        let mut filter = [0.0; 3];
+        let count = self.model.unknowns();
+        filter[..count].copy_from_slice(&own[FILTER..FILTER + count]);
         Sensor {
             gain: self.gain(x),
             offset_n: own[OFFSET],
-            filter_s: own[FILTER] * self.measured.sample_s,
-            filter_damping: own[DAMPING],
+            clock: own[CLOCK],
+            model: self.model,
+            filter,
             swing: self.ringing.map(|_| Swing {
-                cos: own[COMMON],
-                sin: own[COMMON + 1],
-                hz: own[COMMON + 2].exp(),
-                decay_s: own[COMMON + 3].exp(),
+                cos: swing[0],
+                sin: swing[1],
+                hz: swing[2].exp(),
+                decay_s: swing[3].exp(),
             }),
         }
     }
@@ -213,14 +220,19 @@ impl<'a> Shape<'a> {
         0.01 * self.settings.release_height_percent.max(1e-7)
     }
 
+    fn clock_deviation(&self) -> f64 {
+        0.01 * self.settings.clock_percent.max(1e-7)
+    }
+
     fn gain_deviation(&self) -> f64 {
         0.01 * self.settings.gain_percent.max(1e-7)
     }
 
-    /// Where a search begins: a point of the law, and a filter of so many samples.
-    pub fn start(&self, law: &[f64], filter: f64) -> Vec<f64> {
+    /// Where a search begins: a point of the law, and a filter.
+    pub fn start(&self, law: &[f64], filter: &[f64]) -> Vec<f64> {
         let mut x = law.to_vec();
-        x.extend([1.0, 1.0, 0.0, filter, FRAC_1_SQRT_2]);
+        x.extend([1.0, 1.0, 0.0, 1.0]);
+        x.extend(filter);
         if let Some(guess) = self.ringing {
             x.extend([0.0, 0.0, guess.hz.ln(), guess.decay_s.ln()]);
         }
@@ -237,6 +249,7 @@ impl<'a> Shape<'a> {
             let k = self.first_onset() + i;
             let impact = &self.measured.impacts[i];
             let before = (impact.first - self.windows[i].start) as f64;
+            let after = self.latest(&x);
             let own = x[k];
             let tried: Vec<f64> = if near {
                 // Either end of this space between samples and of two on both sides.
@@ -244,10 +257,12 @@ impl<'a> Shape<'a> {
                 let places = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|j| [pair + j + 0.1, pair + j + 0.9]);
                 places.into_iter().flatten().collect()
             } else {
-                (-before as i64..3).map(|j| j as f64 + 0.5).collect()
+                (-before as i64..after as i64)
+                    .map(|j| j as f64 + 0.5)
+                    .collect()
             };
             let mut best = (self.squares(&x, &contacts, i), own);
-            for place in tried.into_iter().filter(|p| *p > -before && *p < 3.0) {
+            for place in tried.into_iter().filter(|p| *p > -before && *p < after) {
                 x[k] = place;
                 let cost = self.squares(&x, &contacts, i);
                 if cost < best.0 {
@@ -271,7 +286,7 @@ impl<'a> Shape<'a> {
     pub fn solve(&self, x: &[f64], held: &[usize], rounds: usize) -> Option<Solved> {
         let mut best = self.solve_once(x, held, rounds)?;
         let filter = self.laws() + FILTER;
-        if best.x[filter] > BLURRED || held.contains(&filter) {
+        if self.shows_filter(&best.x) || held.contains(&filter) {
             return Some(best);
         }
         let mut sharp = best.x.clone();
@@ -287,13 +302,35 @@ impl<'a> Shape<'a> {
 
     /// Whether the record shows a filter at a point: if not, filter and onsets make up for each other.
     pub fn shows_filter(&self, x: &[f64]) -> bool {
-        x[self.laws() + FILTER] > BLURRED
+        self.model.shows(x[self.laws() + FILTER])
+    }
+
+    /// The latest onset of an impact, in samples from the first over the threshold.
+    fn latest(&self, x: &[f64]) -> f64 {
+        3.0 + self.model.leads(&x[self.laws() + FILTER..]).floor()
+    }
+
+    /// `x` with all onsets so many samples later, as far as their range goes.
+    pub fn shifted(&self, x: &[f64], by: f64) -> Vec<f64> {
+        let mut x = x.to_vec();
+        let first = self.first_onset();
+        let latest = self.latest(&x);
+        for (i, onset) in x[first..].iter_mut().enumerate() {
+            let before = (self.measured.impacts[i].first - self.windows[i].start) as f64;
+            *onset = (*onset + by).clamp(1e-2 - before, latest - 1e-2);
+        }
+        x
+    }
+
+    /// Whether the onset's jump is one in the samples.
+    pub fn jumps(&self, x: &[f64]) -> bool {
+        self.model.jumps(x[self.laws() + FILTER])
     }
 
     /// Rounds of least squares, with the onsets scanned in between.
     fn solve_once(&self, x: &[f64], held: &[usize], rounds: usize) -> Option<Solved> {
         let mut best = least_squares::solve(self, x, held, rounds)?;
-        if best.x[self.laws() + FILTER] > SHARP {
+        if !self.jumps(&best.x) {
             return Some(best);
         }
         for _ in 0..3 {

@@ -1,38 +1,33 @@
 //! The whole force as residuals: samples, and what is known beforehand.
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
 use nalgebra::DVector;
 
-use super::{COMMON, Contacts, DAMPING, FILTER, GAIN, OFFSET, RELEASE, SHARP, Shape};
+use super::{CLOCK, Contacts, FILTER, GAIN, OFFSET, RELEASE, Shape};
 use crate::identify::least_squares::Problem;
-
-/// How uncertain the filter's damping ratio is (standard deviation), about Butterworth's 1/√2.
-const FILTER_DAMPING_DEVIATION: f64 = 0.1;
-
-/// The slowest filter's time constant, in samples, as a share of the first window.
-const SLOWEST_SHARE: f64 = 0.2;
 
 impl Shape<'_> {
     /// What is known beforehand: value at `x`, expected, deviation.
-    fn priors(&self, x: &[f64]) -> [(f64, f64, f64); 4] {
+    fn priors(&self, x: &[f64]) -> [(f64, f64, f64); 5] {
         let laws = self.laws();
         // In a clean record the zero is known to rounding.
         let zero = self
             .measured
             .offset_deviation_n
             .max(1e-3 * self.deviation_n);
+        let shape = x[laws + self.ringing_at() - 1];
+        let (usual, deviation) = self.model.known();
         [
             (x[laws + RELEASE], 1.0, self.release_deviation()),
             (self.gain(x), 1.0, self.gain_deviation()),
             (x[laws + OFFSET], 0.0, zero),
-            (x[laws + DAMPING], FRAC_1_SQRT_2, FILTER_DAMPING_DEVIATION),
+            (x[laws + CLOCK], 1.0, self.clock_deviation()),
+            (shape, usual, deviation),
         ]
     }
 
     fn gather(&self, x: &[f64], shown: &[Vec<f64>]) -> DVector<f64> {
         let per = 1.0 / self.deviation_n;
-        let mut all = Vec::with_capacity(self.data() + 4);
+        let mut all = Vec::with_capacity(self.data() + 5);
         for (window, shown) in self.windows.iter().zip(shown) {
             let forces = &self.measured.force_n[window.clone()];
             all.extend(forces.iter().zip(shown).map(|(f, s)| (s - f) * per));
@@ -53,10 +48,10 @@ impl Shape<'_> {
             1e-4
         } else {
             match k - laws {
-                RELEASE | GAIN => 1e-6,
+                RELEASE | GAIN | CLOCK => 1e-6,
                 OFFSET => 1e-3 * self.deviation_n,
                 FILTER => 1e-3,
-                DAMPING => 1e-4,
+                j if j < self.ringing_at() => 1e-4,
                 _ => 1e-5,
             }
         };
@@ -108,21 +103,20 @@ impl Problem for Shape<'_> {
         if k >= self.first_onset() {
             let i = k - self.first_onset();
             let before = (self.measured.impacts[i].first - self.windows[i].start) as f64;
-            if x[laws + FILTER] > SHARP {
-                return (-before, 3.0);
+            if !self.jumps(x) {
+                return (-before, self.latest(x));
             }
             let low = x[k].floor();
             return (low + 1e-3, low + 0.999);
         }
         match k - laws {
-            RELEASE | GAIN => (0.2, 5.0),
+            RELEASE | GAIN | CLOCK => (0.2, 5.0),
             OFFSET => (f64::NEG_INFINITY, f64::INFINITY),
-            FILTER => {
+            j if j < self.ringing_at() => {
                 let widest = self.measured.impacts[0].window.len() as f64;
-                (0.0, SLOWEST_SHARE * widest)
+                self.model.range(j - FILTER, widest)
             }
-            DAMPING => (0.3, 0.98),
-            j => match (j - COMMON, self.ringing) {
+            j => match (j - self.ringing_at(), self.ringing) {
                 (2, Some(guess)) => (guess.hz.ln() - 0.3, guess.hz.ln() + 0.3),
                 (3, Some(guess)) => (guess.decay_s.ln() - 2.0, guess.decay_s.ln() + 2.0),
                 _ => (-10.0, 10.0),

@@ -1,4 +1,4 @@
-//! The hammer with its bending modes in a cart that may recoil, and its 1/1 orbits.
+//! The hammer with its bending modes in a cart that may recoil: runs, and 1/1 orbits.
 //!
 //! With a spring-dashpot contact both phases of the motion, flight and contact, are linear and driven by a sine. The state
 //! with sin Ωt, cos Ωt and 1 beside it moves by Ż = A Z with one constant matrix per phase, so a step of any length is a
@@ -13,6 +13,7 @@
 //!
 //! Lengths are in A0 and times in 1/Ω.
 
+mod follow;
 mod orbit;
 mod run;
 #[cfg(test)]
@@ -28,6 +29,7 @@ use super::dense::{Square, dot};
 use super::{Beam, ModalRig};
 use crate::error::{Error, ModesError};
 
+pub use follow::Follower;
 pub use orbit::ModalOrbit;
 
 /// A step turns the fastest motion by no more than this, rad.

@@ -7,8 +7,9 @@ use crate::modes::dense::{Square, dot};
 
 /// Halvings of a step in which a switch is located.
 const HALVINGS: u32 = 44;
-/// Onsets in a period beyond which it is given up.
+/// Onsets in a period beyond which it is given up; where only the path is asked for, more.
 const MOST_ONSETS: u32 = 60;
+const MOST_WATCHED: u32 = 2000;
 
 /// What happened in a period.
 #[derive(Clone, Debug, Default)]
@@ -20,12 +21,26 @@ pub(super) struct Seen {
     /// Phases passed: whether in contact, and for how long; after each but the last a saltation.
     pub pieces: Vec<(bool, f64)>,
     pub saltations: Vec<Square>,
+    /// The way there step by step, if it is asked for; there are no saltations then.
+    pub path: Option<Vec<Leg>>,
+}
+
+/// A step, or what there is of it before a switch.
+#[derive(Clone, Debug)]
+pub(super) struct Leg {
+    pub touching: bool,
+    /// In 1/Ω.
+    pub length: f64,
+    /// At its beginning, in the middle and at the end.
+    pub states: [Vec<f64>; 3],
 }
 impl Motion {
     /// Runs from drive phase 0 to drive phase 0. `None` if the motion cannot be followed.
     pub(super) fn run(&self, section: &[f64], mut seen: Option<&mut Seen>) -> Option<Vec<f64>> {
         let mut z = self.at_phase_zero(section);
         let mut touching = self.pushes(&z);
+        let watched = seen.as_ref().is_some_and(|seen| seen.path.is_some());
+        let most = if watched { MOST_WATCHED } else { MOST_ONSETS };
         let (mut left, mut since, mut onsets) = (TAU, 0.0, 0_u32);
         let mut approach = dot(&self.rate, &z);
         let mut next = z.clone();
@@ -46,6 +61,15 @@ impl Motion {
                     (seen.force, seen.approach) = (top, approach);
                 }
             }
+            if let Some(path) = seen.as_deref_mut().and_then(|seen| seen.path.as_mut()) {
+                let length = switch.unwrap_or(h);
+                let at = |t: f64| phase.a.exponential_of(t, &z);
+                path.push(Leg {
+                    touching,
+                    length,
+                    states: [z.clone(), at(0.5 * length), at(length)],
+                });
+            }
             let Some(t) = switch else {
                 since += h;
                 if last {
@@ -64,13 +88,15 @@ impl Motion {
             left -= t;
             if let Some(seen) = seen.as_deref_mut() {
                 seen.pieces.push((touching, since + t));
-                seen.saltations.push(self.saltation(touching, &z)?);
+                if seen.path.is_none() {
+                    seen.saltations.push(self.saltation(touching, &z)?);
+                }
             }
             (touching, since) = (!touching, 0.0);
             if touching {
                 approach = dot(&self.rate, &z);
                 onsets += 1;
-                if onsets > MOST_ONSETS {
+                if onsets > most {
                     return None;
                 }
             }

@@ -3,7 +3,8 @@ use shared::model::params::{BEAM_135, BEAM_170, SupportParams};
 
 use super::*;
 use crate::branch::one_one_branches;
-use crate::engine::Plan;
+use crate::engine::{Engine, Plan, Recorder, Start, machine, observe as run};
+use crate::modes::observe::watched;
 use crate::modes::{BendingMode, Tip, observe};
 use crate::orbit::shoot_at;
 
@@ -89,6 +90,77 @@ fn five_modes_are_those_of_the_other_engine() {
         assert!(off(found.force_n, seen.force_n) < 1e-6, "{hz}: {found:?}");
         let approach = seen.approach_m_per_s.unwrap();
         assert!(off(found.approach_m_per_s, approach) < 1e-6, "{hz}");
+    }
+}
+
+/// One mode of the hammer's mass in a recoiling cart, run from rest, is what the reference has from rest.
+#[test]
+fn a_run_in_a_recoiling_cart_is_the_reference_s() {
+    let natural_hz = BEAM_170.natural_frequency_hz();
+    for (gap_m, ratio) in [(0.0, 2.0), (1e-3, 1.7)] {
+        let params = RigParams {
+            gap_m,
+            cart: CartDrive::Loop(ASSUMED_SHAKER),
+            support: SupportParams::Beams {
+                natural_frequency_hz: natural_hz,
+                damping_ratio: 0.004,
+                cubic_stiffness_n_per_m3: Some(0.0),
+            },
+            ..BEAM_170
+        };
+        let mut rig = ModalRig::new(&params, BEAM, 1).unwrap();
+        rig.modes = vec![BendingMode {
+            root: 1.0,
+            omega: TAU * natural_hz,
+            mass_kg: params.mass_kg,
+            participation_kg: params.mass_kg,
+        }];
+        let held = Held {
+            held: ASSUMED_SHAKER,
+            cart_kg: params.cart_mass_kg,
+            hung_kg: params.mass_kg,
+        };
+        let hz = ratio * natural_hz;
+        let cycles = Plan {
+            cycles: 320,
+            transient: 300,
+        };
+        let motion = Motion::new(&rig, Some(held), hz).unwrap();
+        let found = watched(Follower::at_rest(motion, &rig), &rig, hz, cycles).unwrap();
+        let mut hammer = machine(Engine::Event, &params, hz, Start::Rest).unwrap();
+        let known = run(hammer.as_mut(), cycles, &mut Recorder::default()).unwrap();
+        assert_eq!(found.regime, known.regime);
+        assert!(off(found.force_n, known.force_n) < 1e-6, "{found:?}");
+        let strongest = known.strongest.unwrap();
+        let approach = found.approach_m_per_s.unwrap();
+        assert!(off(approach, strongest.approach_speed_m_per_s) < 1e-6);
+        let lost = strongest.energy_lost_j * hz;
+        assert!(off(found.contact_loss_w, lost) < 1e-4, "{found:?} {lost}");
+    }
+}
+
+/// With five modes in a prescribed cart it sees what the other engine sees.
+#[test]
+fn a_run_with_five_modes_is_the_other_engine_s() {
+    let cycles = Plan {
+        cycles: 320,
+        transient: 300,
+    };
+    let rig = ModalRig::new(&BEAM_170, BEAM, 5).unwrap();
+    let known = observe(rig.clone(), 9.07, cycles).unwrap();
+    let motion = Motion::of(&BEAM_170, BEAM, 5, 9.07).unwrap();
+    let found = watched(Follower::at_rest(motion, &rig), &rig, 9.07, cycles).unwrap();
+    assert_eq!(found.regime, known.regime);
+    let pairs = [
+        (found.force_n, known.force_n),
+        (found.reach_m[1], known.reach_m[1]),
+        (found.contact_loss_w, known.contact_loss_w),
+        (found.energy_j[0], known.energy_j[0]),
+        (found.energy_j[1], known.energy_j[1]),
+        (found.loss_w[1], known.loss_w[1]),
+    ];
+    for (i, (a, b)) in pairs.into_iter().enumerate() {
+        assert!(off(a, b) < 1e-3, "{i}: {a} {b}");
     }
 }
 

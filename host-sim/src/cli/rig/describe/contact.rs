@@ -1,63 +1,55 @@
-//! The contact of a rig file: from what a person measured of it, or assumed.
+//! The contact of a rig file: from what a person measured of it, or from what surface it is.
 
-use super::{Answers, Described, needed};
-use crate::own_rig::contact::{Contact, of_restitution, of_restitution_and_time};
+use super::{Answers, Described, SURFACE_MISSING, missing};
+use crate::own_rig::contact::{Contact, of_restitution_and_surface, of_restitution_and_time};
 use crate::own_rig::reading::Reading;
 use files::UserError;
-use shared::model::contact::Law;
-use shared::model::params::TABLE_3_1;
-
-/// How well a contact is known that nobody measured, %.
-const ASSUMED_CONTACT_PERCENT: f64 = 50.0;
 
 impl Described {
-    /// The contact from restitution and contact time, or assumed.
+    /// The contact from a contact time or a surface, and a restitution or the surface's.
     pub(super) fn measured_contact(
         &mut self,
         answers: &Answers,
         mass_kg: f64,
+        speed_m_per_s: f64,
     ) -> Result<(), UserError> {
-        let Law::SpringDashpot { stiffness, damping } = TABLE_3_1 else {
-            return Err(UserError::new(
-                "rig new: the assumed contact is no spring-dashpot",
-            ));
-        };
-        let assumed = "not measured: the chapter's steel surface";
-        let Some(text) = &answers.restitution else {
-            let contact = Contact {
-                stiffness,
-                stiffness_percent: ASSUMED_CONTACT_PERCENT,
-                damping,
-                damping_percent: ASSUMED_CONTACT_PERCENT,
-            };
-            self.contact(&contact, [assumed, assumed]);
-            return Ok(());
-        };
-        let restitution = needed("--restitution", Some(text))?;
-        let (contact, sources) = match &answers.contact_time_ms {
-            Some(text) => {
-                let ms = needed("--contact-time-ms", Some(text))?;
-                let time = Reading {
-                    value: ms.value / 1e3,
-                    half_width: ms.half_width / 1e3,
-                    ..ms.clone()
-                };
-                let source = format!(
-                    "restitution {}, contact time {} ms",
-                    restitution.text, ms.text
-                );
+        let surface = answers.surface.map(|choice| choice.0);
+        let (restitution, of_restitution) = match (&answers.restitution, surface) {
+            (Some(reading), _) => {
+                let read = self.read("--restitution", reading);
+                (reading.clone(), format!("restitution {read}"))
+            }
+            (None, Some(surface)) => {
+                let [low, high] = surface.restitution;
+                let middle = Reading::assumed(0.5 * (low + high), 0.5 * (high - low));
                 (
-                    of_restitution_and_time(mass_kg, &restitution, &time),
-                    [source.clone(), source],
+                    middle,
+                    format!("restitution of {}, {low} to {high}", surface.name()),
                 )
             }
-            None => (
-                of_restitution(mass_kg, &restitution, stiffness, ASSUMED_CONTACT_PERCENT),
-                [
-                    assumed.to_owned(),
-                    format!("restitution {}, with that stiffness", restitution.text),
-                ],
+            (None, None) if answers.contact_time.is_none() => return Err(missing(answers)),
+            (None, None) => return Err(stiffness_unknown("--contact-time")),
+        };
+        let (contact, source) = match (&answers.contact_time, surface) {
+            (Some(time), _) => (
+                of_restitution_and_time(mass_kg, &restitution, time),
+                format!("contact time {}", self.read("--contact-time", time)),
             ),
+            (None, Some(surface)) => {
+                let range = surface.stiffness(mass_kg, speed_m_per_s);
+                let [low, high] = range;
+                let name = surface.name();
+                self.notes.push(format!(
+                    "note: the contact of steel with {name} has some {low:.1e} to {high:.1e} N/m; a contact time narrows it (--contact-time)"
+                ));
+                (
+                    of_restitution_and_surface(mass_kg, &restitution, range),
+                    format!(
+                        "steel on {name}: {low:.1e} to {high:.1e} N/m; a contact time narrows it"
+                    ),
+                )
+            }
+            (None, None) => return Err(stiffness_unknown("--restitution")),
         };
         let contact = contact.ok_or_else(|| {
             UserError::new(format!(
@@ -65,30 +57,31 @@ impl Described {
                 restitution.text
             ))
         })?;
-        self.contact(&contact, [&sources[0], &sources[1]]);
+        let of_damping = format!("{of_restitution}, with that stiffness");
+        self.contact(&contact, [&source, &of_damping], [&source, &of_restitution]);
         Ok(())
     }
 
-    /// A spring-dashpot with the sources of its stiffness and of its damping.
-    pub fn contact(&mut self, contact: &Contact, sources: [&str; 2]) {
+    /// A spring-dashpot with the sources of its stiffness and of its damping, and those of their half-widths.
+    pub fn contact(&mut self, contact: &Contact, values: [&str; 2], widths: [&str; 2]) {
         self.file.word(
             "contact_law",
             "spring-dashpot",
             "the simplest law that a person can measure",
         );
         self.file
-            .number("contact_stiffness_n_per_m", contact.stiffness, sources[0]);
+            .number("contact_stiffness_n_per_m", contact.stiffness, values[0]);
         self.file
-            .number("contact_damping_n_s_per_m", contact.damping, sources[1]);
-        self.file.width(
-            "contact_stiffness_percent",
-            contact.stiffness_percent,
-            sources[0],
-        );
-        self.file.width(
-            "contact_damping_percent",
-            contact.damping_percent,
-            sources[1],
-        );
+            .number("contact_damping_n_s_per_m", contact.damping, values[1]);
+        for ((key, width), source) in contact.widths.into_iter().zip(widths) {
+            self.file.width(key, width, source);
+        }
     }
+}
+
+/// `given` alone does not say how stiff the contact is, or what it gives back.
+fn stiffness_unknown(given: &str) -> UserError {
+    UserError::new(format!(
+        "{given} alone does not describe the contact; give {SURFACE_MISSING}"
+    ))
 }

@@ -1,0 +1,147 @@
+//! A run of a hammer in a cart that recoils, watched as the other engine's is.
+
+use shared::model::contacts::{Contact as Finished, Ledger, Period, Piece};
+use shared::model::drive::{Stamp, TURN};
+use std::f64::consts::TAU;
+
+use super::Motion;
+use super::run::{Leg, Seen};
+use crate::modes::dense::dot;
+use crate::modes::{ModalRig, State};
+
+/// A hammer with its modes and its cart, from drive phase 0 to drive phase 0.
+#[derive(Clone, Debug)]
+pub struct Follower {
+    motion: Motion,
+    amplitude_m: f64,
+    omega: f64,
+    section: Vec<f64>,
+    touching: bool,
+    cycle: u32,
+    ledger: Ledger<f64>,
+    strongest: Option<Finished<f64>>,
+}
+
+impl Follower {
+    /// The hammer of `motion` and `rig` at rest relative to the cart at drive phase 0.
+    pub fn at_rest(motion: Motion, rig: &ModalRig) -> Self {
+        Self {
+            amplitude_m: rig.amplitude_m,
+            omega: TAU * motion.frequency_hz,
+            section: vec![0.0; motion.section_size()],
+            motion,
+            touching: false,
+            cycle: 0,
+            ledger: Ledger::default(),
+            strongest: None,
+        }
+    }
+
+    /// Where the hammer is at drive phase 0.
+    pub fn state(&self) -> State {
+        self.state_of(&self.section, 0.0).0
+    }
+
+    /// The contact with the largest force since this was last asked.
+    pub fn take_strongest(&mut self) -> Option<Finished<f64>> {
+        self.strongest.take()
+    }
+
+    /// Runs to the next drive phase 0 and returns what happened on the way; `see` is told each state with the cart's
+    /// deviation (m), `worked` what the surface took (J). If the motion cannot be followed, the state becomes NaN.
+    pub fn run_period(
+        &mut self,
+        mut see: impl FnMut(&State, f64),
+        mut worked: impl FnMut(f64),
+    ) -> Period<f64> {
+        let mut seen = Seen {
+            path: Some(Vec::new()),
+            ..Seen::default()
+        };
+        match self.motion.run(&self.section, Some(&mut seen)) {
+            Some(end) => self.section = end,
+            None => self.section.fill(f64::NAN),
+        }
+        let mut phase = 0.0;
+        for leg in seen.path.unwrap_or_default() {
+            if leg.touching != self.touching {
+                self.switch(&leg, phase);
+            }
+            if leg.touching {
+                worked(self.press(&leg));
+            }
+            let half = 0.5 * leg.length;
+            for (k, z) in (0_u8..).zip(&leg.states).skip(1) {
+                let (state, deviation) = self.state_of(z, phase + f64::from(k) * half);
+                see(&state, deviation);
+            }
+            phase += leg.length;
+        }
+        self.cycle = self.cycle.wrapping_add(1);
+        self.ledger.close_period()
+    }
+
+    fn switch(&mut self, leg: &Leg, phase: f64) {
+        let at = Stamp {
+            cycle: self.cycle,
+            phase: (phase / TAU * TURN) as u32,
+        };
+        let rate = dot(&self.motion.rate, &leg.states[0]) * self.motion.units.1;
+        self.touching = leg.touching;
+        if leg.touching {
+            self.ledger.onset(at, rate);
+            return;
+        }
+        self.ledger.release(at, rate);
+        let finished = self.ledger.take_finished();
+        let force = |c: &Option<Finished<f64>>| c.map_or(-1.0, |c| c.peak_force);
+        if force(&finished) > force(&self.strongest) {
+            self.strongest = finished;
+        }
+    }
+
+    /// Enters a piece of a contact, its integrals by Simpson's rule; what the surface took in it, J.
+    fn press(&mut self, leg: &Leg) -> f64 {
+        let motion = &self.motion;
+        let force = leg
+            .states
+            .each_ref()
+            .map(|z| dot(&motion.force, z) * motion.units.0);
+        let rate = leg
+            .states
+            .each_ref()
+            .map(|z| dot(&motion.rate, z) * motion.units.1);
+        let slope = |z: &[f64]| {
+            let mut rates = vec![0.0; z.len()];
+            motion.pressing.a.apply(z, &mut rates);
+            dot(&motion.force, &rates) * motion.units.0 * self.omega
+        };
+        let span_s = leg.length / self.omega;
+        let simpson = |f: [f64; 3]| span_s * (f[0] + 4.0 * f[1] + f[2]) / 6.0;
+        let work = simpson([0, 1, 2].map(|k| force[k] * rate[k]));
+        let piece = Piece {
+            span_s,
+            force: (force[0], force[2]),
+            force_rate: (slope(&leg.states[0]), slope(&leg.states[2])),
+            impulse: simpson(force),
+            work,
+        };
+        self.ledger.add(&piece);
+        work
+    }
+
+    /// The state of `z` at a drive phase (rad), and the cart's deviation, m.
+    fn state_of(&self, z: &[f64], phase: f64) -> (State, f64) {
+        let n = self.motion.modes;
+        let mut state = State {
+            t: phase / self.omega,
+            ..State::default()
+        };
+        for i in 0..n {
+            state.q[i] = z[i] * self.amplitude_m;
+            state.v[i] = z[n + i] * self.motion.units.1;
+        }
+        let deviation = if self.motion.recoils { z[2 * n] } else { 0.0 };
+        (state, deviation * self.amplitude_m)
+    }
+}
