@@ -28,7 +28,7 @@ pub const REGIMES: [(&str, Style); 14] = [
     ),
     (
         "2/1",
-        look(Color(0x33, 0x22, 0x88), Mark::Circle, Stroke::Dashed),
+        look(Color(0x5B, 0x2C, 0x00), Mark::Circle, Stroke::Dashed),
     ),
     (
         "3/1",
@@ -81,6 +81,17 @@ pub fn regime_fill(regime: &str) -> Color {
     match regime_group(regime) {
         "none" => Color(0xE8, 0xE8, 0xE8),
         group => regime_color(group),
+    }
+}
+
+/// The same points as rings that leave room for a mark inside: those of a second sweep.
+pub fn regime_rings(regime: &str, points: Vec<Point>) -> Item {
+    Item::Points {
+        points,
+        color: regime_color(regime),
+        label: regime.to_owned(),
+        radius: 6.0,
+        mark: Mark::Ring,
     }
 }
 
