@@ -193,6 +193,31 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
     assert!(!text.contains("shaker_max_force_n"), "{text}");
 }
 
+/// At no gap the force goes with the amplitude, but for what a pendulum differs from a spring (0.1 %).
+#[test]
+fn the_stroke_for_a_force_is_found() {
+    let free = answer("pick --nominal");
+    let wanted = 1.5 * number(&free, "force_n");
+    let a = answer(&format!("pick --nominal --want-force-n {wanted}"));
+    assert!((number(&a, "force_n") / wanted - 1.0).abs() < 1e-4, "{a}");
+    let times = number(&a, "amplitude_mm") / number(&free, "amplitude_mm");
+    assert!((times / 1.5 - 1.0).abs() < 2e-3, "{times}");
+    let [at, best] = [&a, &free].map(|a| number(a, "operating_frequency_hz"));
+    assert!((at / best - 1.0).abs() < 2e-3, "{at} {best}");
+    let folder = Folder::new();
+    let text = folder.run("pick --nominal --gap 1 --want-force-n 150 --max-shaker-force-n 5");
+    let text = text.well().out;
+    assert!(
+        text.contains("for 150 N, give it ") && text.contains(" mm of stroke"),
+        "{text}"
+    );
+    assert!(text.contains("force              150.0"), "{text}");
+    assert!(text.contains("shaker enough      no: it needs "), "{text}");
+    let refused = folder.run("pick --want-force-n 150 --max-force-n 100");
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("--max-force-n"), "{refused:?}");
+}
+
 /// In the safe band of one mode, five modes have 81 to 82 % of the force at 8.60 and 9.45 Hz (prescribed cart).
 #[test]
 fn the_safe_band_of_beams_leaves_out_where_several_modes_are_weak() {

@@ -10,6 +10,9 @@ use shared::model::regime::Regime;
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
 
+/// What the marks on the curve are.
+pub const MARKS: &str = "Marks: sweep up; rings: sweep down; by regime.";
+
 /// One panel per rig.
 pub fn figure(picks: &[Pick]) -> Figure {
     let title = match picks {
@@ -28,9 +31,11 @@ pub fn figure(picks: &[Pick]) -> Figure {
                 CartModel::Prescribed => "The cart is prescribed",
             };
             let why = why(&one.answer);
-            format!("{why} {cart}. Marks: sweep up; rings: sweep down; by regime.")
+            format!("{why} {cart}. {MARKS}")
         }
-        _ => "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. Marks: sweep up; rings: sweep down; by regime.".to_owned(),
+        _ => format!(
+            "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. {MARKS}"
+        ),
     };
     let columns = if picks.len() > 1 { 2 } else { 1 };
     let size = if picks.len() > 1 {

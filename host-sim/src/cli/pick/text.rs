@@ -118,24 +118,27 @@ pub fn known_to(row: &Sensitivity) -> String {
     }
 }
 
-/// Regime, force and band at the operating point.
-fn operation(a: &Answer) -> Lines {
+/// The force at the operating point, and over the uncertainty.
+pub fn force(a: &Answer) -> String {
     let digits = Digits::of(a);
     let (n, ratio) = (digits.force_n, digits.force_ratio);
-    let force = format!(
+    let nominal = format!(
         "{:.n$} N, {:.ratio$} times the weight",
         a.force_n, a.force_ratio
     );
-    let (spread, over) = match a.uncertainty {
-        Some(_) => (
-            format!(
-                "; {:.ratio$} to {:.ratio$} over the uncertainty",
-                a.force_ratio_worst, a.force_ratio_largest
-            ),
-            " over the uncertainty",
+    match a.uncertainty {
+        Some(_) => format!(
+            "{nominal}; {:.ratio$} to {:.ratio$} over the uncertainty",
+            a.force_ratio_worst, a.force_ratio_largest
         ),
-        None => (String::new(), ""),
-    };
+        None => nominal,
+    }
+}
+
+/// Regime, force and band at the operating point.
+fn operation(a: &Answer) -> Lines {
+    let digits = Digits::of(a);
+    let over = a.uncertainty.map_or("", |_| " over the uncertainty");
     let [low, high] = a.safe_band_hz;
     let power = format!(
         "{} W; at most {} W, at {} Hz",
@@ -143,7 +146,7 @@ fn operation(a: &Answer) -> Lines {
         digits.other(a.power_optimum_w),
         digits.hz(a.power_optimum_hz)
     );
-    let mut lines = vec![("regime", from_rest(a)), ("force", force + &spread)];
+    let mut lines = vec![("regime", from_rest(a)), ("force", force(a))];
     lines.extend(bending::lines(a));
     lines.extend(cart(a));
     lines.push(("impact power", power));
