@@ -41,24 +41,26 @@ struct Tile {
 }
 
 impl Store {
-    /// The folder `dir` for the tiles of `request`; it is not made yet.
+    /// The folder `dir` for the tiles of `request`; it is not made yet. If it holds the tiles of another request, which
+    /// this one never takes for its own, the second value says which part differs.
     ///
     /// # Errors
-    /// If the folder cannot be used, or holds the tiles of another request; the line says which part differs.
-    pub fn open(dir: &Path, request: &MapRequest) -> Result<Self, UserError> {
+    /// If the folder cannot be used.
+    pub fn open(dir: &Path, request: &MapRequest) -> Result<(Self, Option<String>), UserError> {
         let lines = lines(request);
         let path = dir.join(REQUEST);
-        if !matches!(path.try_exists(), Ok(false)) {
-            let there = read_text(&path)?;
-            if there != lines {
-                return Err(another(dir, &there, &lines));
-            }
-        }
-        Ok(Self {
+        let there = match path.try_exists() {
+            Ok(false) => None,
+            _ => Some(read_text(&path)?),
+        };
+        let there = there.filter(|there| *there != lines);
+        let another = there.map(|there| another(dir, &there, &lines));
+        let store = Self {
             dir: dir.to_owned(),
             fingerprint: Crc::<u64>::new(&CRC_64_XZ).checksum(lines.as_bytes()),
             lines,
-        })
+        };
+        Ok((store, another))
     }
 
     /// Where the tiles are.
@@ -97,7 +99,8 @@ impl Store {
 impl Tiles for Store {
     /// Makes the folder and says in it whose tiles these will be.
     fn begin(&self) -> Result<(), Error> {
-        files::write::write(self.dir.join(REQUEST), &self.lines).map_err(kept)
+        let written = files::write::write(self.dir.join(REQUEST), &self.lines);
+        written.map(drop).map_err(kept)
     }
 
     fn read(&self, index: usize, cells: usize) -> Option<Vec<MapCell>> {
@@ -152,21 +155,21 @@ fn lines(request: &MapRequest) -> String {
 }
 
 /// The tiles belong to another request: says which part of it differs.
-fn another(dir: &Path, there: &str, ours: &str) -> UserError {
+fn another(dir: &Path, there: &str, ours: &str) -> String {
     let whole = there.ends_with('\n') && there.lines().count() == ours.lines().count();
     let name = |line: &str| line.split(' ').next().unwrap_or_default().to_owned();
     let differs = there.lines().zip(ours.lines()).find(|(a, b)| a != b);
     let Some((a, b)) = differs.filter(|(a, b)| whole && name(a) == name(b)) else {
-        return UserError::new(format!(
-            "{} is damaged, so it cannot be known whose tiles these are; remove the folder, or choose another --out",
+        return format!(
+            "{} is damaged, so it cannot be known whose tiles these are",
             dir.join(REQUEST).display()
-        ));
+        );
     };
     if name(a) == KERNEL {
-        return UserError::new(format!(
-            "{} holds an unfinished map begun by another version of this program, whose cells may differ; finish it with that version, remove the folder, or choose another --out",
+        return format!(
+            "{} holds an unfinished map begun by another version of this program, whose cells may differ",
             dir.display()
-        ));
+        );
     }
     let what = if a.len() + b.len() < 120 {
         let value = |line: &str| line[name(line).len()..].trim().to_owned();
@@ -174,10 +177,7 @@ fn another(dir: &Path, there: &str, ours: &str) -> UserError {
     } else {
         format!("another {}", name(a))
     };
-    UserError::new(format!(
-        "{} holds an unfinished map with {what}; finish that one, remove the folder, or choose another --out",
-        dir.display()
-    ))
+    format!("{} holds an unfinished map with {what}", dir.display())
 }
 
 #[cfg(test)]
@@ -190,7 +190,7 @@ mod tests {
     use shared::model::params::WIRES;
 
     #[test]
-    fn tiles_of_another_version_are_refused_in_one_clear_line() {
+    fn tiles_of_another_version_are_told_in_one_clear_line() {
         let request = MapRequest {
             rig: NamedRig::new("wires", WIRES),
             grid: Grid {
@@ -204,17 +204,15 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let dir = folder.path();
-        Store::open(dir, &request).unwrap().begin().unwrap();
-        Store::open(dir, &request).unwrap();
+        Store::open(dir, &request).unwrap().0.begin().unwrap();
+        assert_eq!(Store::open(dir, &request).unwrap().1, None);
         let ours = fs::read_to_string(dir.join(REQUEST)).unwrap();
         assert!(ours.starts_with(&format!("{KERNEL} {KERNEL_FINGERPRINT}\n")));
         let other = ours.replace(KERNEL_FINGERPRINT, "0123456789abcdef");
         fs::write(dir.join(REQUEST), other).unwrap();
-        let refused = Store::open(dir, &request).unwrap_err().to_string();
-        assert!(
-            refused.contains("another version of this program"),
-            "{refused}"
-        );
-        assert_eq!(refused.lines().count(), 1);
+        let (_, told) = Store::open(dir, &request).unwrap();
+        let told = told.unwrap();
+        assert!(told.contains("another version of this program"), "{told}");
+        assert_eq!(told.lines().count(), 1);
     }
 }

@@ -20,9 +20,11 @@ fn in_the_docs() -> Vec<[String; 3]> {
 
 #[test]
 fn every_verdict_of_the_page_is_found_again_on_coarser_grids() {
-    let ran = Folder::new()
-        .run("chapter --coarse --format json --quiet")
-        .well();
+    let folder = Folder::new()
+        .with("chapter-coarse.json", "{\"made_from\": {}}")
+        .with("chapter-coarse.csv", "older");
+    let ran = folder.run("chapter --coarse --format json --out .").well();
+    assert!(ran.err.ends_with(".md (replaced)\n"), "{ran:?}");
     let rows = ran.json();
     let rows = rows.as_array().expect("a list");
     let found: Vec<[String; 3]> = rows

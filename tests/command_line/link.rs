@@ -124,12 +124,8 @@ fn a_recording_is_a_log_without_a_gap_that_replays() {
         .as_deref()
         .expect("what it was made from");
     assert!(made.contains("record --for 0.5"), "{made}");
-    let there = "run.parquet is there already";
-    refused(
-        &folder,
-        &board.line("record run.parquet"),
-        &[there, "--replace"],
-    );
+    let there = "run.parquet exists already, and a measurement is not replaced";
+    refused(&folder, &board.line("record run.parquet"), &[there]);
 }
 
 /// As Ctrl-C does.

@@ -1,4 +1,4 @@
-//! Every answer says what it was made from, and no file is replaced by another request's.
+//! Every answer says what it was made from, and replaces nothing but an answer.
 
 use serde_json::Value;
 
@@ -137,30 +137,67 @@ fn what_is_set_shows_in_title_and_file_name() {
 }
 
 #[test]
-fn the_same_request_replaces_its_files_by_the_same_bytes_and_another_is_refused() {
-    let folder = Folder::new().with("mine.toml", "preset = \"wires\"\nmass_kg = 0.3\n");
-    let line = format!("{RUN} --rig mine.toml --out o");
-    folder.run(&line).well();
-    let bytes = |folder: &Folder| -> Vec<Vec<u8>> {
-        let names = folder.names().into_iter().filter(|n| n.starts_with("o/"));
-        names
-            .map(|n| std::fs::read(folder.path(&n)).unwrap())
-            .collect()
+fn the_same_request_writes_the_same_bytes() {
+    let folder = Folder::new();
+    let line = format!("{RUN} --out o");
+    let bytes = || -> Vec<Vec<u8>> {
+        let names = folder.names().into_iter();
+        let read = |name: String| std::fs::read(folder.path(&name)).unwrap();
+        names.map(read).collect()
     };
-    let first = bytes(&folder);
+    folder.run(&line).well();
+    let first = bytes();
     folder.run(&format!("{line} --format json")).well();
-    assert_eq!(bytes(&folder), first);
-    // The same name, another rig in the file.
-    let folder = folder.with("mine.toml", "preset = \"wires\"\nmass_kg = 0.4\n");
-    let why = "was made from something else";
-    assert_refused(&folder, [(line.as_str(), why), (&line, "--replace")]);
-    assert_eq!(bytes(&folder), first);
-    folder.run(&format!("{line} --replace")).well();
-    assert_ne!(bytes(&folder), first);
-    // A file that nobody knows is not replaced, either.
-    let other = Folder::new().with("simulate-wires-ratio-1.5-cycles-20-transient-10.json", "{}");
-    let line = format!("{RUN} --out .");
-    assert_refused(&other, [(line, "does not say what it was made from")]);
+    assert_eq!(bytes(), first);
+}
+
+#[test]
+fn what_is_no_answer_of_this_program_stays_where_it_is() {
+    let stem = "simulate-wires-ratio-1.5-cycles-20-transient-10";
+    let no_answer = "is no answer of this program; move it away, or give --out another folder";
+    for end in [".json", ".svg", ".png", ".csv", "-history.csv"] {
+        let folder = Folder::new().with(&format!("{stem}{end}"), "{}");
+        assert_refused(&folder, [(format!("{RUN} --out ."), no_answer)]);
+        let folder = Folder::new();
+        std::fs::create_dir(folder.path(&format!("{stem}{end}"))).unwrap();
+        assert_refused(
+            &folder,
+            [(format!("{RUN} --out ."), "is a folder; move it away")],
+        );
+    }
+    let folder = Folder::new()
+        .with("mine.html", "<html>")
+        .with("index.html", "<html>");
+    assert_refused(
+        &folder,
+        [
+            (
+                "pick --nominal --report mine.html",
+                "mine.html: what is there is no report",
+            ),
+            (
+                "figures --coarse --only 3.6 --out .",
+                "index.html is no page of figures",
+            ),
+        ],
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_of_a_files_name_is_replaced_and_never_followed() {
+    let folder = Folder::new().with("victim", "keep");
+    std::fs::create_dir(folder.path("real")).unwrap();
+    std::os::unix::fs::symlink("real", folder.path("s")).unwrap();
+    for end in [".svg", ".csv"] {
+        let link = folder.path(&format!("real/contact-wires-speed-0.1-0.2-0.1{end}"));
+        std::os::unix::fs::symlink("../victim", link).unwrap();
+    }
+    let ran = folder.run("contact --speed 0.1:0.2:0.1 --out s").well();
+    assert!(ran.err.contains("(replaced)"), "{ran:?}");
+    assert_eq!(folder.read("victim"), "keep");
+    let svg = folder.read("real/contact-wires-speed-0.1-0.2-0.1.svg");
+    assert_svg_shows(&svg, &["host-sim contact"]);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! One test binary of the package `host-sim`, so that Cargo builds the program for it; long answers are asked
 //! for once.
 
+mod again;
 mod bad_input;
 mod basins;
 mod bifurcation;

@@ -34,8 +34,10 @@ fn threads_and_tiles_do_not_change_a_byte() {
 /// Tiles that are missing, of another map, or damaged.
 #[test]
 fn tiles_that_do_not_serve_are_told_or_made_again() {
-    let folder = Folder::new();
-    let line = "map --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --reference --format text --out o";
+    let rig = |mass_kg: f64| format!("preset = \"wires\"\nmass_kg = {mass_kg}\n");
+    let folder = Folder::new().with("mine.toml", rig(0.3));
+    let line =
+        "map --rig mine.toml --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --reference --format text --out o";
     run(&folder, &format!("{line} --cycles 20 --quiet --tiles 0..2"));
     let refused = |extra: &str, says: &[&str]| {
         let before = folder.names();
@@ -46,20 +48,37 @@ fn tiles_that_do_not_serve_are_told_or_made_again() {
         assert_eq!(folder.names(), before);
     };
     refused("--cycles 20 --merge", &["1 of 3 tiles missing", ": 2..3;"]);
-    refused(
-        "--cycles 30",
-        &[
-            "(20, 10) where this one has (30, 15)",
-            "o/map-wires-reference.tiles",
-        ],
-    );
     refused("--cycles 20 --tiles 2..4", &["the map has tiles 0..3"]);
-    let request = folder.path("o/map-wires-reference.tiles/request.txt");
+    let names = folder.names();
+    let request = names.iter().find(|name| name.ends_with("/request.txt"));
+    let request = folder.path(request.expect("the request"));
     let told = fs::read(&request).expect("the request");
     fs::write(&request, &told[..10]).expect("the request");
-    refused("--cycles 20", &["request.txt is damaged"]);
+    refused("--cycles 20 --merge", &["request.txt is damaged"]);
     fs::write(&request, told).expect("the request");
-    let tile = folder.path("o/map-wires-reference.tiles/tile-000000.bin");
+    // The rig file was edited: shares of the other rig stay, and a map alone takes none of them.
+    let folder = folder.with("mine.toml", rig(0.31));
+    let refused = |extra: &str, says: &[&str]| {
+        let ran = folder.run(&format!("{line} {extra}"));
+        assert_eq!(ran.code, Some(2), "{ran:?}");
+        assert!(says.iter().all(|s| ran.err.contains(s)), "{ran:?}");
+    };
+    refused("--cycles 20 --merge", &["unfinished map with another rig"]);
+    refused(
+        "--cycles 20 --tiles 2..3",
+        &["another rig; finish that one"],
+    );
+    let anew = folder.run(&format!("{line} --cycles 20")).well();
+    assert!(
+        anew.err.contains("another rig; this map is begun anew"),
+        "{anew:?}"
+    );
+    let whole = Folder::new().with("mine.toml", rig(0.31));
+    run(&whole, &format!("{line} --cycles 20 --quiet"));
+    assert_eq!(outputs(&folder), outputs(&whole));
+    assert_eq!(tiles(&folder), 0);
+    run(&folder, &format!("{line} --cycles 20 --quiet --tiles 0..2"));
+    let tile = request.with_file_name("tile-000000.bin");
     let good = fs::read(&tile).expect("a tile");
     for position in [0, 9, good.len() / 2, good.len() - 1] {
         let mut bad = good.clone();
@@ -72,8 +91,6 @@ fn tiles_that_do_not_serve_are_told_or_made_again() {
     }
     fs::write(&tile, &good[..good.len() / 2]).expect("a tile");
     run(&folder, &format!("{line} --cycles 20 --quiet"));
-    let whole = Folder::new();
-    run(&whole, &format!("{line} --cycles 20 --quiet"));
     assert_eq!(outputs(&folder), outputs(&whole));
 }
 

@@ -1,8 +1,8 @@
 //! Writing files whole or not at all.
 //!
 //! A file is written under a temporary name beside its final place and then renamed, so a reader never meets half of
-//! it and a failure leaves the old one untouched. What a program that was killed had begun is removed, or finished where
-//! all was there, by the next one that writes into the same folder.
+//! it and a failure leaves the old one untouched. What a program that was killed had begun is removed by the next one
+//! that writes into the same folder.
 
 use std::fmt;
 use std::fs;
@@ -18,7 +18,16 @@ mod leftovers;
 #[cfg(test)]
 mod tests;
 
-use leftovers::{Plan, sweep};
+use leftovers::sweep;
+
+/// Files that have their names.
+#[derive(Debug)]
+pub struct Written {
+    /// Where they are, in the order given.
+    pub paths: Vec<PathBuf>,
+    /// Whether a file or a link of one of the names was there before.
+    pub replaced: bool,
+}
 
 /// Why a file was not written: what, where, and how to mend it.
 #[derive(Debug)]
@@ -65,15 +74,15 @@ impl From<WriteError> for UserError {
     }
 }
 
-/// Writes `bytes` as the file `path`, replacing what was there; makes the folder.
+/// Writes `bytes` as the file `path`; makes the folder. Returns whether it replaced one.
 ///
-/// A link is followed: the file it names is replaced. On Unix the new file gets
+/// A link of that name is replaced, not what it points to. On Unix the new file gets
 /// the permissions a plainly created one would (`0666` less the umask).
 ///
 /// # Errors
 /// [`WriteError`]; nothing is left behind then, and an older file stays as it was.
-pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
-    prepare(path.as_ref(), bytes.as_ref())?.commit().map(drop)
+pub fn write(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<bool, WriteError> {
+    Ok(commit_all(vec![prepare(path.as_ref(), bytes.as_ref())?])?.replaced)
 }
 
 /// Writes `bytes` as the file `path` if nothing is there; makes the folder. It appears whole.
@@ -88,8 +97,8 @@ pub fn write_new(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), 
             "it exists already and is not replaced",
         ));
     }
-    let Staged { file, target, .. } = prepare(path, bytes.as_ref())?;
-    let kept = file.persist_noclobber(&target);
+    let Staged { file, .. } = prepare(path, bytes.as_ref())?;
+    let kept = file.persist_noclobber(path);
     kept.map(drop).map_err(|e| failed(path, e.error))
 }
 
@@ -100,17 +109,17 @@ pub fn write_new(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), 
 pub fn write_unsynced(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), WriteError> {
     let mut staged = Staged::new(path)?;
     let written = staged.write_all(bytes.as_ref());
-    written.map_err(|source| failed(&staged.target, source))?;
+    written.map_err(|source| failed(&staged.path, source))?;
     staged.rename().map(drop)
 }
 
 /// Writes the files of one answer into `dir`: `(name, bytes)` each.
 ///
-/// They appear together: see [`commit_all`]. Returns the paths in the order given.
+/// See [`commit_all`].
 ///
 /// # Errors
 /// [`WriteError`], also when a name is not a plain file name or comes twice.
-pub fn write_all<N, B>(dir: impl AsRef<Path>, files: &[(N, B)]) -> Result<Vec<PathBuf>, WriteError>
+pub fn write_all<N, B>(dir: impl AsRef<Path>, files: &[(N, B)]) -> Result<Written, WriteError>
 where
     N: AsRef<str>,
     B: AsRef<[u8]>,
@@ -143,27 +152,23 @@ where
     Ok(ready)
 }
 
-/// Gives files their names, all or none: an older file of any of them stays until all are whole, an interrupt waits for
-/// the last, and what a killed program had begun to rename is finished by the next that writes there. Only a rename that the system refuses after the first can leave some files new and some old.
-/// Returns the paths in the order given.
+/// Gives files their names once all are whole; an interrupt waits for the last. The JSON is first: it says whose the
+/// files beside it are.
 ///
 /// # Errors
-/// [`WriteError`].
-pub fn commit_all(staged: Vec<Staged>) -> Result<Vec<PathBuf>, WriteError> {
+/// [`WriteError`]. A rename that the system refuses after the first leaves some files new and some old, each whole.
+pub fn commit_all(mut staged: Vec<Staged>) -> Result<Written, WriteError> {
     for one in &staged {
-        one.sync().map_err(|source| failed(&one.target, source))?;
+        one.sync().map_err(|source| failed(&one.path, source))?;
     }
-    let pairs: Vec<_> = staged.iter().map(|s| (s.file.path(), &*s.target)).collect();
-    // Held to the end, so that an interrupt finds all of them or none.
-    let all = locked();
-    let plan = match pairs.as_slice() {
-        [_, _, ..] => Some(Plan::write(&pairs)?),
-        _ => None,
-    };
-    let paths = staged.into_iter().map(Staged::rename).collect();
-    drop(plan);
-    drop(all);
-    paths
+    let paths = staged.iter().map(|one| one.path.clone()).collect();
+    staged.sort_by_key(|one| one.path.extension() != Some("json".as_ref()));
+    let _all = locked();
+    let mut replaced = false;
+    for one in staged {
+        replaced |= one.rename()?;
+    }
+    Ok(Written { paths, replaced })
 }
 
 /// Checks, before hours of work, that files can be made in the folder `dir`, which need not exist yet. Leaves nothing.
@@ -190,9 +195,7 @@ pub fn check_folder(dir: &Path) -> Result<(), WriteError> {
 #[derive(Debug)]
 pub struct Staged {
     file: NamedTempFile,
-    /// As it was asked for, and where that is once links are followed.
     path: PathBuf,
-    target: PathBuf,
 }
 
 impl Staged {
@@ -202,22 +205,21 @@ impl Staged {
     /// [`WriteError`], also when a folder or a device stands there.
     pub fn new(path: impl AsRef<Path>) -> Result<Self, WriteError> {
         let path = path.as_ref();
-        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let dir = match target.parent() {
+        let dir = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             Some(_) => Path::new("."),
-            None => return Err(invalid(target, "not a file name")),
+            None => return Err(invalid(path.to_owned(), "not a file name")),
         };
         let made = step().and_then(|()| fs::create_dir_all(dir));
         made.map_err(|source| failed(dir, source))?;
-        match fs::metadata(&target) {
+        match fs::symlink_metadata(path) {
             Ok(found) if found.is_dir() => {
                 let source = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
                 return Err(failed(path, source));
             }
             // A device or pipe must not be replaced by a file.
-            Ok(found) if !found.is_file() => {
-                return Err(invalid(target, "it is not an ordinary file"));
+            Ok(found) if !found.is_file() && !found.is_symlink() => {
+                return Err(invalid(path.to_owned(), "it is not an ordinary file"));
             }
             _ => {}
         }
@@ -230,22 +232,22 @@ impl Staged {
         Ok(Self {
             file,
             path: path.to_owned(),
-            target,
         })
     }
 
-    /// The path it will have, as it was asked for.
+    /// The path it will have.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Gives the file its name, replacing what was there; returns its path as it was asked for.
+    /// Gives the file its name, replacing what was there; returns its path.
     ///
     /// # Errors
     /// [`WriteError`]; an older file stays as it was then.
     pub fn commit(self) -> Result<PathBuf, WriteError> {
-        self.sync().map_err(|source| failed(&self.target, source))?;
-        self.rename()
+        let path = self.path.clone();
+        commit_all(vec![self])?;
+        Ok(path)
     }
 
     fn sync(&self) -> io::Result<()> {
@@ -253,14 +255,16 @@ impl Staged {
         self.file.as_file().sync_all()
     }
 
-    fn rename(self) -> Result<PathBuf, WriteError> {
-        let Self { file, path, target } = self;
+    /// Returns whether something of that name was there.
+    fn rename(self) -> Result<bool, WriteError> {
+        let Self { file, path } = self;
+        let replaced = path.symlink_metadata().is_ok();
         let renamed = match step() {
-            Ok(()) => file.persist(&target).map(drop).map_err(|e| e.error),
+            Ok(()) => file.persist(&path).map(drop).map_err(|e| e.error),
             Err(error) => Err(error),
         };
-        renamed.map_err(|source| failed(&target, source))?;
-        Ok(path)
+        renamed.map_err(|source| failed(&path, source))?;
+        Ok(replaced)
     }
 }
 
@@ -324,22 +328,18 @@ fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
 /// How the temporary names of files begin that are not whole yet.
 pub const TEMPORARY: &str = ".writing-";
 
-fn temporary_file(dir: &Path) -> io::Result<NamedTempFile> {
-    temporary_named(dir, TEMPORARY)
-}
-
 /// A new file that this program holds locked for as long as it works on it: by that the next program knows a leftover.
-fn temporary_named(dir: &Path, prefix: &str) -> io::Result<NamedTempFile> {
+fn temporary_file(dir: &Path) -> io::Result<NamedTempFile> {
     step()?;
     let mut builder = tempfile::Builder::new();
-    builder.prefix(prefix);
+    builder.prefix(TEMPORARY);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     loop {
-        let file = builder.tempfile_in(dir)?;
+        let file = builder.tempfile_in(dir).map_err(without_path)?;
         // Where there are no locks, there are no leftovers to be told by them.
         let locked = file.as_file().lock().is_ok();
         // Between its making and its locking another program may have taken it for a leftover.
@@ -347,6 +347,13 @@ fn temporary_named(dir: &Path, prefix: &str) -> io::Result<NamedTempFile> {
             return Ok(file);
         }
     }
+}
+
+/// The system's error alone: the temporary name around it is nothing that a person gave.
+fn without_path(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|wrapped| wrapped.source());
+    let code = inner.and_then(|inner| inner.downcast_ref::<io::Error>()?.raw_os_error());
+    code.map_or(error, io::Error::from_raw_os_error)
 }
 
 /// Comes before everything that is asked of the disk. A test can make it fail.

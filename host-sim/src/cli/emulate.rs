@@ -225,22 +225,19 @@ fn write(
         let bytes = output.parquet(&lines(&watch.timeline))?;
         contents.push((format!("{name}-timeline.parquet"), bytes));
     }
-    // Log, verdict and picture appear together.
     let mut staged = match watch.logs.take() {
         Some(logs) => logs.close()?,
         None => Vec::new(),
     };
     staged.extend(stage_all(dir, &output.stamped(contents)?)?);
-    let paths = commit_all(staged)?;
+    let written = commit_all(staged)?;
     if no_picture {
         // Nor may an older run's stand beside it.
         for kind in ["svg", "png"] {
             let _ = std::fs::remove_file(dir.join(format!("{name}.{kind}")));
         }
     }
-    if !output.quiet {
-        say(&format!("wrote {}", output.listed(&paths)));
-    }
+    output.note_written(&written);
     Ok(())
 }
 

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap_complete::Shell;
 use files::UserError;
-use files::write::{commit_all, stage_all};
+use files::write::write_all;
 
+use super::arguments::output::replaced;
 use super::terminal::{print_bytes, say};
 
 #[derive(Debug, clap::Args)]
@@ -41,11 +42,12 @@ pub fn man(args: &ManArgs, mut command: clap::Command) -> Result<(), UserError> 
         let name = format!("host-sim-{}", one.get_name());
         pages.push(page(one.clone(), &name)?);
     }
-    let paths = commit_all(stage_all(&args.dir, &pages)?)?;
+    let written = write_all(&args.dir, &pages)?;
     say(&format!(
-        "wrote {} pages into {}",
-        paths.len(),
-        args.dir.display()
+        "wrote {} pages into {}{}",
+        written.paths.len(),
+        args.dir.display(),
+        replaced(written.replaced)
     ));
     Ok(())
 }

@@ -35,7 +35,7 @@ impl Logs {
     /// # Errors
     /// A write failed, during the run or now; nothing is left then.
     pub fn finish(self) -> Result<Vec<PathBuf>, UserError> {
-        Ok(commit_all(self.close()?)?)
+        Ok(commit_all(self.close()?)?.paths)
     }
 
     /// Closes both logs; they are whole then and have their temporary names still.

@@ -86,22 +86,6 @@ pub fn into_pdf(mut bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
     bytes
 }
 
-/// What a page says it was made from: HTML by the picture in it, PDF by its comment.
-pub fn of_page(bytes: &[u8]) -> Option<MadeFrom> {
-    let text = String::from_utf8_lossy(bytes);
-    let (svg, pdf) = (format!("<metadata id=\"{KEY}\">"), format!("\n%{KEY} "));
-    if let Some((_, rest)) = text.split_once(&svg) {
-        let (json, _) = rest.split_once("</metadata>")?;
-        let json = json
-            .replace("&lt;", "<")
-            .replace("&gt;", ">")
-            .replace("&amp;", "&");
-        return serde_json::from_str(&json).ok();
-    }
-    let (_, rest) = text.rsplit_once(&pdf)?;
-    serde_json::from_str(rest.lines().next()?).ok()
-}
-
 /// Bytes before the first chunk after the header: the signature (8) and IHDR (12 + 13).
 const PNG_HEAD: usize = 33;
 

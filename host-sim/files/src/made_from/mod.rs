@@ -15,9 +15,9 @@ use crate::rigfile;
 use numerics::NamedRig;
 use shared::model::cart::CartDrive;
 
-pub use embed::{into_json, into_pdf, into_png, into_svg, of_page, pair, stamped};
+pub use embed::{into_json, into_pdf, into_png, into_svg, pair, stamped};
 pub use names::{file_name, in_name};
-pub use owner::{NotOurs, refuse_others, standing};
+pub use owner::{refuse_others, says};
 
 /// The field's name in JSON, the key in Parquet and MCAP, the keyword in PNG.
 pub const KEY: &str = "made_from";
@@ -76,15 +76,6 @@ impl MadeFrom {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             ..Self::default()
         }
-    }
-
-    /// The same request, whichever version of the program answered it.
-    pub fn same_request(&self, other: &Self) -> bool {
-        let without_version = |made: &Self| Self {
-            version: String::new(),
-            ..made.clone()
-        };
-        without_version(self) == without_version(other)
     }
 
     /// The same with these rigs.

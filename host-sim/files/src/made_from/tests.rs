@@ -1,7 +1,6 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::UserError;
 
 fn made() -> MadeFrom {
     let mut made = MadeFrom::this_program();
@@ -78,24 +77,39 @@ fn names_tell_signs_and_stay_short() {
 }
 
 #[test]
-fn only_the_same_request_may_replace_its_files() {
+fn answers_may_be_replaced_and_nothing_else() {
     let dir = tempfile::tempdir().unwrap();
-    let names = ["a.csv", "a.json"];
-    let look = |made: &MadeFrom| refuse_others(dir.path(), names, made);
-    assert_eq!(look(&made()), Ok(()));
-    std::fs::write(dir.path().join("a.csv"), "x").unwrap();
-    assert!(matches!(look(&made()), Err(NotOurs::Unknown(_))));
-    let text = into_json("{\n  \"x\": 1\n}\n".into(), &made());
-    std::fs::write(dir.path().join("a.json"), text).unwrap();
-    assert_eq!(look(&made()), Ok(()));
-    let mut newer = made();
-    newer.version = "99".into();
-    assert_eq!(look(&newer), Ok(()), "a newer version may replace it");
-    let mut other = made();
-    other.rigs[0].parameters["mass_kg"] = json!(0.5);
-    let line = UserError::from(look(&other).unwrap_err()).to_string();
-    assert!(line.contains("a.json") && line.contains("--replace"));
-    assert!(!line.contains('\n'));
+    let put = |name: &str, bytes: &[u8]| std::fs::write(dir.path().join(name), bytes).unwrap();
+    let look = || refuse_others(dir.path(), ["a.svg", "a.json", "a.csv"]);
+    let refused = || look().unwrap_err().to_string();
+    assert_eq!(look(), Ok(()));
+    put("a.csv", b"x");
+    assert!(refused().contains("a.csv is no answer of this program"));
+    put(
+        "a.json",
+        into_json("{\n  \"x\": 1\n}\n".into(), &made()).as_bytes(),
+    );
+    assert_eq!(look(), Ok(()), "the CSV beside it is ours");
+    put("a.svg", b"<svg></svg>");
+    assert!(refused().contains("a.svg is no answer of this program"));
+    put("a.svg", into_svg("<svg></svg>", &made()).as_bytes());
+    assert_eq!(look(), Ok(()));
+    put("a.json", b"{}");
+    assert!(refused().contains("a.json is no answer of this program"));
+    std::fs::remove_file(dir.path().join("a.json")).unwrap();
+    std::fs::create_dir(dir.path().join("a.json")).unwrap();
+    let line = refused();
+    assert!(line.contains("a.json is a folder; move it away"), "{line}");
+    assert_eq!(line.lines().count(), 1);
+    let png = [b"\x89PNG".as_slice(), &[0; 40]].concat();
+    put("b.png", &into_png(png, &made()));
+    let pdf = b"%PDF\nstartxref\n0\n%%EOF\n".to_vec();
+    put("b.pdf", &into_pdf(pdf, &made()));
+    assert!(
+        ["b.png", "b.pdf"]
+            .iter()
+            .all(|name| says(&dir.path().join(name)))
+    );
 }
 
 #[test]

@@ -45,26 +45,31 @@ fn names(dir: &Path) -> Vec<String> {
 fn writes_replaces_and_makes_folders() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a/b/force.svg");
-    write(&path, "old and longer").unwrap();
-    write(&path, "new").unwrap();
+    assert!(!write(&path, "old and longer").unwrap());
+    assert!(write(&path, "new").unwrap());
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     assert_eq!(names(path.parent().unwrap()), ["force.svg"]);
 }
 
 #[cfg(unix)]
 #[test]
-fn permissions_are_those_of_a_plain_file_and_links_survive() {
-    use std::os::unix::fs::PermissionsExt;
+fn permissions_are_those_of_a_plain_file_and_a_link_is_replaced_not_followed() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
     let dir = tempfile::tempdir().unwrap();
     let [plain, ours, link] = ["plain", "ours", "link"].map(|name| dir.path().join(name));
-    fs::write(&plain, "").unwrap();
+    fs::write(&plain, "old").unwrap();
     write(&ours, "").unwrap();
     let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
     assert_eq!(mode(&ours), mode(&plain));
-    std::os::unix::fs::symlink(&ours, &link).unwrap();
-    write(&link, "through").unwrap();
-    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-    assert_eq!(fs::read_to_string(&ours).unwrap(), "through");
+    for target in [&plain, &dir.path().join("nowhere"), dir.path()] {
+        symlink(target, &link).unwrap();
+        assert!(write(&link, "new").unwrap());
+        assert!(fs::symlink_metadata(&link).unwrap().is_file());
+        assert_eq!(fs::read(&link).unwrap(), b"new");
+        fs::remove_file(&link).unwrap();
+    }
+    assert_eq!(fs::read(&plain).unwrap(), b"old");
+    assert_eq!(names(dir.path()), ["ours", "plain"]);
 }
 
 #[test]
@@ -99,7 +104,7 @@ fn a_path_that_is_not_utf_8_is_kept_byte_for_byte() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join(std::ffi::OsStr::from_bytes(b"o\xff"));
     let made = write_all(&out, &[("a.csv", "1")]).unwrap();
-    assert_eq!(made, [out.join("a.csv")]);
+    assert_eq!(made.paths, [out.join("a.csv")]);
     assert_eq!(fs::read(out.join("a.csv")).unwrap(), b"1");
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
 }
@@ -122,8 +127,14 @@ fn what_is_no_ordinary_file_is_not_replaced() {
 #[test]
 fn a_closed_folder_is_refused() {
     // Nobody may make files here, root included.
-    assert!(write("/proc/hammer.csv", "x").is_err());
-    assert!(check_folder(Path::new("/proc/hammer")).is_err());
+    for refused in [
+        write("/proc/hammer.csv", "x").unwrap_err(),
+        check_folder(Path::new("/proc/hammer")).unwrap_err(),
+    ] {
+        let line = refused.to_string();
+        assert!(line.starts_with("cannot write /proc/hammer"), "{line}");
+        assert!(!line.contains(TEMPORARY), "{line}");
+    }
 }
 
 #[test]
@@ -170,7 +181,7 @@ fn a_whole_answer_is_written_in_order() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("answer");
     let files = [("z.csv", b"1".to_vec()), ("a.png", vec![0, 255])];
-    let paths = write_all(&out, &files).unwrap();
+    let paths = write_all(&out, &files).unwrap().paths;
     assert_eq!(paths, [out.join("z.csv"), out.join("a.png")]);
     assert_eq!(names(&out), ["a.png", "z.csv"]);
     assert_eq!(fs::read(&paths[1]).unwrap(), [0, 255]);
@@ -215,7 +226,7 @@ fn at_every_step(files: &[&str], act: impl Fn(&Path) -> Result<(), WriteError>) 
 
 #[test]
 fn a_disk_that_fails_at_any_step_leaves_the_old_file_and_nothing_else() {
-    at_every_step(&["a.csv"], |dir| write(dir.join("a.csv"), "new"));
+    at_every_step(&["a.csv"], |dir| write(dir.join("a.csv"), "new").map(drop));
     at_every_step(&["a.bin"], |dir| write_unsynced(dir.join("a.bin"), "new"));
     at_every_step(&["a.csv", "b.svg", "c.json"], |dir| {
         let files = ["a.csv", "b.svg", "c.json"].map(|name| (name, "new"));
@@ -244,19 +255,12 @@ fn a_disk_that_fails_at_any_step_leaves_the_old_file_and_nothing_else() {
     });
 }
 
-/// A file that a killed program left: there, and nobody holds its lock.
-fn orphan(dir: &Path, name: &str, bytes: &str) -> PathBuf {
-    let path = dir.join(name);
-    fs::write(&path, bytes).unwrap();
-    path
-}
-
 #[test]
 fn what_a_killed_program_left_is_removed_and_what_a_live_one_works_on_is_not() {
     let dir = tempfile::tempdir().unwrap();
-    orphan(dir.path(), ".writing-abc123", "half a log");
-    orphan(dir.path(), ".writing-plan-xyz", "half a plan");
-    orphan(dir.path(), "writing-mine", "somebody's");
+    // There, and nobody holds its lock.
+    fs::write(dir.path().join(".writing-abc123"), "half a log").unwrap();
+    fs::write(dir.path().join("writing-mine"), "somebody's").unwrap();
     let live = Staged::new(dir.path().join("log.parquet")).unwrap();
     // Swept when the first file was begun; the live one stays however often that is done.
     let before = names(dir.path());
@@ -265,39 +269,4 @@ fn what_a_killed_program_left_is_removed_and_what_a_live_one_works_on_is_not() {
     assert_eq!(names(dir.path()), before);
     live.commit().unwrap();
     assert_eq!(names(dir.path()), ["log.parquet", "writing-mine"]);
-}
-
-#[test]
-fn renames_that_a_killed_program_had_begun_are_finished() {
-    let dir = tempfile::tempdir().unwrap();
-    let at = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
-    for name in ["a.csv", "b.svg", "c.json"] {
-        orphan(dir.path(), name, "old");
-    }
-    // The first of three had its name already.
-    orphan(dir.path(), "a.csv", "new");
-    orphan(dir.path(), ".writing-2", "new");
-    orphan(dir.path(), ".writing-3", "new");
-    let plan: String = [
-        (".writing-1", "a.csv"),
-        (".writing-2", "b.svg"),
-        (".writing-3", "c.json"),
-    ]
-    .map(|(from, to)| format!("{}\n{}\n", at(from), at(to)))
-    .concat();
-    // A plan that is not whole was not begun: its files go, the old ones stay.
-    orphan(dir.path(), ".writing-plan-1", &plan);
-    orphan(dir.path(), ".writing-4", "lost");
-    let half = format!("{}\n{}\n", at(".writing-4"), at("a.csv"));
-    orphan(dir.path(), ".writing-plan-2", &half);
-    fs::write(
-        dir.path().join(".writing-plan-1"),
-        format!("{plan}all of these\n"),
-    )
-    .unwrap();
-    leftovers::sweep_now(dir.path());
-    assert_eq!(names(dir.path()), ["a.csv", "b.svg", "c.json"]);
-    for name in ["a.csv", "b.svg", "c.json"] {
-        assert_eq!(fs::read_to_string(dir.path().join(name)).unwrap(), "new");
-    }
 }

@@ -10,6 +10,7 @@ use super::request::Request;
 use crate::cli::terminal::{print, print_bytes, say};
 use files::made_from::{self, MadeFrom, file_name, refuse_others};
 use files::table::{parquet_with, to_csv};
+use files::write::Written;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
 use numerics::pick::uncertainty::Stated;
@@ -46,10 +47,6 @@ pub struct OutputArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 
-    /// Replace files of the same names that another request made
-    #[arg(long)]
-    pub replace: bool,
-
     /// No progress, no notes on standard error
     #[arg(long)]
     pub quiet: bool,
@@ -74,7 +71,8 @@ impl OutputArgs {
     }
 
     /// The same for an answer about `rigs`: its files are named after the command, the first rig and the options given,
-    /// and carry the rigs. Files that another request made are refused here, before any work is done.
+    /// and carry the rigs. What stands in the way and is no answer of this program is refused here, before any work is
+    /// done.
     ///
     /// # Errors
     /// If the answer could not be written.
@@ -105,7 +103,8 @@ impl OutputArgs {
         let made_from = std::mem::take(&mut output.request.made_from);
         output.request.made_from = made_from.with_rigs(rigs);
         output.check()?;
-        output.refuse_others([output.name(".json").as_str()])?;
+        let usual = [".json", ".svg", ".png", ".csv", ".parquet"].map(|end| output.name(end));
+        output.refuse_others(usual.iter().map(String::as_str))?;
         Ok(output)
     }
 
@@ -156,8 +155,8 @@ impl OutputArgs {
         names: impl IntoIterator<Item = &'a str> + Clone,
     ) -> Result<(), UserError> {
         match &self.out {
-            Some(dir) if !self.replace => Ok(refuse_others(dir, names, self.made_from())?),
-            _ => Ok(()),
+            Some(dir) => refuse_others(dir, names),
+            None => Ok(()),
         }
     }
 
@@ -200,30 +199,32 @@ impl OutputArgs {
     /// Writes files into `dir`, each with what it was made from, and says so.
     ///
     /// # Errors
-    /// If a file cannot be written, or would replace what another request made.
+    /// If a file cannot be written, or would replace what is no answer of this program.
     pub fn write(&self, dir: &Path, contents: Contents) -> Result<(), UserError> {
-        let paths = files::write::write_all(dir, &self.stamped(contents)?)?;
-        self.note(&format!("wrote {}", self.listed(&paths)));
+        let written = files::write::write_all(dir, &self.stamped(contents)?)?;
+        self.note_written(&written);
         Ok(())
     }
 
-    /// Paths with commas; of names that begin alike, the beginning once.
-    pub fn listed(&self, paths: &[PathBuf]) -> String {
-        let mut words: Vec<String> = Vec::with_capacity(paths.len());
-        for path in paths {
+    /// Says which files were written, and whether others of these names are gone. Of names that begin alike, the
+    /// beginning stands once.
+    pub fn note_written(&self, written: &Written) {
+        let mut words: Vec<String> = Vec::with_capacity(written.paths.len());
+        for path in &written.paths {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             match name.strip_prefix(&self.stem) {
                 Some(end) if !words.is_empty() => words.push(end.to_owned()),
                 _ => words.push(path.display().to_string()),
             }
         }
-        words.join(", ")
+        let list = words.join(", ");
+        self.note(&format!("wrote {list}{}", replaced(written.replaced)));
     }
 
     /// Files, each with what it was made from.
     ///
     /// # Errors
-    /// If one would replace what another request made.
+    /// If one would replace what is no answer of this program.
     pub fn stamped(&self, contents: Contents) -> Result<Contents, UserError> {
         let names: Vec<_> = contents.iter().map(|(name, _)| name.as_str()).collect();
         self.refuse_others(names.iter().copied())?;
@@ -274,6 +275,11 @@ impl OutputArgs {
     pub fn parquet<T: Serialize>(&self, rows: &[T]) -> Result<Vec<u8>, UserError> {
         parquet_with(rows, vec![made_from::pair(self.made_from())])
     }
+}
+
+/// What the line that names written files ends with.
+pub fn replaced(replaced: bool) -> &'static str {
+    if replaced { " (replaced)" } else { "" }
 }
 
 /// Writes a note for a person on standard error, unless it is to be quiet.

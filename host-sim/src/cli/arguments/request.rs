@@ -6,9 +6,9 @@ use files::made_from::{Input, MadeFrom};
 use serde_json::{Map, Value};
 
 /// Options that only say where and how to answer, or how to share out the work: they change no number.
-const ASIDE: [&str; 14] = [
-    "help", "version", "format", "out", "quiet", "replace", "threads", "tiles", "merge", "only",
-    "no_log", "show", "csv", "report",
+const ASIDE: [&str; 13] = [
+    "help", "version", "format", "out", "quiet", "threads", "tiles", "merge", "only", "no_log",
+    "show", "csv", "report",
 ];
 
 /// What a command line asks for.

@@ -41,8 +41,8 @@ pub fn page(effort: Effort, records: &[Option<Record>]) -> String {
     for page in &pages {
         section(&mut out, page);
     }
-    times(&mut out, records);
-    out + "</body></html>\n"
+    let key = records.iter().flatten().next().map_or("", |r| &r.key);
+    out + &format!("<p>Computed by {}.</p></body></html>\n", escaped(key))
 }
 
 /// The conclusion first, then the chapter's numbers, then what goes beyond.
@@ -139,24 +139,6 @@ fn section(out: &mut String, page: &PageRecord) {
     );
 }
 
-fn times(out: &mut String, records: &[Option<Record>]) {
-    *out += "<section id=\"times\"><h2>What took how long</h2><ul>\n";
-    for record in records.iter().flatten() {
-        let _ = writeln!(
-            out,
-            "<li>{}: {:.1} s</li>",
-            escaped(&record.part),
-            record.seconds
-        );
-    }
-    let all: f64 = records.iter().flatten().map(|r| r.seconds).sum();
-    let _ = writeln!(
-        out,
-        "<li>in all: {all:.1} s</li></ul><p>Computed by {}.</p></section>",
-        escaped(records.iter().flatten().next().map_or("", |r| &r.key))
-    );
-}
-
 fn anchor(figure: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() { c } else { '-' };
     format!("figure-{}", figure.chars().map(plain).collect::<String>())
@@ -185,7 +167,6 @@ mod tests {
         let record = Record {
             key: "k".into(),
             part: "p".into(),
-            seconds: 1.0,
             pages: vec![PageRecord {
                 figure: "3.24".into(),
                 title: "a < b".into(),

@@ -3,10 +3,10 @@
 mod html;
 mod record;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::arguments::output::{check_folder, to_json};
+use super::arguments::output::{check_folder, replaced, to_json};
 use super::interrupt;
 use super::terminal::print;
 use crate::figures::{AREAS, DRAWINGS, Effort, Part};
@@ -29,10 +29,6 @@ pub struct Args {
     /// Coarse grids and few cycles: a first look in seconds, with rough numbers
     #[arg(long)]
     coarse: bool,
-
-    /// Replace figures made with the other effort (with or without --coarse)
-    #[arg(long)]
-    replace: bool,
 
     /// No progress, no notes on standard error
     #[arg(long)]
@@ -58,35 +54,37 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     } else {
         Effort::Full
     };
-    refuse_other(args, effort)?;
+    refuse_others(&args.out)?;
     let key = record::key(effort)?;
     let (mut text, made) = make_missing(args, effort, &key, wanted)?;
     let records = AREAS
         .iter()
         .map(|part| record::standing(&args.out, part.name, &key));
     let records: Vec<Option<Record>> = records.collect();
-    write_index(args, effort, &records)?;
+    let before = write_index(args, effort, &records)?;
     let there = records.iter().flatten().map(|r| r.pages.len());
     let there: usize = there.sum();
     text += &format!(
-        "{there} pages, {made:.1} s in all: {}\n",
-        args.out.join("index.html").display()
+        "{there} pages, {made:.1} s in all: {}{}\n",
+        args.out.join("index.html").display(),
+        replaced(before)
     );
     print(&text);
     Ok(())
 }
 
-/// Coarse figures do not replace full ones, nor the other way round, unless that is asked for.
-fn refuse_other(args: &Args, effort: Effort) -> Result<(), UserError> {
-    let text = std::fs::read(args.out.join("index.json")).unwrap_or_default();
+/// A folder with somebody else's page is no folder of figures.
+fn refuse_others(dir: &Path) -> Result<(), UserError> {
+    let text = std::fs::read(dir.join("index.json")).unwrap_or_default();
     let index: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
-    match index["effort"].as_str() {
-        Some(there) if there != word(effort) && !args.replace => Err(UserError::new(format!(
-            "{} holds figures made with {there} effort, not {}; give --out another folder, or --replace to replace them",
-            args.out.display(),
-            word(effort)
+    let ours = index["effort"].is_string();
+    let page = ["index.html", "index.json"].map(|name| dir.join(name));
+    match page.iter().find(|file| file.is_file() && !ours) {
+        Some(file) => Err(UserError::new(format!(
+            "{} is no page of figures of this program; move it away, or give --out another folder",
+            file.display()
         ))),
-        _ => Ok(()),
+        None => Ok(()),
     }
 }
 
@@ -196,14 +194,14 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
         .collect();
     files::write::write_all(&args.out, &all)?;
-    let record = Record::new(key, effort, name, seconds, &pages);
+    let record = Record::new(key, effort, name, &pages);
     let text = to_json(&record)?;
     files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)
 }
 
-/// The page and its table of contents for programs.
-fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Result<(), UserError> {
+/// The page and its table of contents for programs. Returns whether they replaced others.
+fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Result<bool, UserError> {
     let page = html::page(effort, records);
     let there: Vec<&Record> = records.iter().flatten().collect();
     let missing: Vec<&str> = AREAS
@@ -220,8 +218,7 @@ fn write_index(args: &Args, effort: Effort, records: &[Option<Record>]) -> Resul
         "not_computations": DRAWINGS.map(|(figure, what)| serde_json::json!({"figure": figure, "what": what})),
     });
     let files = [("index.html", page), ("index.json", to_json(&index)?)];
-    files::write::write_all(&args.out, &files)?;
-    Ok(())
+    Ok(files::write::write_all(&args.out, &files)?.replaced)
 }
 
 /// Names with commas; the first and the last of many.

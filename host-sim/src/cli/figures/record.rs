@@ -16,8 +16,6 @@ pub struct Record {
     pub key: String,
     /// The part.
     pub part: String,
-    /// How long it took, s.
-    pub seconds: f64,
     pub pages: Vec<PageRecord>,
 }
 
@@ -44,7 +42,7 @@ pub struct FileRecord {
 }
 
 impl Record {
-    pub fn new(key: &str, effort: Effort, part: &str, seconds: f64, pages: &[Page]) -> Self {
+    pub fn new(key: &str, effort: Effort, part: &str, pages: &[Page]) -> Self {
         let file = |(name, bytes): &(String, Vec<u8>)| FileRecord {
             name: name.clone(),
             bytes: bytes.len(),
@@ -62,7 +60,6 @@ impl Record {
         Self {
             key: key.to_owned(),
             part: part.to_owned(),
-            seconds,
             pages: pages.iter().map(page).collect(),
         }
     }

@@ -26,7 +26,7 @@ pub fn check(what: &What) -> Result<(), UserError> {
         }
         What::Record(record) => {
             positive("--for", record.duration_s)?;
-            unless_there([record.out.as_path()], record.replace)
+            unless_there([record.out.as_path()])
         }
         What::Sweep(plan) => {
             positive("--from-hz", plan.from_hz)?;
@@ -35,7 +35,7 @@ pub fn check(what: &What) -> Result<(), UserError> {
             positive("--measure", plan.measure)?;
             given("--amplitude", plan.amplitude)?;
             frequencies(plan)?;
-            unless_there([&plan.csv, &plan.csv.with_extension("json")], plan.replace)
+            unless_there([&plan.csv, &plan.csv.with_extension("json")])
         }
         What::Monitor { duration_s, rate } => {
             positive("--rate", *rate)?;
@@ -46,13 +46,14 @@ pub fn check(what: &What) -> Result<(), UserError> {
     }
 }
 
-/// Refuses to replace what was measured before.
-fn unless_there<const N: usize>(files: [&Path; N], replace: bool) -> Result<(), UserError> {
-    match files.into_iter().find(|file| file.exists()) {
-        Some(file) if !replace => Err(UserError::new(format!(
-            "{} is there already; give another name, or --replace to replace it",
+/// Refuses to replace what was measured before: the same command does not measure the same again.
+fn unless_there<const N: usize>(files: [&Path; N]) -> Result<(), UserError> {
+    let mut files = files.into_iter();
+    match files.find(|file| file.symlink_metadata().is_ok()) {
+        Some(file) => Err(UserError::new(format!(
+            "{} exists already, and a measurement is not replaced; choose another name or remove it",
             file.display()
         ))),
-        _ => Ok(()),
+        None => Ok(()),
     }
 }

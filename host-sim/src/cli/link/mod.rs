@@ -161,7 +161,7 @@ struct NewSettings {
 
 #[derive(Debug, clap::Args)]
 struct Recording {
-    /// File to write
+    /// File to write; one that exists is not replaced
     #[arg(value_name = "OUT.parquet")]
     out: PathBuf,
     /// How long, s of the controller's time
@@ -171,9 +171,6 @@ struct Recording {
     /// and leaves the controller running: `link PORT stop`)
     #[arg(long)]
     start: bool,
-    /// Replace the file if there is one of this name
-    #[arg(long)]
-    replace: bool,
     #[command(flatten)]
     session: Session,
 }

@@ -38,13 +38,10 @@ pub struct Sweep {
     /// Go from the highest to the lowest
     #[arg(long)]
     pub down: bool,
-    /// File to write; if something fails or you interrupt, it gets what was measured until then. FILE.json beside it
-    /// says what it was made from
+    /// File to write, one that exists is not replaced; if something fails or you interrupt, it gets what was measured
+    /// until then. FILE.json beside it says what it was made from
     #[arg(long, alias = "out", value_name = "FILE.csv")]
     pub csv: PathBuf,
-    /// Replace the files if there are any of this name
-    #[arg(long)]
-    pub replace: bool,
     #[command(flatten)]
     pub session: Session,
 }

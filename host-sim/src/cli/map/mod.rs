@@ -275,9 +275,21 @@ fn stores(args: &Args, requests: &[MapRequest]) -> Result<Vec<Store>, UserError>
     let Some(dir) = &args.output.out else {
         return Ok(Vec::new());
     };
-    let open = |request: &MapRequest| {
-        let dir = dir.join(format!("{}.tiles", requests::name(request)));
-        Store::open(&dir, request)
+    let open = |request: &MapRequest| -> Result<Store, UserError> {
+        let dir = dir.join(format!("{}.tiles", file_name(&args.output, request)));
+        let (store, another) = Store::open(&dir, request)?;
+        match another {
+            // Others may have computed them for hours.
+            Some(what) if args.tiles.is_some() || args.merge => Err(UserError::new(format!(
+                "{what}; finish that one, remove the folder, or choose another --out"
+            ))),
+            Some(what) => {
+                args.output
+                    .note(&format!("note: {what}; this map is begun anew"));
+                Ok(store)
+            }
+            None => Ok(store),
+        }
     };
     let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
     if !args.output.quiet {

@@ -16,7 +16,7 @@ use shared::model::params::PRESETS;
 
 use super::arguments::choice::{Objective, choice};
 use super::arguments::ground::GroundArgs;
-use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::output::{Format, OutputArgs, replaced, to_json};
 use super::arguments::over::{Over, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigArgs};
@@ -160,7 +160,6 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let widths: Vec<_> = rigs.iter().map(uncertain).collect::<Result<_, _>>()?;
     let first = widths.first().copied().flatten();
     let output = &output.about(&rigs)?.with_uncertainty(first.map(stated));
-    report::refuse_others(&args.report, output)?;
     let work = widths.iter().map(|width| steps(*width)).sum();
     let progress = Progress::new("rigs tried", work, output.quiet);
     let picks = rigs.iter().zip(&widths);
@@ -175,8 +174,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     }
     if let ([rig], [pick]) = (rigs.as_slice(), picks.as_slice()) {
         for file in &args.report {
-            report::write(file, rig, pick, output.made_from())?;
-            output.note(&format!("wrote {}", file.display()));
+            let before = report::write(file, rig, pick, output.made_from())?;
+            output.note(&format!("wrote {}{}", file.display(), replaced(before)));
         }
     }
     let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();

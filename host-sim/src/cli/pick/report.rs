@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::text::{by_what_they_leave_open, force, head, known_to, lines};
-use crate::cli::arguments::output::OutputArgs;
 use crate::pictures::pick::{MARKS, figure};
 use files::made_from::{self, MadeFrom, into_pdf, into_svg};
 use files::words::digits::significant;
@@ -16,10 +15,8 @@ use plot::{Block, PictureError, render_pdf, render_svg};
 
 /// Parameters named under "what to measure first".
 const MOST_MEASURED: usize = 6;
-/// A report has some hundred thousand bytes; a file larger than this is none.
-const MOST_BYTES: u64 = 64 << 20;
-
-/// Refuses a report whose kind is not known, and one that could not be written, before any work is done.
+/// Refuses a report whose kind is not known, one that could not be written, and a file that is no report of this
+/// program, before any work is done.
 ///
 /// # Errors
 /// If there is one.
@@ -28,6 +25,13 @@ pub fn check(reports: &[PathBuf]) -> Result<(), UserError> {
         kind(file)?;
         let dir = file.parent().filter(|dir| !dir.as_os_str().is_empty());
         files::write::check_folder(dir.unwrap_or(Path::new(".")))?;
+        let there = file.symlink_metadata();
+        if there.is_ok_and(|there| !there.is_symlink()) && !made_from::says(file) {
+            return Err(UserError::new(format!(
+                "--report {}: what is there is no report of this program; choose another name",
+                file.display()
+            )));
+        }
     }
     Ok(())
 }
@@ -49,31 +53,11 @@ fn kind(file: &Path) -> Result<Kind, UserError> {
     }
 }
 
-/// Refuses to replace a file that another request made, before any work is done.
-///
-/// # Errors
-/// If there is one.
-pub fn refuse_others(reports: &[PathBuf], output: &OutputArgs) -> Result<(), UserError> {
-    for file in reports
-        .iter()
-        .filter(|file| file.exists() && !output.replace)
-    {
-        let there = made_from::of_page(&files::read_bytes(file, MOST_BYTES)?);
-        if !there.is_some_and(|there| there.same_request(output.made_from())) {
-            return Err(UserError::new(format!(
-                "--report {}: the file is there, and this request did not make it; choose another name, or --replace to replace it",
-                file.display()
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// Writes the report of `pick` into `file`.
+/// Writes the report of `pick` into `file`. Returns whether it replaced one.
 ///
 /// # Errors
 /// If it cannot be drawn or written.
-pub fn write(file: &Path, rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Result<(), UserError> {
+pub fn write(file: &Path, rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Result<bool, UserError> {
     let title = format!("{}, {}", head(&pick.answer), force(&pick.answer));
     let blocks = blocks(rig, pick, made);
     let refused = |error: PictureError| UserError::new(error.to_string());
