@@ -338,8 +338,8 @@ fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option
     comparable(&other, &branch, limits, progress)
 }
 
-/// Where the nominal `rig` is strongest within those of `limits` that both carts have: all but the force of the shaker's
-/// loop. None if no stable 1/1 is within them.
+/// Where the nominal `rig` is strongest within those of `limits` that both carts have: all but the shaker's force.
+/// None if no stable 1/1 is within them.
 fn comparable(
     rig: &NamedRig,
     branch: &Branch,
@@ -352,11 +352,8 @@ fn comparable(
         members: &[],
         progress,
     };
-    let limits = Limits {
-        max_loop_force_n: None,
-        ..limits
-    };
-    let orbit = field.choose(range(branch), limits).ok()?.orbit;
+    let orbit = field.choose(range(branch), limits.without_the_shaker());
+    let orbit = orbit.ok()?.orbit;
     Some(Strongest::of(&orbit, &rig.params))
 }
 
