@@ -18,7 +18,7 @@ use crate::work::How;
 const MOST_SAMPLES: u32 = 100_000;
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, gap_mm, cart, nominal, widths, samples, seed, max_force_n, max_frequency_hz, max_drive_force_n, threads, progress))]
+#[pyo3(signature = (rig, *, gap_mm, cart, nominal, widths, samples, seed, max_force_n, max_frequency_hz, max_shaker_force_n, threads, progress))]
 #[allow(
     clippy::too_many_arguments,
     reason = "each is a keyword of the Python function"
@@ -34,7 +34,7 @@ pub fn pick<'py>(
     seed: u64,
     max_force_n: Option<f64>,
     max_frequency_hz: Option<f64>,
-    max_drive_force_n: Option<f64>,
+    max_shaker_force_n: Option<f64>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -62,8 +62,8 @@ pub fn pick<'py>(
     let limits = Limits {
         max_force_n: limit("max_force_n", max_force_n)?,
         max_frequency_hz: limit("max_frequency_hz", max_frequency_hz)?,
-        max_drive_force_n: limit("max_drive_force_n", max_drive_force_n)?,
-        max_loop_force_n: None,
+        max_shaker_force_n: limit("max_shaker_force_n", max_shaker_force_n)?,
+        rig_shaker_force_n: None,
     };
     let how = How { threads, progress };
     let found = how.run(py, steps(uncertainty), |watch| {

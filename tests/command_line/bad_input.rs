@@ -209,7 +209,10 @@ fn engines_limits_and_uncertainties_that_do_not_go() {
         ("pick --engine switch", "unexpected argument '--engine'"),
         ("pick --all --rig wires", "cannot be used with"),
         ("pick --max-force-n 0", "--max-force-n is 0"),
-        ("pick --max-drive-force-n nan", "--max-drive-force-n is NaN"),
+        (
+            "pick --max-shaker-force-n nan",
+            "--max-shaker-force-n is NaN",
+        ),
         ("pick --samples 200000", "at most 100000"),
         ("pick --amplitude-percent 100", "below 90"),
         (

@@ -35,13 +35,21 @@ fn what_drop_makes_identify_gives_back() {
             assert!(low < number(p, "value") && number(p, "value") < high, "{p}");
         }
     }
+    // ki with ci and ci with ki are one pair.
+    for fit in json["fits"].as_array().expect("fits") {
+        let warnings = fit["warnings"].as_array().expect("warnings").iter();
+        let pairs = warnings.filter(|w| w.to_string().contains("stand in for each other"));
+        assert!(pairs.count() <= 1, "{fit}");
+    }
     assert_eq!(json["ring"], Value::Null);
     assert_svg_shows(
         &folder.read_made("o/identify", ".svg"),
         &[
             "Impact 1",
             "force peak, N",
-            "Profile likelihood",
+            "Profile likelihood: ki",
+            "Profile likelihood: ci",
+            "ki, 10⁶ N/m<",
             "measured",
         ],
     );
@@ -52,6 +60,18 @@ fn what_drop_makes_identify_gives_back() {
     let mut alone = folder.command(&line.split_whitespace().collect::<Vec<_>>());
     alone.env("RAYON_NUM_THREADS", "1");
     assert_eq!(crate::support::finish(alone).well().out, ran.out);
+}
+
+/// Of a clean record the ends of the interval were printed alike.
+#[test]
+fn the_ends_of_an_interval_are_told_apart() {
+    let folder = dropped("");
+    let line = "identify drop.csv --misfit force --gain-percent 0 --release-height-percent 0 --clock-percent 0 --quiet";
+    let ran = folder.run(line).well();
+    let ends = ran.out.lines().filter_map(|l| l.split_once("95 %: "));
+    let ends: Vec<_> = ends.filter_map(|(_, e)| e.split_once(" to ")).collect();
+    assert_eq!(ends.len(), 2, "{}", ran.out);
+    assert!(ends.iter().all(|(low, high)| low != high), "{}", ran.out);
 }
 
 /// The record of which stiffness −43 % was said, from −53 to −33 %.
@@ -104,6 +124,9 @@ fn sensor_faults_are_in_the_record() {
         .find(|i| force(&plain, *i) > 0.0)
         .expect("an onset");
     assert!(force(&filtered, onset) < 0.2 * force(&plain, onset));
+    let meant = rows("--converter mean");
+    let three = (0..3).map(|i| force(&plain, hardest - i)).sum::<f64>() / 3.0;
+    assert!((force(&meant, hardest) - three).abs() < 1e-9);
     let wrong = rows("--displacement-gain-percent 1");
     assert!((number(&wrong[0], "displacement_mm") + 3.03).abs() < 1e-9);
 }

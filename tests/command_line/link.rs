@@ -202,10 +202,8 @@ fn a_sweep_by_hand_visits_every_frequency_within_the_limits_and_stops() {
     let json: serde_json::Value = serde_json::from_str(&beside).expect("JSON");
     assert_eq!(json["made_from"]["options"]["to_hz"], 5.5);
     assert_eq!(json["points"].as_array().map(Vec::len), Some(4));
-    let there = "up.csv is there already";
+    let there = "up.csv exists already, and a measurement is not replaced";
     refused(&folder, &board.line(&format!("{sweep} up.csv")), &[there]);
-    let again = sweep.replace("--out", "--replace --out");
-    folder.run(&board.line(&format!("{again} up.csv"))).well();
     // What it wrote is what the other sweep reads.
     let compared = "sweep --frequency 4:5:0.5 --cycles 20 --transient 10 --quiet --measured up.csv";
     let ran = folder.run(compared).well();

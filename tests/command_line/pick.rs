@@ -274,7 +274,7 @@ fn same_seed_same_bytes_on_one_thread_or_two_and_another_seed_another_largest_fo
         let line = format!(
             "pick --samples 12 --seed {seed} --natural-frequency-percent 12 --amplitude-percent 0 \
              --contact-stiffness-percent 0 --contact-damping-percent 0 --gap-tolerance-mm 0 \
-             --format json --quiet"
+             --cart prescribed --format json --quiet"
         );
         let words: Vec<_> = line.split_whitespace().collect();
         let mut command = folder.command(&words);

@@ -68,10 +68,10 @@ fn the_safe_band_keeps_a_force_limit_for_every_rig_within_the_uncertainty() {
 
 #[test]
 fn a_drive_force_limit_is_kept() {
-    let a = answer("pick --nominal --max-drive-force-n 2");
+    let a = answer("pick --nominal --cart prescribed --max-shaker-force-n 2");
     assert_decides(
         &a,
-        "max_drive_force_n",
+        "max_shaker_force_n",
         2.0,
         number(&a["shaker"], "force_n"),
     );
@@ -80,10 +80,10 @@ fn a_drive_force_limit_is_kept() {
 #[test]
 fn of_three_limits_the_one_that_decides_is_named_and_the_loose_ones_do_not_bind() {
     let a =
-        answer("pick --nominal --max-frequency-hz 3.2 --max-force-n 500 --max-drive-force-n 50");
+        answer("pick --nominal --max-frequency-hz 3.2 --max-force-n 500 --max-shaker-force-n 50");
     assert_eq!(number(&a, "operating_frequency_hz"), 3.2);
     assert_eq!(limit(&a, "max_frequency_hz")["binds"], true);
-    for loose in ["max_force_n", "max_drive_force_n"] {
+    for loose in ["max_force_n", "max_shaker_force_n"] {
         assert_eq!(limit(&a, loose)["binds"], false, "{loose}");
     }
 }
@@ -106,8 +106,10 @@ fn a_large_gap_is_told_for_what_it_is() {
     let uncertainty = &a["limits"][0];
     assert_eq!(uncertainty["name"], "the uncertainty");
     assert_eq!(uncertainty["binds"], true);
-    let top = a["safe_band_hz"][1].as_f64().expect("a number");
-    assert!((top - number(&a, "operating_frequency_hz")).abs() < 1e-5 * top);
+    // It keeps a reserve from that edge.
+    assert_eq!(limit(&a, "the reserve of 1 %")["binds"], true);
+    let top = a["robust_band_hz"][1].as_f64().expect("a number");
+    assert!((0.99 * top - number(&a, "operating_frequency_hz")).abs() < 1e-5 * top);
     // Not every corner of it gets there from rest.
     let reaching = number(&a, "corners_reaching_one_one_from_rest");
     assert!(reaching < number(&a, "corners"), "{reaching}");
@@ -117,7 +119,7 @@ fn a_large_gap_is_told_for_what_it_is() {
 /// frequency can be, and the answer says so.
 #[test]
 fn a_drive_force_limit_that_no_frequency_keeps_lowers_the_amplitude() {
-    let a = answer("pick --nominal --max-drive-force-n 0.5");
+    let a = answer("pick --nominal --cart prescribed --max-shaker-force-n 0.5");
     assert_eq!(a["amplitude_lowered"], true);
     let amplitude = number(&a, "amplitude_mm");
     assert!(amplitude < 0.3, "{amplitude}");
@@ -126,12 +128,12 @@ fn a_drive_force_limit_that_no_frequency_keeps_lowers_the_amplitude() {
     let [_, high] = [0, 1].map(|i| a["safe_band_hz"][i].as_f64().expect("a number"));
     assert!(high > 1.03 * number(&a, "operating_frequency_hz"), "{a}");
     // At no gap forces go with the amplitude, but for what a pendulum differs from a spring (0.1 %).
-    let whole = answer("pick --nominal");
+    let whole = answer("pick --nominal --cart prescribed");
     assert_eq!(whole["amplitude_lowered"], false);
     let [lower, full] = [&a, &whole].map(|a| number(a, "force_n") / number(a, "amplitude_mm"));
     assert!((lower / full - 1.0).abs() < 2e-3, "{lower} {full}");
     let text = Folder::new()
-        .run("pick --nominal --max-drive-force-n 0.5")
+        .run("pick --nominal --cart prescribed --max-shaker-force-n 0.5")
         .well()
         .out;
     assert!(text.contains("the amplitude is lowered"), "{text}");
@@ -168,6 +170,52 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
     let little = with(0.1);
     assert_eq!(little["amplitude_lowered"], true);
     assert!(number(&little, "amplitude_mm") < 0.2);
+    // The option says the same, and whether that shaker can do it.
+    for (share, same, said) in [
+        (2.0, &free, "shaker enough      yes: it needs "),
+        (0.8, &less, "shaker enough      no, not at "),
+        (
+            0.1,
+            &little,
+            "shaker enough      no, not at the rig's amplitude",
+        ),
+    ] {
+        let line = format!("pick --nominal --max-shaker-force-n {}", share * needed);
+        let a = answer(&line);
+        for key in ["operating_frequency_hz", "amplitude_mm", "force_n"] {
+            assert_eq!(a[key], same[key], "{share}: {key}");
+        }
+        let text = Folder::new().run(&line).well().out;
+        assert!(text.contains(said), "{text}");
+    }
+    // 200 N are assumed for a preset: nobody gave them.
+    let text = Folder::new().run("pick --nominal").well().out;
+    assert!(!text.contains("shaker_max_force_n"), "{text}");
+}
+
+/// At no gap the force goes with the amplitude, but for what a pendulum differs from a spring (0.1 %).
+#[test]
+fn the_stroke_for_a_force_is_found() {
+    let free = answer("pick --nominal");
+    let wanted = 1.5 * number(&free, "force_n");
+    let a = answer(&format!("pick --nominal --want-force-n {wanted}"));
+    assert!((number(&a, "force_n") / wanted - 1.0).abs() < 1e-4, "{a}");
+    let times = number(&a, "amplitude_mm") / number(&free, "amplitude_mm");
+    assert!((times / 1.5 - 1.0).abs() < 2e-3, "{times}");
+    let [at, best] = [&a, &free].map(|a| number(a, "operating_frequency_hz"));
+    assert!((at / best - 1.0).abs() < 2e-3, "{at} {best}");
+    let folder = Folder::new();
+    let text = folder.run("pick --nominal --gap 1 --want-force-n 150 --max-shaker-force-n 5");
+    let text = text.well().out;
+    assert!(
+        text.contains("for 150 N, give it ") && text.contains(" mm of stroke"),
+        "{text}"
+    );
+    assert!(text.contains("force              150.0"), "{text}");
+    assert!(text.contains("shaker enough      no: it needs "), "{text}");
+    let refused = folder.run("pick --want-force-n 150 --max-force-n 100");
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("--max-force-n"), "{refused:?}");
 }
 
 /// In the safe band of one mode, five modes have 81 to 82 % of the force at 8.60 and 9.45 Hz (prescribed cart).

@@ -84,7 +84,7 @@ fn a_limit_moves_it_and_is_named() {
 #[test]
 fn the_amplitude_is_lowered_where_the_shaker_is_too_weak() {
     let line = "pick --objective rop --threshold-n 5 --nominal --cart prescribed";
-    let a = answer(&format!("{line} --max-drive-force-n 0.7"));
+    let a = answer(&format!("{line} --max-shaker-force-n 0.7"));
     assert_eq!(a["amplitude_lowered"], true);
     assert!(number(&a, "amplitude_mm") < 0.5);
     let needs = a["shaker"]["force_n"].as_f64().unwrap();
@@ -128,8 +128,8 @@ fn what_cannot_be_is_refused_in_one_line() {
                 "the ground holds at every frequency",
             ),
             (
-                "pick --objective rop --threshold-n 25 --nominal --cart prescribed --max-drive-force-n 0.1",
-                "max_drive_force_n",
+                "pick --objective rop --threshold-n 25 --nominal --cart prescribed --max-shaker-force-n 0.1",
+                "max_shaker_force_n",
             ),
         ],
     );

@@ -57,7 +57,7 @@ fn closed_standard_error_is_no_error_and_spoils_no_file() {
 fn help_and_version_are_answers() {
     for (line, says) in [
         ("--help", "pick"),
-        ("pick --help", "--max-drive-force-n"),
+        ("pick --help", "--max-shaker-force-n"),
         ("simulate --help", "--initial"),
         ("sweep --help", "--measured"),
         ("rigs --help", "TOML"),

@@ -29,8 +29,8 @@ fn pick_reads_the_uncertainty_that_was_measured_and_options_come_before_it() {
     assert_eq!(number(u, "gap_mm"), 0.0);
     assert!((0.6..0.7).contains(&number(u, "mass_percent")), "{u}");
     assert!(number(u, "natural_frequency_percent") < 1.0, "{u}");
-    // Two dimensions, and the masses and the loop as a third.
-    assert_eq!(number(&whole, "corners"), 8.0);
+    // Natural frequency, amplitude, the masses as one, the loop and its damping, which nobody stated.
+    assert_eq!(number(&whole, "corners"), 32.0);
     assert_eq!(whole["cart"], "recoil");
     let sensitivity = whole["sensitivity"].as_array().expect("rows");
     let amplitude = sensitivity
@@ -47,7 +47,7 @@ fn pick_reads_the_uncertainty_that_was_measured_and_options_come_before_it() {
     let v = &other["uncertainty"];
     assert_eq!(number(v, "amplitude_percent"), 7.0);
     assert_eq!(v["mass_percent"], u["mass_percent"]);
-    assert_eq!(number(&other, "corners"), 4.0);
+    assert_eq!(number(&other, "corners"), 8.0);
 }
 
 #[test]
@@ -213,7 +213,15 @@ fn a_report_is_one_page_that_needs_no_other_file() {
         "another file is needed"
     );
     let head = ran.out.lines().next().expect("a first line");
-    assert!(html.contains(&format!("<h1>{head}</h1>")), "{head}");
+    let force = ran
+        .out
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("force"));
+    let heading = format!("<h1>{head}, {}</h1>", force.expect("a force").trim());
+    assert!(html.contains(&heading), "{heading}");
+    // The sentence stands once.
+    let why = ran.out.lines().nth(1).expect("a sentence");
+    assert_eq!(html.matches(&why[..40]).count(), 1, "{why}");
     let pdf = std::fs::read(folder.path("r.pdf")).expect("a PDF");
     assert!(pdf.starts_with(b"%PDF-1.") && pdf.ends_with(b"%%EOF"));
     let text = String::from_utf8_lossy(&pdf);

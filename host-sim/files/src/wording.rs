@@ -352,6 +352,9 @@ fn pick(rig: &str, what: &PickError) -> String {
         PickError::MemberLost { frequency_hz } => format!(
             "rig {rig}: at {frequency_hz:.4} Hz a rig within the uncertainty has no stable 1/1; narrow the uncertainty"
         ),
+        PickError::NoAmplitude { wanted_n } => format!(
+            "rig {rig}: no amplitude of the cart gives {wanted_n} N with a stable 1/1; ask for another force, or change the gap"
+        ),
         PickError::Limits {
             range_hz,
             limits,
@@ -375,8 +378,8 @@ fn nearest_limits(feasible: Limits) -> String {
     let least = named(Limits {
         max_force_n: feasible.max_force_n.map(up),
         max_frequency_hz: feasible.max_frequency_hz.map(up),
-        max_drive_force_n: feasible.max_drive_force_n.map(up),
-        max_loop_force_n: feasible.max_loop_force_n.map(up),
+        max_shaker_force_n: feasible.max_shaker_force_n.map(up),
+        rig_shaker_force_n: feasible.rig_shaker_force_n.map(up),
     });
     match least.as_slice() {
         [] => "relax one of them".to_owned(),
@@ -389,8 +392,8 @@ fn named(limits: Limits) -> Vec<String> {
     [
         one("max_force_n", limits.max_force_n),
         one("max_frequency_hz", limits.max_frequency_hz),
-        one("max_drive_force_n", limits.max_drive_force_n),
-        one("shaker_max_force_n", limits.max_loop_force_n),
+        one("max_shaker_force_n", limits.max_shaker_force_n),
+        one("shaker_max_force_n", limits.rig_shaker_force_n),
     ]
     .into_iter()
     .flatten()

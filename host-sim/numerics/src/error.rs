@@ -372,6 +372,11 @@ pub enum PickError {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
+    /// No amplitude gives the force wanted.
+    NoAmplitude {
+        /// That force, N.
+        wanted_n: f64,
+    },
     /// No frequency keeps the limits.
     Limits {
         /// Where a stable 1/1 is, Hz.

@@ -190,6 +190,17 @@ impl Canvas<'_, '_> {
         self.area.draw(&element).map_err(library)
     }
 
+    /// The filled inside of an outline; `alpha` from 0 (unseen) to 1.
+    pub fn fill_outline(
+        &self,
+        outline: Vec<Spot>,
+        color: Color,
+        alpha: f64,
+    ) -> Result<(), PictureError> {
+        let element = Polygon::new(outline, rgb(color).mix(alpha).filled());
+        self.area.draw(&element).map_err(library)
+    }
+
     /// A circle outline, e.g. around a chosen point.
     pub fn ring(
         &self,

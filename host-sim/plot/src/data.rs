@@ -36,6 +36,7 @@ pub(super) fn on_even_axes(panel: &Panel) -> Cow<'_, Panel> {
         match item {
             Item::Line { points, .. }
             | Item::Points { points, .. }
+            | Item::Area { points, .. }
             | Item::Cloud { points, .. } => {
                 for point in points {
                     *point = (on_x(point.0), on_y(point.1));
@@ -63,6 +64,7 @@ pub(super) fn window(panel: &Panel) -> (Window, bool) {
         match item {
             Item::Line { points: p, .. }
             | Item::Points { points: p, .. }
+            | Item::Area { points: p, .. }
             | Item::Cloud { points: p, .. } => points.extend(p),
             Item::Raster(raster) => {
                 points.extend([(raster.x.0, raster.y.0), (raster.x.1, raster.y.1)]);
@@ -160,6 +162,16 @@ pub(super) fn draw(
             cloud(canvas, &spots, (*color, *dot), frame)?;
             let every = spots.len() / 2000 + 1;
             dots.extend(spots.iter().step_by(every).map(|s| px(*s)));
+        }
+        Item::Area { points, color, .. } => {
+            let finite = points
+                .iter()
+                .filter(|(x, y)| x.is_finite() && y.is_finite());
+            let inside = |(x, y): &(f64, f64)| {
+                let x = x.clamp(window.x.0, window.x.1);
+                (x, y.clamp(window.y.0, window.y.1))
+            };
+            canvas.fill_outline(finite.map(inside).map(&to_spot).collect(), *color, 0.18)?;
         }
         Item::Raster(raster) => {
             let corners = [

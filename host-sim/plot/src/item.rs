@@ -42,6 +42,15 @@ pub enum Item {
         /// Side of a dot, px; at least one pixel of the PNG.
         dot: f64,
     },
+    /// A shaded area, e.g. between the smallest and the largest of something.
+    Area {
+        /// Its outline, finite points in order.
+        points: Vec<Point>,
+        /// Colour, drawn thin enough to read curves over it.
+        color: Color,
+        /// Name in the legend.
+        label: String,
+    },
     /// Cells of colour, drawn as one image.
     Raster(Raster),
     /// A shaded vertical band, e.g. the safe operating band.
@@ -131,6 +140,17 @@ impl Item {
             label: label.into(),
             radius: 3.0,
             mark: style.mark,
+        }
+    }
+
+    /// The area between a lower and an upper value at each x: (x, lower, upper).
+    pub fn between(label: impl Into<String>, color: Color, values: &[[f64; 3]]) -> Self {
+        let lower = values.iter().map(|[x, lower, _]| (*x, *lower));
+        let upper = values.iter().rev().map(|[x, _, upper]| (*x, *upper));
+        Self::Area {
+            points: lower.chain(upper).collect(),
+            color,
+            label: label.into(),
         }
     }
 

@@ -56,6 +56,7 @@ fn entries(items: &[Item]) -> Vec<(&str, Vec<Sample<'_>>)> {
             Item::Line { label, .. }
             | Item::Points { label, .. }
             | Item::Cloud { label, .. }
+            | Item::Area { label, .. }
             | Item::BandX { label, .. } => vec![(label, Sample::Item(item))],
             Item::Raster(raster) => {
                 let names = raster.names.iter();
@@ -108,7 +109,7 @@ impl Sample<'_> {
             Self::Item(Item::Cloud { color, .. }) => {
                 canvas.mark(spot(middle), Mark::Circle, 2.5, *color)
             }
-            Self::Item(Item::BandX { color, .. }) => {
+            Self::Item(Item::BandX { color, .. } | Item::Area { color, .. }) => {
                 let swatch = Rect {
                     left: x,
                     top: y - 6.0,
@@ -253,7 +254,7 @@ pub(super) fn marked_points(
             let rim = (x + (nx - x) * 6.5 / away, y + (ny - y) * 6.5 / away);
             canvas.line([rim, (nx, ny)], color, 0.8, Stroke::Solid)?;
         }
-        canvas.fill(place, Color::PAPER, 0.85)?;
+        canvas.fill(place, Color::PAPER, 0.6)?;
         let middle = (place.top + place.bottom) / 2.0;
         canvas.text(&name, (place.left + 3.0, middle), letters.color(color))?;
         taken.push(place);

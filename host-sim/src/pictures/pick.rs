@@ -1,6 +1,6 @@
 //! The picture of a pick: force curve, band, doubling and choice.
 
-use crate::pictures::regimes::{OTHER_PERIODIC, regime_points};
+use crate::pictures::regimes::{OTHER_PERIODIC, regime_points, regime_rings};
 use files::words::digits::Digits;
 use files::words::pick::{other_cart, why};
 use numerics::pick::{CartModel, Pick};
@@ -9,6 +9,9 @@ use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
 const CURVE: Color = Color(0x1f, 0x4e, 0x79);
+
+/// What the marks on the curve are.
+pub const MARKS: &str = "Marks: sweep up; rings: sweep down; by regime.";
 
 /// One panel per rig.
 pub fn figure(picks: &[Pick]) -> Figure {
@@ -28,9 +31,11 @@ pub fn figure(picks: &[Pick]) -> Figure {
                 CartModel::Prescribed => "The cart is prescribed",
             };
             let why = why(&one.answer);
-            format!("{why} {cart}. Dots: sweeps up and down, by regime.")
+            format!("{why} {cart}. {MARKS}")
         }
-        _ => "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. Dots: sweeps up and down, by regime.".to_owned(),
+        _ => format!(
+            "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. {MARKS}"
+        ),
     };
     let columns = if picks.len() > 1 { 2 } else { 1 };
     let size = if picks.len() > 1 {
@@ -73,14 +78,21 @@ fn panel(pick: &Pick) -> Panel {
         format!("safe band {} Hz", digits.band([low, high])),
         low,
         high,
-    ))
-    .item(Item::line(
+    ));
+    if !pick.force_range.is_empty() {
+        let over = "its force over the uncertainty";
+        panel = panel.item(Item::between(over, CURVE, &pick.force_range));
+    }
+    panel = panel.item(Item::line(
         "stable 1/1, followed as an orbit",
         CURVE,
         pick.curve.clone(),
     ));
-    for (regime, points) in by_regime(pick.up.iter().chain(&pick.down)) {
+    for (regime, points) in by_regime(pick.up.iter()) {
         panel = panel.item(regime_points(&regime, points));
+    }
+    for (regime, points) in by_regime(pick.down.iter()) {
+        panel = panel.item(regime_rings(&regime, points));
     }
     let at_natural = answer.force_ratio_at_natural_frequency;
     panel = panel

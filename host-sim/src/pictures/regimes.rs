@@ -91,6 +91,17 @@ pub fn regime_fill(regime: &str) -> Color {
     }
 }
 
+/// The same points as rings that leave room for a mark inside: those of a second sweep.
+pub fn regime_rings(regime: &str, points: Vec<Point>) -> Item {
+    Item::Points {
+        points,
+        color: regime_color(regime),
+        label: regime.to_owned(),
+        radius: 6.0,
+        mark: Mark::Ring,
+    }
+}
+
 /// Points of one regime in its own colour and shape ([`regime_style`]), named by the regime.
 pub fn regime_points(regime: &str, points: Vec<Point>) -> Item {
     Item::styled_points(regime, regime_style(regime), points)

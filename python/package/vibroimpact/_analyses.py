@@ -162,7 +162,7 @@ def pick(
     seed: int = 1,
     max_force_n: float | None = None,
     max_frequency_hz: float | None = None,
-    max_drive_force_n: float | None = None,
+    max_shaker_force_n: float | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Record:
@@ -177,12 +177,13 @@ def pick(
     nominal:
         Takes the parameters as exact.
     natural_frequency_percent, ..., shaker_damping_percent:
-        Half-widths of the uncertainty; what is left out is the rig file's, else 2, 5, 20, 20 %, 0.05 mm, 0, 0, 0, 0.
+        Half-widths of the uncertainty; what is left out is the rig file's, else 2, 5, 20, 20 %, 0.05 mm, 0, and 5, 30, 30 %
+        where the cart recoils.
     contact_damping_ratio_percent:
         In place of ``contact_damping_percent``: the damping goes with the stiffness.
     samples, seed:
         Random rigs within the uncertainty beside its corners.
-    max_force_n, max_frequency_hz, max_drive_force_n:
+    max_force_n, max_frequency_hz, max_shaker_force_n:
         Limits: contact force (for every rig of the uncertainty), drive frequency, the shaker's force.
 
     Returns
@@ -217,7 +218,7 @@ def pick(
     return Record(
         _native.pick(
             rig, gap_mm=gap_mm, cart=cart, nominal=nominal, widths=given, samples=samples, seed=seed,
-            max_force_n=max_force_n, max_frequency_hz=max_frequency_hz, max_drive_force_n=max_drive_force_n,
+            max_force_n=max_force_n, max_frequency_hz=max_frequency_hz, max_shaker_force_n=max_shaker_force_n,
             threads=threads, progress=progress,
         )
     )

@@ -12,7 +12,7 @@ const ENDS = {
   search_limit: "the search stopped", contact_at_section: "a contact lasts over drive phase 0",
 };
 
-const LIMITS = [["max_force_n", "largest force, N"], ["max_frequency_hz", "highest frequency, Hz"], ["max_drive_force_n", "largest drive force, N"]];
+const LIMITS = [["max_force_n", "largest force, N"], ["max_frequency_hz", "highest frequency, Hz"], ["max_shaker_force_n", "largest shaker force, N"]];
 
 const range = ([low, high], count = 4) => `${digits(low, count)} to ${digits(high, count)} Hz`;
 

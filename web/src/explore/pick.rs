@@ -16,7 +16,7 @@ struct Asked {
     nominal: bool,
     max_force_n: Option<f64>,
     max_frequency_hz: Option<f64>,
-    max_drive_force_n: Option<f64>,
+    max_shaker_force_n: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -56,8 +56,8 @@ pub fn pick(argument: &[u8]) -> Result<Vec<u8>, String> {
     let limits = Limits {
         max_force_n: asked.max_force_n,
         max_frequency_hz: asked.max_frequency_hz,
-        max_drive_force_n: asked.max_drive_force_n,
-        max_loop_force_n: None,
+        max_shaker_force_n: asked.max_shaker_force_n,
+        rig_shaker_force_n: None,
     };
     let found = pick_on(&rig, Springs::default(), uncertainty, limits, &())
         .map_err(|e| files::UserError::from(e).to_string())?;

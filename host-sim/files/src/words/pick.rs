@@ -99,8 +99,9 @@ fn strongest_of(answer: &Answer) -> String {
                 .to_owned()
         }
         (names, _) => format!(
-            "It is the strongest stable 1/1 that {} allows ({:.*} times the weight at {} Hz without)",
+            "It is the strongest stable 1/1 that {} {} ({:.*} times the weight at {} Hz without)",
             names.join(" and "),
+            if names.len() == 1 { "allows" } else { "allow" },
             Digits::of(answer).force_ratio,
             answer.nominal_optimum_force_ratio,
             Digits::of(answer).hz(answer.nominal_optimum_hz)
@@ -132,7 +133,7 @@ fn from_rest(answer: &Answer) -> String {
         )
     } else if missing > 0 {
         format!(
-            "; from rest {missing} of the uncertainty's {} corners do not get there by themselves: they need a push",
+            "; from rest {missing} of {} corners of the uncertainty do not get there by themselves: they need a push",
             answer.corners
         )
     } else {

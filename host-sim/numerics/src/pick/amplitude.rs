@@ -1,9 +1,9 @@
-//! A lower amplitude, where the shaker cannot give the rig's.
+//! Another amplitude: a lower one where the shaker cannot give the rig's, or the one that gives the force wanted.
 
-use super::answer::drive_force;
+use super::answer::shaker_force;
 use super::choose::{Field, Limits};
 use super::{best_branch, range};
-use crate::orbit::loop_force_n;
+use crate::orbit::Orbit;
 use crate::progress::Progress;
 use crate::row::NamedRig;
 
@@ -16,29 +16,71 @@ const TRIALS: usize = 10;
 /// `rig` at the amplitude at which its strongest nominal 1/1 needs no more than the shaker's limits allow. None if it does
 /// at the rig's own, so that lowering it is no help, or at no lower one.
 pub fn lowered(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<NamedRig> {
-    let free = Limits {
-        max_drive_force_n: None,
-        max_loop_force_n: None,
-        ..limits
-    };
+    let most = limits.shaker_force_n(&rig.params)?;
+    let free = limits.without_the_shaker();
     lower_until(rig, |lower| {
-        let branch = best_branch(lower).ok()?;
-        let field = Field {
-            rig: lower,
-            branch: &branch,
-            members: &[],
-            progress,
-        };
-        let orbit = field.best(range(&branch), free)?;
-        let params = &lower.params;
-        let drive = limits
-            .max_drive_force_n
-            .map(|most| drive_force(params, orbit.frequency_hz) / most);
-        let held = limits
-            .max_loop_force_n
-            .and_then(|most| Some(loop_force_n(params, &orbit)? / most));
-        Some(drive.unwrap_or(0.0).max(held.unwrap_or(0.0)))
+        let orbit = strongest(lower, free, progress)?;
+        Some(shaker_force(&lower.params, &orbit) / most)
     })
+}
+
+/// Amplitudes tried for a force that is wanted.
+const TRIALS_FOR_FORCE: usize = 40;
+
+/// The amplitude at which `force` has the value wanted, to `tolerance` of it, and what came with the force there: `force` at an
+/// amplitude is larger the larger that is, about in proportion. `force` is none where there is no orbit: the amplitude is too
+/// small for the gap, then. None if there is no such amplitude.
+///
+/// # Errors
+/// Those of `force`.
+pub fn for_force<T, E>(
+    from_m: f64,
+    (wanted_n, tolerance): (f64, f64),
+    mut force: impl FnMut(f64) -> Result<Option<(f64, T)>, E>,
+) -> Result<Option<T>, E> {
+    let (mut weak, mut strong) = (0.0, f64::INFINITY);
+    let mut last: Option<(f64, f64)> = None;
+    let mut amplitude_m = from_m;
+    for _ in 0..TRIALS_FOR_FORCE {
+        let found = force(amplitude_m)?;
+        let reached = found.as_ref().map_or(0.0, |(n, _)| *n);
+        if let Some((n, what)) = found
+            && (n / wanted_n - 1.0).abs() <= tolerance
+        {
+            return Ok(Some(what));
+        }
+        if reached < wanted_n {
+            weak = amplitude_m;
+        } else {
+            strong = amplitude_m;
+        }
+        let power = last.map(|(m, n): (f64, f64)| (reached / n).ln() / (amplitude_m / m).ln());
+        let power = power.filter(|p| p.is_finite() && *p > 0.2).unwrap_or(1.0);
+        let next = amplitude_m * (wanted_n / reached).powf(1.0 / power);
+        last = (reached > 0.0).then_some((amplitude_m, reached));
+        amplitude_m = if weak < next && next < strong {
+            next
+        } else if strong.is_infinite() {
+            2.0 * weak
+        } else if weak == 0.0 {
+            0.5 * strong
+        } else {
+            (weak * strong).sqrt()
+        };
+    }
+    Ok(None)
+}
+
+/// The strongest nominal 1/1 of `rig` within `limits`.
+pub fn strongest(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option<Orbit> {
+    let branch = best_branch(rig).ok()?;
+    let field = Field {
+        rig,
+        branch: &branch,
+        members: &[],
+        progress,
+    };
+    field.best(range(&branch), limits)
 }
 
 /// `rig` at the first of a few lower and lower amplitudes at which it needs no more than the shaker's limits allow;
@@ -57,4 +99,25 @@ pub fn lower_until(
         lower.params.amplitude_m *= 0.999 / needed;
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_amplitude_of_a_force_is_found_also_past_where_there_is_no_orbit() {
+        // Nothing up to 1, then steeper than in proportion.
+        let force = |a: f64| Ok::<_, ()>((a > 1.0).then(|| (a * a - 1.0, a)));
+        for from in [0.2, 1.5, 30.0] {
+            let found = for_force(from, (8.0, 1e-6), force).unwrap().unwrap();
+            assert!((found - 3.0).abs() < 1e-5, "{found} from {from}");
+        }
+        let flat = |_| Ok::<_, ()>(Some((1.0, ())));
+        assert_eq!(for_force(1.0, (8.0, 1e-6), flat), Ok(None));
+        assert_eq!(
+            for_force(1.0, (8.0, 1e-6), |_| Err::<Option<(f64, ())>, _>(7)),
+            Err(7)
+        );
+    }
 }

@@ -26,6 +26,25 @@ pub struct LimitUse {
     pub binds: bool,
 }
 
+impl LimitUse {
+    /// The reserve that the frequency keeps from the ends of the robust range, where it decided.
+    pub fn reserve() -> Self {
+        Self {
+            name: RESERVE,
+            limit: None,
+            binds: true,
+        }
+    }
+
+    /// Whether it is that reserve.
+    pub fn is_reserve(&self) -> bool {
+        self.name == RESERVE
+    }
+}
+
+/// The name of the reserve.
+const RESERVE: &str = "the reserve of 1 %";
+
 /// What the shaker must give at the operating point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shaker {
@@ -195,6 +214,9 @@ pub struct Answer {
     pub force_ratio_at_natural_frequency: f64,
     /// What the shaker must give.
     pub shaker: Shaker,
+    /// Largest force of the shaker at the best nominal frequency with the rig's own amplitude, no limits, N; none on ground
+    /// that gives way.
+    pub shaker_force_at_optimum_n: Option<f64>,
     /// Limits, and which decide.
     pub limits: Vec<LimitUse>,
     /// Change of the nominal optimum per 1 % of each parameter (gap: per 0.01 mm), largest force first.
@@ -203,6 +225,8 @@ pub struct Answer {
     pub uncertainty: Option<Uncertainty>,
     /// Cart amplitude A0 of the answer, mm.
     pub amplitude_mm: f64,
+    /// The force for which it was chosen, N; none where it is the rig's.
+    pub wanted_force_n: Option<f64>,
     /// Whether it is less than the rig's because no frequency keeps the limits of the shaker with the rig's.
     pub amplitude_lowered: bool,
     /// What the higher bending modes of beam springs change.
@@ -213,6 +237,12 @@ pub struct Answer {
 /// Peak force to move cart and hammer at `hz`, (M + m) A0 Ω², N.
 pub fn drive_force(params: &RigParams, hz: f64) -> f64 {
     (params.cart_mass_kg + params.mass_kg) * params.amplitude_m * (TAU * hz).powi(2)
+}
+
+/// Largest force of the shaker for `orbit`, N: of its position loop, the recoil included, or of a prescribed cart what moves
+/// M + m.
+pub fn shaker_force(params: &RigParams, orbit: &Orbit) -> f64 {
+    loop_force_n(params, orbit).unwrap_or_else(|| drive_force(params, orbit.frequency_hz))
 }
 
 /// Energy that the contacts of `orbit` take from the hammer per second, W.

@@ -123,6 +123,8 @@ pub struct Request<'a> {
     pub chosen_hz: f64,
     /// Its safe band, Hz.
     pub band_hz: (f64, f64),
+    /// Where the choice may lie, Hz.
+    pub kept_hz: (f64, f64),
     /// Largest contact force allowed, N.
     pub max_force_n: Option<f64>,
 }
@@ -246,8 +248,11 @@ impl Request<'_> {
         curve: &[Option<ModalOrbit>],
     ) -> Option<(f64, ModalOrbit)> {
         let allowed = |orbit: &&ModalOrbit| self.max_force_n.is_none_or(|n| orbit.force_n <= n);
+        let (low, high) = self.kept_hz;
         let found = curve.iter().flatten().filter(allowed);
-        let best = found.reduce(|a, b| if b.force_n > a.force_n { b } else { a })?;
+        let found = found.filter(|orbit| (low..=high).contains(&orbit.frequency_hz));
+        let best = found.reduce(|a, b| if b.force_n > a.force_n { b } else { a });
+        let enough = best.map_or(0.0, |best| KEPT * best.force_n);
         let nearest = grid
             .iter()
             .zip(curve)
@@ -256,11 +261,11 @@ impl Request<'_> {
             .1;
         let kept = modal
             .at(self.chosen_hz, Some(nearest))
-            .filter(|orbit| allowed(&orbit) && orbit.force_n >= KEPT * best.force_n);
-        Some(match kept {
-            Some(orbit) => (self.chosen_hz, orbit),
-            None => (best.frequency_hz, best.clone()),
-        })
+            .filter(|orbit| allowed(&orbit) && orbit.force_n >= enough);
+        match kept {
+            Some(orbit) => Some((self.chosen_hz, orbit)),
+            None => best.map(|best| (best.frequency_hz, best.clone())),
+        }
     }
 
     /// The part of the band about `chosen` in which 1/1 is stable and the force above [`BAND_SHARE`] of its own.
@@ -434,6 +439,7 @@ mod tests {
             corners: members.len().saturating_sub(8),
             chosen_hz: hz.1,
             band_hz: (hz.0, hz.2),
+            kept_hz: (hz.0, hz.2),
             max_force_n: None,
         }
     }

@@ -1,11 +1,12 @@
 //! The choice on the robust range, within the limits asked for.
 
-use super::answer::{LimitUse, drive_force};
+use super::answer::{LimitUse, drive_force, shaker_force};
+use super::robust::with_reserve;
 use super::search::{Spread, interval_where, maximise, spread_of_members};
 use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
-use crate::orbit::{Orbit, loop_force_n};
+use crate::orbit::Orbit;
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
 use shared::model::cart::{CartDrive, UNLIMITED_N};
@@ -18,43 +19,56 @@ pub struct Limits {
     pub max_force_n: Option<f64>,
     /// Largest drive frequency allowed, Hz.
     pub max_frequency_hz: Option<f64>,
-    /// Largest force the shaker can give to move M + m, N.
-    pub max_drive_force_n: Option<f64>,
-    /// Largest force of the shaker's position loop with a cart that recoils, N: what the rig's shaker can give.
-    pub max_loop_force_n: Option<f64>,
+    /// Largest force of the shaker, N: with a cart that recoils the largest of its position loop, the recoil included; with a
+    /// prescribed one what moves M + m. It takes the place of the rig's own.
+    pub max_shaker_force_n: Option<f64>,
+    /// The same as the rig has it, where its cart recoils.
+    pub rig_shaker_force_n: Option<f64>,
 }
 
 impl Limits {
     /// These limits and the one of the shaker of `params`, if its cart recoils.
     #[must_use]
     pub fn with_shaker_of(self, params: &RigParams) -> Self {
-        let max_loop_force_n = match params.cart {
-            CartDrive::Prescribed => None,
-            CartDrive::Loop(held) => Some(held.max_force_n).filter(|most| *most < UNLIMITED_N),
+        let rig_shaker_force_n = match params.cart {
+            CartDrive::Loop(held) if self.max_shaker_force_n.is_none() => {
+                Some(held.max_force_n).filter(|most| *most < UNLIMITED_N)
+            }
+            _ => None,
         };
         Self {
-            max_loop_force_n,
+            rig_shaker_force_n,
             ..self
         }
     }
 
-    /// Whether the shaker's force limits what can be run.
-    pub fn limit_the_shaker(&self) -> bool {
-        self.max_drive_force_n.is_some() || self.max_loop_force_n.is_some()
+    /// The largest force of the shaker of `params`, N.
+    pub fn shaker_force_n(&self, params: &RigParams) -> Option<f64> {
+        let of_rig = self.rig_shaker_force_n.filter(|_| params.cart.recoils());
+        self.max_shaker_force_n.or(of_rig)
+    }
+
+    /// The others of these limits.
+    #[must_use]
+    pub fn without_the_shaker(self) -> Self {
+        Self {
+            max_shaker_force_n: None,
+            rig_shaker_force_n: None,
+            ..self
+        }
     }
 
     /// Which of them decide: `more` says whether the others alone, without it, allow more.
     pub fn which_decide(self, more: impl Fn(Self) -> bool) -> Vec<LimitUse> {
-        let (mut force, mut frequency, mut drive, mut held) = (self, self, self, self);
+        let (mut force, mut frequency) = (self, self);
         force.max_force_n = None;
         frequency.max_frequency_hz = None;
-        drive.max_drive_force_n = None;
-        held.max_loop_force_n = None;
+        let shaker = self.without_the_shaker();
         let all = [
             ("max_force_n", self.max_force_n, force),
             ("max_frequency_hz", self.max_frequency_hz, frequency),
-            ("max_drive_force_n", self.max_drive_force_n, drive),
-            ("shaker_max_force_n", self.max_loop_force_n, held),
+            ("max_shaker_force_n", self.max_shaker_force_n, shaker),
+            ("shaker_max_force_n", self.rig_shaker_force_n, shaker),
         ];
         let given = all.into_iter().filter(|(_, limit, _)| limit.is_some());
         let used = given.map(|(name, limit, others)| LimitUse {
@@ -92,12 +106,18 @@ pub struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// The highest frequency the shaker's limits allow, Hz.
+    /// The highest frequency allowed by the limits that need no orbit, Hz.
     fn top(&self, limits: Limits) -> f64 {
         let by_frequency = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
-        let at_one = drive_force(&self.rig.params, 1.0);
-        let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
-        by_drive.map_or(by_frequency, |hz| hz.min(by_frequency))
+        let params = &self.rig.params;
+        if params.cart.recoils() {
+            return by_frequency;
+        }
+        let at_one = drive_force(params, 1.0);
+        let by_shaker = limits
+            .shaker_force_n(params)
+            .map(|max| (max / at_one).sqrt());
+        by_shaker.map_or(by_frequency, |hz| hz.min(by_frequency))
     }
 
     /// The orbit at `hz`, if its force and that of every member is within the limit. None, too, once the search should
@@ -114,14 +134,16 @@ impl Field<'_> {
         Some(orbit)
     }
 
-    /// The same within the force that the shaker's loop can give, too.
+    /// The same within the force that the shaker can give, too.
     fn within(&self, hz: f64, limits: Limits) -> Option<Orbit> {
         let orbit = self.within_force(hz, limits.max_force_n)?;
-        let Some(most) = limits.max_loop_force_n else {
-            return Some(orbit);
-        };
-        let needed = loop_force_n(&self.rig.params, &orbit);
-        needed.is_none_or(|n| n <= most).then_some(orbit)
+        let params = &self.rig.params;
+        // With a prescribed cart it bounds the frequency.
+        let most = limits
+            .shaker_force_n(params)
+            .filter(|_| params.cart.recoils());
+        let keeps = most.is_none_or(|most| shaker_force(params, &orbit) <= most);
+        keeps.then_some(orbit)
     }
 
     /// The strongest orbit in `range_hz` within `limits`. Both flanks of the force curve may reach a force
@@ -149,7 +171,8 @@ impl Field<'_> {
     /// The part of `range_hz` about `from_hz` that `limits` allow.
     fn allowed(&self, from_hz: f64, range_hz: (f64, f64), limits: Limits) -> (f64, f64) {
         let range_hz = (range_hz.0, range_hz.1.min(self.top(limits)));
-        if limits.max_force_n.is_none() && limits.max_loop_force_n.is_none() {
+        let by_shaker = limits.shaker_force_n(&self.rig.params).is_some();
+        if limits.max_force_n.is_none() && !by_shaker {
             return range_hz;
         }
         interval_where(self.branch, from_hz, range_hz, |hz| {
@@ -159,21 +182,25 @@ impl Field<'_> {
 
     /// The best orbit that uncertainty and limits allow, and which of them decide.
     ///
+    /// It keeps the reserve from the ends of `robust`, where every member has a stable 1/1. What the limits allow about it goes
+    /// up to them.
+    ///
     /// A force limit holds for every member, but only a few of them ever reach it. The search asks those
     /// known to (at first none), then all at what it found, and takes in whoever breaks the limit there.
     ///
     /// # Errors
     /// If no orbit is within the limits, if a member has no stable 1/1 at one, or if the work is interrupted.
     pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, Error> {
+        let kept = with_reserve(robust, !self.members.is_empty());
         let mut strong: Vec<Member> = Vec::new();
         loop {
             let search = Field {
                 members: &strong,
                 ..*self
             };
-            let best = search.best(robust, limits);
+            let best = search.best(kept, limits);
             check(self.progress)?;
-            let orbit = best.ok_or_else(|| self.nothing(robust, limits))?;
+            let orbit = best.ok_or_else(|| self.nothing(kept, limits))?;
             let allowed = search.allowed(orbit.frequency_hz, robust, limits);
             check(self.progress)?;
             let spread = self.spread(&orbit)?;
@@ -187,7 +214,7 @@ impl Field<'_> {
                 }
             }
             let Some(member) = breaker else {
-                let mut limits = search.which_decide(&orbit, robust, limits);
+                let mut limits = search.which_decide(&orbit, (robust, kept), limits);
                 check(self.progress)?;
                 limits.retain(|l| l.limit.is_some() || !self.members.is_empty());
                 return Ok(Choice {
@@ -230,7 +257,7 @@ impl Field<'_> {
     pub fn nothing(&self, robust: (f64, f64), limits: Limits) -> Error {
         // The shaker's own limit is named only where it matters.
         let asked = Limits {
-            max_loop_force_n: None,
+            rig_shaker_force_n: None,
             ..limits
         };
         let limits = if self.best(robust, asked).is_none() {
@@ -248,7 +275,7 @@ impl Field<'_> {
     /// The smallest limits that leave something of `robust`, for those of `limits` that leave nothing: of frequency and drive
     /// force by themselves, of the other forces on what these two leave.
     fn feasible(&self, robust: (f64, f64), limits: Limits) -> Limits {
-        let lowest_drive_n = drive_force(&self.rig.params, robust.0);
+        let params = &self.rig.params;
         let top = self.top(limits);
         let open = if top >= robust.0 {
             (robust.0, robust.1.min(top))
@@ -265,28 +292,35 @@ impl Field<'_> {
             strongest(hz).map(|(minus, ())| -minus)
         };
         let held = |hz: f64| {
-            let orbit = self.branch.at(&self.rig.params, hz)?;
-            loop_force_n(&self.rig.params, &orbit).map(|n| (-n, ()))
+            let orbit = self.branch.at(params, hz)?;
+            Some((-shaker_force(params, &orbit), ()))
         };
         let least_held_n = || {
+            // Of a prescribed cart it rises with the frequency.
+            let open = if params.cart.recoils() { open } else { robust };
             let (hz, ()) = maximise(self.branch, open, held)?;
             held(hz).map(|(minus, ())| -minus)
         };
+        let shaker =
+            |most: Option<f64>| most.and_then(|most| least_held_n().filter(|least| most < *least));
         let beyond = |limit: Option<f64>, least: f64| limit.filter(|x| *x < least).map(|_| least);
         Limits {
             max_force_n: limits
                 .max_force_n
                 .and_then(|max| softest_n().filter(|least| max < *least)),
             max_frequency_hz: beyond(limits.max_frequency_hz, robust.0),
-            max_drive_force_n: beyond(limits.max_drive_force_n, lowest_drive_n),
-            max_loop_force_n: limits
-                .max_loop_force_n
-                .and_then(|max| least_held_n().filter(|least| max < *least)),
+            max_shaker_force_n: shaker(limits.max_shaker_force_n),
+            rig_shaker_force_n: shaker(limits.rig_shaker_force_n),
         }
     }
 
     /// A limit decides when dropping it, and it alone, gives more.
-    fn which_decide(&self, orbit: &Orbit, robust: (f64, f64), limits: Limits) -> Vec<LimitUse> {
+    fn which_decide(
+        &self,
+        orbit: &Orbit,
+        (robust, kept): ((f64, f64), (f64, f64)),
+        limits: Limits,
+    ) -> Vec<LimitUse> {
         let more = |found: Option<Orbit>| {
             found.is_some_and(|other| other.force_n > orbit.force_n * (1.0 + 1e-6))
         };
@@ -300,7 +334,10 @@ impl Field<'_> {
             limit: None,
             binds: more(certain.best(free, limits)),
         }];
-        uses.extend(limits.which_decide(|others| more(self.best(robust, others))));
+        if more(self.best(robust, limits)) {
+            uses.push(LimitUse::reserve());
+        }
+        uses.extend(limits.which_decide(|others| more(self.best(kept, others))));
         uses
     }
 }

@@ -1,6 +1,6 @@
 //! What was found, as the answer for tables and text.
 
-use super::answer::{Answer, CartModel, Strongest, impact_power, shaker};
+use super::answer::{Answer, CartModel, Strongest, impact_power, shaker, shaker_force};
 use super::bending::{Bending, on_beams};
 use super::choose::Choice;
 use super::range;
@@ -109,11 +109,13 @@ impl Found<'_> {
             power_optimum_w: impact_power(self.power),
             force_ratio_at_natural_frequency: self.runs.force_ratio_at_natural,
             shaker: shaker(self.rig, chosen),
+            shaker_force_at_optimum_n: Some(shaker_force(params, self.nominal)),
             limits: self.choice.limits,
             sensitivity: self.sensitivity,
             uncertainty: self.uncertainty,
             amplitude_mm: tidy(params.amplitude_m * 1e3),
             amplitude_lowered: false,
+            wanted_force_n: None,
             bending: self.bending.unwrap_or_else(|| Bending {
                 on_beams: on_beams(params),
                 ..Bending::default()

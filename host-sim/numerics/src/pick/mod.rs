@@ -26,18 +26,19 @@ use shared::model::rig::Rig;
 use crate::branch::{Branch, one_one_branches};
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
-use crate::progress::{Progress, check, step};
+use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::{NamedRig, Row};
 use crate::sweep::spread;
-use amplitude::lowered;
-use answer::impact_power;
+use amplitude::{lowered, strongest};
 pub use answer::{Answer, CartModel, Strongest};
+use answer::{impact_power, shaker_force};
 pub use bending::Springs;
 use choose::Field;
 pub use choose::Limits;
 use found::{Found, SafeBand};
 pub(crate) use robust::largest_share;
 use robust::robust_range;
+pub(crate) use robust::with_reserve;
 pub(crate) use runs::{JUMP_POINTS, JUMP_SHARE};
 use runs::{Jumps, Runs};
 use search::{interval_where, maximise};
@@ -58,6 +59,8 @@ pub struct Pick {
     pub answer: Answer,
     /// The nominal stable 1/1: (Hz, force ratio).
     pub curve: Vec<(f64, f64)>,
+    /// Where 1/1 is stable over the whole uncertainty: (Hz, smallest and largest force ratio over it). Empty without one.
+    pub force_range: Vec<[f64; 3]>,
     /// The sweep up across it.
     pub up: Vec<Row>,
     /// The sweep down.
@@ -106,8 +109,61 @@ pub fn pick_on(
     let Some(lower) = lowered(rig, limits, progress) else {
         return found;
     };
+    let at_own = strongest(rig, limits.without_the_shaker(), progress);
     let mut found = pick_at_amplitude(&lower, springs, uncertainty, limits, progress)?;
     found.answer.amplitude_lowered = true;
+    found.answer.shaker_force_at_optimum_n = at_own.map(|orbit| shaker_force(&rig.params, &orbit));
+    Ok(found)
+}
+
+/// [`pick_on`] at the amplitude at which the nominal force at the operating point is `wanted_n`. What the shaker can give
+/// bounds nothing; the answer has it beside what is needed.
+///
+/// # Errors
+/// As [`pick`], and if no amplitude gives that force.
+pub fn pick_for_force(
+    rig: &NamedRig,
+    springs: Springs,
+    uncertainty: Option<Uncertainty>,
+    (limits, wanted_n): (Limits, f64),
+    progress: &dyn Progress,
+) -> Result<Pick, Error> {
+    let shaker = limits.with_shaker_of(&rig.params);
+    let limits = limits.without_the_shaker();
+    let at = |amplitude_m: f64| {
+        let mut there = rig.clone();
+        there.params.amplitude_m = amplitude_m;
+        there
+    };
+    let none = || rig.no_pick(PickError::NoAmplitude { wanted_n });
+    let nominal = |amplitude_m: f64| {
+        check(progress)?;
+        let there = at(amplitude_m);
+        there.params.check().map_err(|_| none())?;
+        let orbit = strongest(&there, limits, progress);
+        Ok::<_, Error>(orbit.map(|orbit| (orbit.force_n, amplitude_m)))
+    };
+    let from_m = amplitude::for_force(rig.params.amplitude_m, (wanted_n, 1e-6), nominal)?;
+    // The uncertainty may keep the choice from the strongest nominal orbit.
+    let within = WithinStep(progress);
+    let mut first = true;
+    let whole = |amplitude_m: f64| {
+        let progress: &dyn Progress = if first { progress } else { &within };
+        first = false;
+        let there = at(amplitude_m);
+        there.params.check().map_err(|_| none())?;
+        let found = pick_at_amplitude(&there, springs, uncertainty, limits, progress)?;
+        Ok::<_, Error>(Some((found.answer.force_n, found)))
+    };
+    let found = amplitude::for_force(from_m.ok_or_else(none)?, (wanted_n, 1e-4), whole)?;
+    let mut found = found.ok_or_else(none)?;
+    found.answer.wanted_force_n = Some(wanted_n);
+    let shaker = Limits {
+        max_force_n: None,
+        max_frequency_hz: None,
+        ..shaker
+    };
+    found.answer.limits.extend(shaker.which_decide(|_| false));
     Ok(found)
 }
 
@@ -147,7 +203,7 @@ fn pick_at_amplitude(
         members: &members,
         progress,
     };
-    let mut choice = field.choose(robust, limits)?;
+    let mut choice = field.choose(robust.hz, limits)?;
     let allowed = |chosen: &Orbit, limits_hz: (f64, f64)| {
         let band = force_band(params, &branch, chosen);
         (band.0.max(limits_hz.0), band.1.min(limits_hz.1))
@@ -158,6 +214,7 @@ fn pick_at_amplitude(
         members: &members,
         corners: uncertainty.map_or(0, |u| u.corners().len()),
         chosen_hz: choice.orbit.frequency_hz,
+        kept_hz: with_reserve(robust.hz, !members.is_empty()),
         band_hz: allowed(&choice.orbit, choice.allowed),
         max_force_n: limits.max_force_n,
     }
@@ -197,13 +254,26 @@ fn pick_at_amplitude(
     step(progress, 1)?;
 
     let curve = curve(params, &branch);
+    let weight = params.weight_n();
+    let in_newtons: Vec<_> = curve
+        .iter()
+        .map(|(hz, ratio)| (*hz, ratio * weight))
+        .collect();
+    let force_range = if members.is_empty() {
+        Vec::new()
+    } else {
+        let forces = robust.force_range(&in_newtons).into_iter();
+        forces
+            .map(|[hz, low, high]| [hz, low / weight, high / weight])
+            .collect()
+    };
     let section = dimensionless_section(params, &choice.orbit)?;
     let found = Found {
         rig,
         branch: &branch,
         nominal: &nominal,
         power: &strongest_power,
-        robust,
+        robust: robust.hz,
         band,
         safe_band,
         own,
@@ -218,6 +288,7 @@ fn pick_at_amplitude(
     Ok(Pick {
         answer: found.answer(),
         curve,
+        force_range,
         up: jumps.up,
         down: jumps.down,
         section,
@@ -267,8 +338,8 @@ fn other_cart(rig: &NamedRig, limits: Limits, progress: &dyn Progress) -> Option
     comparable(&other, &branch, limits, progress)
 }
 
-/// Where the nominal `rig` is strongest within those of `limits` that both carts have: all but the force of the shaker's
-/// loop. None if no stable 1/1 is within them.
+/// Where the nominal `rig` is strongest within those of `limits` that both carts have: all but the shaker's force.
+/// None if no stable 1/1 is within them.
 fn comparable(
     rig: &NamedRig,
     branch: &Branch,
@@ -281,11 +352,8 @@ fn comparable(
         members: &[],
         progress,
     };
-    let limits = Limits {
-        max_loop_force_n: None,
-        ..limits
-    };
-    let orbit = field.choose(range(branch), limits).ok()?.orbit;
+    let orbit = field.choose(range(branch), limits.without_the_shaker());
+    let orbit = orbit.ok()?.orbit;
     Some(Strongest::of(&orbit, &rig.params))
 }
 

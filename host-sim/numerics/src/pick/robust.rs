@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::range;
-use super::search::stable_interval;
+use super::search::own_branch;
 use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
@@ -43,6 +43,56 @@ pub(crate) fn largest_share(members: &[Member], robust: impl Fn(&[Member]) -> bo
     (with > 0).then_some(f64::from(with) / 100.0)
 }
 
+/// The frequency to run at keeps this share of itself away from where a rig of the uncertainty loses its 1/1: the corners are
+/// a fraction of all, and a drive drifts.
+pub(crate) const RESERVE: f64 = 0.01;
+
+/// What of `robust`, Hz, keeps the [`RESERVE`]; its middle where it is too narrow for that. All of it without uncertainty.
+pub(crate) fn with_reserve(robust: (f64, f64), uncertain: bool) -> (f64, f64) {
+    if !uncertain {
+        return robust;
+    }
+    let (low, high) = (robust.0 * (1.0 + RESERVE), robust.1 * (1.0 - RESERVE));
+    if low < high {
+        return (low, high);
+    }
+    let middle = 0.5 * (robust.0 + robust.1);
+    (middle, middle)
+}
+
+/// Where every member has a stable 1/1.
+pub(super) struct Robust {
+    /// Hz.
+    pub(super) hz: (f64, f64),
+    /// For each member (Hz, N) along its own branch.
+    forces: Vec<Vec<(f64, f64)>>,
+}
+
+impl Robust {
+    /// Smallest and largest force over the nominal rig and the members at points of the nominal `curve` (Hz, N), within the
+    /// range: (Hz, N, N).
+    pub(super) fn force_range(&self, curve: &[(f64, f64)]) -> Vec<[f64; 3]> {
+        let inside = curve
+            .iter()
+            .filter(|(hz, _)| (self.hz.0..=self.hz.1).contains(hz));
+        let at = inside.map(|&(hz, nominal)| {
+            let forces = self.forces.iter().filter_map(|own| between(own, hz));
+            forces.fold([hz, nominal, nominal], |[hz, low, high], n| {
+                [hz, low.min(n), high.max(n)]
+            })
+        });
+        at.collect()
+    }
+}
+
+/// The force at `hz` on the line through the points of rising frequency on either side. None beyond them.
+fn between(points: &[(f64, f64)], hz: f64) -> Option<f64> {
+    let above = points.partition_point(|(x, _)| *x < hz);
+    let b = points.get(above)?;
+    let a = points.get(above.checked_sub(1)?)?;
+    Some(a.1 + (b.1 - a.1) * (hz - a.0) / (b.0 - a.0))
+}
+
 /// The frequencies at which every member has a stable 1/1.
 pub(super) fn robust_range(
     rig: &NamedRig,
@@ -50,7 +100,7 @@ pub(super) fn robust_range(
     branch: &Branch,
     nominal: &Orbit,
     progress: &dyn Progress,
-) -> Result<(f64, f64), Error> {
+) -> Result<Robust, Error> {
     let common = common_range(rig, members, branch, nominal, progress);
     check(progress)?;
     common.ok_or_else(|| {
@@ -73,21 +123,36 @@ fn common_range(
     branch: &Branch,
     nominal: &Orbit,
     progress: &dyn Progress,
-) -> Option<(f64, f64)> {
+) -> Option<Robust> {
     let mut common = range(branch);
+    let mut forces = Vec::with_capacity(members.len());
     for block in members.chunks(BLOCK) {
         let left = common;
-        common = block
+        let found: Option<Vec<Branch>> = block
             .par_iter()
             .map(|member| {
                 member.apply(&rig.params, 1.0).check().ok()?;
                 let start_hz = nominal.frequency_hz;
-                let found = stable_interval(&rig.params, member, branch, start_hz, left);
+                let found = own_branch(&rig.params, member, branch, start_hz, left);
                 step(progress, 1).ok()?;
                 found
             })
-            .try_reduce(|| left, |a, b| Some((a.0.max(b.0), a.1.min(b.1))))
-            .filter(|(low, high)| low < high)?;
+            .collect();
+        let found = found?;
+        common = found
+            .iter()
+            .map(range)
+            .fold(left, |a, b| (a.0.max(b.0), a.1.min(b.1)));
+        if common.0 >= common.1 {
+            return None;
+        }
+        let points = |own: &Branch| {
+            own.orbits
+                .iter()
+                .map(|o| (o.frequency_hz, o.force_n))
+                .collect()
+        };
+        forces.extend(found.iter().map(points));
     }
     // The ends of the common range are one member's loss of stability; stay a hair inside.
     let (low, high) = common;
@@ -96,5 +161,6 @@ fn common_range(
     } else {
         1e-6 * (high - low)
     };
-    Some((low + hair, high - hair)).filter(|(low, high)| low < high)
+    let hz = (low + hair, high - hair);
+    (hz.0 < hz.1).then_some(Robust { hz, forces })
 }

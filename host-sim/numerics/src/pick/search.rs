@@ -37,14 +37,14 @@ pub fn follow_member(
     found
 }
 
-/// Where `member` has a stable 1/1, within `limits_hz`. `None` if it has none near the nominal branch.
-pub fn stable_interval(
+/// The stable 1/1 of `member`, within `limits_hz`. `None` if it has none near the nominal branch.
+pub fn own_branch(
     nominal: &RigParams,
     member: &Member,
     branch: &Branch,
     start_hz: f64,
     limits_hz: (f64, f64),
-) -> Option<(f64, f64)> {
+) -> Option<Branch> {
     let rig = member.apply(nominal, 1.0);
     // The orbit scales with the natural frequency; try there first, then where the nominal one is, and at last within limits
     // that may be far from both.
@@ -57,8 +57,7 @@ pub fn stable_interval(
             let orbit = branch.at(nominal, hz)?;
             follow_member(nominal, member, &orbit, hz).filter(Orbit::is_stable_one_one)
         })?;
-    let own = Branch::follow(&rig, seed, limits_hz);
-    Some((own.low.frequency_hz, own.high.frequency_hz))
+    Some(Branch::follow(&rig, seed, limits_hz))
 }
 
 /// Forces of the nominal `orbit` and of every member at its frequency. `None` if a member has no stable
@@ -227,6 +226,17 @@ mod tests {
         let (low, high) = interval_where(branch, 3.0, (2.2, 4.0), |hz| hz > 2.6);
         assert!((low - 2.6).abs() < 1e-6, "{low}");
         assert_eq!(high, 4.0);
+    }
+
+    fn stable_interval(
+        nominal: &RigParams,
+        member: &Member,
+        branch: &Branch,
+        start_hz: f64,
+        limits_hz: (f64, f64),
+    ) -> Option<(f64, f64)> {
+        let own = own_branch(nominal, member, branch, start_hz, limits_hz)?;
+        Some((own.low.frequency_hz, own.high.frequency_hz))
     }
 
     /// ±5 % of amplitude: the second of the two members has a larger force than the first.

@@ -165,7 +165,12 @@ impl Uncertainty {
         if !recoils {
             return prescribed;
         }
-        Self { ..prescribed }
+        Self {
+            cart_mass_percent: 5.0,
+            shaker_loop_percent: 30.0,
+            shaker_damping_percent: 30.0,
+            ..prescribed
+        }
     }
 
     fn half_widths(&self) -> [f64; DIMENSIONS] {
@@ -339,7 +344,12 @@ pub fn scale_contact(law: &Law<f64>, by_stiffness: f64, by_damping: f64) -> Law<
 mod tests {
     use super::*;
     use shared::model::cart::ASSUMED_SHAKER;
-    use shared::model::params::WIRES;
+    use shared::model::params::{WIRES, preset};
+
+    use crate::orbit::Orbit;
+    use crate::pick::search::follow_member;
+    use crate::pick::{Limits, best_branch, pick};
+    use crate::row::NamedRig;
 
     #[test]
     fn members_are_all_corners_and_the_same_samples_for_the_same_seed() {
@@ -386,7 +396,11 @@ mod tests {
             shaker_loop_percent: Some(10.0),
             ..Stated::default()
         };
-        let recoiling = stated.complete(0, 1, true);
+        let recoiling = Stated {
+            shaker_damping_percent: Some(0.0),
+            ..stated
+        }
+        .complete(0, 1, true);
         assert_eq!(recoiling.corners().len(), 64);
         let rig = RigParams {
             cart: CartDrive::Loop(ASSUMED_SHAKER),
@@ -401,10 +415,10 @@ mod tests {
         assert!((held.frequency_hz / ASSUMED_SHAKER.frequency_hz - 1.1).abs() < 1e-12);
         let prescribed = stated.complete(0, 1, false);
         assert_eq!(prescribed.corners().len(), 64);
-        assert_eq!(
-            Stated::default().complete(256, 1, true),
-            Uncertainty::default()
-        );
+        // Nobody stated them: they have widths nevertheless, and the rigs are hardly more.
+        let usual = Stated::default().complete(256, 1, true);
+        assert_eq!(usual.members().len(), 64 + 256);
+        assert!(usual.cart_mass_percent > 0.0 && usual.shaker_damping_percent > 0.0);
     }
 
     /// One reading of a contact time gives both: a stiffer contact is damped more, at the same ratio.
@@ -507,6 +521,58 @@ mod tests {
             }
         }
         assert!(corners.iter().all(|m| m.deviations[5] == m.deviations[6]));
+    }
+
+    /// The corners that are computed are a quarter of all, and the strongest 1/1 at this gap is against the edge of what they
+    /// have in common: the reserve is for the others.
+    #[test]
+    fn every_corner_has_a_stable_one_one_at_the_frequency_recommended() {
+        let uncertainty = Uncertainty {
+            samples: 0,
+            ..Uncertainty::usual(true)
+        };
+        let whole: Vec<Member> = (0..256)
+            .map(|bits: usize| {
+                let widths = uncertainty.half_widths();
+                let mut deviations = [0.0; DIMENSIONS];
+                let open = (0..DIMENSIONS).filter(|i| widths[*i] != 0.0);
+                for (bit, i) in open.enumerate() {
+                    let side = if bits >> bit & 1 == 0 { -1.0 } else { 1.0 };
+                    deviations[i] = side * widths[i];
+                }
+                Member {
+                    deviations,
+                    damping_ratio: false,
+                }
+            })
+            .collect();
+        for (name, gap_mm) in [
+            ("wires", 2.5),
+            ("wires", 0.0),
+            ("wires", 1.0),
+            ("wires", 2.4),
+            ("wires", 3.0),
+            ("beam-170", 0.0),
+            ("beam-150", 1.0),
+        ] {
+            let params = RigParams {
+                cart: CartDrive::Loop(ASSUMED_SHAKER),
+                ..preset(name).unwrap().with_gap_mm(gap_mm).unwrap()
+            };
+            let rig = NamedRig::new(name, params);
+            let found = pick(&rig, Some(uncertainty), Limits::default(), &()).unwrap();
+            let hz = found.answer.operating_frequency_hz;
+            let orbit = best_branch(&rig).unwrap().at(&params, hz).unwrap();
+            let lost = whole.iter().filter(|corner| {
+                let own = follow_member(&params, corner, &orbit, hz);
+                !own.as_ref().is_some_and(Orbit::is_stable_one_one)
+            });
+            println!(
+                "{name} {gap_mm} {hz} {:?} worst {}",
+                found.answer.robust_band_hz, found.answer.multipliers_worst
+            );
+            assert_eq!(lost.count(), 0, "{name}, {gap_mm} mm, {hz} Hz");
+        }
     }
 
     #[test]

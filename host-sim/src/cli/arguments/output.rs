@@ -103,7 +103,8 @@ impl OutputArgs {
         let made_from = std::mem::take(&mut output.request.made_from);
         output.request.made_from = made_from.with_rigs(rigs);
         output.check()?;
-        let usual = [".json", ".svg", ".png", ".csv", ".parquet"].map(|end| output.name(end));
+        let usual = [".json", ".svg", ".png", ".csv", ".parquet", ".mcap"];
+        let usual = usual.map(|end| output.name(end));
         output.refuse_others(usual.iter().map(String::as_str))?;
         Ok(output)
     }

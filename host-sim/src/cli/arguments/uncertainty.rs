@@ -49,15 +49,15 @@ pub struct UncertaintyArgs {
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     mass_percent: Option<f64>,
 
-    /// Cart mass, % either way; counts where the cart recoils [default: the rig file's, else 0]
+    /// Cart mass, % either way; counts where the cart recoils [default: the rig file's, else 5]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     cart_mass_percent: Option<f64>,
 
-    /// Natural frequency of the shaker's loop, % either way; counts where the cart recoils [default: the rig file's, else 0]
+    /// Natural frequency of the shaker's loop, % either way; counts where the cart recoils [default: the rig file's, else 30]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     shaker_loop_percent: Option<f64>,
 
-    /// Damping ratio of that loop, % either way; counts where the cart recoils [default: the rig file's, else 0]
+    /// Damping ratio of that loop, % either way; counts where the cart recoils [default: the rig file's, else 30]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     shaker_damping_percent: Option<f64>,
 

@@ -31,7 +31,7 @@ use line::{Line, curve_rows};
 use numerics::NamedRig;
 use numerics::drill::pick::Request;
 use numerics::pick::uncertainty::Uncertainty;
-use numerics::pick::{Limits, Pick, pick_on, steps};
+use numerics::pick::{Limits, Pick, pick_for_force, pick_on, steps};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -64,6 +64,15 @@ pub struct Args {
     #[arg(long, value_parser = choice::<Objective>(), default_value = "force")]
     objective: Objective,
 
+    /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker can
+    #[arg(
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        conflicts_with_all = ["max_force_n", "all", "beside", "gaps", "over"]
+    )]
+    want_force_n: Option<f64>,
+
     /// Largest contact force allowed, N
     #[arg(
         long,
@@ -82,14 +91,15 @@ pub struct Args {
     )]
     max_frequency_hz: Option<f64>,
 
-    /// Largest force the shaker can give to move cart and hammer, N
+    /// Largest force the shaker can give, N: with a cart that recoils the recoil is included. It takes the place of the rig's
+    /// shaker_max_force_n
     #[arg(
         long,
         value_name = "N",
         allow_negative_numbers = true,
         help_heading = "Limits"
     )]
-    max_drive_force_n: Option<f64>,
+    max_shaker_force_n: Option<f64>,
 
     #[command(flatten)]
     uncertainty: UncertaintyArgs,
@@ -153,7 +163,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let work = widths.iter().map(|width| steps(*width)).sum();
     let progress = Progress::new("rigs tried", work, output.quiet);
     let picks = rigs.iter().zip(&widths);
-    let picks = picks.map(|(rig, width)| pick_on(rig, springs, *width, limits, &progress));
+    let picks = picks.map(|(rig, width)| match args.want_force_n {
+        Some(wanted) => pick_for_force(rig, springs, *width, (limits, wanted), &progress),
+        None => pick_on(rig, springs, *width, limits, &progress),
+    });
     let picks: Vec<Pick> = picks.collect::<Result<_, _>>()?;
     progress.finish();
     if let Some(dir) = &output.out {
@@ -183,6 +196,7 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
         ("--gaps", args.gaps.is_some()),
         ("--over", args.over.is_some()),
         ("--report", !args.report.is_empty()),
+        ("--want-force-n", args.want_force_n.is_some()),
     ];
     if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
         return Err(UserError::new(format!(
@@ -297,11 +311,12 @@ fn limits(args: &Args) -> Result<Limits, UserError> {
         ))),
         _ => Ok(value),
     };
+    check("--want-force-n", args.want_force_n)?;
     Ok(Limits {
         max_force_n: check("--max-force-n", args.max_force_n)?,
         max_frequency_hz: check("--max-frequency-hz", args.max_frequency_hz)?,
-        max_drive_force_n: check("--max-drive-force-n", args.max_drive_force_n)?,
-        max_loop_force_n: None,
+        max_shaker_force_n: check("--max-shaker-force-n", args.max_shaker_force_n)?,
+        rig_shaker_force_n: None,
     })
 }
 

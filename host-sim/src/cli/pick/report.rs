@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::text::{by_what_they_leave_open, head, known_to, lines};
-use crate::pictures::pick::figure;
+use super::text::{by_what_they_leave_open, force, head, known_to, lines};
+use crate::pictures::pick::{MARKS, figure};
 use files::made_from::{self, MadeFrom, into_pdf, into_svg};
+use files::words::digits::significant;
 use files::words::pick::why;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -57,8 +58,8 @@ fn kind(file: &Path) -> Result<Kind, UserError> {
 /// # Errors
 /// If it cannot be drawn or written.
 pub fn write(file: &Path, rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Result<bool, UserError> {
-    let title = head(&pick.answer);
-    let blocks = blocks(rig, pick);
+    let title = format!("{}, {}", head(&pick.answer), force(&pick.answer));
+    let blocks = blocks(rig, pick, made);
     let refused = |error: PictureError| UserError::new(error.to_string());
     let bytes = match kind(file)? {
         Kind::Html => html(&title, &blocks, made).map_err(refused)?.into_bytes(),
@@ -68,13 +69,14 @@ pub fn write(file: &Path, rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Resul
 }
 
 /// What the page says, in order.
-fn blocks(rig: &NamedRig, pick: &Pick) -> Vec<Block> {
+fn blocks(rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Vec<Block> {
     let answer = &pick.answer;
     let heading = |text: &str| Block::Heading(text.to_owned());
     let row = |name: &str, text: String| Block::Row(name.to_owned(), text);
     let mut blocks = vec![
         Block::Paragraph(why(answer)),
-        Block::Picture(figure(std::slice::from_ref(pick))),
+        // The page has the sentence already.
+        Block::Picture(figure(std::slice::from_ref(pick)).subtitle(MARKS)),
         heading("The answer"),
     ];
     blocks.extend(
@@ -108,6 +110,8 @@ fn blocks(rig: &NamedRig, pick: &Pick) -> Vec<Block> {
             env!("CARGO_PKG_VERSION")
         ),
     ));
+    blocks.push(row("command", made.command.clone()));
+    blocks.push(row("date and name", "_".repeat(40)));
     blocks
 }
 
@@ -116,7 +120,14 @@ fn parameters(rig: &NamedRig) -> String {
     let whole = rig.recoiling();
     let params = whole.as_ref().map_or(&rig.params, |rig| &rig.params);
     let all = rigfile::KEYS.iter();
-    let all = all.filter_map(|(key, _)| Some(format!("{key} = {}", rigfile::shown(params, key)?)));
+    let all = all.filter_map(|(key, _)| {
+        let value = match rigfile::number(params, key) {
+            // Six digits, and no zeros behind them.
+            Some(number) => significant(number, 6).parse::<f64>().ok()?.to_string(),
+            None => rigfile::shown(params, key)?,
+        };
+        Some(format!("{key} = {value}"))
+    });
     all.collect::<Vec<_>>().join("; ")
 }
 

@@ -8,7 +8,7 @@ use numerics::pick::answer::LimitUse;
 use numerics::pick::sensitivity::Sensitivity;
 use numerics::pick::{Answer, CartModel, Pick};
 use plot::chart::Chart;
-use shared::model::cart::UNLIMITED_N;
+use shared::model::cart::ASSUMED_SHAKER;
 
 /// One answer in full, several side by side.
 pub fn text(picks: &[Pick]) -> String {
@@ -84,8 +84,14 @@ pub fn lines(a: &Answer) -> Lines {
 
 /// The first line.
 pub fn head(a: &Answer) -> String {
+    let stroke = a.wanted_force_n.map_or(String::new(), |n| {
+        format!(
+            "for {n} N, give it {} mm of stroke and ",
+            rounded_mm(a.shaker.stroke_mm)
+        )
+    });
     format!(
-        "{}, gap {:?} mm: run it at {} Hz ({:.*} times the natural frequency)",
+        "{}, gap {:?} mm: {stroke}run it at {} Hz ({:.*} times the natural frequency)",
         a.rig,
         a.gap_mm,
         Digits::of(a).run_at(a),
@@ -112,24 +118,27 @@ pub fn known_to(row: &Sensitivity) -> String {
     }
 }
 
-/// Regime, force and band at the operating point.
-fn operation(a: &Answer) -> Lines {
+/// The force at the operating point, and over the uncertainty.
+pub fn force(a: &Answer) -> String {
     let digits = Digits::of(a);
     let (n, ratio) = (digits.force_n, digits.force_ratio);
-    let force = format!(
+    let nominal = format!(
         "{:.n$} N, {:.ratio$} times the weight",
         a.force_n, a.force_ratio
     );
-    let (spread, over) = match a.uncertainty {
-        Some(_) => (
-            format!(
-                "; {:.ratio$} to {:.ratio$} over the uncertainty",
-                a.force_ratio_worst, a.force_ratio_largest
-            ),
-            " over the uncertainty",
+    match a.uncertainty {
+        Some(_) => format!(
+            "{nominal}; {:.ratio$} to {:.ratio$} over the uncertainty",
+            a.force_ratio_worst, a.force_ratio_largest
         ),
-        None => (String::new(), ""),
-    };
+        None => nominal,
+    }
+}
+
+/// Regime, force and band at the operating point.
+fn operation(a: &Answer) -> Lines {
+    let digits = Digits::of(a);
+    let over = a.uncertainty.map_or("", |_| " over the uncertainty");
     let [low, high] = a.safe_band_hz;
     let power = format!(
         "{} W; at most {} W, at {} Hz",
@@ -137,7 +146,7 @@ fn operation(a: &Answer) -> Lines {
         digits.other(a.power_optimum_w),
         digits.hz(a.power_optimum_hz)
     );
-    let mut lines = vec![("regime", from_rest(a)), ("force", force + &spread)];
+    let mut lines = vec![("regime", from_rest(a)), ("force", force(a))];
     lines.extend(settling(a));
     lines.extend(bending::lines(a));
     lines.extend(cart(a));
@@ -145,10 +154,15 @@ fn operation(a: &Answer) -> Lines {
     lines.push((
         "safe band",
         format!(
-            "{} Hz: 1/1 stable{over}, nominal force above 90 %{}{}",
+            "{} Hz: 1/1 stable{over}, nominal force above 90 %{}{}{}",
             digits.band(a.safe_band_hz),
             with_modes(a),
-            at_the_ends(a)
+            at_the_ends(a),
+            if a.limits.iter().any(LimitUse::is_reserve) {
+                "; the frequency keeps a reserve of 1 % from where a rig of the uncertainty loses its 1/1"
+            } else {
+                ""
+            }
         ),
     ));
     let middle = digits.hz(0.5 * (low + high));
@@ -312,20 +326,19 @@ fn shaker(a: &Answer) -> Lines {
     let s = &a.shaker;
     let digits = Digits::of(a);
     let held = s.loop_force_n.map_or(String::new(), |force| {
-        let most = a.shaker_loop.map(|held| held.max_force_n);
-        let most = most.filter(|most| *most < UNLIMITED_N);
-        let most = most.map_or(" is not known".to_owned(), |most| format!(": {most} N"));
         format!(
-            "; its position loop gives up to {} N, recoil included (shaker_max_force_n{most})",
+            "; its position loop gives up to {} N, recoil included",
             digits.other(force)
         )
     });
-    let lowered = if a.amplitude_lowered {
+    let lowered = if a.wanted_force_n.is_some() {
+        " (half the stroke that gives the force wanted)"
+    } else if a.amplitude_lowered {
         " (the amplitude is lowered: with the rig's no frequency keeps the limits of the shaker)"
     } else {
         ""
     };
-    vec![
+    let mut lines = vec![
         (
             "amplitude",
             format!("{} mm{lowered}", rounded_mm(a.amplitude_mm)),
@@ -351,7 +364,55 @@ fn shaker(a: &Answer) -> Lines {
                 digits.other(a.approach_speed_m_per_s)
             ),
         ),
-    ]
+    ];
+    lines.extend(enough(a).map(|what| ("shaker enough", what)));
+    lines
+}
+
+/// Whether the shaker that was asked for is strong enough, and if not, what gave way.
+fn enough(a: &Answer) -> Option<String> {
+    let told =
+        |limit: &&LimitUse| of_shaker(limit) && (a.wanted_force_n.is_some() || !assumed(limit));
+    let limit = a.limits.iter().find(told)?;
+    let (most, digits) = (limit.limit?, Digits::of(a));
+    let here = digits.other(a.shaker.loop_force_n.unwrap_or(a.shaker.force_n));
+    let at_best = digits.other(a.shaker_force_at_optimum_n?);
+    let best_hz = digits.hz(a.nominal_optimum_hz);
+    let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
+    Some(if needed > most {
+        format!("no: it needs {here} N and can give {most} N")
+    } else if a.wanted_force_n.is_some() && assumed(limit) {
+        format!(
+            "it needs {here} N; {most} N are assumed, measure what yours can give (shaker_max_force_n)"
+        )
+    } else if a.amplitude_lowered {
+        format!(
+            "no, not at the rig's amplitude: the strongest 1/1 then needs {at_best} N of it, and it can give {most} N; at the lower amplitude it needs {here} N"
+        )
+    } else if limit.binds {
+        let moved = if a.operating_frequency_hz < a.nominal_optimum_hz {
+            "lower"
+        } else {
+            "higher"
+        };
+        format!(
+            "no, not at {best_hz} Hz: the strongest 1/1 there needs {at_best} N of it, and it can give {most} N; at the {moved} frequency it needs {here} N"
+        )
+    } else {
+        format!("yes: it needs {here} N and can give {most} N")
+    })
+}
+
+/// Whether it is the limit of the shaker's force.
+fn of_shaker(limit: &LimitUse) -> bool {
+    ["max_shaker_force_n", "shaker_max_force_n"].contains(&limit.name)
+}
+
+/// Whether it is that of the shaker assumed for a preset, and decides nothing.
+fn assumed(limit: &LimitUse) -> bool {
+    limit.name == "shaker_max_force_n"
+        && limit.limit == Some(ASSUMED_SHAKER.max_force_n)
+        && !limit.binds
 }
 
 fn limits(a: &Answer) -> Lines {
@@ -364,7 +425,8 @@ fn limits(a: &Answer) -> Lines {
         };
         ("limit", format!("{}{value}: {binds}", limit.name))
     };
-    a.limits.iter().map(line).collect()
+    let told = a.limits.iter().filter(|limit| !assumed(limit));
+    told.map(line).collect()
 }
 
 /// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
@@ -404,7 +466,7 @@ fn from_rest(a: &Answer) -> String {
     match a.corners {
         0 => nominal + ")",
         corners => format!(
-            "{nominal}; of the uncertainty's {corners} corners, {} settle on 1/1)",
+            "{nominal}; of {corners} corners of the uncertainty, {} settle on 1/1)",
             a.corners_reaching_one_one_from_rest
         ),
     }

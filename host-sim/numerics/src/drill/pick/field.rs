@@ -29,9 +29,8 @@ impl Field<'_> {
         let keeps =
             |value: f64, limit: Option<f64>| limit.is_none_or(|most| value <= most * (1.0 + 1e-9));
         keeps(hz, limits.max_frequency_hz)
-            && keeps(drive_force(params, hz), limits.max_drive_force_n)
-            && limits.max_loop_force_n.is_none_or(|most| {
-                observe::loop_force_n(self.crowd.case, orbit).is_none_or(|n| n <= most)
+            && limits.shaker_force_n(params).is_none_or(|most| {
+                observe::shaker_force_n(self.crowd.case, orbit) <= most * (1.0 + 1e-9)
             })
             && limits.max_force_n.is_none_or(|most| {
                 let spread = self.crowd.spread(hz);
@@ -45,20 +44,22 @@ impl Field<'_> {
     }
 
     fn best_within(&self, range_hz: (f64, f64), limits: Limits) -> Option<DrillOrbit> {
-        let at_one = drive_force(&self.crowd.case.params, 1.0);
-        let by_drive = limits.max_drive_force_n.map(|max| (max / at_one).sqrt());
-        let tops = [limits.max_frequency_hz, by_drive].into_iter().flatten();
+        let params = &self.crowd.case.params;
+        let prescribed = !params.cart.recoils();
+        let most = limits.shaker_force_n(params).filter(|_| prescribed);
+        let by_shaker = most.map(|most| (most / drive_force(params, 1.0)).sqrt());
+        let tops = [limits.max_frequency_hz, by_shaker].into_iter().flatten();
         let top = tops.fold(range_hz.1, f64::min);
         self.crowd.branch.best((range_hz.0, top), |o| {
             self.allowed(o, limits).then(|| o.rate_m_per_s())
         })
     }
 
-    /// A limit decides when dropping it, and it alone, gives more.
+    /// A limit decides when dropping it, and it alone, gives more. The choice is from `kept` of `robust`.
     pub fn which_decide(
         &self,
         chosen: &DrillOrbit,
-        robust: (f64, f64),
+        (robust, kept): ((f64, f64), (f64, f64)),
         uncertain: bool,
     ) -> Vec<LimitUse> {
         let limits = self.limits;
@@ -80,7 +81,10 @@ impl Field<'_> {
                 binds: more(certain.best(self.crowd.branch.range())),
             });
         }
-        uses.extend(limits.which_decide(|others| more(self.best_within(robust, others))));
+        if more(self.best(robust)) {
+            uses.push(LimitUse::reserve());
+        }
+        uses.extend(limits.which_decide(|others| more(self.best_within(kept, others))));
         uses
     }
 }

@@ -27,8 +27,8 @@ use super::search::GroundUncertainty;
 use crate::branch::End;
 use crate::error::{Error, PickError};
 use crate::pick::amplitude::lower_until;
-use crate::pick::answer::drive_force;
 use crate::pick::bending::{Bending, on_beams};
+use crate::pick::with_reserve;
 use crate::pick::{
     Answer, BAND_SHARE, CartModel, Limits, SEARCH_RATIOS, Uncertainty, largest_share, pick,
 };
@@ -109,13 +109,8 @@ fn lowered(rig: &NamedRig, request: &Request, progress: &dyn Progress) -> Option
         let top = limits.max_frequency_hz.unwrap_or(f64::INFINITY);
         let (low, high) = branch.range();
         let orbit = branch.best((low, high.min(top)), |o| Some(o.rate_m_per_s()))?;
-        let drive = limits
-            .max_drive_force_n
-            .map(|most| drive_force(params, orbit.frequency_hz) / most);
-        let held = limits
-            .max_loop_force_n
-            .and_then(|most| Some(observe::loop_force_n(&case, &orbit)? / most));
-        Some(drive.unwrap_or(0.0).max(held.unwrap_or(0.0)))
+        let most = limits.shaker_force_n(params)?;
+        Some(observe::shaker_force_n(&case, &orbit) / most)
     })
 }
 
@@ -164,9 +159,10 @@ fn pick_at_amplitude(
     })?;
     step(progress, 1)?;
     let field = Field { crowd, limits };
-    let chosen = field.best(robust).ok_or_else(|| {
+    let kept = with_reserve(robust, !members.is_empty());
+    let chosen = field.best(kept).ok_or_else(|| {
         rig.no_pick(PickError::Limits {
-            range_hz: robust,
+            range_hz: kept,
             limits,
             feasible: Box::default(),
         })
@@ -250,7 +246,8 @@ fn pick_at_amplitude(
         power_optimum_w: strongest.contact_j * strongest.frequency_hz,
         force_ratio_at_natural_frequency: seen.force_at_natural_n / weight,
         shaker: seen.shaker(params, &chosen),
-        limits: field.which_decide(&chosen, robust, !members.is_empty()),
+        shaker_force_at_optimum_n: None,
+        limits: field.which_decide(&chosen, (robust, kept), !members.is_empty()),
         sensitivity: Vec::new(),
         uncertainty: uncertainty.map(|u| Uncertainty {
             contact_stiffness_percent: 0.0,
@@ -260,6 +257,7 @@ fn pick_at_amplitude(
         }),
         amplitude_mm: tidy(params.amplitude_m * 1e3),
         amplitude_lowered: false,
+        wanted_force_n: None,
         bending: Bending {
             on_beams: on_beams(params),
             modes: on_beams(params).then_some(1),

@@ -91,6 +91,11 @@ pub fn on(case: &Case, hz: f64, section: Section) -> Result<Drill<f64>, Error> {
     Ok(drill)
 }
 
+/// Largest force of the shaker for `orbit`, N: of its position loop, or of a prescribed cart what moves M + m.
+pub fn shaker_force_n(case: &Case, orbit: &DrillOrbit) -> f64 {
+    loop_force_n(case, orbit).unwrap_or_else(|| drive_force(&case.params, orbit.frequency_hz))
+}
+
 /// The largest force of the loop over a period of `orbit`, N. None with a prescribed cart.
 pub fn loop_force_n(case: &Case, orbit: &DrillOrbit) -> Option<f64> {
     let drill = on(case, orbit.frequency_hz, orbit.section).ok()?;

@@ -76,7 +76,7 @@ fn frequency(max: f64) -> Limits {
 
 fn drive(max: f64) -> Limits {
     Limits {
-        max_drive_force_n: Some(max),
+        max_shaker_force_n: Some(max),
         ..Limits::default()
     }
 }
@@ -95,7 +95,7 @@ fn the_lower_of_the_frequencies_that_the_shaker_allows_counts() {
     assert!((field.top(drive(at_three)) - 3.0).abs() < 1e-12);
     for (hz, expected) in [(2.5, 2.5), (3.5, 3.0)] {
         let both = Limits {
-            max_drive_force_n: Some(at_three),
+            max_shaker_force_n: Some(at_three),
             ..frequency(hz)
         };
         assert!((field.top(both) - expected).abs() < 1e-12);
@@ -228,7 +228,7 @@ fn a_limit_binds_if_dropping_it_alone_gives_more() {
     assert_eq!(binding(frequency(below)), [("max_frequency_hz", true)]);
     assert_eq!(binding(frequency(above)), [("max_frequency_hz", false)]);
     let by_drive = drive(drive_force(&WIRES, below));
-    assert_eq!(binding(by_drive), [("max_drive_force_n", true)]);
+    assert_eq!(binding(by_drive), [("max_shaker_force_n", true)]);
     assert_eq!(binding(force(limit)), [("max_force_n", true)]);
     assert_eq!(
         binding(force(2.0 * optimum.force_n)),
@@ -239,10 +239,10 @@ fn a_limit_binds_if_dropping_it_alone_gives_more() {
     assert_eq!(binding(barely), [("max_force_n", true)]);
     // Two limits at the same place: neither binds by itself.
     let both = Limits {
-        max_drive_force_n: by_drive.max_drive_force_n,
+        max_shaker_force_n: by_drive.max_shaker_force_n,
         ..frequency(below)
     };
-    let neither = [("max_frequency_hz", false), ("max_drive_force_n", false)];
+    let neither = [("max_frequency_hz", false), ("max_shaker_force_n", false)];
     assert_eq!(binding(both), neither);
     // The uncertainty is listed with members alone, and binds where it narrows the range.
     let made = Made::new(0.0, 5.0);
