@@ -57,7 +57,13 @@ impl fmt::Display for WriteError {
             io::ErrorKind::InvalidInput => "choose another file name",
             _ => "check the path and try again",
         };
-        let (path, source) = (self.path.display(), &self.source);
+        let path = self.path.display();
+        let source = self.source.to_string();
+        // The temporary name is no business of the reader's.
+        let source = match source.split_once(" at path ") {
+            Some((why, name)) if name.contains(TEMPORARY) => why,
+            _ => &source,
+        };
         write!(f, "cannot write {path}: {source}; {mend}")
     }
 }

@@ -23,6 +23,15 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// What it means for a run, as a title says it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Rest => "from rest",
+            Self::Up => "state carried up",
+            Self::Down => "state carried down",
+        }
+    }
+
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {

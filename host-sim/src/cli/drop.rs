@@ -258,7 +258,8 @@ fn figure(rig: &str, test: &DropTest, rows: &[Row]) -> Figure {
             .collect::<Vec<_>>()
     };
     let all = |f: fn(&Row) -> f64| rows.iter().map(|r| (r.time_s, f(r))).collect::<Vec<_>>();
-    Figure::new(format!("Synthetic drop test: {rig}, let go at {:.2} mm", test.release_m * 1e3))
+    let release = format!("{:.2}", test.release_m * 1e3).replace('-', "−");
+    Figure::new(format!("Synthetic drop test: {rig}, let go at {release} mm"))
         .subtitle(format!(
             "{:.0} samples a second, noise {} N, ringing {:.2} of the peak at {:.0} Hz, {} bits, seed {}{}. Made from the model, not measured.",
             test.sampling_hz, test.noise_n, test.ringing_share, test.ringing_hz, test.bits, test.seed, faults(test)

@@ -171,7 +171,7 @@ enum Command {
     Compare(compare::Args),
     /// Write the file of a rig of one's own from what can be measured: weights, lengths, times
     #[command(
-        after_help = "Examples:\n  host-sim rig new mine.toml\n  host-sim rig new mine.toml --support wires --mass-g 298 --swings 20 --swing-time-s 10.99 --stroke-mm 1.8 --cart-mass-kg 5.4"
+        after_help = "Examples:\n  host-sim rig new mine.toml\n  host-sim rig new mine.toml --support wires --mass 298g --swings 20 --swing-time 10.99s --stroke 1.8mm --cart-mass 5.4kg --surface steel"
     )]
     Rig(rig::Args),
     /// List the rigs, or print one as a TOML file to start from

@@ -187,8 +187,11 @@ fn of(rows: &[Row], count: usize, column: impl Fn(&Row) -> f64) -> Vec<(f64, f64
     rows.map(|row| (row.frequency_hz, column(row))).collect()
 }
 
-/// Force, swing and energy in the higher modes over frequency.
+/// Force, swing and energy in the higher modes over frequency; over the number of modes where there is one frequency.
 fn figure(rows: &[Row], counts: &[usize]) -> Figure {
+    let one = rows
+        .iter()
+        .all(|row| row.frequency_hz == rows[0].frequency_hz);
     let subtitle = rows.first().map_or(String::new(), |row| {
         format!(
             "From rest. Springs of {} times the hammer's mass, tip {}. Swing: largest less least displacement in the fixed frame.",
@@ -197,6 +200,13 @@ fn figure(rows: &[Row], counts: &[usize]) -> Figure {
         )
     });
     let panel = |label: &str, column: fn(&Row) -> f64| {
+        if one {
+            let points = rows.iter().map(|row| (row.modes as f64, column(row)));
+            return Panel::new(Axis::new("bending modes"), Axis::new(label).with_zero())
+                .without_legend()
+                .item(Item::line("", Color::series(0), points.clone().collect()))
+                .item(Item::points("", Color::series(0), points.collect()));
+        }
         let mut panel = Panel::new(
             Axis::new("drive frequency, Hz"),
             Axis::new(label).with_zero(),

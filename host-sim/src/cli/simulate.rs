@@ -118,6 +118,21 @@ fn tail(recorder: &Recorder, frequency_hz: f64) -> impl Iterator<Item = (f64, &S
         .map(move |s| (s.time_s - from, s))
 }
 
+/// Force over time of the last contact, from its onset; nothing if there was none.
+fn last_contact(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
+    let contact = contact_rows(recorder).pop()?;
+    let since_ms = |s: &Sample| 1e3 * (s.time_s - contact.onset_s);
+    // A little before and after, so that onset and release can be seen.
+    let margin_ms = 0.1 * contact.duration_ms;
+    let shown = -margin_ms..=contact.duration_ms + margin_ms;
+    let inside = recorder.samples.iter().map(|s| (since_ms(s), s.force_n));
+    let inside = inside.filter(|(ms, _)| shown.contains(ms));
+    let mut points: Vec<_> = inside.collect();
+    points.insert(0, (-margin_ms, 0.0));
+    points.push((contact.duration_ms + margin_ms, 0.0));
+    Some(points)
+}
+
 /// "1 contact", "2 contacts".
 fn count(n: u32, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
@@ -200,6 +215,28 @@ fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]
     let gap = rig.params.gap_m * 1e3;
     let displacement = "displacement relative to the cart, mm";
     let velocity = "velocity relative to the cart, m/s";
+    // A periodic motion has few points in the section, and the phase plane shows them.
+    let contact = match row.regime {
+        Regime::Periodic { .. } => last_contact(recorder),
+        _ => None,
+    };
+    let last = match contact {
+        Some(force) => Panel::new(
+            Axis::new("time since onset, ms"),
+            Axis::new("contact force, N").with_zero(),
+        )
+        .titled("The last contact")
+        .without_legend()
+        .item(Item::line("contact force", RED, force)),
+        None => Panel::new(Axis::new(displacement), Axis::new(velocity))
+            .titled("Poincaré section at drive phase 0")
+            .without_legend()
+            .item(Item::points(
+                "section",
+                regime_color(&row.regime.to_string()),
+                strobes.clone(),
+            )),
+    };
     Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.outcome()))
         .subtitle(format!(
             "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; section at drive phase 0 over all {} recorded.",
@@ -227,13 +264,8 @@ fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]
             Panel::new(Axis::new(displacement), Axis::new(velocity))
                 .titled("Phase plane")
                 .item(Item::line("trajectory", BLUE, plane.collect()))
-                .item(Item::points("drive phase 0", RED, strobes.clone()))
+                .item(Item::points("drive phase 0", RED, strobes))
                 .item(Item::mark_x("surface", gap)),
         )
-        .panel(
-            Panel::new(Axis::new(displacement), Axis::new(velocity))
-                .titled("Poincaré section at drive phase 0")
-                .without_legend()
-                .item(Item::points("section", regime_color(&row.regime.to_string()), strobes)),
-        )
+        .panel(last)
 }

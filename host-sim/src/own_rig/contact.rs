@@ -63,8 +63,11 @@ fn stiffness(mass_kg: f64, ratio: f64, time_s: f64) -> Option<f64> {
     (time_s > 0.0).then_some(mass_kg * omega * omega)
 }
 
-/// The contact with this restitution and contact time (s). The half-width of the stiffness is that of the worst corner. `None`
-/// if there is no such contact at a corner.
+/// Where the stiffest contact is more than so many times as stiff as the softest, the stiffness is known to a factor.
+const WIDE: f64 = 3.0;
+
+/// The contact with this restitution and contact time (s), known as well as the worst corner. `None` if there is no such contact
+/// at a corner.
 pub fn of_restitution_and_time(
     mass_kg: f64,
     restitution: &Reading,
@@ -72,13 +75,17 @@ pub fn of_restitution_and_time(
 ) -> Option<Contact> {
     let ratios = ratios(restitution)?;
     let middle = stiffness(mass_kg, 0.5 * (ratios[0] + ratios[1]), time_s.value)?;
-    let mut percent: f64 = 0.0;
+    let (mut low, mut high) = (middle, middle);
     for ratio in ratios {
         for side in [-1.0, 1.0] {
             let there = stiffness(mass_kg, ratio, time_s.value + side * time_s.half_width)?;
-            percent = percent.max(100.0 * (there / middle - 1.0).abs());
+            (low, high) = (low.min(there), high.max(there));
         }
     }
+    if high > WIDE * low {
+        return of_restitution_and_surface(mass_kg, restitution, [low, high]);
+    }
+    let percent = 100.0 * (high / middle - 1.0).max(1.0 - low / middle);
     let width = ("contact_stiffness_percent", percent);
     Some(Contact::with_ratio(mass_kg, middle, width, ratios))
 }
@@ -128,6 +135,12 @@ mod tests {
         let [(_, stiffness), (key, ratio)] = contact.widths;
         assert!((stiffness - 2.03).abs() < 0.02, "{contact:?}");
         assert_eq!((key, ratio), ("contact_damping_ratio_percent", 0.0));
+        // Known to half, four corners from 1/2.25 to 4 times: no percentage says that.
+        let time = Reading::assumed(0.57e-3, 0.285e-3);
+        let contact = of_restitution_and_time(0.298, &Reading::assumed(0.317, 0.0), &time).unwrap();
+        let (key, factor) = contact.widths[0];
+        assert_eq!(key, "contact_stiffness_factor");
+        assert!((factor - 3.0).abs() < 1e-9, "{factor}");
     }
 
     #[test]

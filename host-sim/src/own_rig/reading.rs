@@ -235,7 +235,7 @@ impl Quantity {
     }
 
     fn wrong(&self, word: &str) -> String {
-        let apart = "several readings are separated by blanks or ;";
+        let apart = "several readings are separated by blanks";
         if let Some(write) = files::decimal::comma(word) {
             return format!("'{word}' has a comma: {write}; {apart}");
         }
@@ -361,7 +361,7 @@ mod tests {
         for (quantity, text, said) in [
             (&SWING_TIME, "10,99s", "write 10.99 with a point"),
             (&MASS, "1,7 kg", "write 1.7 with a point"),
-            (&MASS, "298,299,297.5 g", "separated by blanks or ;"),
+            (&MASS, "298,299,297.5 g", "separated by blanks"),
             (&MASS, "298 299,5 g", "write 299.5 with a point"),
             (&MASS, "298", "298 has no unit; write g or kg after it"),
             (&MASS, "298 lb", "write for example 298 g or kg"),

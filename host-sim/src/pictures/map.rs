@@ -135,7 +135,7 @@ fn figure(map: &Map, what: &str) -> Figure {
         (Some(a), Some(b)) => format!("{a:.2} to {b:.2}"),
         _ => "none".to_owned(),
     };
-    Figure::new(format!("{}: {what}", named(map)))
+    Figure::new(format!("{}, {}: {what}", named(map), map.from.words()))
         .subtitle(format!(
             "{} gaps ({} mm) by {} frequencies ({} Hz): {} simulations.",
             gaps.len(),
@@ -186,6 +186,7 @@ mod tests {
     use super::*;
     use numerics::NamedRig;
     use numerics::map::{Grid, MapCell};
+    use numerics::sweep::Direction;
     use plot::render_svg;
     use shared::model::params::WIRES;
 
@@ -204,6 +205,7 @@ mod tests {
                 gaps_mm: vec![0.0, 0.89],
                 frequencies_hz: vec![1.82, 3.64, 5.46],
             },
+            from: Direction::Rest,
             cells: regimes.iter().map(cell).collect(),
         }
     }
@@ -225,7 +227,7 @@ mod tests {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
         let svg = render_svg(&regimes(&map)).unwrap();
-        for name in ["1/1", "1/2", "none"] {
+        for name in ["1/1", "1/2", "no contact"] {
             assert!(svg.contains(&format!("\n{name}\n")), "{name}");
         }
         assert!(!svg.contains("\n2/2\n"));

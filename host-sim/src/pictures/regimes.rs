@@ -45,7 +45,7 @@ pub const REGIMES: [(&str, Style); 14] = [
     ),
     (
         "aperiodic",
-        look(Color(0x4A, 0x4A, 0x4A), Mark::Cross, Stroke::Dotted),
+        look(Color(0x38, 0x38, 0x38), Mark::Cross, Stroke::Dotted),
     ),
     ("chatter", look(Color::PURPLE, Mark::Plus, Stroke::Dotted)),
     ("none", look(Color::GREY, Mark::Ring, Stroke::Dotted)),
@@ -114,7 +114,8 @@ pub fn regime_raster<S: AsRef<str>>(
     columns: usize,
     regimes: impl IntoIterator<Item = S>,
 ) -> Raster {
-    let names = REGIMES.map(|(name, _)| (name.to_owned(), regime_fill(name)));
+    let named = |name: &str| if name == "none" { "no contact" } else { name }.to_owned();
+    let names = REGIMES.map(|(name, _)| (named(name), regime_fill(name)));
     let index = |regime: S| {
         let group = regime_group(regime.as_ref());
         REGIMES.iter().position(|(name, _)| *name == group)

@@ -151,6 +151,7 @@ def pick(
     natural_frequency_percent: float | None = None,
     amplitude_percent: float | None = None,
     contact_stiffness_percent: float | None = None,
+    contact_stiffness_factor: float | None = None,
     contact_damping_percent: float | None = None,
     contact_damping_ratio_percent: float | None = None,
     gap_tolerance_mm: float | None = None,
@@ -179,6 +180,8 @@ def pick(
     natural_frequency_percent, ..., shaker_damping_percent:
         Half-widths of the uncertainty; what is left out is the rig file's, else 2, 5, 20, 20 %, 0.05 mm, 0, and 5, 30, 30 %
         where the cart recoils.
+    contact_stiffness_factor:
+        In place of ``contact_stiffness_percent``: the stiffness is up to so many times as large or as small.
     contact_damping_ratio_percent:
         In place of ``contact_damping_percent``: the damping goes with the stiffness.
     samples, seed:
@@ -204,6 +207,7 @@ def pick(
         "natural_frequency_percent": natural_frequency_percent,
         "amplitude_percent": amplitude_percent,
         "contact_stiffness_percent": contact_stiffness_percent,
+        "contact_stiffness_factor": contact_stiffness_factor,
         "contact_damping_percent": contact_damping_percent,
         "contact_damping_ratio_percent": contact_damping_ratio_percent,
         "gap_tolerance_mm": gap_tolerance_mm,

@@ -13,7 +13,7 @@ export const REGIMES = [
   ["3/1", "#B85CC0"],
   ["3/2", "#332288"],
   ["other p/n", "#C9B8F0"],
-  ["aperiodic", "#4A4A4A"],
+  ["aperiodic", "#383838"],
   ["chatter", "#CC79A7"],
   ["none", "#E8E8E8"],
 ];

@@ -13,73 +13,98 @@ pub struct Width {
     pub key: &'static str,
     /// What it is the half-width of.
     pub meaning: &'static str,
-    /// It is at least 0 and below this.
+    /// It is at least this,
+    at_least: f64,
+    /// and below this.
     pub below: f64,
     of: fn(&mut Stated) -> &mut Option<f64>,
 }
 
 /// Every half-width, in the order of a file.
-pub const WIDTHS: [Width; 10] = [
+pub const WIDTHS: [Width; 11] = [
     Width {
         key: "natural_frequency_percent",
         meaning: "natural frequency, % either way",
+        at_least: 0.0,
         below: 50.0,
         of: |s| &mut s.natural_frequency_percent,
     },
     Width {
         key: "amplitude_percent",
         meaning: "cart amplitude, % either way",
+        at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.amplitude_percent,
     },
     Width {
         key: "contact_stiffness_percent",
         meaning: "contact stiffness, % either way",
+        at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.contact_stiffness_percent,
     },
     Width {
+        key: "contact_stiffness_factor",
+        meaning: "contact stiffness, up to so many times as large or as small; instead of contact_stiffness_percent",
+        at_least: 1.0,
+        below: 1000.0,
+        of: |s| &mut s.contact_stiffness_factor,
+    },
+    Width {
         key: "contact_damping_percent",
         meaning: "contact damping, % either way",
+        at_least: 0.0,
         below: 100.0,
         of: |s| &mut s.contact_damping_percent,
     },
     Width {
         key: "contact_damping_ratio_percent",
         meaning: "contact's damping ratio, % either way: the damping goes with the stiffness; instead of contact_damping_percent",
+        at_least: 0.0,
         below: 100.0,
         of: |s| &mut s.contact_damping_ratio_percent,
     },
     Width {
         key: "gap_tolerance_mm",
         meaning: "gap, mm either way",
+        at_least: 0.0,
         below: 10.0,
         of: |s| &mut s.gap_mm,
     },
     Width {
         key: "mass_percent",
         meaning: "hammer mass, % either way",
+        at_least: 0.0,
         below: 50.0,
         of: |s| &mut s.mass_percent,
     },
     Width {
         key: "cart_mass_percent",
         meaning: "cart mass, % either way",
+        at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.cart_mass_percent,
     },
     Width {
         key: "shaker_loop_percent",
         meaning: "natural frequency of the shaker's loop, % either way",
+        at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.shaker_loop_percent,
     },
     Width {
         key: "shaker_damping_percent",
         meaning: "damping ratio of the shaker's loop, % either way",
+        at_least: 0.0,
         below: 90.0,
         of: |s| &mut s.shaker_damping_percent,
     },
+];
+
+/// What takes each other's place.
+const ONE_OF: [[&str; 2]; 2] = [
+    ["contact_stiffness_percent", "contact_stiffness_factor"],
+    ["contact_damping_percent", "contact_damping_ratio_percent"],
 ];
 
 impl Width {
@@ -93,19 +118,25 @@ impl Width {
     /// # Errors
     /// The value is out of range, or another width is stated that this one takes the place of.
     pub fn set(&self, stated: &mut Stated, name: &str, value: f64) -> Result<(), UserError> {
-        let below = self.below;
-        if !(0.0..below).contains(&value) {
+        let Self {
+            at_least, below, ..
+        } = self;
+        if !(*at_least..*below).contains(&value) {
             return Err(UserError::new(format!(
-                "{name} is {value}, must be from 0 to below {below}"
+                "{name} is {value}, must be from {at_least} to below {below}"
             )));
         }
         *(self.of)(stated) = Some(value);
-        if stated.contact_damping_percent.is_some()
-            && stated.contact_damping_ratio_percent.is_some()
-        {
-            return Err(UserError::new(format!(
-                "{name}: contact_damping_percent and contact_damping_ratio_percent are both given; give one of them"
-            )));
+        for [one, other] in ONE_OF {
+            let given = |key: &str| {
+                let width = WIDTHS.iter().find(|width| width.key == key);
+                width.is_some_and(|width| width.get(stated).is_some())
+            };
+            if given(one) && given(other) {
+                return Err(UserError::new(format!(
+                    "{name}: {one} and {other} are both given; give one of them"
+                )));
+            }
         }
         Ok(())
     }

@@ -1,5 +1,5 @@
 use super::*;
-use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
 use shared::model::params::{BEAM_150, PRESETS, RigParams, WIRES};
 use shared::settings::{Calibration, DriveSettings, Interlock};
 
@@ -63,6 +63,7 @@ fn a_shaker_is_given_changed_and_taken_away_and_an_absurd_one_refused() {
     let held = with(&base, "shaker_loop_hz = 35").unwrap();
     let wanted = LoopParams {
         frequency_hz: 35.0,
+        max_force_n: UNLIMITED_N,
         ..ASSUMED_SHAKER
     };
     assert_eq!(held.rig.cart, CartDrive::Loop(wanted));

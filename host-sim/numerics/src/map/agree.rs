@@ -300,6 +300,7 @@ mod tests {
         let lanes = Map {
             rig: request.rig.clone(),
             grid: request.grid.clone(),
+            from: request.from,
             cells: vec![cell(periodic(6, 14), 1.0, false)],
         };
         let found = audit(&request, &lanes, (1, 1), &()).unwrap();
@@ -333,6 +334,7 @@ mod tests {
                         .map(|r| r * params.natural_frequency_hz())
                         .to_vec(),
                 },
+                from: Direction::Rest,
                 cells: regimes.map(|r| cell(r, 1.0, false)).to_vec(),
             }
         };

@@ -133,6 +133,8 @@ pub struct Map {
     pub rig: NamedRig,
     /// Where the cells are.
     pub grid: Grid,
+    /// Whether its cells are from rest, or carried.
+    pub from: Direction,
     /// Row-major: every frequency of the first gap, then of the second.
     pub cells: Vec<MapCell>,
 }

@@ -113,6 +113,7 @@ fn assemble(request: &MapRequest, tiles: Vec<Vec<MapCell>>) -> Map {
     Map {
         rig: request.rig.clone(),
         grid: request.grid.clone(),
+        from: request.from,
         cells,
     }
 }

@@ -25,9 +25,11 @@ pub struct Sensitivity {
     pub uncertainty_percent: Option<f64>,
     /// The same for the gap, mm either way.
     pub uncertainty_mm: Option<f64>,
+    /// The same for a parameter that is known to a factor.
+    pub uncertainty_factor: Option<f64>,
     /// How far the best frequency is uncertain because of it, % either way.
     pub frequency_over_uncertainty_percent: Option<f64>,
-    /// How far the force there is uncertain because of it, % either way.
+    /// How far the force there is uncertain because of it, % either way; where a parameter is known to a factor, % upwards.
     pub force_over_uncertainty_percent: Option<f64>,
 }
 
@@ -41,6 +43,7 @@ impl Sensitivity {
             force_percent: force,
             uncertainty_percent: None,
             uncertainty_mm: None,
+            uncertainty_factor: None,
             frequency_over_uncertainty_percent: None,
             force_over_uncertainty_percent: None,
         }
@@ -60,7 +63,13 @@ impl Sensitivity {
             MASS => uncertainty.mass_percent,
             CONTACT_STIFFNESS if together => return self,
             STIFFNESS_AND_DAMPING if !together => return self,
-            CONTACT_STIFFNESS | STIFFNESS_AND_DAMPING => uncertainty.contact_stiffness_percent,
+            CONTACT_STIFFNESS | STIFFNESS_AND_DAMPING => {
+                if let Some(factor) = uncertainty.contact_stiffness_factor {
+                    self.uncertainty_factor = Some(factor);
+                    return self.over_factor(factor);
+                }
+                uncertainty.contact_stiffness_percent
+            }
             CONTACT_DAMPING | OTHER_CONTACT_DAMPING => damping,
             CART_MASS => uncertainty.cart_mass_percent,
             SHAKER_LOOP => uncertainty.shaker_loop_percent,
@@ -73,6 +82,14 @@ impl Sensitivity {
         };
         self.uncertainty_percent = Some(percent);
         self.over(percent)
+    }
+
+    /// The same row with what a factor does: a power of it, whose exponent is the slope.
+    fn over_factor(mut self, factor: f64) -> Self {
+        let upwards = |percent: f64| 100.0 * (factor.powf(percent.abs()) - 1.0);
+        self.frequency_over_uncertainty_percent = Some(upwards(self.frequency_percent));
+        self.force_over_uncertainty_percent = Some(upwards(self.force_percent));
+        self
     }
 
     /// The same row with what `steps` of the parameter do.
@@ -91,7 +108,7 @@ const GAP: &str = "gap_mm";
 const CART_MASS: &str = "cart_mass_kg (same loop frequency)";
 const SHAKER_LOOP: &str = "shaker_loop_hz";
 const SHAKER_DAMPING: &str = "shaker_damping_ratio";
-const STIFFNESS_AND_DAMPING: &str = "field surface stiffness (same restitution)";
+const STIFFNESS_AND_DAMPING: &str = "contact stiffness (same restitution)";
 const CONTACT_DAMPING: &str = "contact_damping_n_s_per_m";
 const OTHER_CONTACT_DAMPING: &str = "contact damping";
 
@@ -216,7 +233,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
                 relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, by.sqrt())),
             ));
             rows.push((
-                "field surface restitution (same stiffness)",
+                "contact restitution (same stiffness)",
                 percent,
                 Box::new(|params: &RigParams, steps: f64| {
                     with_restitution(params, 1.0 + 0.01 * steps)

@@ -16,6 +16,8 @@ pub struct Uncertainty {
     pub amplitude_percent: f64,
     /// Contact stiffness, % either way.
     pub contact_stiffness_percent: f64,
+    /// In its place a factor: the stiffness is up to so many times as large, or as small.
+    pub contact_stiffness_factor: Option<f64>,
     /// Contact damping, % either way, whatever the stiffness.
     pub contact_damping_percent: f64,
     /// In its place the contact's damping ratio, % either way: the damping then goes with the square root of the stiffness.
@@ -46,6 +48,8 @@ pub struct Stated {
     pub amplitude_percent: Option<f64>,
     /// See [`Uncertainty::contact_stiffness_percent`].
     pub contact_stiffness_percent: Option<f64>,
+    /// See [`Uncertainty::contact_stiffness_factor`].
+    pub contact_stiffness_factor: Option<f64>,
     /// See [`Uncertainty::contact_damping_percent`].
     pub contact_damping_percent: Option<f64>,
     /// See [`Uncertainty::contact_damping_ratio_percent`].
@@ -63,21 +67,23 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// What is stated here, else what is stated in `other`. The two ways to state the contact's damping take each other's
-    /// place.
+    /// What is stated here, else what is stated in `other`. The two ways to state the contact's stiffness, or its damping, take
+    /// each other's place.
     #[must_use]
     pub fn or(&self, other: &Self) -> Self {
         let damping =
             self.contact_damping_percent.is_some() || self.contact_damping_ratio_percent.is_some();
         let of_damping = if damping { self } else { other };
+        let stiffness =
+            self.contact_stiffness_percent.is_some() || self.contact_stiffness_factor.is_some();
+        let of_stiffness = if stiffness { self } else { other };
         Self {
             natural_frequency_percent: self
                 .natural_frequency_percent
                 .or(other.natural_frequency_percent),
             amplitude_percent: self.amplitude_percent.or(other.amplitude_percent),
-            contact_stiffness_percent: self
-                .contact_stiffness_percent
-                .or(other.contact_stiffness_percent),
+            contact_stiffness_percent: of_stiffness.contact_stiffness_percent,
+            contact_stiffness_factor: of_stiffness.contact_stiffness_factor,
             contact_damping_percent: of_damping.contact_damping_percent,
             contact_damping_ratio_percent: of_damping.contact_damping_ratio_percent,
             gap_mm: self.gap_mm.or(other.gap_mm),
@@ -100,14 +106,19 @@ impl Stated {
                 .contact_damping_percent
                 .unwrap_or(usual.contact_damping_percent),
         };
+        let stiffness = match self.contact_stiffness_factor {
+            Some(_) => 0.0,
+            None => self
+                .contact_stiffness_percent
+                .unwrap_or(usual.contact_stiffness_percent),
+        };
         Uncertainty {
             natural_frequency_percent: self
                 .natural_frequency_percent
                 .unwrap_or(usual.natural_frequency_percent),
             amplitude_percent: self.amplitude_percent.unwrap_or(usual.amplitude_percent),
-            contact_stiffness_percent: self
-                .contact_stiffness_percent
-                .unwrap_or(usual.contact_stiffness_percent),
+            contact_stiffness_percent: stiffness,
+            contact_stiffness_factor: self.contact_stiffness_factor,
             contact_damping_percent: damping,
             contact_damping_ratio_percent: self.contact_damping_ratio_percent,
             gap_mm: self.gap_mm.unwrap_or(usual.gap_mm),
@@ -131,6 +142,7 @@ impl Default for Uncertainty {
             natural_frequency_percent: 2.0,
             amplitude_percent: 5.0,
             contact_stiffness_percent: 20.0,
+            contact_stiffness_factor: None,
             contact_damping_percent: 20.0,
             contact_damping_ratio_percent: None,
             gap_mm: 0.05,
@@ -173,12 +185,17 @@ impl Uncertainty {
         }
     }
 
+    /// The half-widths of the deviations of a [`Member`].
     fn half_widths(&self) -> [f64; DIMENSIONS] {
         let damping = self.contact_damping_ratio_percent;
+        let stiffness = match self.contact_stiffness_factor {
+            Some(factor) => factor.ln(),
+            None => self.contact_stiffness_percent / 100.0,
+        };
         [
             self.natural_frequency_percent / 100.0,
             self.amplitude_percent / 100.0,
-            self.contact_stiffness_percent / 100.0,
+            stiffness,
             damping.unwrap_or(self.contact_damping_percent) / 100.0,
             self.gap_mm / 1e3,
             self.mass_percent / 100.0,
@@ -249,6 +266,7 @@ impl Uncertainty {
         });
         let member = |d: [f64; DIMENSIONS]| Member {
             deviations: std::array::from_fn(|i| d[i] * widths[i]),
+            stiffness_factor: self.contact_stiffness_factor.is_some(),
             damping_ratio: self.contact_damping_ratio_percent.is_some(),
         };
         corners.chain(samples).map(member).collect()
@@ -259,6 +277,8 @@ impl Uncertainty {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Member {
     deviations: [f64; DIMENSIONS],
+    /// Whether the deviation of the contact's stiffness is the logarithm of a factor.
+    stiffness_factor: bool,
     /// Whether the contact's damping deviates as a ratio.
     damping_ratio: bool,
 }
@@ -280,12 +300,17 @@ impl Member {
         let mut rig = params.with_natural_frequency_scaled(1.0 + frequency);
         rig.amplitude_m *= 1.0 + amplitude;
         rig.gap_m += gap;
+        let by_stiffness = if self.stiffness_factor {
+            stiffness.exp()
+        } else {
+            1.0 + stiffness
+        };
         let with_stiffness = match params.contact {
-            Law::SpringDashpot { .. } if self.damping_ratio => (1.0 + stiffness).sqrt(),
+            Law::SpringDashpot { .. } if self.damping_ratio => by_stiffness.sqrt(),
             _ => 1.0,
         };
         let by_damping = with_stiffness * (1.0 + damping);
-        rig.contact = scale_contact(&rig.contact, 1.0 + stiffness, by_damping);
+        rig.contact = scale_contact(&rig.contact, by_stiffness, by_damping);
         rig.mass_kg *= 1.0 + mass;
         rig.cart_mass_kg *= 1.0 + cart_mass;
         if let CartDrive::Loop(held) = &mut rig.cart {
@@ -484,6 +509,40 @@ mod tests {
         assert_eq!(whole.contact_damping_percent, 0.0);
     }
 
+    /// Known to a decade, the stiffness is as often a third as three times its middle.
+    #[test]
+    fn a_stiffness_known_to_a_factor_deviates_by_it_up_and_down() {
+        let stated = Stated {
+            contact_stiffness_factor: Some(9.0),
+            contact_damping_ratio_percent: Some(0.0),
+            ..Stated::default()
+        };
+        let usual = Stated {
+            contact_stiffness_percent: Some(20.0),
+            ..Stated::default()
+        };
+        let uncertainty = stated.or(&usual).complete(64, 1, false);
+        assert_eq!(uncertainty.contact_stiffness_percent, 0.0);
+        let stiffness = |member: &Member, share| {
+            let Law::SpringDashpot { stiffness, .. } = member.apply(&WIRES, share).contact else {
+                panic!("{member:?}");
+            };
+            stiffness / 5.5e6
+        };
+        let corners = uncertainty.corners();
+        assert_eq!(corners.len(), 16);
+        for corner in &corners {
+            let (whole, half) = (stiffness(corner, 1.0), stiffness(corner, 0.5));
+            let by = if whole > 1.0 { whole } else { 1.0 / whole };
+            assert!((by - 9.0).abs() < 1e-9, "{whole}");
+            assert!((half * half / whole - 1.0).abs() < 1e-9, "{half}");
+        }
+        let members = uncertainty.members();
+        let below = members.iter().filter(|m| stiffness(m, 1.0) < 1.0).count();
+        assert!((30..=50).contains(&below), "{below} of 80");
+        assert_eq!(usual.or(&stated).contact_stiffness_factor, None);
+    }
+
     /// Of eight dimensions a quarter of the corners: every side of any four meets every side of the others, and the first
     /// five have all of theirs.
     #[test]
@@ -542,6 +601,7 @@ mod tests {
                 }
                 Member {
                     deviations,
+                    stiffness_factor: false,
                     damping_ratio: false,
                 }
             })

@@ -15,7 +15,7 @@ pub struct UncertaintyArgs {
     /// Take the parameters as exact
     #[arg(long, conflicts_with_all = [
         "natural_frequency_percent", "amplitude_percent", "contact_stiffness_percent",
-        "contact_damping_percent", "contact_damping_ratio_percent", "gap_tolerance_mm", "mass_percent",
+        "contact_stiffness_factor", "contact_damping_percent", "contact_damping_ratio_percent", "gap_tolerance_mm", "mass_percent",
         "cart_mass_percent", "shaker_loop_percent", "shaker_damping_percent", "samples", "seed",
     ])]
     nominal: bool,
@@ -31,6 +31,10 @@ pub struct UncertaintyArgs {
     /// Contact stiffness, % either way [default: the rig file's, else 20]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     contact_stiffness_percent: Option<f64>,
+
+    /// In its place a factor: the stiffness is up to so many times as large or as small
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    contact_stiffness_factor: Option<f64>,
 
     /// Contact damping, % either way [default: the rig file's, else 20]
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
@@ -107,6 +111,7 @@ impl UncertaintyArgs {
             self.natural_frequency_percent,
             self.amplitude_percent,
             self.contact_stiffness_percent,
+            self.contact_stiffness_factor,
             self.contact_damping_percent,
             self.contact_damping_ratio_percent,
             self.gap_tolerance_mm,

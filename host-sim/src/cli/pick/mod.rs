@@ -7,7 +7,7 @@ mod line;
 mod over;
 mod report;
 mod rop;
-mod text;
+pub(super) mod text;
 
 use std::path::{Path, PathBuf};
 
@@ -239,10 +239,14 @@ fn stated(u: Uncertainty) -> Map<String, Value> {
         Some(percent) => ("contact_damping_ratio_percent", percent),
         None => ("contact_damping_percent", u.contact_damping_percent),
     };
+    let stiffness = match u.contact_stiffness_factor {
+        Some(factor) => ("contact_stiffness_factor", factor),
+        None => ("contact_stiffness_percent", u.contact_stiffness_percent),
+    };
     object([
         ("natural_frequency_percent", u.natural_frequency_percent),
         ("amplitude_percent", u.amplitude_percent),
-        ("contact_stiffness_percent", u.contact_stiffness_percent),
+        stiffness,
         damping,
         ("gap_tolerance_mm", u.gap_mm),
         ("mass_percent", u.mass_percent),

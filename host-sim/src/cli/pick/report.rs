@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::text::{by_what_they_leave_open, force, head, known_to, lines};
+use super::text::{by_what_they_leave_open, force, head, known_to, left_open, lines};
 use crate::pictures::pick::{MARKS, figure};
 use files::made_from::{self, MadeFrom, into_pdf, into_svg};
 use files::words::digits::significant;
@@ -90,9 +90,9 @@ fn blocks(rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Vec<Block> {
         .take(MOST_MEASURED)
     {
         let force = slope.force_percent;
-        let open = match slope.force_over_uncertainty_percent {
-            Some(open) => format!(
-                "known to {}, which leaves the force open by ±{open:.1} %; ",
+        let open = match left_open(slope) {
+            Some([_, open]) => format!(
+                "known to {}, which leaves the force open by {open} %; ",
                 known_to(slope)
             ),
             None => String::new(),
@@ -139,6 +139,13 @@ fn uncertainty(pick: &Pick) -> String {
         Some(percent) => format!("damping ratio ±{percent} %"),
         None => format!("damping ±{} %", u.contact_damping_percent),
     };
+    let stiffness = match u.contact_stiffness_factor {
+        Some(factor) => format!(
+            "up to {} times as large or as small",
+            significant(factor, 3)
+        ),
+        None => format!("±{} %", u.contact_stiffness_percent),
+    };
     let of_cart = match pick.answer.cart {
         CartModel::Prescribed => String::new(),
         CartModel::Recoil => format!(
@@ -147,10 +154,9 @@ fn uncertainty(pick: &Pick) -> String {
         ),
     };
     format!(
-        "natural frequency ±{} %, amplitude ±{} %, contact stiffness ±{} %, contact {damping}, gap ±{} mm, hammer mass ±{} %{of_cart}; {} corners of it and {} rigs drawn at random (seed {})",
+        "natural frequency ±{} %, amplitude ±{} %, contact stiffness {stiffness}, contact {damping}, gap ±{} mm, hammer mass ±{} %{of_cart}; {} corners of it and {} rigs drawn at random (seed {})",
         u.natural_frequency_percent,
         u.amplitude_percent,
-        u.contact_stiffness_percent,
         u.gap_mm,
         u.mass_percent,
         pick.answer.corners,

@@ -1,7 +1,7 @@
 //! The answer as a person reads it.
 
 use super::bending;
-use files::words::digits::Digits;
+use files::words::digits::{Digits, significant};
 use files::words::pick::{jumping_at, other_cart, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
@@ -110,12 +110,28 @@ pub fn by_what_they_leave_open(a: &Answer) -> Vec<&Sensitivity> {
 
 /// How well the parameter of `row` is known.
 pub fn known_to(row: &Sensitivity) -> String {
+    if let Some(factor) = row.uncertainty_factor {
+        return format!("×÷ {}", significant(factor, 2));
+    }
     match (row.uncertainty_percent, row.uncertainty_mm) {
         (Some(0.0), _) | (None, Some(0.0)) => "exact".to_owned(),
         (Some(percent), _) => format!("±{percent} %"),
         (None, Some(mm)) => format!("±{mm} mm"),
         (None, None) => "-".to_owned(),
     }
+}
+
+/// How far a parameter leaves frequency and force open, in %: "±13.2", or "-37.1 to +58.9" where it is known to a factor. `None`
+/// where nothing is said of it.
+pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
+    let shares = [
+        row.frequency_over_uncertainty_percent?,
+        row.force_over_uncertainty_percent?,
+    ];
+    Some(shares.map(|up| match row.uncertainty_factor {
+        Some(_) => format!("-{:.1} to +{up:.1}", 100.0 * up / (100.0 + up)),
+        None => format!("±{up:.1}"),
+    }))
 }
 
 /// The force at the operating point, and over the uncertainty.
@@ -437,8 +453,7 @@ fn sensitivity(a: &Answer) -> String {
     );
     for row in by_what_they_leave_open(a) {
         let known = known_to(row);
-        let open = row.force_over_uncertainty_percent;
-        let open = open.map_or("-".to_owned(), |open| format!("±{open:.1}"));
+        let open = left_open(row).map_or("-".to_owned(), |[_, force]| force);
         text += &format!(
             "  {:<44} {:>8} {:>+13.2} {:>+9.2}  {known:>9}  {open:>14}\n",
             row.parameter, row.per, row.frequency_percent, row.force_percent

@@ -262,7 +262,7 @@ mod tests {
             "write 1.7 with a point",
             "298 has no unit; write g or kg",
             "0.04mm is out of range: write 1 mm to 100 m",
-            "20 swings in 0.2s are 100 Hz",
+            "20 swings in 0.2s are 100.0000 Hz",
             "the readings differ by 82 %",
             "1800mm is out of range",
             "this one is needed",

@@ -8,6 +8,7 @@ use std::io::{IsTerminal, stderr, stdin};
 use std::path::{Path, PathBuf};
 
 use super::arguments::output::note;
+use super::pick::text::left_open;
 use super::terminal::print;
 use crate::own_rig::contact::Contact;
 use answers::Answers;
@@ -145,7 +146,7 @@ fn estimate(fit: &Fit, key: &str) -> Result<(f64, f64), UserError> {
 fn summary(file: &Path, described: &Described, rig: &NamedRig, stated: &Stated) -> String {
     let mut text = String::new();
     for (key, value, source) in described.file.sources() {
-        text += &format!("  {key:<27} {value:<16} {source}\n");
+        text += &format!("  {key:<29} {value:<16} {source}\n");
     }
     text.push('\n');
     text += &worst_known(rig, stated);
@@ -172,12 +173,12 @@ fn worst_known(rig: &NamedRig, stated: &Stated) -> String {
         "What to measure better first (how far each leaves force and frequency open)\n",
     );
     for row in &rows {
-        let frequency = row.frequency_over_uncertainty_percent.unwrap_or(0.0);
-        text += &format!(
-            "  {:<36} force ±{:.1} %, frequency ±{frequency:.1} %\n",
-            row.parameter,
-            by(row)
-        );
+        if let Some([frequency, force]) = left_open(row) {
+            text += &format!(
+                "  {:<43} force {force} %, frequency {frequency} %\n",
+                row.parameter
+            );
+        }
     }
     text
 }

@@ -183,10 +183,10 @@ fn text(rows: &[Row]) -> String {
     let curve = rows
         .iter()
         .filter(|r| !r.failed)
-        .map(|r| (r.frequency_hz, r.force_ratio))
+        .map(|r| (r.frequency_hz, r.force_n))
         .collect();
     text.push('\n');
-    text += &Chart::new("drive frequency, Hz", "force over weight")
+    text += &Chart::new("drive frequency, Hz", "contact force, N")
         .series("force", curve)
         .render();
     text

@@ -114,16 +114,30 @@ fn runs(args: &Args, asked: &Over) -> Result<Vec<(NamedRig, f64)>, UserError> {
     asked.values.list.iter().map(one).collect()
 }
 
-/// What is computed, for text and picture.
-fn heading(rig: &NamedRig, asked: &Over) -> String {
+/// What is computed, for text and picture: the rig, and the gap, cart and drive that all values share.
+fn heading(rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
     let cart = CartModel::of(&rig.params).words();
-    format!("{}, {cart}: force over {}", rig.name, asked.key)
+    let shared = |value: fn(&Row) -> f64| {
+        let first = value(rows.first()?.row);
+        let same = |x: f64| (x - first).abs() <= 1e-9 * first.abs();
+        rows.iter().all(|r| same(value(r.row))).then_some(first)
+    };
+    let gap = shared(|row| row.gap_mm).map_or(String::new(), |mm| format!(", gap {mm:?} mm"));
+    let drive = match (
+        shared(|row| row.frequency_hz),
+        shared(|row| row.frequency_ratio),
+    ) {
+        (Some(hz), _) => format!(", {} Hz", significant(hz, 5)),
+        (None, Some(ratio)) => format!(", {} times the natural frequency", significant(ratio, 5)),
+        (None, None) => String::new(),
+    };
+    format!("{}{gap}, {cart}{drive}: force over {}", rig.name, asked.key)
 }
 
 fn text(output: &OutputArgs, rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
     let mut text = format!(
         "{}\n\n{:>28}   Hz        Ω/ω      regime      force/weight  force, N\n",
-        heading(rig, asked),
+        heading(rig, asked, rows),
         asked.key
     );
     let every = rows.len().div_ceil(40).max(1);
@@ -166,8 +180,8 @@ fn text(output: &OutputArgs, rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>])
         false => asked.key.clone(),
     };
     let known = rows.iter().filter(|r| !r.row.failed);
-    let curve = known.map(|r| (along(r.value), r.row.force_ratio));
-    text + &Chart::new(axis, "force over weight")
+    let curve = known.map(|r| (along(r.value), r.row.force_n));
+    text + &Chart::new(axis, "contact force, N")
         .series("force", curve.collect())
         .render()
 }
@@ -182,21 +196,22 @@ fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_
     };
     let axis = Axis::new(asked.key.clone());
     let axis = if asked.values.log { axis.log() } else { axis };
-    let curve = rows.iter().map(|r| (r.value, r.row.force_ratio)).collect();
-    let mut panel = Panel::new(axis, Axis::new("contact force over the weight").with_zero())
+    let curve = rows.iter().map(|r| (r.value, r.row.force_n)).collect();
+    let mut panel = Panel::new(axis, Axis::new("contact force, N").with_zero())
         .item(Item::line("force", BLUE, curve));
-    // Points by regime come with frequencies: here a value takes their place.
+    // Points by regime come with frequencies and force ratios: here the values and newtons take their places.
     let placed: Vec<Row> = rows
         .iter()
         .map(|r| Row {
             frequency_hz: r.value,
+            force_ratio: r.row.force_n,
             ..r.row.clone()
         })
         .collect();
     for (regime, points) in by_regime(placed.iter()) {
         panel = panel.item(regime_points(&regime, points));
     }
-    Figure::new(heading(rig, asked))
+    Figure::new(heading(rig, asked, rows))
         .subtitle(format!(
             "Largest contact force of the recorded cycles, {how}."
         ))

@@ -22,6 +22,7 @@ pub fn with_ground(rig: Uncertainty, ground: GroundUncertainty) -> Uncertainty {
     Uncertainty {
         contact_stiffness_percent: ground.ground_stiffness_percent,
         contact_damping_percent: ground.threshold_percent,
+        contact_stiffness_factor: None,
         contact_damping_ratio_percent: None,
         ..rig
     }

@@ -252,6 +252,7 @@ fn pick_at_amplitude(
         uncertainty: uncertainty.map(|u| Uncertainty {
             contact_stiffness_percent: 0.0,
             contact_damping_percent: 0.0,
+            contact_stiffness_factor: None,
             contact_damping_ratio_percent: None,
             ..u
         }),
