@@ -16,7 +16,7 @@ const WRITE: &[&str] = &[
     "pick --nominal --cart prescribed --all",
     "simulate --ratio 2 --cycles 60 --transient 40 --rig mine.toml",
     "sweep --ratio 2 --cycles 20 --transient 10 --rig mine.toml",
-    "sweep --ratio 2 --cycles 20 --transient 10 --rig mine.toml --over gap_mm=0,1",
+    "sweep --ratio 2 --cycles 20 --transient 10 --rig mine.toml --over gap_mm=0.0,1",
     "map --gap 0 --ratio 2 --cycles 20 --rig mine.toml",
     "orbits --ratio 1.5:1.6 --starts 1 --periods 1 --rig mine.toml",
     "drill --threshold-n 25 --frequency 3.6 --cart prescribed --rig mine.toml",

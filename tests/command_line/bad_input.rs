@@ -111,7 +111,7 @@ fn basins_and_gaps_that_cannot_be() {
         ("basins --ratio 2 --grid 5000x5000", "25000000 cells"),
         ("basins --ratio 2 --phase 1", "from 0 to below 1"),
         ("basins --ratio nan", "must be a positive number"),
-        ("basins --ratio 2 --displacement 1:-1", "must be below"),
+        ("basins --ratio 2 --displacement 1:-1", "swap them"),
         ("basins --ratio 2 --displacement -1", "FROM:TO"),
         (
             "basins --ratio 2 --gap 1 --displacement -6:5",

@@ -49,7 +49,7 @@ fn what_drop_makes_identify_gives_back() {
             "force peak, N",
             "Profile likelihood: ki",
             "Profile likelihood: ci",
-            "ki, 10⁶ N/m<",
+            "\nki, 10⁶ N/m\n",
             "measured",
         ],
     );
@@ -198,7 +198,7 @@ fn a_bad_record_is_told_by_file_and_line() {
         ),
         (
             format!("time_s,force_n\n{}", rows(30)),
-            "does not stand out",
+            "the force is the same in every sample",
         ),
         ("time_s,force_n\n".to_owned(), "first line: 0"),
         (String::new(), "line 1"),

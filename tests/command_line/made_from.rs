@@ -69,7 +69,7 @@ fn seed_uncertainty_and_defaults_are_in_it() {
     let made = made_from(&ran.out);
     assert_eq!(made["seed"], 7);
     assert_eq!(made["uncertainty"]["contact_stiffness_percent"], 20.0);
-    assert_eq!(made["uncertainty"]["cart_mass_percent"], 0.0);
+    assert_eq!(made["uncertainty"]["cart_mass_percent"], 5.0);
     assert_eq!(made["options"]["starts"], 400, "a default");
     assert_eq!(made["rigs"][0]["cart"], "recoil");
     assert!(made["rigs"][0]["parameters"]["shaker_loop_hz"].is_number());

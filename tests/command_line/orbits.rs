@@ -160,7 +160,7 @@ fn the_text_has_the_branches_the_special_points_and_a_chart() {
 #[test]
 fn what_cannot_be_used_is_refused_in_one_line() {
     let lines = [
-        ("orbits --ratio 3:1", "FROM must be below TO"),
+        ("orbits --ratio 3:1", "swap them"),
         ("orbits --ratio 1:2:0.1", "write FROM:TO"),
         ("orbits --ratio nan:2", "write FROM:TO"),
         ("orbits --ratio -1:2", "not a positive value"),
@@ -179,7 +179,7 @@ fn what_cannot_be_used_is_refused_in_one_line() {
         ("orbits --curves --gaps 0:1", "FROM:TO:STEP"),
         ("orbits --curve gap_mm", "write KEY=FROM:TO"),
         ("orbits --curve gap=0:3", "did you mean 'gap_mm'?"),
-        ("orbits --curve gap_mm=3:0", "must be below TO"),
+        ("orbits --curve gap_mm=3:0", "swap them"),
         ("orbits --curve gap_mm=0:3:log", "must be positive with log"),
         (
             "orbits --curve damping_ratio=0:0.1",

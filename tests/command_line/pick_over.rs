@@ -131,34 +131,34 @@ fn what_makes_no_sense_is_refused() {
     let folder = Folder::new();
     let lines = [
         ("pick --over mass=1,2", "there is no parameter 'mass'"),
-        ("pick --over mass_kg=1,2 --all", "cannot be used with"),
+        ("pick --over mass_kg=1.0,2 --all", "cannot be used with"),
         (
-            "pick --over mass_kg=1,2 --gaps 0:1:1",
+            "pick --over mass_kg=1.0,2 --gaps 0:1:1",
             "cannot be used with",
         ),
         (
-            "pick --over mass_kg=1,2 --beside beam-170",
+            "pick --over mass_kg=1.0,2 --beside beam-170",
             "cannot be used with",
         ),
         (
-            "pick --over mass_kg=1,2 --objective rop",
+            "pick --over mass_kg=1.0,2 --objective rop",
             "--over cannot be used with --objective rop",
         ),
         ("pick --over mass_kg=0.3,-1", "--over mass_kg"),
         (
-            "pick --over mass_kg=1,2 --set mass_kg=3",
+            "pick --over mass_kg=1.0,2 --set mass_kg=3",
             "--set mass_kg and --over mass_kg both say",
         ),
         (
-            "pick --over gap_mm=0,1 --gap 2",
+            "pick --over gap_mm=0.0,1 --gap 2",
             "--gap and --over gap_mm both say",
         ),
         (
-            "sweep --ratio 2 --over gap_mm=0,1 --gap 2",
+            "sweep --ratio 2 --over gap_mm=0.0,1 --gap 2",
             "--gap and --over gap_mm both say",
         ),
         (
-            "sweep --ratio 2 --over gap_mm=0,1 --set gap_mm=2",
+            "sweep --ratio 2 --over gap_mm=0.0,1 --set gap_mm=2",
             "--set gap_mm and --over gap_mm both say",
         ),
     ];

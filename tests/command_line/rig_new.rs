@@ -276,7 +276,7 @@ fn a_sweep_over_a_parameter_is_what_set_gives() {
         [".csv", ".json", ".png", ".svg"]
     );
     // The ratio follows the natural frequency.
-    let hz = folder.run(&format!("{line} --over natural_frequency_hz=2,3"));
+    let hz = folder.run(&format!("{line} --over natural_frequency_hz=2.0,3"));
     let hz = hz.well().json();
     assert_eq!(
         (
@@ -294,7 +294,7 @@ fn a_sweep_over_a_parameter_is_what_set_gives() {
         assert_eq!((ran.code, ran.err.lines().count()), (Some(2), 1), "{ran:?}");
         assert!(ran.err.contains(said), "{said}: {ran:?}");
     }
-    let ran = folder.run("sweep --ratio 1:2:0.5 --over mass_kg=1,2");
+    let ran = folder.run("sweep --ratio 1:2:0.5 --over mass_kg=1.0,2");
     assert!(ran.err.contains("one drive frequency"), "{ran:?}");
 }
 

@@ -8,7 +8,7 @@ use emulator::run::run;
 use emulator::scenario::{BUILTIN, load, parse};
 use emulator::under_test::FixedFrequency;
 use emulator::verdict::{Best, judge_by};
-use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
 use shared::model::params::{BEAM_150, WIRES};
 
 use crate::support::TICK_S;
@@ -43,9 +43,13 @@ fn the_controller_is_told_the_shaker_that_its_forecast_can_follow() {
     assert_eq!(told(shaker), CartDrive::Loop(soft));
     let believed = "[believed]\npreset = \"wires\"\n";
     assert_eq!(told(&format!("{shaker}{believed}")), CartDrive::Loop(soft));
-    // What it believes may differ.
+    // What it believes may differ, and a loop says nothing of a largest force.
     let other = told(&format!("{shaker}{believed}shaker_loop_hz = 50.0"));
-    assert_eq!(other, usual);
+    let unlimited = LoopParams {
+        max_force_n: UNLIMITED_N,
+        ..ASSUMED_SHAKER
+    };
+    assert_eq!(other, CartDrive::Loop(unlimited));
     let none = told(&format!(
         "{shaker}{believed}shaker_loop_hz = \"prescribed\""
     ));

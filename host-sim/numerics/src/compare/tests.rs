@@ -119,8 +119,10 @@ fn sampled_evenly_it_has_its_own_contact_time_and_impulse() {
                 sum(|r| r.measured_force_n.unwrap()),
                 sum(|r| r.simulated_force_n),
             );
+            // The force jumps at the onset: where that lies between two samples is open, a third of a sample's share.
+            let a_third = sample_s / 0.57e-3 / 3.0;
             assert!(
-                off(impulses.0, impulses.1) < 0.02,
+                off(impulses.0, impulses.1) < 1.05 * a_third,
                 "{sample_s} {impulses:?}"
             );
             assert!(

@@ -23,6 +23,7 @@ use crate::lanes::Outcome;
 use crate::pick::CartModel;
 use crate::row::NamedRig;
 use crate::row::tidy;
+use crate::sweep::Direction;
 
 /// Stands for the sources that decide what a cell shows. Cells computed by builds with different fingerprints may differ.
 pub const KERNEL_FINGERPRINT: &str = env!("KERNEL_FINGERPRINT");

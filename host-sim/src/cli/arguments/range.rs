@@ -83,8 +83,9 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
     let [from, to, spacing] = parts.as_slice() else {
         // 1,8 may be one number.
         if let Some(write) = comma(text) {
+            let (first, second) = text.split_once(',').unwrap_or((text, ""));
             return Err(format!(
-                "'{text}' may be one value or two: {write}, or two values with a point in one, as 1.0,8"
+                "'{text}' may be one value or two: {write}, or {first}.0,{second} for two"
             ));
         }
         let list: Result<Vec<f64>, _> = text.split(',').map(number).collect();
