@@ -288,7 +288,7 @@ fn a_sweep_over_a_parameter_is_what_set_gives() {
     for (over, said) in [
         ("mas_kg=1:2:lin3", "did you mean 'mass_kg'"),
         ("mass_kg=1:2", "FROM:TO:logN"),
-        ("mass_kg=-1,1", "--over mass_kg: --set: mass_kg is -1"),
+        ("mass_kg=-1.0,1", "--over mass_kg: --set: mass_kg is -1"),
     ] {
         let ran = folder.run(&format!("{line} --over {over}"));
         assert_eq!((ran.code, ran.err.lines().count()), (Some(2), 1), "{ran:?}");

@@ -197,24 +197,22 @@ impl Quantity {
         // "298, 299": a comma before a blank separates.
         let words = words.map(|word| word.trim_end_matches(','));
         for word in words.filter(|word| !word.is_empty()) {
-            if let Some(unit) = self.unit(word) {
+            let (digits, after) = word.split_at(end_of_number(word));
+            if self.unit(word).is_none() {
+                let (value, digit) = number(digits).ok_or_else(|| self.wrong(word))?;
+                let round = digits.ends_with("00") && !digits.contains(['.', 'e', 'E']);
+                numbers.push(Number {
+                    value,
+                    digit,
+                    round,
+                    unit: None,
+                });
+            }
+            if !after.is_empty() {
+                let unit = self.unit(after).ok_or_else(|| self.wrong(word))?;
                 let open = numbers.iter_mut().filter(|number| number.unit.is_none());
                 open.for_each(|number| number.unit = Some(unit));
-                continue;
             }
-            let (digits, after) = word.split_at(end_of_number(word));
-            let (value, digit) = number(digits).ok_or_else(|| self.wrong(word))?;
-            let unit = match after {
-                "" => None,
-                after => Some(self.unit(after).ok_or_else(|| self.wrong(word))?),
-            };
-            let round = digits.ends_with("00") && !digits.contains(['.', 'e', 'E']);
-            numbers.push(Number {
-                value,
-                digit,
-                round,
-                unit,
-            });
         }
         if numbers.is_empty() {
             return Err(self.wrong(text.trim()));
@@ -245,7 +243,8 @@ impl Quantity {
         let number = word.chars().take_while(|c| c.is_ascii_digit()).count() > 0;
         match (number, self.names()) {
             (true, units) => format!("'{word}' has no known unit; write {units}"),
-            (false, units) => format!("'{word}' is no number; write for example 298 {units}"),
+            (false, units) if units.is_empty() => format!("'{word}' is no number; write one"),
+            (false, units) => format!("'{word}' is no number; write one with its unit, {units}"),
         }
     }
 
@@ -364,7 +363,7 @@ mod tests {
             (&MASS, "298,299,297.5 g", "separated by blanks"),
             (&MASS, "298 299,5 g", "write 299.5 with a point"),
             (&MASS, "298", "298 has no unit; write g or kg after it"),
-            (&MASS, "298 lb", "write for example 298 g or kg"),
+            (&MASS, "298 lb", "write one with its unit, g or kg"),
             (&MASS, "298lb", "no known unit; write g or kg"),
             (&MASS, "heavy", "is no number"),
             (&MASS, "", "is no number"),
@@ -384,7 +383,12 @@ mod tests {
     /// Mean 298.167, standard deviation 0.764, of three: 0.764/√3 · 4.303 = 1.897; with the last digit's 0.5: 1.962.
     #[test]
     fn several_readings_scatter() {
-        for text in ["298 299 297.5 g", "298g; 299g; 297.5g", "298, 299, 297.5 g"] {
+        for text in [
+            "298 299 297.5 g",
+            "298;299;297.5g",
+            "298g; 299g; 297.5g",
+            "298, 299, 297.5 g",
+        ] {
             let reading = MASS.read(text).unwrap();
             assert!((reading.value - 0.298_166_7).abs() < 1e-6, "{text}");
             assert!((reading.half_width - 1.962e-3).abs() < 2e-6, "{reading:?}");

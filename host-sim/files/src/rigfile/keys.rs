@@ -71,9 +71,12 @@ pub const KEYS: [(&str, &str); 23] = [
 pub fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> String {
     // Two letters that changed places weigh too much in a short word.
     let slip = |candidate: &str| word.len() > 2 && strsim::osa_distance(word, candidate) == 1;
-    let likeness = |candidate: &str| match slip(candidate) {
-        true => 0.9_f64.max(strsim::jaro_winkler(word, candidate)),
-        false => strsim::jaro_winkler(word, candidate),
+    // The dashes of options are alike in all.
+    let bare = |word: &'a str| word.trim_start_matches('-');
+    let alike = |candidate| strsim::jaro_winkler(word.trim_start_matches('-'), bare(candidate));
+    let likeness = |candidate: &'a str| match slip(candidate) {
+        true => 0.9_f64.max(alike(candidate)),
+        false => alike(candidate),
     };
     among
         .map(|candidate| (likeness(candidate), candidate))

@@ -1,7 +1,7 @@
 //! The answer as a person reads it.
 
 use super::bending;
-use files::words::digits::{Digits, significant};
+use files::words::digits::Digits;
 use files::words::pick::{jumping_at, other_cart, why};
 use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
@@ -111,7 +111,7 @@ pub fn by_what_they_leave_open(a: &Answer) -> Vec<&Sensitivity> {
 /// How well the parameter of `row` is known.
 pub fn known_to(row: &Sensitivity) -> String {
     if let Some(factor) = row.uncertainty_factor {
-        return format!("×÷ {}", significant(factor, 2));
+        return format!("×÷ {factor}");
     }
     match (row.uncertainty_percent, row.uncertainty_mm) {
         (Some(0.0), _) | (None, Some(0.0)) => "exact".to_owned(),
