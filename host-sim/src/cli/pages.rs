@@ -25,7 +25,7 @@ fn words(line: &str) -> Option<Vec<String>> {
         .strip_prefix("host-sim ")
         .or_else(|| line.strip_prefix("cargo run --release -p host-sim -- "))?;
     let line = line.split("  #").next()?.split(" # ").next()?;
-    let line = line.split([';', '|', '>', '&']).next()?;
+    let line = line.split(['|', '>', '&']).next()?.split("; ").next()?;
     if line.contains(['…', '$', '`', '(']) {
         return None;
     }
