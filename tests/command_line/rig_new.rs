@@ -97,7 +97,7 @@ fn a_rig_file_is_never_replaced_nor_written_by_halves() {
         ),
         (
             &*WIRES.replace("0.32+-0.02", "0.1"),
-            "must lie between 0.14",
+            "0.14 (a contact damped critically)",
         ),
         (
             &*WIRES.replace("1.78+-0.05", "1780"),

@@ -124,11 +124,20 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// What is computed, for text and picture.
+fn one_frequency(rows: &[Row]) -> bool {
+    rows.iter()
+        .all(|row| row.frequency_hz == rows[0].frequency_hz)
+}
+
 fn heading(rows: &[Row]) -> String {
     rows.first().map_or(String::new(), |row| {
         let cart = row.cart.words();
+        let hz = match one_frequency(rows) {
+            true => format!(", {:.4} Hz", row.frequency_hz),
+            false => String::new(),
+        };
         format!(
-            "{}, gap {:?} mm, {cart}: bending modes",
+            "{}, gap {:?} mm, {cart}{hz}: bending modes",
             row.rig, row.gap_mm
         )
     })
@@ -189,9 +198,7 @@ fn of(rows: &[Row], count: usize, column: impl Fn(&Row) -> f64) -> Vec<(f64, f64
 
 /// Force, swing and energy in the higher modes over frequency; over the number of modes where there is one frequency.
 fn figure(rows: &[Row], counts: &[usize]) -> Figure {
-    let one = rows
-        .iter()
-        .all(|row| row.frequency_hz == rows[0].frequency_hz);
+    let one = one_frequency(rows);
     let subtitle = rows.first().map_or(String::new(), |row| {
         format!(
             "From rest. Springs of {} times the hammer's mass, tip {}. Swing: largest less least displacement in the fixed frame.",
@@ -202,10 +209,13 @@ fn figure(rows: &[Row], counts: &[usize]) -> Figure {
     let panel = |label: &str, column: fn(&Row) -> f64| {
         if one {
             let points = rows.iter().map(|row| (row.modes as f64, column(row)));
-            return Panel::new(Axis::new("bending modes"), Axis::new(label).with_zero())
-                .without_legend()
-                .item(Item::line("", Color::series(0), points.clone().collect()))
-                .item(Item::points("", Color::series(0), points.collect()));
+            return Panel::new(
+                Axis::new("bending modes").whole(),
+                Axis::new(label).with_zero(),
+            )
+            .without_legend()
+            .item(Item::line("", Color::series(0), points.clone().collect()))
+            .item(Item::points("", Color::series(0), points.collect()));
         }
         let mut panel = Panel::new(
             Axis::new("drive frequency, Hz"),

@@ -122,13 +122,12 @@ fn tail(recorder: &Recorder, frequency_hz: f64) -> impl Iterator<Item = (f64, &S
 fn last_contact(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
     let contact = contact_rows(recorder).pop()?;
     let since_ms = |s: &Sample| 1e3 * (s.time_s - contact.onset_s);
-    // A little before and after, so that onset and release can be seen.
-    let margin_ms = 0.1 * contact.duration_ms;
-    let shown = -margin_ms..=contact.duration_ms + margin_ms;
     let inside = recorder.samples.iter().map(|s| (since_ms(s), s.force_n));
-    let inside = inside.filter(|(ms, _)| shown.contains(ms));
-    let mut points: Vec<_> = inside.collect();
-    points.insert(0, (-margin_ms, 0.0));
+    let inside = inside.filter(|(ms, _)| (0.0..=contact.duration_ms).contains(ms));
+    // A little before and after, so that onset and release can be seen. The force may jump at the onset.
+    let margin_ms = 0.1 * contact.duration_ms;
+    let mut points = vec![(-margin_ms, 0.0), (0.0, 0.0)];
+    points.extend(inside);
     points.push((contact.duration_ms + margin_ms, 0.0));
     Some(points)
 }
@@ -239,7 +238,7 @@ fn figure(rig: &NamedRig, row: &Row, recorder: &Recorder, section: &[SectionRow]
     };
     Figure::new(format!("{}, gap {:?} mm, {}, {:.3} Hz: regime {}", row.rig, row.gap_mm, row.cart.words(), row.frequency_hz, row.outcome()))
         .subtitle(format!(
-            "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; section at drive phase 0 over all {} recorded.",
+            "Drive at {:.4} times the natural frequency; strongest contact {:.2} N ({:.2} times the hammer's weight). The last {SHOWN_PERIODS} recorded drive periods; drive phase 0 of all {} recorded.",
             row.frequency_ratio, row.force_n, row.force_ratio, section.len()
         ))
         .columns(2)
