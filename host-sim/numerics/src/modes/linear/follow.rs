@@ -100,7 +100,8 @@ impl Follower {
         }
     }
 
-    /// Enters a piece of a contact, its integrals by Simpson's rule; what the surface took in it, J.
+    /// Enters a piece of a contact; what the surface took in it, J. The integrals are those of the quintic through the values at
+    /// the ends and the middle and the slopes at the ends.
     fn press(&mut self, leg: &Leg) -> f64 {
         let motion = &self.motion;
         let force = leg
@@ -111,19 +112,34 @@ impl Follower {
             .states
             .each_ref()
             .map(|z| dot(&motion.rate, z) * motion.units.1);
-        let slope = |z: &[f64]| {
-            let mut rates = vec![0.0; z.len()];
-            motion.pressing.a.apply(z, &mut rates);
-            dot(&motion.force, &rates) * motion.units.0 * self.omega
-        };
+        // Slopes of force and rate at the beginning and at the end.
+        let slopes = [0, 2].map(|k| {
+            let mut rates = vec![0.0; leg.states[k].len()];
+            motion.pressing.a.apply(&leg.states[k], &mut rates);
+            let of = |row: &[f64], unit: f64| dot(row, &rates) * unit * self.omega;
+            (
+                of(&motion.force, motion.units.0),
+                of(&motion.rate, motion.units.1),
+            )
+        });
         let span_s = leg.length / self.omega;
-        let simpson = |f: [f64; 3]| span_s * (f[0] + 4.0 * f[1] + f[2]) / 6.0;
-        let work = simpson([0, 1, 2].map(|k| force[k] * rate[k]));
+        let integral = |f: [f64; 3], slope: [f64; 2]| {
+            span_s * (7.0 * f[0] + 16.0 * f[1] + 7.0 * f[2]) / 30.0
+                + span_s * span_s * (slope[0] - slope[1]) / 60.0
+        };
+        let [first, last] = slopes;
+        let power = |k: usize, (force_rate, acceleration): (f64, f64)| {
+            force_rate * rate[k] + force[k] * acceleration
+        };
+        let work = integral(
+            [0, 1, 2].map(|k| force[k] * rate[k]),
+            [power(0, first), power(2, last)],
+        );
         let piece = Piece {
             span_s,
             force: (force[0], force[2]),
-            force_rate: (slope(&leg.states[0]), slope(&leg.states[2])),
-            impulse: simpson(force),
+            force_rate: (first.0, last.0),
+            impulse: integral(force, [first.0, last.0]),
             work,
         };
         self.ledger.add(&piece);

@@ -138,7 +138,7 @@ fn a_run_in_a_recoiling_cart_is_the_reference_s() {
         assert!(off(approach, strongest.approach_speed_m_per_s) < 1e-6);
         let lost = strongest.energy_lost_j * hz;
         let loss = found.contact_loss_w;
-        assert!(off(loss, lost) < 1e-4, "{loss} {lost}");
+        assert!(off(loss, lost) < 1e-6, "{loss} {lost}");
     }
 }
 
