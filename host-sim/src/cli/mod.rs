@@ -61,10 +61,6 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is one, for the life of the program"
-)]
 enum Command {
     /// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
     #[command(

@@ -297,9 +297,8 @@ impl Quantity {
 
 /// Where the number ends that `word` begins with.
 fn end_of_number(word: &str) -> usize {
-    let ends = word.char_indices().map(|(at, c)| at + c.len_utf8());
-    ends.filter(|end| number(&word[..*end]).is_some())
-        .last()
+    let mut ends = word.char_indices().map(|(at, c)| at + c.len_utf8());
+    ends.rfind(|end| number(&word[..*end]).is_some())
         .unwrap_or(0)
 }
 

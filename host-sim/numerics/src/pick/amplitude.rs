@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn the_amplitude_of_a_force_is_found_also_past_where_there_is_no_orbit() {
         // Nothing up to 1, then steeper than in proportion.
-        let force = |a: f64| Ok::<_, ()>((a > 1.0).then(|| (a * a - 1.0, a)));
+        let force = |a: f64| Ok::<_, ()>((a > 1.0).then_some((a * a - 1.0, a)));
         for from in [0.2, 1.5, 30.0] {
             let found = for_force(from, (8.0, 1e-6), force).unwrap().unwrap();
             assert!((found - 3.0).abs() < 1e-5, "{found} from {from}");
