@@ -4,10 +4,11 @@ mod bending;
 mod beside;
 mod gaps;
 mod line;
+pub(super) mod measure_first;
 mod over;
 mod report;
 mod rop;
-pub(super) mod text;
+mod text;
 
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::text::{by_what_they_leave_open, force, head, known_to, left_open, lines};
+use super::measure_first::{by_what_they_leave_open, known_to, left_open};
+use super::text::{force, head, lines};
 use crate::pictures::pick::{MARKS, figure};
 use files::made_from::{self, MadeFrom, into_pdf, into_svg};
 use files::words::digits::significant;

@@ -8,7 +8,7 @@ use std::io::{IsTerminal, stderr, stdin};
 use std::path::{Path, PathBuf};
 
 use super::arguments::output::note;
-use super::pick::text::left_open;
+use super::pick::measure_first::left_open;
 use super::terminal::print;
 use crate::own_rig::contact::Contact;
 use answers::Answers;

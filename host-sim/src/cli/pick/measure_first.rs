@@ -1,0 +1,55 @@
+//! What to measure first: what each parameter leaves open, in words and as a table.
+
+use numerics::pick::Answer;
+use numerics::pick::sensitivity::Sensitivity;
+
+/// The parameters that leave the force most open, first.
+pub fn by_what_they_leave_open(a: &Answer) -> Vec<&Sensitivity> {
+    let open = |row: &&Sensitivity| row.force_over_uncertainty_percent.unwrap_or(0.0);
+    let mut rows: Vec<_> = a.sensitivity.iter().collect();
+    rows.sort_by(|a, b| open(b).total_cmp(&open(a)));
+    rows
+}
+
+/// How well the parameter of `row` is known.
+pub fn known_to(row: &Sensitivity) -> String {
+    if let Some(factor) = row.uncertainty_factor {
+        return format!("×÷ {factor}");
+    }
+    match (row.uncertainty_percent, row.uncertainty_mm) {
+        (Some(0.0), _) | (None, Some(0.0)) => "exact".to_owned(),
+        (Some(percent), _) => format!("±{percent} %"),
+        (None, Some(mm)) => format!("±{mm} mm"),
+        (None, None) => "-".to_owned(),
+    }
+}
+
+/// How far a parameter leaves frequency and force open, in %: "±13.2", or "-37.1 to +58.9" where it is known to a factor. `None`
+/// where nothing is said of it.
+pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
+    let shares = [
+        row.frequency_over_uncertainty_percent?,
+        row.force_over_uncertainty_percent?,
+    ];
+    Some(shares.map(|up| match row.uncertainty_factor {
+        Some(_) => format!("-{:.1} to +{up:.1}", 100.0 * up / (100.0 + up)),
+        None => format!("±{up:.1}"),
+    }))
+}
+
+/// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
+pub fn table(a: &Answer) -> String {
+    let mut text = format!(
+        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
+        "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"
+    );
+    for row in by_what_they_leave_open(a) {
+        let known = known_to(row);
+        let open = left_open(row).map_or("-".to_owned(), |[_, force]| force);
+        text += &format!(
+            "  {:<44} {:>8} {:>+13.2} {:>+9.2}  {known:>9}  {open:>14}\n",
+            row.parameter, row.per, row.frequency_percent, row.force_percent
+        );
+    }
+    text
+}
