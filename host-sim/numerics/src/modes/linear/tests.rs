@@ -13,6 +13,25 @@ const BEAM: Beam = Beam {
     mass_ratio: 0.1,
 };
 
+/// The one mode of a hammer on springs without mass.
+fn lumped(natural_hz: f64, mass_kg: f64) -> Vec<BendingMode> {
+    vec![BendingMode {
+        root: 1.0,
+        omega: TAU * natural_hz,
+        mass_kg,
+        participation_kg: mass_kg,
+    }]
+}
+
+/// Springs that are linear.
+fn linear(natural_frequency_hz: f64) -> SupportParams {
+    SupportParams::Beams {
+        natural_frequency_hz,
+        damping_ratio: 0.004,
+        cubic_stiffness_n_per_m3: Some(0.0),
+    }
+}
+
 fn off(a: f64, b: f64) -> f64 {
     (a / b - 1.0).abs()
 }
@@ -35,11 +54,7 @@ fn one_mode_of_the_hammer_s_mass_is_the_reference_with_a_recoiling_cart() {
         let params = RigParams {
             gap_m,
             cart: CartDrive::Loop(held),
-            support: SupportParams::Beams {
-                natural_frequency_hz,
-                damping_ratio: 0.004,
-                cubic_stiffness_n_per_m3: Some(0.0),
-            },
+            support: linear(natural_frequency_hz),
             ..params
         };
         let hz = ratio * natural_frequency_hz;
@@ -51,12 +66,7 @@ fn one_mode_of_the_hammer_s_mass_is_the_reference_with_a_recoiling_cart() {
         };
         let mut rig = ModalRig::new(&open, BEAM, 1).unwrap();
         rig.gap_m = gap_m;
-        rig.modes = vec![BendingMode {
-            root: 1.0,
-            omega: TAU * natural_frequency_hz,
-            mass_kg: params.mass_kg,
-            participation_kg: params.mass_kg,
-        }];
+        rig.modes = lumped(natural_frequency_hz, params.mass_kg);
         let held = Held {
             held,
             cart_kg: params.cart_mass_kg,
@@ -101,20 +111,11 @@ fn a_run_in_a_recoiling_cart_is_the_reference_s() {
         let params = RigParams {
             gap_m,
             cart: CartDrive::Loop(ASSUMED_SHAKER),
-            support: SupportParams::Beams {
-                natural_frequency_hz: natural_hz,
-                damping_ratio: 0.004,
-                cubic_stiffness_n_per_m3: Some(0.0),
-            },
+            support: linear(natural_hz),
             ..BEAM_170
         };
         let mut rig = ModalRig::new(&params, BEAM, 1).unwrap();
-        rig.modes = vec![BendingMode {
-            root: 1.0,
-            omega: TAU * natural_hz,
-            mass_kg: params.mass_kg,
-            participation_kg: params.mass_kg,
-        }];
+        rig.modes = lumped(natural_hz, params.mass_kg);
         let held = Held {
             held: ASSUMED_SHAKER,
             cart_kg: params.cart_mass_kg,
