@@ -31,6 +31,11 @@ export function regimeIndex(regime) {
   return BY_NAME.get(regimeGroup(regime)).index;
 }
 
+// What a legend calls it.
+export function regimeWords(regime) {
+  return regime === "none" ? "no contact" : regime;
+}
+
 // Its colour.
 export function regimeColour(regime) {
   return BY_NAME.get(regimeGroup(regime)).colour;

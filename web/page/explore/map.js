@@ -1,6 +1,6 @@
 // The plane of gap and frequency: computed tile by tile, moved and zoomed by pointer, wheel, keys and buttons.
 import { axes, scale } from "../common/chart.js";
-import { REGIMES, regimeIndex } from "../common/colours.js";
+import { REGIMES, regimeIndex, regimeWords } from "../common/colours.js";
 import { element, svg } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
 import { onTheme, themeColour } from "../common/theme.js";
@@ -222,7 +222,7 @@ export class PlaneMap {
     if (said === this.explained && this.legend.children.length) return;
     this.explained = said;
     this.legend.replaceChildren(...REGIMES.filter((_, index) => seen.has(index)).map(([name, colour]) =>
-      element("li", {}, element("span", { style: `background: ${colour}` }), name)));
+      element("li", {}, element("span", { style: `background: ${colour}` }), regimeWords(name))));
   }
 
   overlay() {

@@ -1,5 +1,5 @@
 // The map as a picture file: the cells as pixels, axes, marks and the colours' names as drawn.
-import { REGIMES } from "../common/colours.js";
+import { REGIMES, regimeWords } from "../common/colours.js";
 import { svg } from "../common/dom.js";
 import { themeColour } from "../common/theme.js";
 
@@ -23,7 +23,7 @@ export function mapFile(map, madeFrom) {
   );
   names.forEach(([name, colour], index) => {
     const [x, y] = [10 + (index % across) * 90, height + 12 + Math.floor(index / across) * LEGEND];
-    all.append(svg("rect", { x, y: y - 9, width: 11, height: 11, fill: colour, stroke: "var(--line)" }), svg("text", { x: x + 16, y }, name));
+    all.append(svg("rect", { x, y: y - 9, width: 11, height: 11, fill: colour, stroke: "var(--line)" }), svg("text", { x: x + 16, y }, regimeWords(name)));
   });
   return new XMLSerializer().serializeToString(all);
 }
