@@ -10,6 +10,7 @@ use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use crate::io::Channel;
+use crate::model::contact::Law;
 use crate::model::params::RigParams;
 
 /// Control ticks per second: one sample and one set-point each.
@@ -172,16 +173,24 @@ pub struct Settings {
 /// 3.1 and 3.2 (`host-sim pick`), and the same for the beams, whose force grows with ω.
 const STRONG_FORCE: f64 = 7.4;
 
-/// ki of Table 3.1, N/m; the nonlinear laws' presets make the same contact, in other units.
+/// ki of Table 3.1, N/m, for the nonlinear laws: their presets make the same contact, in other units.
 const CONTACT_STIFFNESS: f64 = 5.5e6;
+
+/// Amplitude of the chapter's rigs, m: for which the ranges of displacement below are.
+const USUAL_AMPLITUDE_M: f64 = 0.89e-3;
 
 impl Settings {
     /// Settings for a rig with sensors and a shaker that suit it: force to about five times the strongest 1/1,
-    /// displacements ±12 mm (hammer) and ±2.5 mm (cart), a shaker of ±2.5 mm.
+    /// displacements ±12 mm (hammer) and ±2.5 mm (cart), a shaker of ±2.5 mm, and with them limits and trip levels of
+    /// displacement. Where the amplitude is above the chapter's 0.89 mm, these are larger in proportion.
     pub fn for_rig(rig: &RigParams) -> Self {
         let omega = TAU * rig.natural_frequency_hz();
-        let strong =
-            STRONG_FORCE * rig.amplitude_m * omega * libm::sqrt(CONTACT_STIFFNESS * rig.mass_kg);
+        let stiffness = match rig.contact {
+            Law::SpringDashpot { stiffness, .. } => stiffness,
+            _ => CONTACT_STIFFNESS,
+        };
+        let strong = STRONG_FORCE * rig.amplitude_m * omega * libm::sqrt(stiffness * rig.mass_kg);
+        let larger = (rig.amplitude_m / USUAL_AMPLITUDE_M).max(1.0) as f32;
         let strong_n = strong as f32;
         let natural_hz = rig.natural_frequency_hz() as f32;
         let amplitude_m = rig.amplitude_m as f32;
@@ -195,25 +204,25 @@ impl Settings {
                 zero_code: 600.0,
                 unit_per_code: 5.0 * strong_n / 3300.0,
             },
-            hammer: displacement(12e-3),
-            cart: displacement(2.5e-3),
+            hammer: displacement(larger * 12e-3),
+            cart: displacement(larger * 2.5e-3),
             drive: DriveSettings {
                 kind: DriveKind::Shaker,
-                m_per_code: 2.5e-3 / 2047.0,
+                m_per_code: larger * 2.5e-3 / 2047.0,
                 frequency_slew_hz_per_s: 0.1 * natural_hz,
                 amplitude_slew_m_per_s: amplitude_m,
             },
             limits: Limits {
                 force_n: 2.5 * strong_n,
-                travel_m: 9e-3,
+                travel_m: larger * 9e-3,
                 min_frequency_hz: 0.3 * natural_hz,
                 max_frequency_hz: 4.0 * natural_hz,
                 amplitude_m: 1.5 * amplitude_m,
             },
             trips: Trips {
                 force_n: 4.0 * strong_n,
-                travel_m: 10e-3,
-                cart_m: 2.0e-3,
+                travel_m: larger * 10e-3,
+                cart_m: larger * 2.0e-3,
                 no_contact_s: 5.0,
                 regime_lost_s: 60.0,
                 link_timeout_s: 2.0,

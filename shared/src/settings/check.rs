@@ -330,7 +330,28 @@ fn out_of_range(key: &'static str, value: f32, must_be: &'static str) -> ParamEr
 mod tests {
     use super::*;
     use crate::model::cart::{ASSUMED_SHAKER, LoopParams};
-    use crate::model::params::PRESETS;
+    use crate::model::contact::Law;
+    use crate::model::params::{PRESETS, RigParams, WIRES};
+
+    /// 1.7 kg against rubber with a stroke of 4 mm: a 1/1 strikes with some 46 N (`host-sim pick`).
+    #[test]
+    fn a_larger_stroke_and_a_soft_contact_have_settings_that_suit_them() {
+        let rig = RigParams {
+            mass_kg: 1.7,
+            amplitude_m: 2e-3,
+            contact: Law::SpringDashpot {
+                stiffness: 1.56e5,
+                damping: 306.0,
+            },
+            ..WIRES
+        }
+        .with_natural_frequency_scaled(0.895 / 1.82);
+        let settings = Settings::for_rig(&rig);
+        assert_eq!(settings.check(), Ok(()));
+        let on_n = settings.detection.on_n;
+        assert!((3.0..12.0).contains(&on_n), "{on_n}");
+        assert!(settings.trips.travel_m > 10.0 * 2e-3);
+    }
 
     #[test]
     fn a_force_wanted_that_is_hardly_detected_is_refused() {
