@@ -626,6 +626,8 @@ def identify(
     ----------
     time_s, force_n, displacement_mm:
         The record: arrays of one length, times rising. Displacement, if there, gives the release.
+    impacts:
+        How many impacts are fitted. Of a driven run, which is no drop test, take one.
     law:
         ``"spring-dashpot"``, ``"hertz"``, ``"hunt-crossley"``, ``"lankarani-nikravesh"``, or several.
     misfit:
