@@ -130,7 +130,7 @@ pub fn drop<'py>(
 }
 
 #[pyfunction]
-#[pyo3(signature = (rig, *, time_s, force_n, displacement_mm, gap_mm, laws, misfits, release_mm, seek_release, seek_exponent, impacts, gain_percent, release_height_percent, threads, progress))]
+#[pyo3(signature = (rig, *, time_s, force_n, displacement_mm, gap_mm, laws, misfits, release_mm, seek_release, seek_exponent, impacts, gain_percent, release_height_percent, clock_percent, threads, progress))]
 #[allow(
     clippy::too_many_arguments,
     reason = "each is a keyword of the Python function"
@@ -150,6 +150,7 @@ pub fn identify<'py>(
     impacts: usize,
     gain_percent: f64,
     release_height_percent: f64,
+    clock_percent: f64,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -166,6 +167,7 @@ pub fn identify<'py>(
     for (argument, value, high) in [
         ("gain_percent", gain_percent, 100.0),
         ("release_height_percent", release_height_percent, 50.0),
+        ("clock_percent", clock_percent, 50.0),
     ] {
         if !(0.0..=high).contains(&value) {
             return Err(wrong(format!(
@@ -182,7 +184,7 @@ pub fn identify<'py>(
         impacts,
         gain_percent,
         release_height_percent,
-        ..Settings::default()
+        clock_percent,
     };
     let how = How { threads, progress };
     let searches = families.len() * misfits.len();
@@ -208,6 +210,7 @@ pub fn identify<'py>(
     found.set_item("drift_n_per_s", measured.drift_n_per_s)?;
     found.set_item("gain_percent", gain_percent)?;
     found.set_item("release_height_percent", release_height_percent)?;
+    found.set_item("clock_percent", clock_percent)?;
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
     let best: Option<&Fit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     let ring = best.or(fits.first()).and_then(|fit| fit.ring);

@@ -617,6 +617,7 @@ def identify(
     impacts: int = 6,
     gain_percent: float = 2.0,
     release_height_percent: float = 1.0,
+    clock_percent: float = 0.02,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Record:
@@ -632,8 +633,8 @@ def identify(
         ``"spring-dashpot"``, ``"hertz"``, ``"hunt-crossley"``, ``"lankarani-nikravesh"``, or several.
     misfit:
         ``"force"`` (the whole force) and ``"peaks"`` (the chapter's).
-    gain_percent, release_height_percent:
-        How uncertain the sensor's gain and the release are: standard deviations, %.
+    gain_percent, release_height_percent, clock_percent:
+        How uncertain the sensor's gain, the release and the clock of the samples are: standard deviations, %.
 
     Returns
     -------
@@ -651,8 +652,8 @@ def identify(
     found = _native.identify(
         rig, time_s=_list(time_s), force_n=_list(force_n), displacement_mm=_list(displacement_mm), gap_mm=gap_mm,
         laws=laws, misfits=misfits, release_mm=release_mm, seek_release=seek_release, seek_exponent=seek_exponent,
-        impacts=impacts, gain_percent=gain_percent, release_height_percent=release_height_percent, threads=threads,
-        progress=progress,
+        impacts=impacts, gain_percent=gain_percent, release_height_percent=release_height_percent,
+        clock_percent=clock_percent, threads=threads, progress=progress,
     )
     found["fits"] = [Record(_tables(fit, "impacts")) for fit in found["fits"]]
     return Record(found)
