@@ -283,15 +283,17 @@ fn scatter_of_durations_and_speeds_widens_the_spread() {
 
 #[test]
 fn a_contact_beyond_its_range_is_not_reported() {
-    let on_n = f64::from(Settings::for_rig(&WIRES).detection.on_n);
-    let pulse = measured(5.5e6, 1.2e3, WIRES.mass_kg, 0.08, on_n);
+    let detection = Settings::for_rig(&WIRES).detection;
+    let pulse = measured(5.5e6, 1.2e3, WIRES.mass_kg, 0.08, f64::from(detection.on_n));
     let reported = |by_stiffness: f64, by_damping: f64| {
         let mut rig = WIRES;
         rig.contact = Law::SpringDashpot {
             stiffness: 5.5e6 * by_stiffness,
             damping: 1.2e3 * by_damping,
         };
-        let mut identification = Identification::new(&Settings::for_rig(&rig));
+        let mut settings = Settings::for_rig(&rig);
+        settings.detection = detection;
+        let mut identification = Identification::new(&settings);
         for _ in 0..FEWEST_CONTACTS {
             identification.pulse(&pulse);
         }
