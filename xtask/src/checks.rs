@@ -89,7 +89,6 @@ const FIRMWARE: &[Step] = &[
         board(&boards::named(boards::NUCLEO)?)
     }),
     ("firmware, qemu", || board(&boards::named(boards::QEMU)?)),
-    ("firmware, other boards", other_boards),
     ("firmware run in QEMU, budgets", || silent(size::run())),
     ("forecast in QEMU", || silent(forecast::run())),
     ("processor in the loop", || {
@@ -135,19 +134,6 @@ fn board(board: &Board) -> Outcome<String> {
     firmware::lint(board)?;
     firmware::build(board)?;
     Ok(format!("built with {}", tools::toolchain()?.describe()))
-}
-
-/// What is neither run in the model of the board nor in QEMU.
-fn other_boards() -> Outcome<String> {
-    let mut names = Vec::new();
-    for other in boards::all()? {
-        if [boards::NUCLEO, boards::QEMU].contains(&other.name.as_str()) {
-            continue;
-        }
-        board(&other)?;
-        names.push(other.name);
-    }
-    Ok(names.join(", "))
 }
 
 fn host_tests() -> Outcome<String> {

@@ -7,7 +7,6 @@
 //! Cargo and rustc want named: in Cargo.toml a feature (`board-NAME`) and a program, and a line below.
 
 /// The board that is built.
-#[cfg_attr(feature = "board-g474", path = "g474/mod.rs")]
 #[cfg_attr(feature = "board-nucleo", path = "nucleo/mod.rs")]
 #[cfg_attr(feature = "board-qemu", path = "qemu/mod.rs")]
 pub mod board;

@@ -19,11 +19,9 @@ impl Unfit {
     pub const SUPPLY: Self = Self(4);
     /// The measuring reference is too far from its value: every sensor would read wrong.
     pub const REFERENCE: Self = Self(8);
-    /// The program for this board was never tried on one: no part of it drives anything.
-    pub const UNTRIED: Self = Self(16);
 
     /// Every reason, with what is wrong in words.
-    pub const ALL: [(Self, &str); 5] = [
+    pub const ALL: [(Self, &str); 4] = [
         (Self::CLOCK, "the crystal's clock is missing or died"),
         (
             Self::BROWN_OUT_LEVEL,
@@ -31,10 +29,6 @@ impl Unfit {
         ),
         (Self::SUPPLY, "the supply is too low"),
         (Self::REFERENCE, "the measuring reference is off"),
-        (
-            Self::UNTRIED,
-            "this board's program was never tried on a board and drives nothing",
-        ),
     ];
 
     /// The reasons of either set.
@@ -87,6 +81,6 @@ mod tests {
         assert!(words[0].contains("clock") && words[1].contains("reference"));
         assert_eq!(Unfit::NONE.reasons().count(), 0);
         assert!(Unfit::CLOCK.when(false).is_none());
-        assert_eq!(Unfit::from_bits(0xff).bits(), 31);
+        assert_eq!(Unfit::from_bits(0xff).bits(), 15);
     }
 }
