@@ -12,12 +12,14 @@ use host_sim::link::{Board, Server, client};
 use serialport::{SerialPort, TTYPort};
 use shared::control::{BootInfo, Command, Controller, Mode, Refused, State, Status};
 use shared::fault::{Fault, Origin, Record};
+use shared::forecast::Row;
 use shared::io::{AdcCode, Frame, Output};
 use shared::link::{
     BAUD, Boot, Device, ForecastPage, Hello, Identified, Name, PROTOCOL_VERSION, RecordedBlock,
     Refusal,
 };
 use shared::model::params::WIRES;
+use shared::model::regime::Regime;
 use shared::settings::Settings;
 
 /// A device behind a pseudo-terminal until it is dropped.
@@ -106,6 +108,25 @@ pub struct Toy {
     pub aim_hz: f32,
     pub protocol: u16,
     pub trips_above_hz: f32,
+    /// What it calls itself.
+    pub name: &'static str,
+    /// What it never does.
+    pub never: Option<Never>,
+    /// Whether it has a block to send.
+    streams: bool,
+}
+
+/// What a broken board may not do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Never {
+    /// Reach manual mode, after it took the start.
+    Manual,
+    /// Become idle, after it took the stop.
+    Idle,
+    /// Give two pages of one forecast.
+    OneForecast,
+    /// Begin anew with its settings, while it streams.
+    Restarts,
 }
 
 impl Toy {
@@ -118,16 +139,20 @@ impl Toy {
             aim_hz: 2.0,
             protocol: PROTOCOL_VERSION,
             trips_above_hz: f32::INFINITY,
+            name: "toy",
+            never: None,
+            streams: false,
         }
     }
 
     /// 5 ms, at 2 Hz/s.
     fn turn(&mut self) {
+        self.streams |= self.never == Some(Never::Restarts);
         let status = &mut self.status;
         status.tick = status.tick.wrapping_add(100);
         match status.state {
-            State::SelfTest => status.state = State::Manual,
-            State::Stop => status.state = State::Idle,
+            State::SelfTest if self.never != Some(Never::Manual) => status.state = State::Manual,
+            State::Stop if self.never != Some(Never::Idle) => status.state = State::Idle,
             _ => {}
         }
         let step = (self.aim_hz - status.frequency_hz).clamp(-0.01, 0.01);
@@ -151,7 +176,7 @@ impl Device for Toy {
         Hello {
             protocol: self.protocol,
             firmware: Name::try_from("9.9.9").expect("short"),
-            board: Name::try_from("toy").expect("short"),
+            board: Name::try_from(self.name).expect("short"),
             tick_rate_hz: 20_000,
             block_ticks: 10,
         }
@@ -178,10 +203,25 @@ impl Device for Toy {
         Ok(())
     }
     fn store_settings(&mut self) -> Result<(), Refusal> {
-        Err(Refusal::NotStored)
+        match self.never {
+            Some(Never::Restarts) => Ok(()),
+            _ => Err(Refusal::NotStored),
+        }
     }
     fn forecast(&mut self, page: u8) -> ForecastPage {
-        ForecastPage::of(None, page)
+        let mut one = ForecastPage::of(None, page);
+        if self.never == Some(Never::OneForecast) {
+            one.id = self.status.tick;
+            one.rows_in_all = 40;
+            let row = Row {
+                frequency_hz: 3.0,
+                regime: Regime::Aperiodic,
+                force_n: 1.0,
+                orbit: None,
+            };
+            one.rows = [row].into_iter().collect();
+        }
+        one
     }
     fn fault_record(&mut self) -> Option<Record> {
         self.status.fault
@@ -189,11 +229,17 @@ impl Device for Toy {
     fn identified(&mut self) -> Identified {
         Identified::default()
     }
-    fn record(&mut self, _on: bool) -> Result<(), Refusal> {
-        Err(Refusal::NotAvailable)
+    fn record(&mut self, on: bool) -> Result<(), Refusal> {
+        match self.never {
+            Some(Never::Restarts) => {
+                self.streams = on;
+                Ok(())
+            }
+            _ => Err(Refusal::NotAvailable),
+        }
     }
     fn take_block(&mut self) -> Option<RecordedBlock> {
-        None
+        std::mem::take(&mut self.streams).then(RecordedBlock::default)
     }
     fn boot(&mut self) -> Boot {
         Boot::default()

@@ -5,7 +5,7 @@ use std::process::{self, Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::boards::{Emulator, Toy, still, toy};
+use crate::boards::{Emulator, Never, Toy, still, toy};
 use crate::support::{Folder, csv_rows, finish, number, wait};
 use emulator::log::Reader;
 use serialport::{SerialPort, TTYPort};
@@ -259,6 +259,83 @@ fn an_interrupted_sweep_writes_what_was_measured_and_stops_the_drive() {
     assert!(!csv_rows(&folder.read("part.csv")).is_empty());
     let status = board.client().status().expect("an answer");
     assert_eq!(status.state, State::Idle);
+}
+
+/// A board that took the stop and does not become idle: the first interrupt ends the program all the same, with what was
+/// measured.
+#[test]
+fn a_sweep_ends_on_the_first_interrupt_whatever_the_board_does() {
+    let folder = Folder::new();
+    let board = toy(Toy {
+        never: Some(Never::Idle),
+        ..Toy::new()
+    });
+    let line =
+        board.line("sweep --from 4 --to 5 --step 0.01 --settle 0.2 --measure 0.2 --out part.csv");
+    let words: Vec<_> = line.split_whitespace().collect();
+    let sweep = folder
+        .command(&words)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let began = Instant::now();
+    // What was measured is there before the program has ended.
+    while !folder.path("part.csv").exists() {
+        assert!(began.elapsed() < Duration::from_secs(60), "no point");
+        thread::sleep(Duration::from_millis(20));
+    }
+    interrupt(&sweep);
+    let ran = sweep.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&ran.stderr);
+    let last = said.lines().last().expect("a complaint");
+    assert_eq!(ran.status.code(), Some(2), "{said}");
+    assert!(
+        last.contains("does not go idle after it was told to stop and is in stop"),
+        "{last}"
+    );
+    assert!(!csv_rows(&folder.read("part.csv")).is_empty());
+}
+
+#[test]
+fn no_wait_is_for_ever_and_nothing_raw_reaches_the_terminal() {
+    let folder = Folder::new();
+    let named = toy(Toy {
+        name: "a\x1b[2Jb\x07",
+        ..Toy::new()
+    });
+    let ran = folder.run(&named.line("status")).well();
+    assert!(ran.out.starts_with("a?[2Jb?, firmware 9.9.9"), "{ran:?}");
+    let never = toy(Toy {
+        never: Some(Never::OneForecast),
+        ..Toy::new()
+    });
+    refused(
+        &folder,
+        &never.line("forecast"),
+        &["the forecast changes each time"],
+    );
+    let never = toy(Toy {
+        never: Some(Never::Restarts),
+        ..Toy::new()
+    });
+    refused(
+        &folder,
+        &never.line("record r.parquet"),
+        &["does not begin anew"],
+    );
+    assert!(!folder.path("r.parquet").exists());
+    for (line, words) in [
+        ("link /dev/no-such-port monitor --rate 1e-19", "--rate is"),
+        ("emulate field --pty --speed 1e-300", "--speed is"),
+        (
+            "link /dev/no-such-port sweep --from 3 --to 4 --step 1 --settle 1e300 --out x.csv",
+            "--settle is",
+        ),
+    ] {
+        let ran = folder.run(line);
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{ran:?}");
+        assert!(ran.err.contains(words) && ran.err.len() < 200, "{ran:?}");
+    }
 }
 
 #[test]

@@ -89,9 +89,9 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
 /// Until interrupted.
 #[cfg(unix)]
 fn live(args: &Args, mut scenario: Scenario) -> Result<i32, UserError> {
-    if !(args.speed > 0.0 && args.speed.is_finite()) {
+    if !(0.01..=1e6).contains(&args.speed) {
         return Err(UserError::new(format!(
-            "--speed is {}, must be a positive number",
+            "--speed is {:?}, must be a number from 0.01 to 1000000",
             args.speed
         )));
     }

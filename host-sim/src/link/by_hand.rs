@@ -8,7 +8,7 @@ use shared::control::{Command, Mode, State, Status};
 use shared::fault::Record;
 use shared::settings::TICK_RATE_HZ;
 
-use super::client::Client;
+use super::client::{Client, Clock};
 use emulator::names::state_name;
 use files::UserError;
 
@@ -18,8 +18,20 @@ const POLL: Duration = Duration::from_millis(20);
 /// A frequency that does not change for so long is reached, ticks: 0.1 s.
 const REST_TICKS: u32 = TICK_RATE_HZ / 10;
 
-/// A controller whose tick does not change for so long has stopped.
-const STANDSTILL: Duration = Duration::from_secs(5);
+/// From the start to manual mode: zeros and proof of the sensors take some natural periods.
+pub const START: Duration = Duration::from_secs(120);
+
+/// From the command to stop to idle.
+const STOP: Duration = Duration::from_secs(30);
+
+/// The same once the user has interrupted: whoever does so waits.
+const STOP_INTERRUPTED: Duration = Duration::from_secs(5);
+
+/// What a computer with more to do may add to a wait.
+const SPARE_S: f64 = 60.0;
+
+/// No wait is longer, s, whatever the board's settings say: 11 days.
+const LONGEST_S: f64 = 1e6;
 
 /// How the curve is measured. Times are the controller's.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +44,8 @@ pub struct Plan {
     pub settle_s: f64,
     /// Time after that in which the force is measured, s.
     pub measure_s: f64,
+    /// Time in which the frequency slews from one limit to the other, s.
+    pub slew_s: f64,
 }
 
 /// A measured point. As a line of CSV it is what `host-sim sweep --measured` reads.
@@ -67,15 +81,17 @@ pub enum Ended {
 }
 
 /// Starts in manual mode, measures the curve, and stops the drive. Each point is given to `measured` as it comes, and
-/// counts even if the rest fails. The client has opened its session. As soon as `interrupted` says so, the drive is stopped.
+/// counts even if the rest fails. The client has opened its session. As soon as `interrupted` says so, or anything fails, the
+/// drive is stopped.
 ///
 /// # Errors
-/// If the link fails, the controller refuses a command, or a fault switches the drive off.
+/// If the link fails, the controller refuses a command or does not do in time what it was told, `measured` fails, or a fault
+/// switches the drive off.
 pub fn measure<P: Read + Write>(
     client: &mut Client<P>,
     plan: &Plan,
     interrupted: &dyn Fn() -> bool,
-    mut measured: impl FnMut(&Point),
+    mut measured: impl FnMut(&Point) -> Result<(), UserError>,
 ) -> Result<Ended, UserError> {
     client.command(Command::Start(Mode::Manual))?;
     let ended = ByHand {
@@ -86,14 +102,24 @@ pub fn measure<P: Read + Write>(
     let ended = match ended {
         Ok(()) => Ended::Whole,
         Err(Halt::Interrupted) => Ended::Interrupted,
-        Err(Halt::Failed(error)) => return Err(error),
+        Err(Halt::Failed(error)) => {
+            // In Fault it is refused, and a broken link does not carry it: the error tells.
+            let _ = client.command(Command::Stop);
+            return Err(error);
+        }
     };
     client.command(Command::Stop)?;
+    let patience = match ended {
+        Ended::Whole => STOP,
+        Ended::Interrupted => STOP_INTERRUPTED,
+    };
     let stopping = ByHand {
         client,
         interrupted: &|| false,
     }
-    .wait(|status| Ok(status.state == State::Idle));
+    .wait(patience, "go idle after it was told to stop", |status| {
+        Ok(status.state == State::Idle)
+    });
     match stopping {
         Err(Halt::Failed(error)) => Err(error),
         _ => Ok(ended),
@@ -119,10 +145,16 @@ struct ByHand<'a, P> {
 }
 
 impl<P: Read + Write> ByHand<'_, P> {
-    fn points(&mut self, plan: &Plan, measured: &mut dyn FnMut(&Point)) -> Result<(), Halt> {
-        self.wait(|status| Ok(status.state == State::Manual))?;
+    fn points(
+        &mut self,
+        plan: &Plan,
+        measured: &mut dyn FnMut(&Point) -> Result<(), UserError>,
+    ) -> Result<(), Halt> {
+        self.wait(START, "reach manual mode", |status| {
+            Ok(status.state == State::Manual)
+        })?;
         for frequency_hz in &plan.frequencies_hz {
-            measured(&self.point(plan, *frequency_hz)?);
+            measured(&self.point(plan, *frequency_hz)?)?;
         }
         Ok(())
     }
@@ -132,7 +164,7 @@ impl<P: Read + Write> ByHand<'_, P> {
             frequency_hz: frequency_hz as f32,
             amplitude_m: plan.amplitude_m as f32,
         })?;
-        self.arrive()?;
+        self.arrive(plan.slew_s)?;
         self.pass(plan.settle_s, |_| {})?;
         let mut force_n = 0.0_f32;
         let last = self.pass(plan.measure_s, |status| {
@@ -149,24 +181,28 @@ impl<P: Read + Write> ByHand<'_, P> {
 
     /// Waits until the frequency no longer changes. The frequency asked for may lie beyond the limits, so that it is
     /// never reached; and while the frequency slews, it changes every tick.
-    fn arrive(&mut self) -> Result<(), Halt> {
+    fn arrive(&mut self, slew_s: f64) -> Result<(), Halt> {
         let mut before: Option<(u32, f32)> = None;
-        self.wait(|status| {
-            still_manual(status)?;
-            match before {
-                Some((tick, hz)) if status.tick.wrapping_sub(tick) < REST_TICKS => {
-                    if hz != status.frequency_hz {
-                        before = None;
+        self.wait(
+            at_most(slew_s),
+            "bring the drive to a frequency",
+            |status| {
+                still_manual(status)?;
+                match before {
+                    Some((tick, hz)) if status.tick.wrapping_sub(tick) < REST_TICKS => {
+                        if hz != status.frequency_hz {
+                            before = None;
+                        }
+                        Ok(false)
                     }
-                    Ok(false)
+                    Some((_, hz)) if hz == status.frequency_hz => Ok(true),
+                    _ => {
+                        before = Some((status.tick, status.frequency_hz));
+                        Ok(false)
+                    }
                 }
-                Some((_, hz)) if hz == status.frequency_hz => Ok(true),
-                _ => {
-                    before = Some((status.tick, status.frequency_hz));
-                    Ok(false)
-                }
-            }
-        })?;
+            },
+        )?;
         Ok(())
     }
 
@@ -174,7 +210,7 @@ impl<P: Read + Write> ByHand<'_, P> {
     fn pass(&mut self, time_s: f64, mut each: impl FnMut(&Status)) -> Result<Status, Halt> {
         let ticks = (time_s * f64::from(TICK_RATE_HZ)) as u32;
         let mut begun = None;
-        self.wait(|status| {
+        self.wait(at_most(time_s), "let its time pass", |status| {
             still_manual(status)?;
             let begun = *begun.get_or_insert(status.tick);
             each(status);
@@ -182,12 +218,16 @@ impl<P: Read + Write> ByHand<'_, P> {
         })
     }
 
-    /// Asks for the status until it is as `wanted`, and gives a sign of life each time.
+    /// Asks for the status until it is as `wanted`, and gives a sign of life each time. What the controller does not do
+    /// within `patience` is an error that says `what`.
     fn wait(
         &mut self,
+        patience: Duration,
+        what: &str,
         mut wanted: impl FnMut(&Status) -> Result<bool, &'static str>,
     ) -> Result<Status, Halt> {
-        let mut last: Option<(u32, Instant)> = None;
+        let until = Instant::now() + patience;
+        let mut clock = Clock::new();
         loop {
             if (self.interrupted)() {
                 return Err(Halt::Interrupted);
@@ -200,17 +240,16 @@ impl<P: Read + Write> ByHand<'_, P> {
             if wanted(&status).map_err(|why| self.client.complaint(why))? {
                 return Ok(status);
             }
-            match last {
-                Some((tick, since)) if tick == status.tick => {
-                    if since.elapsed() > STANDSTILL {
-                        let error = self.client.complaint(format!(
-                            "the controller stands still in {} at tick {tick}; reset the board",
-                            state_name(status.state)
-                        ));
-                        return Err(error.into());
-                    }
-                }
-                _ => last = Some((status.tick, Instant::now())),
+            clock
+                .goes_on(&status)
+                .map_err(|why| self.client.complaint(why))?;
+            if Instant::now() > until {
+                let error = self.client.complaint(format!(
+                    "the controller does not {what} and is in {} after {} s; is the drive off? Reset the board",
+                    state_name(status.state),
+                    patience.as_secs()
+                ));
+                return Err(error.into());
             }
             std::thread::sleep(POLL);
         }
@@ -225,6 +264,11 @@ impl<P: Read + Write> ByHand<'_, P> {
             self.client.name()
         ))
     }
+}
+
+/// How long to wait for what takes `time_s` of the controller's time.
+fn at_most(time_s: f64) -> Duration {
+    Duration::from_secs_f64((SPARE_S + 3.0 * time_s).clamp(SPARE_S, LONGEST_S))
 }
 
 fn still_manual(status: &Status) -> Result<(), &'static str> {

@@ -12,6 +12,8 @@ use shared::link::{
 };
 use wire::Caller;
 
+use emulator::names::state_name;
+
 use files::UserError;
 
 use super::port;
@@ -24,6 +26,9 @@ const PATIENCE_FOR_FLASH: Duration = Duration::from_secs(3);
 
 /// How often a request is sent before the board counts as silent.
 const ATTEMPTS: u32 = 3;
+
+/// A controller whose tick does not change for so long has stopped.
+const STANDSTILL: Duration = Duration::from_secs(5);
 
 /// Streamed messages stored while waiting for an answer: a second of recording at 2000 blocks a second.
 const KEPT: usize = 2000;
@@ -64,6 +69,38 @@ pub fn stop_beside_another(name: &str, baud: u32) -> Result<bool, UserError> {
         .repeat(ATTEMPTS as usize);
     // The zero ends whatever half frame the other program has sent.
     port::write_beside_another(name, baud, &[&[0], stop.as_slice()].concat())
+}
+
+/// A controller's clock, watched for standing still.
+#[derive(Debug, Default)]
+pub struct Clock {
+    last: Option<(u32, Instant)>,
+}
+
+impl Clock {
+    /// A clock of which nothing is known yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes the tick of a status.
+    ///
+    /// # Errors
+    /// If it has not changed for five seconds.
+    pub fn goes_on(&mut self, status: &Status) -> Result<(), String> {
+        match self.last {
+            Some((tick, since)) if tick == status.tick => {
+                if since.elapsed() > STANDSTILL {
+                    return Err(format!(
+                        "the controller stands still in {} at tick {tick}; reset the board",
+                        state_name(status.state)
+                    ));
+                }
+            }
+            _ => self.last = Some((status.tick, Instant::now())),
+        }
+        Ok(())
+    }
 }
 
 impl<P: Read + Write> Client<P> {
@@ -114,10 +151,23 @@ impl<P: Read + Write> Client<P> {
     pub fn hello(&mut self) -> Result<Hello, UserError> {
         // Ends whatever half frame the board may be in.
         self.write(&[0])?;
-        let hello = match self.ask(ToBoard::Hello)? {
+        let mut hello = match self.ask(ToBoard::Hello)? {
             Answer::Hello(hello) => hello,
             other => return Err(self.odd(&other)),
         };
+        // Whatever is on the wire, a name is shown on a terminal: no escape sequence gets there.
+        for name in [&mut hello.board, &mut hello.firmware] {
+            *name = name
+                .chars()
+                .map(|c| {
+                    if c.is_ascii_graphic() || c == ' ' {
+                        c
+                    } else {
+                        '?'
+                    }
+                })
+                .collect();
+        }
         if hello.protocol != PROTOCOL_VERSION {
             return Err(self.complaint(format!(
                 "the board speaks protocol {} and this program {PROTOCOL_VERSION}; use the host-sim of its firmware ({}), or flash the firmware of this one",

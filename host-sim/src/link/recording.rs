@@ -100,16 +100,21 @@ fn stream<P: Read + Write>(
         let Some(FromBoard::Recording(recording)) = client.streamed(PATIENCE)? else {
             if heard.elapsed() > PATIENCE {
                 return Err(client.complaint(
-                    "the board streams nothing; is it held in a debugger? Reset it and try again",
+                    "the board streams nothing that a recording can begin or go on with; is it held in a debugger? Reset it and try again",
                 ));
             }
             continue;
         };
-        heard = Instant::now();
         let exchange = recording.unpack();
         if expected.is_none() && !exchange.notes.restarted {
+            if heard.elapsed() > PATIENCE {
+                return Err(client.complaint(
+                    "the board does not begin anew with its settings, so the recording could not be replayed; reset it and try again",
+                ));
+            }
             continue;
         }
+        heard = Instant::now();
         let next = expected.unwrap_or(exchange.tick);
         if exchange.tick != next {
             return Err(client.complaint(format!(

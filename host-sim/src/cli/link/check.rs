@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use shared::settings::TICK_RATE_HZ;
+
 use super::super::arguments::output::check_format;
 use super::What;
 use super::sweep::frequencies;
@@ -15,6 +17,14 @@ pub fn check(what: &What) -> Result<(), UserError> {
         }
         Err(UserError::new(format!(
             "{option} is {value}, must be a positive number"
+        )))
+    };
+    let between = |option: &str, value: f64, least: f64, most: f64| {
+        if (least..=most).contains(&value) {
+            return Ok(());
+        }
+        Err(UserError::new(format!(
+            "{option} is {value:?}, must be a number from {least} to {most}"
         )))
     };
     let given = |option: &str, value: Option<f64>| value.map_or(Ok(()), |v| positive(option, v));
@@ -31,14 +41,14 @@ pub fn check(what: &What) -> Result<(), UserError> {
         What::Sweep(plan) => {
             positive("--from-hz", plan.from_hz)?;
             positive("--step-hz", plan.step_hz)?;
-            positive("--settle", plan.settle)?;
-            positive("--measure", plan.measure)?;
+            between("--settle", plan.settle, 1e-3, 86_400.0)?;
+            between("--measure", plan.measure, 1e-3, 86_400.0)?;
             given("--amplitude", plan.amplitude)?;
             frequencies(plan)?;
             unless_there([&plan.csv, &plan.csv.with_extension("json")])
         }
         What::Monitor { duration_s, rate } => {
-            positive("--rate", *rate)?;
+            between("--rate", *rate, 1e-3, f64::from(TICK_RATE_HZ))?;
             given("--for", *duration_s)
         }
         What::Forecast { format } => check_format(*format, false),

@@ -6,7 +6,7 @@ mod show;
 mod sweep;
 
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -17,7 +17,8 @@ use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::Format;
 use super::terminal::{print, say};
-use crate::link::client::{self, Client};
+use crate::link::by_hand;
+use crate::link::client::{self, Client, Clock};
 use crate::link::recording;
 use check::check;
 use files::UserError;
@@ -327,10 +328,13 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
     port.command(control::Command::Start(Mode::Manual))?;
     let mut set = start.frequency.is_none() && start.amplitude.is_none();
     let mut begun = None;
+    let until = Instant::now() + by_hand::START;
+    let mut clock = Clock::new();
     loop {
         port.command(control::Command::Alive)?;
         let status = port.status()?;
         print(&format!("{}\n", line(&status)));
+        clock.goes_on(&status).map_err(|why| port.complaint(why))?;
         match status.state {
             State::Manual => {
                 let begun = *begun.get_or_insert(status.tick);
@@ -351,6 +355,12 @@ fn steer(port: &mut Port, start: &Start) -> Result<(), UserError> {
             State::Fault => return Err(port.complaint("a fault has switched the drive off")),
             State::Idle | State::Stop if begun.is_some() => {
                 return Err(port.complaint("somebody else has stopped the drive"));
+            }
+            _ if begun.is_none() && Instant::now() > until => {
+                return Err(port.complaint(format!(
+                    "the controller does not reach manual mode within {} s; reset the board",
+                    by_hand::START.as_secs()
+                )));
             }
             _ => {}
         }

@@ -11,6 +11,7 @@ use shared::settings::TICK_RATE_HZ;
 use super::Port;
 use crate::cli::arguments::output::{Format, emit, to_json};
 use crate::cli::terminal::{print, print_if_read};
+use crate::link::client::Clock;
 use emulator::names::state_name;
 use files::UserError;
 use files::made_from::{MadeFrom, into_json};
@@ -157,10 +158,12 @@ pub fn monitor(port: &mut Port, duration_s: Option<f64>, rate: f64) -> Result<()
     let mut begun = None;
     let mut heard = Instant::now();
     let silence = Duration::from_secs_f64(3.0 + 3.0 / rate);
+    let mut clock = Clock::new();
     loop {
         if let Some(FromBoard::Telemetry(telemetry)) = port.streamed(LOOK)? {
             heard = Instant::now();
             let status = telemetry.status;
+            clock.goes_on(&status).map_err(|why| port.complaint(why))?;
             let begun = *begun.get_or_insert(status.tick);
             let read = print_if_read(&format!("{}\n", line(&status)));
             let passed = f64::from(status.tick.wrapping_sub(begun)) / f64::from(TICK_RATE_HZ);
@@ -236,11 +239,15 @@ pub fn forecast(
 
 type Pages = (Vec<shared::forecast::Row>, Option<shared::forecast::Target>);
 
+/// How often a forecast is read from its beginning.
+const READS: u32 = 5;
+
 /// Every page of one forecast; begins again when a newer one comes between.
 fn pages(port: &mut Port) -> Result<Pages, UserError> {
     let mut whole: Option<ForecastPage> = None;
     let mut rows = Vec::new();
-    let mut page = 0;
+    let mut page = 0_u8;
+    let mut begun = 1;
     loop {
         let part = match port.ask(ToBoard::GetForecast { page })? {
             Answer::Forecast(part) => part,
@@ -252,6 +259,12 @@ fn pages(port: &mut Port) -> Result<Pages, UserError> {
             );
         }
         if whole.as_ref().is_some_and(|first| first.id != part.id) {
+            if begun == READS {
+                return Err(port.complaint(
+                    "the forecast changes each time before it is read to its end; ask again",
+                ));
+            }
+            begun += 1;
             (whole, page) = (None, 0);
             rows.clear();
             continue;
@@ -261,7 +274,9 @@ fn pages(port: &mut Port) -> Result<Pages, UserError> {
             return Ok((rows, part.target));
         }
         whole = Some(part);
-        page += 1;
+        page = page
+            .checked_add(1)
+            .ok_or_else(|| port.complaint("the forecast has no end; reset the board"))?;
     }
 }
 

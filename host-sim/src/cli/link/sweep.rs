@@ -67,21 +67,22 @@ pub fn sweep(
     let settings = settings(port)?;
     let by_hand = by_hand_plan(&settings, plan)?;
     interrupt::finish_first();
+    let beside = plan.csv.with_extension("json");
     let mut points = Vec::new();
+    // Each point is written as it comes: whatever ends the program, even a second interrupt, leaves what was measured.
     let ended = by_hand::measure(port, &by_hand, &interrupt::interrupted, |point| {
         show_point(point);
         points.push(point.clone());
-    });
-    if !points.is_empty() {
         let answer = serde_json::json!({
             "board": hello.board.as_str(),
             "firmware": hello.firmware.as_str(),
             "settings": settings,
             "points": points,
         });
-        let beside = plan.csv.with_extension("json");
         files::write::write(&beside, into_json(to_json(&answer)?, made))?;
-        files::write::write(&plan.csv, to_csv(&points))?;
+        files::write::write(&plan.csv, to_csv(&points))
+    });
+    if !points.is_empty() {
         say(&format!(
             "wrote {} and {}",
             plan.csv.display(),
@@ -112,11 +113,13 @@ fn by_hand_plan(settings: &Settings, plan: &Sweep) -> Result<Plan, UserError> {
             1e3 * most_m
         ));
     }
+    let span_hz = settings.limits.max_frequency_hz - settings.limits.min_frequency_hz;
     Ok(Plan {
         frequencies_hz: frequencies(plan)?,
         amplitude_m,
         settle_s: plan.settle,
         measure_s: plan.measure,
+        slew_s: f64::from(span_hz / settings.drive.frequency_slew_hz_per_s),
     })
 }
 
