@@ -282,6 +282,45 @@ def test_frequency_length_and_gravity_lead_to_no_dead_end(opened):
         page.page.wait_for_selector(".answer:not(.stale)[aria-busy=false]")
         assert page.page.inner_text("#problem") == ""
     assert page.page.locator("#rig-notes").inner_text().startswith("Natural frequency 1.5000 Hz")
+    # Its own frequency at another gravity, and wires so short that part of the map's gaps cannot be.
+    for gravity, value, shown in [(3, 1.82, "1.8200"), (9.81, 7, "7.0000")]:
+        set_number(page, "gravity_m_per_s2", gravity)
+        set_number(page, "natural_frequency_hz", value)
+        page.page.wait_for_function(f"document.querySelector('#rig-notes').innerText.startsWith('Natural frequency {shown} Hz')")
+        page.page.wait_for_selector(".answer:not(.stale)[data-state=nominal]")
+        page.idle()
+        assert page.page.inner_text("#problem") == ""
+        assert page.page.locator("[aria-invalid=true]").count() == page.page.locator(".stale").count() == 0
+    set_number(page, "natural_frequency_hz", 1e-9)
+    page.page.wait_for_selector("[data-number=natural_frequency_hz][aria-invalid=true]")
+
+
+def test_an_answer_under_way_does_not_stand_behind_a_refusal(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.page.wait_for_selector(".answer[data-state=nominal]")
+    set_number(page, "amplitude_mm", 0.5)
+    page.page.wait_for_selector(".answer[aria-busy=true]")
+    set_number(page, "mass_kg", -1)
+    page.page.wait_for_selector("[data-number=mass_kg][aria-invalid=true]")
+    page.page.wait_for_timeout(4000)
+    assert page.page.locator(".answer.stale").count() == 1
+    assert page.page.locator("#take").is_disabled()
+
+
+def test_a_limit_or_a_frequency_that_cannot_be_marks_its_field(opened):
+    page = opened("#explore?rig=wires&detail=coarse")
+    page.page.wait_for_selector(".answer[data-state=nominal]")
+    page.page.get_by_text("Limits of the machine").click()
+    for field, waited in [("[data-limit=max_force_n]", ".answer.stale #no-answer:has-text('must be above 0')"), ("#frequency", "#frequency[aria-invalid=true]")]:
+        page.page.locator(field).fill("-1")
+        page.page.locator(field).press("Enter")
+        page.page.wait_for_selector(f"{field}[aria-invalid=true]")
+        page.page.wait_for_selector(waited)
+    for field in ["[data-limit=max_force_n]", "#frequency"]:
+        page.page.locator(field).fill("60" if "limit" in field else "3")
+        page.page.locator(field).press("Enter")
+    page.page.wait_for_selector(".answer[data-state=nominal]:not(.stale)")
+    assert page.page.locator("[aria-invalid=true]").count() == 0
 
 
 def test_a_rig_without_an_answer_says_so_where_the_answer_stood(opened):
@@ -310,9 +349,10 @@ def test_an_own_rig_file_by_choice_and_by_drop(opened):
       carried.items.add(new File([text], "dropped.toml"));
       document.querySelector(".controls").dispatchEvent(new DragEvent("drop", { dataTransfer: carried, bubbles: true, cancelable: true }));
     }"""
-    page.page.evaluate(drop, 'preset = "wires"\nmass_kg = 0.7\n')
+    page.page.evaluate(drop, 'preset = "wires"\nmass_kg = 0.7\ngap_mm = 0.5\n')
     page.page.wait_for_selector("[data-key=wire_length_mm]")
     assert page.page.input_value("[data-number=mass_kg]") == "0.7"
+    assert page.page.input_value("[data-number=gap_mm]") == "0.5"
     saved = json.loads(page.saved("save rig as JSON"))
     assert saved["parameters"]["mass_kg"] == 0.7
     page.page.wait_for_function("location.hash.includes('dropped')")

@@ -4,6 +4,7 @@ import { Chart } from "../common/chart.js";
 import { regimeColour } from "../common/colours.js";
 import { element } from "../common/dom.js";
 import { digits } from "../common/numbers.js";
+import { markField } from "./controls.js";
 import { saveButtons } from "../common/save.js";
 
 // In words what ends the stable 1/1.
@@ -27,7 +28,17 @@ export class AnswerPanel {
     this.took = element("p", { class: "note", id: "took" });
     this.chart = new Chart({ height: 240, label: "force of the stable 1/1 over frequency" });
     this.limits = LIMITS.map(([key, name]) => {
-      const input = element("input", { type: "number", min: 0, step: "any", "data-limit": key, onchange: () => hear.limit(key, input.value === "" ? null : Number(input.value)) });
+      const input = element("input", { type: "number", min: 0, step: "any", "data-limit": key, onchange: () => {
+        const value = input.value === "" && !input.validity.badInput ? null : Number(input.value);
+        const possible = value === null || value > 0;
+        markField(input, possible ? null : "must be above 0");
+        // A limit that cannot be leaves no answer to believe.
+        if (possible) hear.limit(key, value);
+        else {
+          this.failed(new Error(`${name}: must be above 0; what is shown in grey is for the limits before`), this.leave);
+          this.drop();
+        }
+      } });
       return { key, input, label: element("label", { class: "limit" }, element("span", {}, name), input) };
     });
     this.saves = element("div", { class: "row" });
@@ -51,15 +62,25 @@ export class AnswerPanel {
     this.first().then(() => !leave.signal.aborted && this.whole(true));
   }
 
+  // What is under way is no longer wanted.
+  drop() {
+    this.leave.abort(new Error("a value is refused"));
+    this.panel.setAttribute("aria-busy", "false");
+  }
+
   async first() {
     const { leave } = this;
     try {
       const { value } = await this.pool.json("explore.pick_first", { rig: this.rig, gap_mm: this.gap_mm }, { order: 1, signal: leave.signal });
+      if (leave.signal.aborted) return;
       const ms = performance.now() - this.began;
       this.panel.dataset.state = "first";
       this.panel.classList.remove("stale");
       this.panel.dataset.firstMs = Math.round(ms);
       const [low, high] = value.stable_one_one_ends.map((end) => ENDS[end]);
+      // What was the former rig's goes until the second part has come.
+      for (const part of [this.table, this.saves]) part.replaceChildren();
+      this.chart.figure.hidden = true;
       this.said.replaceChildren(
         element("p", { class: "headline" }, element("strong", {}, `${digits(value.nominal_optimum_hz)} Hz`), ` · force ${digits(value.nominal_optimum_force_ratio)} times the weight (${digits(value.force_n)} N)`),
         element("p", {}, `There the hammer strikes once per drive period, most strongly (Ω/ω ${digits(value.frequency_ratio)}). This motion is stable from ${range(value.stable_one_one_hz)}: below, ${low}; above, ${high}.`));
@@ -103,6 +124,7 @@ export class AnswerPanel {
   }
 
   show(value, nominal, ms, all) {
+    this.chart.figure.hidden = false;
     this.panel.classList.remove("stale");
     this.panel.dataset.state = nominal ? "nominal" : "whole";
     this.panel.setAttribute("aria-busy", "false");

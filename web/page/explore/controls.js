@@ -18,6 +18,7 @@ const CHOICES = {
 };
 
 // What decides for another: the one that is set last counts.
+export const DECIDES = ["natural_frequency_hz", "wire_length_mm", "gravity_m_per_s2"];
 const EITHER = { natural_frequency_hz: ["wire_length_mm"], wire_length_mm: ["natural_frequency_hz"] };
 
 const UNITS = [["_m_per_s2", "m/s²"], ["_n_per_m3", "N/m³"], ["_n_s_per_m", "N·s/m"], ["_s_per_m", "s/m"], ["_n_per_m", "N/m"], ["_kg", "kg"], ["_mm", "mm"], ["_hz", "Hz"], ["_force_n", "N"]];
@@ -30,8 +31,9 @@ export function title(key) {
   return unit ? `${name}, ${unit}` : name;
 }
 
-// A mistake in the page's words: parameters by their names here.
+// A mistake in the page's words: parameters by their names here, and no options of the command line.
 function inWords(message, keys) {
+  message = message.replace(/: narrow it \(--amplitude-percent and the like\) or use --nominal$/, ": no frequency is safe for all of them").replace(/,? and with the switch engine (use )?a shorter tick$/, "");
   const longest = [...keys].sort((a, b) => b.length - a.length);
   return longest.reduce((said, key) => said.replaceAll(new RegExp(`\\b${key}\\b`, "g"), title(key).replace(/, (.*)$/, " ($1)")), message);
 }
@@ -96,6 +98,11 @@ export class Controls {
     for (const [key, row] of this.rows) row.set(now[key], own[key] ?? now[key], key in state.settings);
   }
 
+  // A line of the program in the page's words.
+  inWords(message) {
+    return inWords(message, [...(this.rows?.keys() ?? [])]);
+  }
+
   // Marks the parameter that a mistake is about, else the one changed last, and returns the mistake in the page's words.
   refuse(message, changed) {
     this.accept();
@@ -145,6 +152,13 @@ export class Controls {
     });
     return row;
   }
+}
+
+// Marks a field that has no room for a line below it; null takes the mark away.
+export function markField(field, why) {
+  field.title = why ?? "";
+  if (why === null) field.removeAttribute("aria-invalid");
+  else field.setAttribute("aria-invalid", "true");
 }
 
 // Marks the fields of a row and says why below them; null takes both away.

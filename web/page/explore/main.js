@@ -3,7 +3,7 @@ import { element, labelled } from "../common/dom.js";
 import { Pool } from "../common/pool.js";
 import { saveButtons } from "../common/save.js";
 import { AnswerPanel } from "./answer.js";
-import { Controls } from "./controls.js";
+import { Controls, DECIDES, markField } from "./controls.js";
 import { PlaneMap } from "./map.js";
 import { mapFile } from "./mapfile.js";
 import { MotionPanel } from "./motion.js";
@@ -60,7 +60,9 @@ export async function start(container) {
       status.textContent = `Map: ${Object.entries(times).map(([pass, took]) => `${pass} after ${(took / 1e3).toFixed(1)} s`).join(", ")}, on ${pool.count} workers.`;
       container.dataset[what] = Math.round(times[what]);
     },
-    failed: (error) => wrong(error),
+    failed(error) {
+      problem.textContent = `The map has gaps: ${controls.inWords(error.message)}`;
+    },
   });
   const answer = new AnswerPanel(pool, {
     found(best) {
@@ -73,32 +75,36 @@ export async function start(container) {
     },
     inWords: (error) => controls.refuse(error.message, null),
     limit(key, value) {
-      if (value === null || !(value > 0)) delete state.limits[key];
+      if (value === null) delete state.limits[key];
       else state.limits[key] = value;
       refresh({ rig: false, point: false });
     },
   });
   let bestHz = null;
+  let refused = false;
   let changed = null;
   const motion = new MotionPanel(pool, {
     start(section) {
       state.start = section;
       refresh({ rig: false, pick: false });
     },
+    inWords: (error) => controls.inWords(error.message),
   });
   const controls = new Controls(presets, (change) => {
     if (change.wrong) {
       problem.textContent = change.wrong;
       return;
     }
-    if (change.source !== undefined) Object.assign(state, { source: change.source, text: change.text, settings: {}, gap_mm: 0, start: null, ratio: null });
+    if (change.source !== undefined) Object.assign(state, { source: change.source, text: change.text, settings: {}, gap_mm: null, start: null, ratio: null });
     if (change.cart) state.cart = change.cart;
     if (change.reset) Object.assign(state, { settings: {}, gap_mm: own.parameters.gap_mm });
     if (change.key === "gap_mm") state.gap_mm = change.value;
     else if (change.key) {
       for (const other of change.without) delete state.settings[other];
       if (change.key === "contact_law") for (const key of Object.keys(state.settings)) if (key.startsWith("contact_")) delete state.settings[key];
-      if (own.parameters[change.key] === change.value) delete state.settings[change.key];
+      // Its own value is no setting, unless another that is set would decide it.
+      const decided = DECIDES.includes(change.key) && DECIDES.some((one) => one in state.settings && one !== change.key);
+      if (own.parameters[change.key] === change.value && !decided) delete state.settings[change.key];
       else state.settings[change.key] = change.value;
     }
     if (change.key) [state.start, changed] = [null, change.key];
@@ -108,6 +114,9 @@ export async function start(container) {
   const problem = element("p", { class: "wrong", role: "alert", id: "problem" });
   // What stands on the page belongs to the rig before: it is greyed until an answer takes its place.
   const wrong = (error) => {
+    refused = true;
+    answer.drop();
+    motion.drop();
     const inFile = state.text !== null && error.message.startsWith(state.source);
     const said = facts && !inFile ? controls.refuse(error.message, changed) : error.message;
     problem.textContent = facts ? `${said}. What is shown in grey is for the values before.` : said;
@@ -125,7 +134,9 @@ export async function start(container) {
     refresh({ rig: false, pick: false });
   } }, "Show the motion there");
   const frequency = element("input", { type: "number", id: "frequency", min: 0, step: "any", onchange: () => {
-    if (!(Number(frequency.value) > 0)) return;
+    const asked = Number(frequency.value);
+    markField(frequency, asked > 0 ? null : "must be above 0");
+    if (!(asked > 0)) return;
     Object.assign(state, { ratio: Number(frequency.value) / facts.natural_frequency_hz, start: null });
     refresh({ rig: false, pick: false });
   } });
@@ -159,6 +170,8 @@ export async function start(container) {
 
   // Shows the state: the rig, its map, the recommendation and the motion at the point.
   async function refresh({ rig = true, pick = true, point = true } = {}) {
+    // Behind a refusal nothing that stands there holds.
+    if (refused) [rig, pick, point] = [true, true, true];
     question += 1;
     const mine = question;
     keep();
@@ -169,9 +182,13 @@ export async function start(container) {
         const [first, now] = await Promise.all([pool.json("explore.rig", bare), pool.json("explore.rig", rigOf(state))]);
         [own, found] = [first.value, now.value];
       } catch (error) {
-        return wrong(error);
+        if (mine === question) wrong(error);
+        return;
       }
       if (mine !== question) return;
+      refused = false;
+      state.gap_mm ??= own.parameters.gap_mm;
+      keep();
       const fresh = JSON.stringify(rigOf(state)) !== map.shows;
       map.shows = JSON.stringify(rigOf(state));
       facts = found;
@@ -188,7 +205,7 @@ export async function start(container) {
     if (rig || pick) answer.panel.classList.add("stale");
     take.disabled = bestHz === null;
     controls.show(state, own.parameters, { ...facts.parameters, gap_mm: state.gap_mm }, facts.meanings, facts.shaker_known);
-    controls.notes.replaceChildren(...facts.notes.map((note) => element("p", { class: "wrong" }, note)),
+    controls.notes.replaceChildren(...facts.notes.map((note) => element("p", { class: "wrong" }, controls.inWords(note))),
       element("p", {}, `Natural frequency ${facts.natural_frequency_hz.toPrecision(5)} Hz, weight ${facts.weight_n.toPrecision(4)} N. `, saveButtons({ name: "rig", madeFrom, value: () => ({ parameters: facts.parameters, toml: facts.toml }) })));
     const gap = state.gap_mm / facts.amplitude_mm;
     map.setMarks({ ...map.marks, gap, point: state.ratio === null ? undefined : [state.ratio, gap] });

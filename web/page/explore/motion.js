@@ -45,6 +45,12 @@ export class MotionPanel {
     } else this.list();
   }
 
+  // What is under way is no longer wanted.
+  drop() {
+    this.leave.abort(new Error("the rig is refused"));
+    this.panel.setAttribute("aria-busy", "false");
+  }
+
   async orbit(argument) {
     const { leave } = this;
     try {
@@ -54,7 +60,7 @@ export class MotionPanel {
       if (leave.signal.aborted) return;
       this.panel.dataset.state = "wrong";
       this.panel.setAttribute("aria-busy", "false");
-      this.said.replaceChildren(element("p", { class: "wrong" }, error.message));
+      this.said.replaceChildren(element("p", { class: "wrong" }, this.hear.inWords(error)));
       this.table.replaceChildren();
       this.panel.querySelector(".charts").hidden = true;
     }
@@ -134,7 +140,7 @@ export class MotionPanel {
       this.found = { value, ms };
       this.list();
     } catch (error) {
-      if (!leave.signal.aborted) this.others.replaceChildren(element("p", { class: "wrong" }, error.message));
+      if (!leave.signal.aborted) this.others.replaceChildren(element("p", { class: "wrong" }, this.hear.inWords(error)));
       if (this.around === JSON.stringify(argument)) this.around = null;
     }
   }

@@ -22,7 +22,7 @@ export function within({ x, y }) {
 
 export function initial() {
   return {
-    source: "wires", text: null, settings: {}, cart: "machine", gap_mm: 0, ratio: null, start: null,
+    source: "wires", text: null, settings: {}, cart: "machine", gap_mm: null, ratio: null, start: null,
     view: { x: [...HOME.x], y: [...HOME.y] }, units: "ratios", colour: "regime", detail: "finest", limits: {},
   };
 }
@@ -40,7 +40,8 @@ export function toFragment(state) {
   if (state.text !== null) parts.set("file", state.text);
   for (const [key, value] of Object.entries(state.settings)) parts.append("set", `${key}=${value}`);
   if (state.cart !== "machine") parts.set("cart", state.cart);
-  if (state.gap_mm !== 0) parts.set("gap_mm", state.gap_mm);
+  // A file has a gap of its own, so 0 must be said.
+  if (state.gap_mm || (state.gap_mm === 0 && state.text !== null)) parts.set("gap_mm", state.gap_mm);
   if (state.ratio !== null) parts.set("ratio", state.ratio);
   if (state.start) parts.set("start", state.start.join(","));
   const home = HOME.x.concat(HOME.y).join(",");
@@ -68,7 +69,7 @@ export function fromFragment(fragment) {
   state.text = parts.get("file");
   state.settings = pairs("set");
   if (["prescribed", "recoil"].includes(parts.get("cart"))) state.cart = parts.get("cart");
-  state.gap_mm = number("gap_mm", -1e3, 1e3) ?? 0;
+  state.gap_mm = number("gap_mm", -1e3, 1e3);
   state.ratio = number("ratio", 1e-3, 1e3);
   const list = (name, count) => {
     const values = (parts.get(name) ?? "").split(",").map(Number);
