@@ -113,7 +113,7 @@ pub struct Toy {
     /// What it never does.
     pub never: Option<Never>,
     /// Whether it has a block to send.
-    streams: bool,
+    pub streams: bool,
 }
 
 /// What a broken board may not do.
@@ -215,7 +215,7 @@ impl Device for Toy {
             one.rows_in_all = 40;
             let row = Row {
                 frequency_hz: 3.0,
-                regime: Regime::Aperiodic,
+                regime: Regime::None,
                 force_n: 1.0,
                 orbit: None,
             };

@@ -80,7 +80,8 @@ pub fn sweep(
             "points": points,
         });
         files::write::write(&beside, into_json(to_json(&answer)?, made))?;
-        files::write::write(&plan.csv, to_csv(&points))
+        files::write::write(&plan.csv, to_csv(&points))?;
+        Ok(())
     });
     if !points.is_empty() {
         say(&format!(
