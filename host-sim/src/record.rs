@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use emulator::log::Reader;
+use files::decimal::hint;
 use files::table::{Plain, plain};
 use files::{UserError, read_table};
 use numerics::signal::{FEWEST_SAMPLES, Signal};
@@ -116,8 +117,13 @@ impl<'a> Samples<'a> {
         let value = cell.parse::<f64>().ok().filter(|x| x.abs() <= LARGEST);
         value.ok_or_else(|| {
             let what = self.headers.get(column).unwrap_or("");
+            let write = hint(cell);
             let must_be = format!("must be a number from -{LARGEST:e} to {LARGEST:e}");
-            bad(self.name, line, format!("{what} is '{cell}', {must_be}"))
+            bad(
+                self.name,
+                line,
+                format!("{what} is '{cell}', {must_be}{write}"),
+            )
         })
     }
 
@@ -270,6 +276,7 @@ mod tests {
                 "1,1e10\n",
                 "line 22: force_n is '1e10', must be a number from -1e9",
             ),
+            ("1,\"1,6\"\n", "to 1e9; write 1.6 with a point"),
             ("1,2\n1,3\n1,4\n", "line 24: time_s is 1 after 1"),
             ("1,inf", "line 22: force_n is 'inf'"),
         ] {

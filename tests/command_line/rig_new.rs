@@ -92,6 +92,23 @@ fn a_rig_file_is_never_replaced_nor_written_by_halves() {
             "--stroke, --cart-mass",
         ),
         (
+            "rig new a.toml --support beams --mass 298g",
+            "--swings with --swing-time (or --natural-frequency), --stroke",
+        ),
+        (
+            &*WIRES.replace("0.57+-0.03", "2+-2"),
+            "--contact-time: 2+-2ms reaches down to 0 ms",
+        ),
+        (
+            &*WIRES.replace("0.32+-0.02", "0.14"),
+            "--restitution: 0.14 reaches from 0.1350 to 0.1450",
+        ),
+        (&*format!("{WIRES} --gap 400mm"), "400mm is out of range"),
+        (
+            &*format!("{WIRES} --gap 50mm"),
+            "--gap 50mm is more than half the wires' length",
+        ),
+        (
             &*WIRES.replace("1.78+-0.05mm", "wide"),
             "'wide' is no number",
         ),
@@ -110,6 +127,38 @@ fn a_rig_file_is_never_replaced_nor_written_by_halves() {
         assert_eq!(ran.out, "");
     }
     assert_eq!(folder.names(), Vec::<String>::new());
+}
+
+/// What is left out, cut off or contradicted is said where it stands.
+#[test]
+fn a_source_says_what_decided() {
+    let made = |line: &str| {
+        let folder = Folder::new();
+        let ran = folder.run(line).well();
+        (folder.read("mine.toml"), ran.err)
+    };
+    let wide = WIRES.replace("298;299;297.5g", "1.7+-5kg");
+    let (text, _) = made(&wide);
+    let said = "mass_percent = 49.5  # the most that is allowed; as stated: 294 %";
+    assert!(text.contains(said), "{text}");
+    let (text, _) = made(&format!("{WIRES} --surface rock"));
+    let said = "# contact time 0.57+-0.03ms; it decides, not the surface (rock)";
+    assert!(text.contains(said), "{text}");
+    let (_, notes) = made(&format!("{WIRES} --wire-length 300mm"));
+    assert!(
+        notes.contains(" % less than what the swings give"),
+        "{notes}"
+    );
+    let (_, notes) = made(&format!("{WIRES} --wire-length 30mm"));
+    assert!(
+        notes.contains(" % more than what the swings give"),
+        "{notes}"
+    );
+    // As the tutorial has it; a worse reading is known to a factor.
+    let (text, _) = made(&WIRES.replace("0.57+-0.03", "0.57+-0.05"));
+    assert!(text.contains("contact_stiffness_percent = 24.0"), "{text}");
+    let (text, _) = made(&WIRES.replace("0.57+-0.03", "4+-1"));
+    assert!(text.contains("contact_stiffness_factor = 1.8"), "{text}");
 }
 
 #[test]
@@ -288,7 +337,7 @@ fn a_sweep_over_a_parameter_is_what_set_gives() {
     for (over, said) in [
         ("mas_kg=1:2:lin3", "did you mean 'mass_kg'"),
         ("mass_kg=1:2", "FROM:TO:logN"),
-        ("mass_kg=-1.0,1", "--over mass_kg: --set: mass_kg is -1"),
+        ("mass_kg=-1.0,1", "--over mass_kg: mass_kg is -1"),
     ] {
         let ran = folder.run(&format!("{line} --over {over}"));
         assert_eq!((ran.code, ran.err.lines().count()), (Some(2), 1), "{ran:?}");

@@ -35,6 +35,19 @@ fn a_printed_rig_is_the_rig() {
     }
 }
 
+/// A file that began with the name of another file would be refused.
+#[test]
+fn only_a_preset_is_printed_as_one() {
+    let folder = Folder::new().with("mine.toml", "preset = \"wires\"\nmass_kg = 0.5\n");
+    let said = "A file may also begin with preset";
+    assert!(folder.run("rigs wires").well().out.contains(said));
+    let mine = folder.run("rigs mine.toml").well().out;
+    assert!(
+        mine.contains("mass_kg = 0.5") && !mine.contains(said),
+        "{mine}"
+    );
+}
+
 #[test]
 fn set_is_the_same_as_a_line_in_a_rig_file() {
     let lines = [

@@ -13,6 +13,11 @@ pub fn comma(text: &str) -> Option<String> {
     Some(format!("write {pointed} with a point"))
 }
 
+/// The same as the end of a message: `; write 1.7 with a point`. Empty if there is none.
+pub fn hint(text: &str) -> String {
+    comma(text).map_or(String::new(), |write| format!("; {write}"))
+}
+
 /// The same for line `number` (counted from 1) of a TOML file, whose comments do not count.
 pub fn comma_at(text: &str, number: usize) -> Option<String> {
     let line = text.lines().nth(number.checked_sub(1)?)?;
@@ -33,10 +38,11 @@ mod tests {
             (" -1,5mm ", "-1.5"),
         ] {
             let said = format!("write {pointed} with a point");
-            assert_eq!(comma(text), Some(said), "{text}");
+            assert_eq!(comma(text), Some(said.clone()), "{text}");
+            assert_eq!(hint(text), format!("; {said}"), "{text}");
         }
         for text in ["", "1.5", "1,", "a,b", "1.5,2", "298,299,297", "5, 3"] {
-            assert_eq!(comma(text), None, "{text}");
+            assert_eq!((comma(text), &*hint(text)), (None, ""), "{text}");
         }
     }
 }

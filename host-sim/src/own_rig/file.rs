@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use files::rigfile::WIDTHS;
+use files::words::digits::significant;
 
 /// A rig file in the making.
 #[derive(Clone, Debug, Default)]
@@ -38,14 +39,27 @@ impl RigFile {
         });
     }
 
-    /// The half-width `key`, rounded up to two digits and kept within what a rig file may state.
+    /// The half-width `key`, rounded up to two digits and kept within what a rig file may state; where it is kept there, the
+    /// source says so.
     pub fn width(&mut self, key: &'static str, value: f64, source: &str) {
         let below = WIDTHS.iter().find(|width| width.key == key);
         let most = below.map_or(f64::MAX, |width| 0.99 * width.below);
+        let up = rounded_up(value);
+        let source = if up > most {
+            let unit = match key.rsplit('_').next() {
+                Some("percent") => " %",
+                Some("mm") => " mm",
+                _ => "",
+            };
+            let found = significant(value, 3);
+            format!("the most that is allowed; {source}: {found}{unit}")
+        } else {
+            source.to_owned()
+        };
         self.widths.push(Entry {
             key,
-            value: format!("{:?}", rounded_up(value).min(most)),
-            source: one_line(source),
+            value: format!("{:?}", up.min(most)),
+            source: one_line(&source),
         });
     }
 
@@ -113,6 +127,22 @@ mod tests {
             (0.05, 0.05),
         ] {
             assert_eq!(rounded_up(value), shown);
+        }
+    }
+
+    #[test]
+    fn a_width_that_is_not_allowed_says_so() {
+        let mut file = RigFile::default();
+        file.width("mass_percent", 294.1, "as stated");
+        file.width("gap_tolerance_mm", 12.0, "as stated");
+        file.width("contact_stiffness_factor", 990.0, "contact time");
+        let text = file.text("a");
+        for said in [
+            "mass_percent = 49.5  # the most that is allowed; as stated: 294 %\n",
+            "gap_tolerance_mm = 9.9  # the most that is allowed; as stated: 12.0 mm\n",
+            "contact_stiffness_factor = 990.0  # contact time\n",
+        ] {
+            assert!(text.contains(said), "{said}: {text}");
         }
     }
 

@@ -157,7 +157,17 @@ impl Quantity {
     /// # Errors
     /// In words that name the mend.
     pub fn read(&self, text: &str) -> Result<Reading, String> {
+        self.read_in("", text)
+    }
+
+    /// The same; numbers without a unit are in `unit`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_in(&self, unit: &str, text: &str) -> Result<Reading, String> {
+        let unit = self.unit(unit);
         let trimmed = text.trim();
+        let plain;
         let stated = trimmed.split_once("+-").or(trimmed.split_once('±'));
         let (value, half_width, from, doubt) = match stated {
             Some((value, half)) => {
@@ -166,10 +176,19 @@ impl Quantity {
                     return Err(format!("'{trimmed}': write one value and one uncertainty"));
                 };
                 value.unit = value.unit.or(half.unit);
+                plain = value.unit.is_none();
+                value.unit = value.unit.or(unit);
                 half.unit = half.unit.or(value.unit);
                 (self.si(value)?, self.si(half)?, From::Stated, None)
             }
-            None => self.of_readings(&self.numbers(trimmed)?)?,
+            None => {
+                let mut numbers = self.numbers(trimmed)?;
+                plain = numbers.iter().all(|number| number.unit.is_none());
+                for number in &mut numbers {
+                    number.unit = number.unit.or(unit);
+                }
+                self.of_readings(&numbers)?
+            }
         };
         if half_width < 0.0 {
             return Err(format!("the uncertainty in '{trimmed}' is negative"));
@@ -184,7 +203,10 @@ impl Quantity {
         Ok(Reading {
             value,
             half_width,
-            text: trimmed.to_owned(),
+            text: match unit {
+                Some((name, _)) if plain => format!("{trimmed} {name}"),
+                _ => trimmed.to_owned(),
+            },
             from,
             doubt,
         })
@@ -352,6 +374,32 @@ mod tests {
             assert!((reading.value - value).abs() <= 1e-12, "{text}");
             assert!((reading.half_width - half).abs() <= 1e-9, "{text}");
         }
+    }
+
+    #[test]
+    fn a_number_without_a_unit_is_in_the_one_that_was_asked_for() {
+        for (quantity, unit, text, value, half, shown) in [
+            (&FREQUENCY, "Hz", "30", 30.0, 0.5, "30 Hz"),
+            (
+                &STROKE,
+                "mm",
+                "1.78+-0.05",
+                1.78e-3,
+                0.05e-3,
+                "1.78+-0.05 mm",
+            ),
+            (&STROKE, "mm", "0.2cm", 2e-3, 0.5e-3, "0.2cm"),
+            (&STROKE, "mm", "0.2+-0.1cm", 2e-3, 1e-3, "0.2+-0.1cm"),
+            (&GAP, "mm", "0", 0.0, 0.5e-3, "0 mm"),
+        ] {
+            let reading = quantity.read_in(unit, text).unwrap();
+            assert!((reading.value - value).abs() <= 1e-12, "{text}");
+            assert!((reading.half_width - half).abs() <= 1e-9, "{text}");
+            assert_eq!(reading.text, shown);
+        }
+        let time = SWING_TIME.read_in("s", "10.99 11.02").unwrap();
+        assert_eq!(time.text, "10.99 11.02 s");
+        assert!((time.value - 11.005).abs() < 1e-9, "{time:?}");
     }
 
     #[test]

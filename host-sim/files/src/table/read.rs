@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::dialect::{Plain, plain};
+use crate::decimal::hint;
 use crate::{UserError, read_table};
 
 /// A measured table in memory.
@@ -163,7 +164,10 @@ impl Line {
     pub fn number(&self, column: &str) -> Result<f64, UserError> {
         let text = self.text(column);
         let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
-        value.ok_or_else(|| self.complaint(format!("{column} is '{text}', must be a number")))
+        value.ok_or_else(|| {
+            let write = hint(text);
+            self.complaint(format!("{column} is '{text}', must be a number{write}"))
+        })
     }
 
     /// A complaint about this line: file and line, then `what`.
@@ -206,6 +210,14 @@ mod tests {
             line.to_string().starts_with("m.csv, line 4: 2 fields"),
             "{line}"
         );
+    }
+
+    #[test]
+    fn a_field_with_a_decimal_comma_is_told_how_to_write_it() {
+        let lines = lines("a,b\n1,\"1,6\"\n", &["b"]).unwrap();
+        let why = lines[0].number("b").unwrap_err().to_string();
+        let said = "m.csv, line 2: b is '1,6', must be a number; write 1.6 with a point";
+        assert_eq!(why, said);
     }
 
     /// Fails by its time, an hour and more, if finding a line's number looks at all lines before it.

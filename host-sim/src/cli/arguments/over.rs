@@ -42,7 +42,10 @@ impl Over {
 
     /// The error of a rig that cannot be, with the option it comes from.
     pub fn at(&self, error: UserError) -> UserError {
-        error.at(format!("--over {}", self.key))
+        // Its values are set over the rig, but nobody typed --set.
+        let line = error.to_string();
+        let line = line.strip_prefix("--set: ").unwrap_or(&line);
+        UserError::new(line).at(format!("--over {}", self.key))
     }
 }
 

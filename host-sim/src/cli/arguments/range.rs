@@ -1,6 +1,6 @@
 //! `FROM:TO:STEP`.
 
-use files::decimal::comma;
+use files::decimal::hint;
 
 /// Values at most.
 const MOST: f64 = 1e6;
@@ -12,7 +12,10 @@ const MOST: f64 = 1e6;
 pub fn parse_range(text: &str) -> Result<Vec<f64>, String> {
     let parts: Vec<_> = text.split(':').map(|t| t.trim().parse::<f64>()).collect();
     let [Ok(from), Ok(to), Ok(step)] = parts.as_slice() else {
-        return Err("write FROM:TO:STEP, for example 1.0:3.0:0.01".to_owned());
+        let write = hint(text);
+        return Err(format!(
+            "write FROM:TO:STEP, for example 1.0:3.0:0.01{write}"
+        ));
     };
     let (from, to, step) = (*from, *to, *step);
     if !(from.is_finite() && to.is_finite() && step.is_finite()) {
@@ -43,7 +46,7 @@ pub fn range_or_value(text: &str) -> Result<Vec<f64>, String> {
     }
     let value = text.trim().parse();
     value.map_or_else(
-        |_| Err("write FROM:TO:STEP, or one number".to_owned()),
+        |_| Err(format!("write FROM:TO:STEP, or one number{}", hint(text))),
         |value| Ok(vec![value]),
     )
 }
@@ -81,12 +84,8 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
     };
     let parts: Vec<&str> = text.split(':').map(str::trim).collect();
     let [from, to, spacing] = parts.as_slice() else {
-        // 1,8 may be one number.
-        if let Some(write) = comma(text) {
-            let (first, second) = text.split_once(',').unwrap_or((text, ""));
-            return Err(format!(
-                "'{text}' may be one value or two: {write}, or {first}.0,{second} for two"
-            ));
+        if let Some(doubt) = doubtful(text) {
+            return Err(doubt);
         }
         let list: Result<Vec<f64>, _> = text.split(',').map(number).collect();
         let list = list.map_err(|why| {
@@ -126,6 +125,37 @@ pub fn parse_values(text: &str) -> Result<Values, String> {
     Ok(Values { list, log })
 }
 
+/// What is doubtful about a list whose commas may all separate, or every other one be decimal: 1,8 or 1,7,2,5.
+fn doubtful(text: &str) -> Option<String> {
+    /// Values shown of either meaning.
+    const SHOWN: usize = 8;
+    let whole = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
+    let parts: Vec<&str> = text.split(',').collect();
+    let pairs: Vec<&[&str]> = parts.chunks(2).collect();
+    let may_be_one = |pair: &&[&str]| match pair {
+        [first, second] => whole(first.trim_start_matches(['+', '-'])) && whole(second),
+        _ => false,
+    };
+    if !pairs.iter().all(may_be_one) {
+        return None;
+    }
+    if let [first, second] = parts[..] {
+        return Some(format!(
+            "'{text}' may be one value or two: write {first}.{second} with a point, or {first}.0,{second} for two"
+        ));
+    }
+    let joined = |all: Vec<String>| {
+        let more = if parts.len() > SHOWN { ",..." } else { "" };
+        all.join(",") + more
+    };
+    let pointed = joined(pairs.iter().take(SHOWN / 2).map(|p| p.join(".")).collect());
+    let apart = joined(parts.iter().take(SHOWN).map(|p| format!("{p}.0")).collect());
+    let (few, many) = (pairs.len(), parts.len());
+    Some(format!(
+        "'{text}' may be {few} values or {many}: write {pointed} with a point each, or {apart} for {many}"
+    ))
+}
+
 /// A finite number.
 pub fn parse_finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
@@ -143,6 +173,10 @@ mod tests {
         assert_eq!(list("5,2,2.5"), [5.0, 2.0, 2.5]);
         assert_eq!(list("1.0,8"), [1.0, 8.0]);
         assert_eq!(list("-0.1"), [-0.1]);
+        assert_eq!(list("1,2,5"), [1.0, 2.0, 5.0]);
+        assert_eq!(list("1, 7, 2, 5"), [1.0, 7.0, 2.0, 5.0]);
+        assert_eq!(list("1.0,7,2,5"), [1.0, 7.0, 2.0, 5.0]);
+        assert_eq!(list("1,-7"), [1.0, -7.0]);
         let log = parse_values("1e5:1e7:log3").unwrap();
         assert!(log.log && log.list.len() == 3);
         assert_eq!((log.list[0], log.list[2]), (1e5, 1e7));
@@ -158,6 +192,8 @@ mod tests {
             "1:2:cube5",
             "1:nan:lin3",
             "1,8",
+            "1,7,2,5",
+            "-1,7,+2,5,3,0",
             "0,5:1,5:lin3",
         ] {
             assert!(parse_values(bad).is_err(), "{bad}");
@@ -167,6 +203,33 @@ mod tests {
                 .unwrap_err()
                 .contains("swap them")
         );
+    }
+
+    #[test]
+    fn commas_that_may_be_decimal_are_doubted_and_either_mend_is_read() {
+        let doubt = |text: &str| parse_values(text).unwrap_err();
+        assert_eq!(
+            doubt("1,8"),
+            "'1,8' may be one value or two: write 1.8 with a point, or 1.0,8 for two"
+        );
+        assert_eq!(
+            doubt("1,7,2,5"),
+            "'1,7,2,5' may be 2 values or 4: write 1.7,2.5 with a point each, or 1.0,7.0,2.0,5.0 for 4"
+        );
+        assert_eq!(parse_values("1.7,2.5").unwrap().list, [1.7, 2.5]);
+        assert_eq!(parse_values("1.0,7.0,2.0,5.0").unwrap().list.len(), 4);
+        let long = ["1"; 20].join(",");
+        let short = "write 1.1,1.1,1.1,1.1,... with a point each";
+        assert!(doubt(&long).contains(short), "{}", doubt(&long));
+        for (bad, said) in [
+            (parse_range("0:1,5:0.5"), "; write 1.5 with a point"),
+            (
+                range_or_value("1,7"),
+                "or one number; write 1.7 with a point",
+            ),
+        ] {
+            assert!(bad.unwrap_err().ends_with(said), "{said}");
+        }
     }
 
     #[test]

@@ -60,6 +60,16 @@ impl RigName {
         let keys = self.set.iter().filter_map(|set| set.split('=').next());
         keys.map(str::trim).any(|set| set == key)
     }
+
+    /// Refuses an override of the gap where `--gap` is there, too.
+    fn check_gap(&self) -> Result<(), UserError> {
+        if self.overrides("gap_mm") {
+            return Err(UserError::new(
+                "--gap and --set gap_mm both say what it is; leave one of them out",
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// Refuses settings of which two set the same parameter.
@@ -116,6 +126,7 @@ impl RigArgs {
             return Ok(rig);
         }
         if let Some(gap_mm) = self.gap {
+            self.name.check_gap()?;
             rig.params = at_gap(&rig.params, gap_mm, "--gap")?;
         }
         Ok(rig)
@@ -174,9 +185,15 @@ pub struct RigAtGaps {
 
 impl RigAtGaps {
     /// The gaps asked for, mm, in the order given; none if the option was left out.
-    pub fn gaps_mm(&self) -> Option<Vec<f64>> {
-        let all = || self.gaps.iter().flat_map(|g| g.0.iter().copied());
-        (!self.gaps.is_empty()).then(|| all().collect())
+    ///
+    /// # Errors
+    /// If an override says the gap, too.
+    pub fn gaps_mm(&self) -> Result<Option<Vec<f64>>, UserError> {
+        if self.gaps.is_empty() {
+            return Ok(None);
+        }
+        self.name.check_gap()?;
+        Ok(Some(self.gaps.iter().flat_map(|g| g.0.clone()).collect()))
     }
 }
 

@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::answers::{Answers, RingDown, Support, ring_down};
-use super::describe::{natural_frequency, swung};
+use super::describe::{known_hz, natural_frequency, possible_gap, swung};
+use crate::own_rig::contact::{ratios, times};
 use crate::own_rig::reading::{
-    CONTACT_TIME, FORCE, FREQUENCY, GAP, MASS, Quantity, RESTITUTION, Reading, STROKE, SWING_TIME,
+    CONTACT_TIME, FORCE, FREQUENCY, GAP, MASS, RESTITUTION, Reading, STROKE, SWING_TIME,
     WIRE_LENGTH,
 };
 use crate::own_rig::surface::{Choice, SURFACES};
@@ -23,6 +24,13 @@ pub fn ask(
     input: &mut dyn BufRead,
     out: &mut dyn Write,
 ) -> Result<(), UserError> {
+    let refused = |why: String, option: &str| UserError::new(why).at(option);
+    if let Some(Err(why)) = answers.restitution.as_ref().map(ratios) {
+        return Err(refused(why, "--restitution"));
+    }
+    if let Some(Err(why)) = answers.contact_time.as_ref().map(times) {
+        return Err(refused(why, "--contact-time"));
+    }
     let mut dialogue = Dialogue { input, out };
     dialogue.say("A reading is 298g, or 298+-1g, or several: 298 299 297.5 g. Enter alone leaves out what is in [brackets].")?;
     let support = match answers.support {
@@ -36,7 +44,8 @@ pub fn ask(
     };
     answers.support = Some(support);
     if answers.mass.is_none() {
-        answers.mass = Some(dialogue.measured("Weight of the hammer, g or kg", &MASS)?);
+        answers.mass =
+            Some(dialogue.measured("Weight of the hammer, g or kg", |text| MASS.read(text))?);
     }
     dialogue.frequency(answers, support)?;
     if support == Support::Beams && answers.ring_down.is_none() && answers.damping_ratio.is_none() {
@@ -45,22 +54,31 @@ pub fn ask(
     }
     if answers.stroke.is_none() {
         let question = "Stroke of the cart from end to end, mm";
-        answers.stroke = Some(dialogue.measured(question, &STROKE)?);
+        answers.stroke = Some(dialogue.measured(question, |text| STROKE.read_in("mm", text))?);
     }
     if answers.cart_mass.is_none() {
         let question = "Weight of the cart without the hammer, g or kg";
-        answers.cart_mass = Some(dialogue.measured(question, &MASS)?);
+        answers.cart_mass = Some(dialogue.measured(question, |text| MASS.read(text))?);
     }
     if answers.shaker_loop.is_none() {
         let question = "Natural frequency of the shaker's position loop, Hz";
-        answers.shaker_loop = dialogue.perhaps(question, &FREQUENCY)?;
+        answers.shaker_loop = dialogue.perhaps(question, |text| FREQUENCY.read_in("Hz", text))?;
     }
     if answers.shaker_loop.is_some() && answers.shaker_force.is_none() {
         let question = "Largest force that the shaker can give, N";
-        answers.shaker_force = dialogue.perhaps(question, &FORCE)?;
+        answers.shaker_force = dialogue.perhaps(question, |text| FORCE.read_in("N", text))?;
+    }
+    let hz = known_hz(answers);
+    let fits = |gap: &Reading| hz.map_or(Ok(()), |hz| possible_gap(support, hz, gap));
+    if let Some(Err(why)) = answers.gap.as_ref().map(fits) {
+        dialogue.say(&format!("  --gap {why}"))?;
+        answers.gap = None;
     }
     if answers.gap.is_none() {
-        answers.gap = dialogue.perhaps("Gap at rest, mm", &GAP)?;
+        answers.gap = dialogue.perhaps("Gap at rest, mm", |text| {
+            let gap = GAP.read_in("mm", text)?;
+            fits(&gap).map(|()| gap)
+        })?;
     }
     dialogue.contact(answers)
 }
@@ -83,7 +101,7 @@ impl Dialogue<'_> {
         }
         if support == Support::Wires && answers.wire_length.is_none() {
             let question = "Wires, from where they hang to the hammer's centre of mass, mm";
-            answers.wire_length = self.perhaps(question, &WIRE_LENGTH)?;
+            answers.wire_length = self.perhaps(question, |text| WIRE_LENGTH.read_in("mm", text))?;
         }
         let count = |text: &str| match text.parse() {
             Ok(swings @ 1..=100_000) => Ok(swings),
@@ -97,12 +115,11 @@ impl Dialogue<'_> {
         };
         if let Some(swings) = answers.swings {
             let time = |text: &str| {
-                let time = SWING_TIME.read(text)?;
+                let time = SWING_TIME.read_in("s", text)?;
                 natural_frequency(support, swung(swings, &time))?;
                 Ok(time)
             };
-            let time = self.needed("Their time, s", time)?;
-            answers.swing_time = self.doubted(time, &SWING_TIME)?;
+            answers.swing_time = Some(self.measured("Their time, s", time)?);
         }
         Ok(())
     }
@@ -126,11 +143,17 @@ impl Dialogue<'_> {
         }
         if answers.contact_time.is_none() && answers.surface.is_none() {
             let question = "Time of one contact, ms";
-            answers.contact_time = self.perhaps(question, &CONTACT_TIME)?;
+            answers.contact_time = self.perhaps(question, |text| {
+                let time = CONTACT_TIME.read_in("ms", text)?;
+                times(&time).map(|_| time)
+            })?;
         }
         if answers.restitution.is_none() {
             let question = "Restitution: how far it rebounds over how far it was pulled back";
-            answers.restitution = self.perhaps(question, &RESTITUTION)?;
+            answers.restitution = self.perhaps(question, |text| {
+                let restitution = RESTITUTION.read(text)?;
+                ratios(&restitution).map(|_| restitution)
+            })?;
         }
         let measured = answers.contact_time.is_some() && answers.restitution.is_some();
         if !measured && answers.surface.is_none() {
@@ -145,20 +168,23 @@ impl Dialogue<'_> {
     }
 
     /// A reading that there must be.
-    fn measured(&mut self, question: &str, quantity: &Quantity) -> Result<Reading, UserError> {
-        let reading = self.needed(question, |text| quantity.read(text))?;
-        let kept = self.doubted(reading.clone(), quantity)?;
-        Ok(kept.unwrap_or(reading))
+    fn measured(
+        &mut self,
+        question: &str,
+        read: impl Fn(&str) -> Result<Reading, String>,
+    ) -> Result<Reading, UserError> {
+        let reading = self.needed(question, &read)?;
+        self.doubted(reading, read)
     }
 
     /// A reading that may be left open.
     fn perhaps(
         &mut self,
         question: &str,
-        quantity: &Quantity,
+        read: impl Fn(&str) -> Result<Reading, String>,
     ) -> Result<Option<Reading>, UserError> {
-        match self.open(question, |text| quantity.read(text))? {
-            Some(reading) => self.doubted(reading, quantity),
+        match self.open(question, &read)? {
+            Some(reading) => self.doubted(reading, read).map(Some),
             None => Ok(None),
         }
     }
@@ -167,14 +193,14 @@ impl Dialogue<'_> {
     fn doubted(
         &mut self,
         reading: Reading,
-        quantity: &Quantity,
-    ) -> Result<Option<Reading>, UserError> {
+        read: impl Fn(&str) -> Result<Reading, String>,
+    ) -> Result<Reading, UserError> {
         let Some(doubt) = &reading.doubt else {
-            return Ok(Some(reading));
+            return Ok(reading);
         };
         self.say(&format!("  {doubt}"))?;
-        let again = self.open("again, or Enter to keep it", |text| quantity.read(text))?;
-        Ok(again.or(Some(reading)))
+        let again = self.open("again, or Enter to keep it", read)?;
+        Ok(again.unwrap_or(reading))
     }
 
     /// An answer that may be left open.
@@ -229,7 +255,7 @@ impl Dialogue<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::own_rig::reading::DAMPING_RATIO;
+    use crate::own_rig::reading::{DAMPING_RATIO, Quantity};
 
     fn asked(typed: &str, mut answers: Answers) -> (Result<(), UserError>, Answers, String) {
         let mut out = Vec::new();
@@ -271,6 +297,55 @@ mod tests {
         ] {
             assert!(out.contains(said), "{said}: {out}");
         }
+    }
+
+    /// What contradicts an earlier answer, or makes no contact, is asked again at once; a plain number has the unit asked for.
+    #[test]
+    fn what_cannot_be_is_asked_again_where_it_was_answered() {
+        let typed =
+            "wires\n298g\n50\n\n1.78\n5.38kg\n30\n60\n40\n0.5\n\n2+-2\n0.57+-0.05\n0.14\n0.32\n";
+        let (done, answers, out) = asked(typed, Answers::default());
+        done.unwrap();
+        for said in [
+            "40 mm is more than half the wires' length (50.0 mm)",
+            "2+-2 ms reaches down to 0 ms; a contact time must stay above 0",
+            "0.14 reaches from 0.1350 to 0.1450",
+        ] {
+            assert!(out.contains(said), "{said}: {out}");
+        }
+        let text = |reading: &Option<Reading>| reading.clone().map(|r| r.text).unwrap_or_default();
+        assert_eq!(text(&answers.wire_length), "50 mm");
+        assert_eq!(text(&answers.stroke), "1.78 mm");
+        assert_eq!(text(&answers.shaker_loop), "30 Hz");
+        assert_eq!(text(&answers.shaker_force), "60 N");
+        assert_eq!(text(&answers.gap), "0.5 mm");
+        assert_eq!(text(&answers.contact_time), "0.57+-0.05 ms");
+        assert_eq!(text(&answers.restitution), "0.32");
+        crate::cli::rig::describe::describe(&answers).unwrap();
+    }
+
+    /// An option cannot be answered better: it is refused before the first question, or asked where an answer contradicts it.
+    #[test]
+    fn options_that_cannot_be_lose_no_answer() {
+        let given = Answers {
+            restitution: Some(RESTITUTION.read("0.14").unwrap()),
+            ..Answers::default()
+        };
+        let (done, _, out) = asked("", given);
+        let why = done.unwrap_err().to_string();
+        assert!(
+            why.starts_with("--restitution: 0.14 reaches") && out.is_empty(),
+            "{why}"
+        );
+        let given = Answers {
+            gap: Some(GAP.read("40mm").unwrap()),
+            ..Answers::default()
+        };
+        let typed = "wires\n298g\n50\n\n1.78\n5.38kg\n\n0.5\n\n\n\nsteel\n";
+        let (done, answers, out) = asked(typed, given);
+        done.unwrap();
+        assert!(out.contains("--gap 40mm is more than half"), "{out}");
+        assert_eq!(answers.gap.map(|gap| gap.text).as_deref(), Some("0.5 mm"));
     }
 
     #[test]

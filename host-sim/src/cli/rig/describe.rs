@@ -74,9 +74,9 @@ fn missing(answers: &Answers) -> UserError {
         || answers.natural_frequency.is_some()
         || (!beams && answers.wire_length.is_some());
     let timed = if beams {
-        "--swings with --swing-time"
+        "--swings with --swing-time (or --natural-frequency)"
     } else {
-        "--wire-length or --swings with --swing-time"
+        "--wire-length (or --swings with --swing-time, or --natural-frequency)"
     };
     let contact = answers.drop_test.is_some()
         || answers.surface.is_some()
@@ -95,6 +95,38 @@ fn missing(answers: &Answers) -> UserError {
         "rig new: {} missing; measure and give {} (on a terminal the program asks)",
         open.join(", "),
         if open.len() == 1 { "it" } else { "them" }
+    ))
+}
+
+/// Hz, as far as the answers give it.
+pub fn known_hz(answers: &Answers) -> Option<f64> {
+    let swings = answers.swings.zip(answers.swing_time.as_ref());
+    let timed = swings.map(|(swings, time)| swung(swings, time).0);
+    let given = answers.natural_frequency.as_ref().map(|hz| hz.value);
+    let length = answers.wire_length.as_ref();
+    given
+        .or(timed)
+        .or(length.map(|length| of_length(length.value)))
+}
+
+/// Hz of wires of `m` metres.
+fn of_length(m: f64) -> f64 {
+    (GRAVITY_M_PER_S2 / m).sqrt() / TAU
+}
+
+/// Refuses a gap that a hammer with this natural frequency does not reach.
+///
+/// # Errors
+/// In words: the gap, and what it is too large for.
+pub fn possible_gap(support: Support, hz: f64, gap: &Reading) -> Result<(), String> {
+    let length = GRAVITY_M_PER_S2 / (TAU * hz).powi(2);
+    if support == Support::Beams || gap.value.abs() <= 0.5 * length {
+        return Ok(());
+    }
+    Err(format!(
+        "{} is more than half the wires' length ({:.1} mm)",
+        gap.text,
+        1e3 * length
     ))
 }
 
@@ -174,7 +206,6 @@ impl Described {
             self.quantity(known, reading, 1.0, "given", "--natural-frequency");
             return Ok(hz);
         }
-        let of_length = |m: f64| (GRAVITY_M_PER_S2 / m).sqrt() / TAU;
         if let Some((swings, time)) = answers.swings.zip(answers.swing_time.as_ref()) {
             let given = swung(swings, time);
             let hz = possible(given).map_err(|e| UserError::new(e).at("--swing-time"))?;
@@ -212,8 +243,10 @@ impl Described {
     fn compare(&mut self, timed_hz: f64, timed_percent: f64, length_hz: f64, length_percent: f64) {
         let apart = 100.0 * (length_hz / timed_hz - 1.0);
         if apart.abs() > timed_percent + length_percent {
+            let than = if apart < 0.0 { "less" } else { "more" };
+            let apart = apart.abs();
             self.notes.push(format!(
-                "note: the wires' length gives {length_hz:.3} Hz, {apart:+.1} % of what the swings give ({timed_hz:.3} Hz), more than both can be wrong; the swings decide (a hammer is longer than a point, and a length is measured to its centre of mass)"
+                "note: the wires' length gives {length_hz:.3} Hz, {apart:.1} % {than} than what the swings give ({timed_hz:.3} Hz), which is more than both can be wrong; the swings decide (a hammer is longer than a point, and a length is measured to its centre of mass)"
             ));
         }
     }
@@ -258,14 +291,7 @@ impl Described {
                 gap.from.to_string(),
             ),
         };
-        let length = GRAVITY_M_PER_S2 / (TAU * hz).powi(2);
-        if support == Support::Wires && gap.value.abs() > 0.5 * length {
-            return Err(UserError::new(format!(
-                "--gap {} is more than half the wires' length ({:.1} mm)",
-                gap.text,
-                1e3 * length
-            )));
-        }
+        possible_gap(support, hz, &gap).map_err(|why| UserError::new(format!("--gap {why}")))?;
         self.file.number("gap_mm", 1e3 * gap.value, &source);
         // A gap written 0 has no unit, and no digit that says how well it is known.
         let width = if gap.value == 0.0 && gap.from == From::LastDigit {

@@ -32,8 +32,14 @@ impl Described {
         };
         let (contact, source) = match (&answers.contact_time, surface) {
             (Some(time), _) => (
-                of_restitution_and_time(mass_kg, &restitution, time),
-                format!("contact time {}", self.read("--contact-time", time)),
+                of_restitution_and_time(mass_kg, &restitution, time)?,
+                format!(
+                    "contact time {}{}",
+                    self.read("--contact-time", time),
+                    surface.map_or(String::new(), |surface| {
+                        format!("; it decides, not the surface ({})", surface.name())
+                    })
+                ),
             ),
             (None, Some(surface)) => {
                 let range = surface.stiffness(mass_kg, speed_m_per_s);
@@ -43,7 +49,7 @@ impl Described {
                     "note: the contact of steel with {name} has some {low:.1e} to {high:.1e} N/m; a contact time narrows it (--contact-time)"
                 ));
                 (
-                    of_restitution_and_surface(mass_kg, &restitution, range),
+                    of_restitution_and_surface(mass_kg, &restitution, range)?,
                     format!(
                         "steel on {name}: {low:.1e} to {high:.1e} N/m; a contact time narrows it"
                     ),
@@ -51,12 +57,6 @@ impl Described {
             }
             (None, None) => return Err(stiffness_unknown("--restitution")),
         };
-        let contact = contact.ok_or_else(|| {
-            UserError::new(format!(
-                "--restitution {}: with its uncertainty it must lie between 0.14 (a contact damped critically) and 1 (one that loses nothing), and the contact time above 0",
-                restitution.text
-            ))
-        })?;
         let of_damping = format!("{of_restitution}, with that stiffness");
         self.contact(&contact, [&source, &of_damping], [&source, &of_restitution]);
         Ok(())
