@@ -70,10 +70,10 @@ The results in short:
 
 The published table is that of Ghosh and Simpson (arXiv 2510.16218, with the data of their repository
 `indrag49/VIVID`): an oscillator with a hard stop, restitution 0.9, which they continue by another method. In
-the limit of a short contact five folds agree within 2e-11 of the drive's amplitude, both multipliers at six
-period doublings within 3e-8, and those of two orbits between to the five digits published
+the limit of a short contact five folds agree within 1e-10 of the drive's amplitude, both multipliers at six
+period doublings within 5e-8, and those of two orbits between to the five digits published
 (`cargo test -p host-sim --test reference published`). The error at a finite contact time falls in proportion
-to it.
+to it. [orbits.md](orbits.md) has the table.
 
 The switch model rounds the drive frequency to the resolution of its phase accumulator (2⁻³² turns per
 tick). The reference always runs at this rounded frequency, so both solve the same problem.

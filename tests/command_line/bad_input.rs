@@ -13,6 +13,7 @@ fn folder() -> Folder {
         .with("bytes.toml", [0xff, 0xfe, 0x00])
         .with("column.csv", "frequency_hz,force\n1,2\n")
         .with("cut.csv", "frequency_hz,force_n\n1,2\n3")
+        .with("comma.csv", "frequency_hz,force_n\n1,\"1,6\"\n")
         .with("words.csv", "frequency_hz,force_n\n1,2\n3,strong\n")
         .with("header.csv", "frequency_hz,force_n\n")
         .with("a-file", "keep")
@@ -159,7 +160,23 @@ fn frequencies_ranges_cycles_and_starts_that_cannot_be() {
         ("simulate --ratio fast", "invalid value 'fast'"),
         (
             "simulate --ratio 1.5 --cycles 10 --transient 10",
-            "must be smaller",
+            "give --cycles more than 10, or a smaller --transient",
+        ),
+        (
+            "simulate --ratio 1.5 --transient 700",
+            "--transient 700 leaves nothing of the 600 drive cycles of a run to record",
+        ),
+        (
+            "sweep --ratio 1.5 --transient 700",
+            "of the 600 drive cycles of a run",
+        ),
+        (
+            "simulate --ratio 1.5 --set gap_mm=1 --gap 2",
+            "--gap and --set gap_mm both say what it is; leave one of them out",
+        ),
+        (
+            "map --set gap_mm=1 --gap 2",
+            "--gap and --set gap_mm both say what it is",
         ),
         ("simulate --ratio 1.5 --cycles -1", "'-1'"),
         ("simulate --ratio 1.5 --initial up", "write rest, fixed"),
@@ -177,6 +194,47 @@ fn frequencies_ranges_cycles_and_starts_that_cannot_be() {
         ("sweep --ratio 1:2:nan", "finite"),
         ("sweep --ratio 0:1:0.5", "not a positive value"),
         ("sweep --frequency 1:2:1e-9", "use a larger STEP"),
+    ]);
+}
+
+#[test]
+fn decimal_commas() {
+    assert_refused(&[
+        (
+            "sweep --ratio 2 --over mass_kg=1,7",
+            "'1,7' may be one value or two: write 1.7 with a point, or 1.0,7 for two",
+        ),
+        (
+            "sweep --ratio 2 --over mass_kg=1,7,2,5",
+            "may be 2 values or 4: write 1.7,2.5 with a point each, or 1.0,7.0,2.0,5.0 for 4",
+        ),
+        (
+            "pick --over mass_kg=0,2,0,4",
+            "write 0.2,0.4 with a point each",
+        ),
+        (
+            "sweep --ratio 2 --over mass_kg=0,0.4",
+            "--over mass_kg: mass_kg is 0",
+        ),
+        ("pick --gaps 0:1,5:0.5", "write 1.5 with a point"),
+        ("sweep --ratio 1,5:2:0.1", "write 1.5 with a point"),
+        ("sweep --frequency 1,5", "write 1.5 with a point"),
+        ("orbits --ratio 1,5:2", "write 1.5 with a point"),
+        ("orbits --frequency 2:3,5", "write 3.5 with a point"),
+        (
+            "orbits --along gap --ratio 2,1",
+            "one positive number; write 2.1 with a point",
+        ),
+        (
+            "orbits --along gap --ratio 2 --gaps 0:1,5",
+            "write 1.5 with a point",
+        ),
+        ("contact --speed 0,1", "write 0.1 with a point"),
+        ("modes --frequency 1,7", "write 1.7 with a point"),
+        (
+            "pick --nominal --beside wires,mass_kg=1,7",
+            "--beside wires,mass_kg=1,7: write 1.7 with a point",
+        ),
     ]);
 }
 
@@ -242,6 +300,10 @@ fn measurements_that_cannot_be_read() {
         (
             "words.csv",
             "words.csv, line 3: force_n is 'strong', must be a number",
+        ),
+        (
+            "comma.csv",
+            "comma.csv, line 2: force_n is '1,6', must be a number; write 1.6 with a point",
         ),
         ("header.csv", "no measurement"),
     ] {
@@ -321,6 +383,23 @@ fn files_that_are_none_and_what_is_too_long() {
     for (line, _) in refused {
         let ran = folder.run(line);
         assert!(ran.err.chars().count() < 700, "{ran:?}");
+    }
+}
+
+/// Also by the commands that drive no rig.
+#[test]
+fn a_doubt_about_a_unit_is_said_by_every_command() {
+    let folder = Folder::new()
+        .with("grams.toml", "preset = \"wires\"\nmass_kg = 298\n")
+        .with("record.csv", "time_s,force_n\n0,0\n1,0\n");
+    for line in [
+        "contact --set mass_kg=298 --speed 0.1 --quiet",
+        "drop --set mass_kg=298 --impacts 1 --quiet",
+        "identify record.csv --set mass_kg=298 --quiet",
+        "rigs grams.toml",
+    ] {
+        let ran = folder.run(line);
+        assert!(ran.err.starts_with("warning: mass_kg = 298"), "{ran:?}");
     }
 }
 

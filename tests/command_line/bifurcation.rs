@@ -22,6 +22,29 @@ fn the_doubling_is_listed_and_located() {
     assert!(number(doubling, "within_hz") < 1e-4);
 }
 
+/// What has not settled is not aperiodic, as `sweep` has it, and no regime changes there.
+#[test]
+fn a_run_too_short_to_settle_is_unsettled() {
+    let folder = Folder::new();
+    let line = "bifurcation --gap 0 --ratio 2.5:2.8:0.02 --cycles 20";
+    let rows = csv_rows(&folder.run(&format!("{line} --format csv")).well().out);
+    assert!(rows.iter().any(|row| row["regime"] == "unsettled"));
+    assert!(rows.iter().all(|row| row["regime"] != "aperiodic"));
+    let found = answer(line);
+    let diagram = &found["diagrams"][0];
+    assert!(number(diagram, "not_settled") > 0.0);
+    for change in diagram["changes"].as_array().expect("changes") {
+        assert!(
+            change["below"] != "aperiodic" && change["above"] != "aperiodic",
+            "{change}"
+        );
+    }
+    let one = folder
+        .run("bifurcation --gap 0 --ratio 2 --cycles 160")
+        .well();
+    assert!(one.out.contains("each from rest: 1 frequency\n"), "{one:?}");
+}
+
 #[test]
 fn several_gaps_and_directions_answer_one_after_the_other() {
     let folder = Folder::new();
@@ -158,8 +181,8 @@ fn bad_input_gets_one_line() {
             ("--ratio 0:1:0.5", "is not a positive value"),
             ("--ratio 1:2:0", "must be positive"),
             ("--ratio 1:2:1 --frequency 1:2:1", "cannot be used with"),
-            ("--recorded 0", "must be from 1 to --cycles"),
-            ("--recorded 400", "must be from 1 to --cycles"),
+            ("--recorded 0", "must be from 1 to the 300 drive cycles"),
+            ("--recorded 400", "must be from 1 to the 300 drive cycles"),
             ("--measured none.csv", "cannot read none.csv"),
             ("--measured no.csv", "no.csv, line 1"),
             (

@@ -166,6 +166,41 @@ fn a_bit_between_hammer_and_ground_takes_its_share() {
     );
 }
 
+/// What is asked for ends before the optimum, on every ground and with every cart.
+#[test]
+fn an_optimum_at_the_end_of_the_range_is_said_to_be_there() {
+    let line = "drill --threshold-n 25 --ratio 1.3:1.5:0.1 --settle 60 --threshold-percent 0 --ground-stiffness-percent 0";
+    let told = Folder::new().run(line).well().out;
+    for words in [
+        "(1.500 times the natural frequency, the end of the range)",
+        "34.7 % higher; there the rate is 385.5 % of that here",
+        "Hz, outside the range (+",
+        "(partly or wholly outside the range)",
+    ] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+}
+
+/// The best of all motions is no less than the best of one of them.
+#[test]
+fn no_gap_has_less_with_any_motion_than_with_one() {
+    let told = answer(
+        "drill --threshold-n 25 --gap 0:1:1 --ratio 2:2.5:0.25 --settle 60 --threshold-percent 0 --ground-stiffness-percent 0",
+    );
+    let rates = |key: &str| {
+        let rows = told[key].as_array().expect("rows");
+        let rates = rows
+            .iter()
+            .map(|r| number(r, "rate_of_penetration_um_per_s"));
+        rates.collect::<Vec<_>>()
+    };
+    let (ones, any) = (rates("gaps"), rates("gaps_any_regime"));
+    assert!(
+        ones.iter().zip(&any).all(|(one, any)| any >= one),
+        "{ones:?} {any:?}"
+    );
+}
+
 #[test]
 fn the_fastest_one_one_and_the_fastest_of_all_stand_side_by_side() {
     let folder = Folder::new();

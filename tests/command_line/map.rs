@@ -308,6 +308,15 @@ fn what_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
             ("--recorded 0", "--recorded is 0"),
             ("--cycles 50 --recorded 100", "--recorded is 100"),
             ("--settle 300", "must be more than the 300"),
+            // It may not name an option that was not given as if it was.
+            (
+                "--transient 900",
+                "--transient 900 leaves nothing of the 300 drive cycles of a run to record; give --cycles more than 900",
+            ),
+            (
+                "--recorded 900",
+                "must be from 1 to the 300 drive cycles of a run (--cycles)",
+            ),
             ("--cycles 0", "--cycles is 0"),
             ("--audit 0", "--audit is 0, must be from 1 to"),
             ("--audit 5 --from up", "leave one of the two out"),
@@ -371,4 +380,10 @@ fn the_strongest_one_one_and_the_strongest_of_all_are_two_answers() {
     let one = run(&Folder::new(), "map --gap 0 --ratio 1.5:2:0.5 --cycles 120");
     assert_eq!(one.matches("strongest").count(), 1, "{one}");
     assert!(one.contains("strongest of all: 1/1 with"), "{one}");
+    assert!(!one.contains("(has not settled)"), "{one}");
+    // One of each is named in the singular, and what has not settled is no answer to rely on.
+    let open = run(&Folder::new(), "map --gap 2.5 --ratio 4 --cycles 20");
+    assert!(open.contains(": 1 gap (2.5 mm) by 1 frequency ("), "{open}");
+    assert!(open.contains(" Hz), 1 cell\n"), "{open}");
+    assert!(open.contains("(Ω/ω 4.000) (has not settled)\n"), "{open}");
 }

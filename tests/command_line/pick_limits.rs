@@ -110,6 +110,13 @@ fn a_large_gap_is_told_for_what_it_is() {
     assert_eq!(limit(&a, "the reserve of 1 %")["binds"], true);
     let top = a["robust_band_hz"][1].as_f64().expect("a number");
     assert!((0.99 * top - number(&a, "operating_frequency_hz")).abs() < 1e-5 * top);
+    // Where the band is too narrow for that, it says so, and runs in the middle.
+    let narrow = answer("pick --gap 2.5 --natural-frequency-percent 21 --samples 0");
+    assert_eq!(limit(&narrow, "a reserve of less than 1 %")["binds"], true);
+    let band = |i: usize| narrow["robust_band_hz"][i].as_f64().expect("a number");
+    let middle = 0.5 * (band(0) + band(1));
+    assert!((number(&narrow, "operating_frequency_hz") - middle).abs() < 1e-6 * middle);
+    assert!(band(1) < 1.02 * band(0));
     // Not every corner of a cart that does not recoil gets there from rest: 31 of 32.
     let not_reaching =
         |a: &Value| number(a, "corners") - number(a, "corners_reaching_one_one_from_rest");
@@ -216,6 +223,9 @@ fn the_stroke_for_a_force_is_found() {
     );
     assert!(text.contains("force              150.0"), "{text}");
     assert!(text.contains("shaker enough      no: it needs "), "{text}");
+    // However small, the stroke is not none.
+    let tiny = folder.run("pick --nominal --want-force-n 0.001").well().out;
+    assert!(tiny.contains("for 0.001 N, give it 0.0000"), "{tiny}");
     let refused = folder.run("pick --want-force-n 150 --max-force-n 100");
     assert_eq!(refused.code, Some(2));
     assert!(refused.err.contains("--max-force-n"), "{refused:?}");

@@ -127,6 +127,23 @@ fn files_larger_than_the_limit_are_refused_in_one_line() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
+/// A log is written as it comes: the error then has the name asked for, not the temporary one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_log_that_does_not_fit_is_named_as_it_was_to_be() {
+    let folder = Folder::new();
+    let ran = in_a_shell(
+        &folder,
+        "ulimit -f 20;",
+        "emulate sudden-gap --quiet --out o",
+        "",
+    );
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert_eq!(ran.err.lines().count(), 1, "{ran:?}");
+    assert!(ran.err.contains("cannot write o/"), "{ran:?}");
+    assert!(!ran.err.contains(".writing-"), "{ran:?}");
+}
+
 /// A name that is not UTF-8 is a name like any other.
 #[cfg(target_os = "linux")]
 #[test]

@@ -23,6 +23,17 @@ fn chaos_has_a_positive_exponent_and_a_periodic_motion_a_negative_one() {
 }
 
 #[test]
+fn few_points_do_not_make_a_motion_aperiodic() {
+    let line = "poincare --ratio 2 --points 5 --transient 0";
+    assert_eq!(answer(line)["regime"], "unsettled");
+    let told = Folder::new().run(line).well().out;
+    assert!(
+        told.contains("unsettled: it has not repeated in the 5 drive periods recorded"),
+        "{told}"
+    );
+}
+
+#[test]
 fn sections_at_several_phases_come_with_pictures_and_tables() {
     let folder = Folder::new();
     folder

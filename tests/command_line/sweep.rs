@@ -26,6 +26,17 @@ fn up_and_down(line: &str) -> Vec<(f64, f64)> {
     up.iter().map(force).zip(down.iter().map(force)).collect()
 }
 
+/// The picture names what the table names.
+#[test]
+fn the_legend_has_what_has_not_settled() {
+    let folder = Folder::new();
+    folder
+        .run("sweep --ratio 2:2.2:0.1 --cycles 20 --transient 4 --out a --quiet")
+        .well();
+    let picture = folder.read_made("a/sweep", ".svg");
+    assert!(picture.contains("unsettled") && !picture.contains("aperiodic"));
+}
+
 #[test]
 fn a_large_gap_jumps_between_up_and_down_and_no_gap_does_not() {
     let worst = |line: &str| {

@@ -170,10 +170,10 @@ fn map(error: &MapError) -> String {
         ),
         MapError::NoCycles => "--cycles is 0, must be at least 1".to_owned(),
         MapError::Recorded { recorded, cycles } => {
-            format!("--recorded is {recorded}, must be from 1 to the {cycles} of --cycles")
+            format!("--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)")
         }
         MapError::Settle { settle, cycles } => {
-            format!("--settle is {settle}, must be more than the {cycles} of --cycles")
+            format!("--settle is {settle}, must be more than the {cycles} drive cycles of a run (--cycles)")
         }
         MapError::Tiles { range, count } => format!(
             "--tiles {}..{}: the map has tiles 0..{count}",
@@ -210,10 +210,14 @@ fn basins(error: BasinsError) -> String {
             columns.saturating_mul(rows)
         ),
         BasinsError::Recorded { recorded, cycles } => {
-            format!("--recorded is {recorded}, must be from 1 to the {cycles} of --cycles")
+            format!(
+                "--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)"
+            )
         }
         BasinsError::Until { until, cycles } => {
-            format!("--until is {until}, must be at least the {cycles} of --cycles")
+            format!(
+                "--until is {until}, must be at least the {cycles} drive cycles of a run (--cycles)"
+            )
         }
     }
 }

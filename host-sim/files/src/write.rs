@@ -277,7 +277,8 @@ impl Staged {
 impl Write for Staged {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         step()?;
-        self.file.write(bytes)
+        // Past the wrapper that would add the temporary name to an error.
+        self.file.as_file_mut().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {

@@ -25,6 +25,8 @@ pub struct NamedRig {
     pub overridden: Vec<String>,
     /// What its file states of its uncertainty.
     pub stated: Stated,
+    /// Whether its file, or what is set over it, states the shaker's largest force: else it is that of the preset, assumed.
+    pub shaker_force_told: bool,
 }
 
 impl NamedRig {
@@ -40,6 +42,7 @@ impl NamedRig {
             shaker,
             overridden: Vec::new(),
             stated: Stated::default(),
+            shaker_force_told: false,
         }
     }
 

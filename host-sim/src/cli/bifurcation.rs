@@ -14,6 +14,7 @@ use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
+use files::words::count;
 use numerics::bifurcation::answer::{Answer, DiagramAnswer};
 use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
 use numerics::lanes::CellPlan;
@@ -143,11 +144,11 @@ fn request(args: &Args) -> Result<DiagramRequest, UserError> {
     let recorded = args.recorded.unwrap_or(usual_recorded(args.cycles));
     if recorded == 0 || recorded > args.cycles {
         return Err(UserError::new(format!(
-            "--recorded is {recorded}, must be from 1 to --cycles ({})",
+            "--recorded is {recorded}, must be from 1 to the {} drive cycles of a run (--cycles)",
             args.cycles
         )));
     }
-    let given = args.rig.gaps_mm();
+    let given = args.rig.gaps_mm()?;
     let mut gaps_mm = given.unwrap_or_else(|| vec![numerics::row::tidy(rig.params.gap_m * 1e3)]);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
@@ -190,7 +191,7 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
     let mut text = String::new();
     for (found, diagram) in answer.diagrams.iter().zip(diagrams) {
         text += &format!(
-            "{}, gap {:?} mm, {}, {}: {} frequencies\n",
+            "{}, gap {:?} mm, {}, {}: {}\n",
             answer.rig,
             found.gap_mm,
             answer.cart.words(),
@@ -199,7 +200,7 @@ fn text(answer: &Answer, diagrams: &[Diagram]) -> String {
                 Direction::Up => "carried up",
                 Direction::Down => "carried down",
             },
-            found.frequencies
+            count(found.frequencies, "frequency")
         );
         let points = diagram.stations.iter().flat_map(|s| {
             let few = s.points.iter().rev().take(16);
@@ -256,8 +257,9 @@ fn changes_text(found: &DiagramAnswer) -> String {
     }
     if found.not_settled > 0 {
         text += &format!(
-            "  {} of {} frequencies had not settled\n",
-            found.not_settled, found.frequencies
+            "  {} of {} had not settled\n",
+            found.not_settled,
+            count(found.frequencies, "frequency")
         );
     }
     text

@@ -84,6 +84,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
         });
     }
     let rig = args.rig.load()?;
+    args.output.doubt(&rig);
     let own = rig.params.contact;
     Ok(Case {
         title: format!(
@@ -101,12 +102,13 @@ fn case(args: &Args) -> Result<Case, UserError> {
 }
 
 fn speeds(text: &str) -> Result<Vec<f64>, UserError> {
+    const SLOWEST: f64 = 1e-6;
     const FASTEST: f64 = 100.0;
     let bad = |what: String| UserError::new(format!("--speed {text}: {what}"));
     let speeds = range_or_value(text).map_err(bad)?;
-    match speeds.iter().find(|v| !(**v > 0.0 && **v <= FASTEST)) {
+    match speeds.iter().find(|v| !(SLOWEST..=FASTEST).contains(*v)) {
         Some(v) => Err(bad(format!(
-            "{v} m/s is not a speed above 0 and up to {FASTEST}"
+            "{v:?} m/s is not a speed from {SLOWEST:?} to {FASTEST} m/s"
         ))),
         None if speeds.len() > 10_000 => Err(bad(format!(
             "that is {} speeds, more than 10000; use a larger STEP",

@@ -154,6 +154,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
     let rig = args.rig.load()?;
+    output.doubt(&rig);
     let output = &output.about([&rig])?;
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;

@@ -96,6 +96,8 @@ struct Answer<'a> {
     gain_percent: f64,
     release_height_percent: f64,
     clock_percent: f64,
+    /// How much less stiffness and damping are if the cart was free to move: m over m + M, %.
+    free_cart_percent: f64,
     fits: Vec<Worded<'a>>,
 }
 
@@ -124,6 +126,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     let families = families(args)?;
     let rig = args.rig.load()?;
+    output.doubt(&rig);
     let output = &output.about([&rig])?;
     let signal = crate::record::read(file, |line| output.note(line))?;
     let settings = settings(args, &signal)?;
@@ -156,6 +159,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         gain_percent: settings.gain_percent,
         release_height_percent: settings.release_height_percent,
         clock_percent: settings.clock_percent,
+        free_cart_percent: 100.0 * rig.params.mass_kg
+            / (rig.params.mass_kg + rig.params.cart_mass_kg),
         fits: fits.iter().map(Worded::from).collect(),
     };
     refuse(&answer)?;
@@ -309,7 +314,7 @@ fn digits(estimate: &Estimate) -> usize {
 
 fn text(answer: &Answer) -> String {
     let mut text = format!(
-        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\ntaken as known (standard deviations): the sensor's gain to {} %, the height of the release to {} %, the clock to {} %\n",
+        "{}: impacts: {}, at {} samples a second, noise {} N\n{}, gap {} mm, released at {} mm\ntaken as known (standard deviations): the sensor's gain to {} %, the height of the release to {} %, the clock to {} %\nthe cart is taken to be held; if it was free to move, stiffness and damping are {} % less than what follows\n",
         answer.file,
         answer.impacts,
         short(answer.sampling_hz),
@@ -319,7 +324,8 @@ fn text(answer: &Answer) -> String {
         answer.release_mm,
         answer.gain_percent,
         answer.release_height_percent,
-        answer.clock_percent
+        answer.clock_percent,
+        significant(answer.free_cart_percent, 2)
     );
     for Worded { fit, warnings } in &answer.fits {
         text += &fit_text(fit, warnings);

@@ -8,13 +8,14 @@ use crate::pictures::drawn;
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::Progress;
 use files::UserError;
+use files::words::count;
 use numerics::engine::Start;
 use numerics::lyapunov::{self, Exponents};
 use numerics::pick::CartModel;
 use numerics::poincare::against::{self, Against, SectionSummary};
 use numerics::poincare::answer::Answer;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, portrait};
-use numerics::row::tidy;
+use numerics::row::{Outcome, tidy};
 use numerics::{Error, NamedRig};
 use plot::chart::Chart;
 
@@ -179,15 +180,24 @@ fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
 }
 
 fn text(answer: &Answer, portrait: &Portrait) -> String {
+    let regime = match answer.regime {
+        Outcome::Unsettled => format!(
+            "{}: it has not repeated in the {} recorded, which is too early to call it aperiodic; give a longer --transient or more --points",
+            answer.regime,
+            count(answer.points as usize, "drive period")
+        ),
+        known => format!(
+            "{known} over {}",
+            count(answer.points as usize, "drive period")
+        ),
+    };
     let mut text = format!(
-        "{}, gap {:?} mm, {}, {:.4} Hz ({:.4} times the natural frequency)\n  regime    {} over {} drive periods\n  force     {:.2} N, {:.3} times the hammer's weight\n",
+        "{}, gap {:?} mm, {}, {:.4} Hz ({:.4} times the natural frequency)\n  regime    {regime}\n  force     {:.2} N, {:.3} times the hammer's weight\n",
         answer.rig,
         answer.gap_mm,
         answer.cart.words(),
         answer.frequency_hz,
         answer.frequency_ratio,
-        answer.regime,
-        answer.points,
         answer.force_n,
         answer.force_ratio
     );
@@ -245,7 +255,7 @@ fn run_against(
 fn against_text(found: &Against, rows: &[SectionSummary]) -> String {
     let mut text = format!(
         "  the switch: regime {} over {} points\n\n  model                  width, m  repeats  steps/period  away, A0  boxes not shared  exponent/period\n",
-        found.exact.regime,
+        found.exact.outcome(),
         found.exact.sections[0].len()
     );
     for r in rows {

@@ -3,7 +3,7 @@
 use shared::model::contact::Law;
 use shared::model::params::{PRESETS, RigParams, SupportParams};
 
-use super::terminal::print;
+use super::terminal::{print, say};
 use files::UserError;
 use files::rigfile;
 
@@ -16,7 +16,13 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), UserError> {
     let text = match &args.name {
-        Some(name) => rigfile::to_toml(&rigfile::load(name, &[])?),
+        Some(name) => {
+            let rig = rigfile::load(name, &[])?;
+            rigfile::doubts(&rig.params)
+                .iter()
+                .for_each(|line| say(line));
+            rigfile::to_toml(&rig)
+        }
         None => {
             let mut text = String::from("rig       natural frequency  hangs on\n");
             for (name, params) in PRESETS {

@@ -9,6 +9,7 @@ use crate::pictures::drawn;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
 use files::table::to_csv;
+use files::words::count;
 use numerics::NamedRig;
 use numerics::engine::answer::{Answer, SectionRow, contact_rows, section_rows};
 use numerics::engine::{Recorder, Sample, Start, machine, observe};
@@ -132,11 +133,6 @@ fn last_contact(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
     Some(points)
 }
 
-/// "1 contact", "2 contacts".
-fn count(n: u32, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
 /// Why nothing is known of a motion that does not repeat.
 fn unsettled(answer: &Answer) -> String {
     let recorded = answer.cycles - answer.transient;
@@ -171,8 +167,8 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
         Regime::Chatter { .. } => format!("{} contacts that die out into a stay", row.impacts),
         Regime::Periodic { .. } => format!(
             "{} in {}",
-            count(u32::from(row.impacts), "contact"),
-            count(u32::from(row.periods.unwrap_or(0)), "drive period")
+            count(usize::from(row.impacts), "contact"),
+            count(usize::from(row.periods.unwrap_or(0)), "drive period")
         ),
     };
     text += &format!("  regime         {}: {meaning}\n", row.outcome());

@@ -7,6 +7,7 @@ use crate::pictures::drawn;
 use crate::pictures::trials::figure;
 use crate::progress::Progress;
 use emulator::trials::{Believed, Distribution, Outcome, RIGS, Row, Trial, run_all};
+use files::words::count;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
 
@@ -131,9 +132,9 @@ fn lines(rigs: &[&str], outcomes: &[Outcome]) -> Vec<Line> {
 
 fn text(args: &Args, lines: &[Line]) -> String {
     let mut text = format!(
-        "{} trials of {} s, seed {}: Hold, s after the start, and force from Hold on over the true optimum's\n\n\
+        "{} of {} s, seed {}: Hold, s after the start, and force from Hold on over the true optimum's\n\n\
          {:<9} {:>6} {:>5} {:>6} {:>5}  {:>7} {:>7} {:>7}  {:>7} {:>7} {:>7}  {:>8} {:>8}\n",
-        args.count,
+        count(args.count as usize, "trial"),
         args.seconds,
         args.seed,
         "rig",

@@ -12,7 +12,7 @@ use numerics::bifurcation::{Diagram, DiagramRequest, changes, diagrams, rows};
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
 use numerics::lyapunov;
-use numerics::row::kind;
+use numerics::row::{Outcome, kind};
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 use shared::model::regime::Regime;
@@ -259,7 +259,10 @@ fn tell(
     text += &match twofold.first() {
         None => "; carried up and down agree everywhere: no jump".to_owned(),
         Some(t) => {
-            let orderly = |r: Regime| r.is(1, 1) || r.is(1, 2) || r.is(2, 2);
+            let orderly = |ended: Outcome| match ended {
+                Outcome::Regime(r) => r.is(1, 1) || r.is(1, 2) || r.is(2, 2),
+                _ => false,
+            };
             let inside = twofold.iter().any(|t| orderly(t.up) || orderly(t.down));
             format!(
                 "; ranges of frequency in which carried up and down differ: {share}, the first from {:.3} to {:.3} Hz (up {}, down {}){}",

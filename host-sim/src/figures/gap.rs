@@ -8,6 +8,7 @@ use crate::words::gaps::GapTable;
 use files::UserError;
 use files::rigfile;
 use files::table::to_csv;
+use numerics::pick::CartModel;
 use numerics::pick::gaps::advise;
 use numerics::pick::{Limits, Springs, Uncertainty};
 
@@ -38,7 +39,7 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         progress,
     )?;
     let advice = GapTable::from(&advice);
-    let picture = figure(&advice);
+    let picture = figure(&advice, CartModel::Prescribed.words());
     let mut files = drawn("figure-gap-advice", &picture)?;
     files.push(("figure-gap-advice.csv".to_owned(), to_csv(&advice.gaps)));
     Ok(vec![Page {

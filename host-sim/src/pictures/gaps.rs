@@ -3,12 +3,12 @@
 use crate::words::gaps::{GapRow, GapTable};
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
-/// Four panels over the gap; gaps that jump carry an orange diamond.
-pub fn figure(advice: &GapTable) -> Figure {
+/// Four panels over the gap; gaps that jump carry an orange diamond. `cart` is how a heading says it moves.
+pub fn figure(advice: &GapTable, cart: &str) -> Figure {
     let rig = advice.gaps.first().map_or("", |row| row.rig.as_str());
     let title = match advice.advised_gap_mm {
-        Some(gap) => format!("Run the {rig} hammer at a gap of {gap:?} mm"),
-        None => format!("No gap for the {rig} hammer"),
+        Some(gap) => format!("Run the {rig} hammer at a gap of {gap:?} mm ({cart})"),
+        None => format!("No gap for the {rig} hammer ({cart})"),
     };
     Figure::new(title)
         .subtitle(advice.why.clone())

@@ -3,6 +3,7 @@
 use shared::model::regime::Regime;
 
 use crate::pictures::regimes::{regime_color, regime_group, regime_raster};
+use files::words::count;
 use numerics::map::Map;
 use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
@@ -137,12 +138,12 @@ fn figure(map: &Map, what: &str) -> Figure {
     };
     Figure::new(format!("{}, {}: {what}", named(map), map.from.words()))
         .subtitle(format!(
-            "{} gaps ({} mm) by {} frequencies ({} Hz): {} simulations.",
-            gaps.len(),
+            "{} ({} mm) by {} ({} Hz): {}.",
+            count(gaps.len(), "gap"),
             text(gaps),
-            hz.len(),
+            count(hz.len(), "frequency"),
             text(hz),
-            map.cells.len()
+            count(map.cells.len(), "simulation")
         ))
         .size(1100, 760)
 }

@@ -1,6 +1,6 @@
 //! The picture of the operating point over a parameter: force, frequency, stability and power.
 
-use crate::words::over::{OverRow, summary};
+use crate::words::over::{OverRow, of_rig, summary};
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 
 /// What is drawn.
@@ -18,11 +18,11 @@ impl Over<'_> {
     pub fn figure(&self) -> Figure {
         let first = self.rows.first();
         let title = first.map_or(String::new(), |row| {
-            let gap = match row.parameter.as_str() {
-                "gap_mm" => String::new(),
-                _ => format!(", gap {:?} mm", row.gap_mm),
-            };
-            format!("{}{gap}: where to run, over {}", row.rig, row.parameter)
+            format!(
+                "{}: where to run, over {}",
+                of_rig(self.rows),
+                row.parameter
+            )
         });
         Figure::new(title)
             .subtitle(summary(self.rows))
@@ -50,7 +50,7 @@ impl Over<'_> {
         let low = ends.clone().fold(f64::INFINITY, f64::min);
         let high = ends.fold(f64::NEG_INFINITY, f64::max);
         match self.own.filter(|own| (low..=high).contains(own)) {
-            Some(own) => panel.item(Item::mark_x("the rig's", own)),
+            Some(own) => panel.item(Item::mark_x("this rig", own)),
             None => panel,
         }
     }
@@ -74,14 +74,17 @@ impl Over<'_> {
             panel
         };
         let jumping = |row: &OverRow| row.force_ratio.filter(|_| row.jumps == Some(true));
-        self.curve(panel, "at the pick", |r| r.force_ratio)
-            .item(Item::Points {
-                points: self.points(jumping),
-                color: Color::ORANGE,
-                label: "the hammer jumps".to_owned(),
-                radius: 5.0,
-                mark: Mark::Diamond,
-            })
+        let panel = self.curve(panel, "at the pick", |r| r.force_ratio);
+        if !self.rows.iter().any(|row| jumping(row).is_some()) {
+            return panel;
+        }
+        panel.item(Item::Points {
+            points: self.points(jumping),
+            color: Color::ORANGE,
+            label: "the hammer jumps".to_owned(),
+            radius: 5.0,
+            mark: Mark::Diamond,
+        })
     }
 
     fn frequency(&self) -> Panel {

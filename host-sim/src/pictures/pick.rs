@@ -4,7 +4,7 @@ use crate::pictures::regimes::{OTHER_PERIODIC, regime_points, regime_rings};
 use files::words::digits::Digits;
 use files::words::pick::{other_cart, why};
 use numerics::pick::{CartModel, Pick};
-use numerics::row::Row;
+use numerics::row::{Outcome, Row};
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
@@ -33,9 +33,13 @@ pub fn figure(picks: &[Pick]) -> Figure {
             let why = why(&one.answer);
             format!("{why} {cart}. {MARKS}")
         }
-        _ => format!(
-            "Contact force over drive frequency: the strongest stable 1/1 that holds over the stated uncertainty. {MARKS}"
-        ),
+        _ => {
+            let over = match picks.iter().any(|pick| pick.answer.uncertainty.is_some()) {
+                true => " that holds over the stated uncertainty",
+                false => " of the nominal rigs",
+            };
+            format!("Contact force over drive frequency: the strongest stable 1/1{over}. {MARKS}")
+        }
     };
     let columns = if picks.len() > 1 { 2 } else { 1 };
     let size = if picks.len() > 1 {
@@ -52,9 +56,10 @@ pub fn figure(picks: &[Pick]) -> Figure {
         figure = figure.panel(if picks.len() > 1 {
             let a = &pick.answer;
             one.titled(format!(
-                "{}, gap {:?} mm: {} Hz",
+                "{}, gap {:?} mm, {}: {} Hz",
                 a.rig,
                 a.gap_mm,
+                a.cart.words(),
                 Digits::of(a).run_at(a)
             ))
         } else {
@@ -126,14 +131,14 @@ fn panel(pick: &Pick) -> Panel {
 }
 
 /// The name of a regime in a legend. The rarer periodic ones share a name, so that the legend stays short.
-fn legend(regime: Regime) -> String {
-    match regime {
-        Regime::Periodic {
+fn legend(outcome: Outcome) -> String {
+    match outcome {
+        Outcome::Regime(Regime::Periodic {
             impacts: 1 | 2,
             periods: 1 | 2,
-        } => regime.to_string(),
-        Regime::Periodic { .. } => OTHER_PERIODIC.to_owned(),
-        _ => regime.to_string(),
+        }) => outcome.to_string(),
+        Outcome::Regime(Regime::Periodic { .. }) => OTHER_PERIODIC.to_owned(),
+        _ => outcome.to_string(),
     }
 }
 
@@ -142,7 +147,7 @@ pub fn by_regime<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(String, Vec<(f
     let mut groups: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for row in rows.filter(|row| !row.failed) {
         let point = (row.frequency_hz, row.force_ratio);
-        let label = legend(row.regime);
+        let label = legend(row.outcome());
         match groups.iter_mut().find(|(known, _)| *known == label) {
             Some((_, points)) => points.push(point),
             None => groups.push((label, vec![point])),

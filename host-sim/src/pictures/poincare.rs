@@ -69,14 +69,14 @@ fn headed(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figu
     ))
     .subtitle(format!(
         "Drive at {ratio:.4} times the natural frequency; regime {} over {} drive periods after {} more.",
-        portrait.regime, request.points, request.transient
+        portrait.outcome(), request.points, request.transient
     ))
 }
 
 /// The phase plane and every section.
 pub fn figure(rig: &NamedRig, request: &SectionRequest, portrait: &Portrait) -> Figure {
     let gap = request.params.gap_m * 1e3;
-    let regime = portrait.regime.to_string();
+    let regime = portrait.outcome().to_string();
     let mut figure = headed(rig, request, portrait).columns(2).panel(
         Panel::new(Axis::new(DISPLACEMENT), Axis::new(VELOCITY))
             .titled(format!("Phase plane, {TRAJECTORY_PERIODS} drive periods"))

@@ -73,6 +73,10 @@ pub fn regime_group(regime: &str) -> &'static str {
 
 /// Colour, point shape and line break of a regime; see [`regime_group`] for the names.
 pub fn regime_style(regime: &str) -> Style {
+    // Of a run that has not settled the regime is not known.
+    if regime == "unsettled" {
+        return look(Color::GREY, Mark::Cross, Stroke::Dotted);
+    }
     let group = regime_group(regime);
     let found = REGIMES.iter().find(|(name, _)| *name == group);
     found.map_or(REGIMES[REGIMES.len() - 1].1, |(_, style)| *style)

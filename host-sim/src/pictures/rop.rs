@@ -12,6 +12,13 @@ pub fn figure(pick: &RopPick) -> Figure {
         CartModel::Recoil => "recoils",
         CartModel::Prescribed => "is prescribed",
     };
+    let over = match a.uncertainty {
+        Some(_) => format!(
+            ", {:.1} to {:.1} over the uncertainty",
+            g.rate_worst_um_per_s, g.rate_largest_um_per_s
+        ),
+        None => String::new(),
+    };
     let panel = Panel::new(
         Axis::new("drive frequency, Hz"),
         Axis::new("rate of penetration, µm/s").with_zero(),
@@ -35,10 +42,8 @@ pub fn figure(pick: &RopPick) -> Figure {
         a.rig, a.operating_frequency_hz, g.threshold_n, a.gap_mm
     ))
     .subtitle(format!(
-        "{:.1} µm/s, {:.1} to {:.1} over the uncertainty, {:.2} µm and {:.3} mJ with each blow. Ground {:e} N/m, {:?} N·s/m{}. The cart {cart}.",
+        "{:.1} µm/s{over}, {:.2} µm and {:.3} mJ with each blow. Ground {:e} N/m, {:?} N·s/m{}. The cart {cart}.",
         g.rate_of_penetration_um_per_s,
-        g.rate_worst_um_per_s,
-        g.rate_largest_um_per_s,
         g.progress_per_blow_um,
         g.energy_per_blow_mj,
         g.ground_stiffness_n_per_m,

@@ -1,6 +1,7 @@
 //! The picture of many trials: how soon they hold, and how hard they strike from then on.
 
 use emulator::trials::Outcome;
+use files::words::count;
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Share of the trials that hold by a time, and share of them that keep at least a share of the optimum's force.
@@ -33,7 +34,7 @@ pub fn figure(rigs: &[&str], outcomes: &[Outcome], seconds: f64) -> Figure {
         time = time.item(Item::line(rig, color, stairs(times.collect())));
         share = share.item(Item::line(rig, color, stairs(shares.collect())));
     }
-    Figure::new(format!("{held} of {} trials end in Hold", outcomes.len()))
+    Figure::new(format!("{held} of {} end in Hold", count(outcomes.len(), "trial")))
         .subtitle(format!(
             "Cold starts of {seconds} s on rigs that differ at random from what the controller believes, with 2 % noise"
         ))

@@ -143,14 +143,20 @@ fn course(
     if most.1 - least.1 <= hair {
         return Some(format!("stays at {}{unit}", shown(first)));
     }
-    let one_way = |sign: f64| known.windows(2).all(|w| sign * (w[1].1 - w[0].1) >= -hair);
+    // Held against the farthest so far: many small steps back are a way back.
+    let sign = (last - first).signum();
+    let mut farthest = f64::NEG_INFINITY;
+    let one_way = known.iter().all(|(_, y)| {
+        farthest = farthest.max(sign * y);
+        sign * y >= farthest - hair
+    });
     let percent = 100.0 * (last / first - 1.0);
     let places = if percent.abs() < 9.95 { 1 } else { 0 };
     let change = |which| format!("({:.places$} % {which})", percent.abs());
     let (from, to) = (shown(first), shown(last));
-    Some(if one_way(1.0) {
+    Some(if one_way && sign > 0.0 {
         format!("rises from {from} to {to}{unit} {}", change(higher))
-    } else if one_way(-1.0) {
+    } else if one_way {
         format!("falls from {from} to {to}{unit} {}", change(lower))
     } else {
         format!(
@@ -161,6 +167,24 @@ fn course(
             significant(most.0, 4)
         )
     })
+}
+
+/// Rig, gap and cart of the rows, as a heading has them.
+pub fn of_rig(rows: &[OverRow]) -> String {
+    let Some(first) = rows.first() else {
+        return String::new();
+    };
+    let gap = match first.parameter.as_str() {
+        "gap_mm" => String::new(),
+        _ => format!(", gap {:?} mm", first.gap_mm),
+    };
+    let cart = rows.iter().find_map(|row| row.cart.as_deref());
+    let cart = match cart {
+        Some("recoil") => ", cart recoils",
+        Some(_) => ", cart prescribed",
+        None => "",
+    };
+    format!("{}{gap}{cart}", first.rig)
 }
 
 /// What `rows` say together: where frequency and force go from the least value of the parameter to the largest.
@@ -254,6 +278,16 @@ mod tests {
             told(0.4, (3.6710, 93.1, 23.8)),
             told(0.2, (3.6863, 83.2, 42.4)),
         ];
+        // In steps so small that each by itself would be called no change.
+        let slow: Vec<_> = (0..9)
+            .map(|k| f64::from(k) / 8.0)
+            .map(|x| told(0.2 + 0.2 * x, (3.6863 - 0.0153 * x, 83.2, 42.4)))
+            .collect();
+        let text = summary(&slow);
+        assert!(
+            text.contains("falls from 3.686 to 3.671 Hz (0.4 % lower)"),
+            "{text}"
+        );
         let turns = [
             told(0.2, (3.0, 80.0, 20.0)),
             told(0.3, (3.0, 120.0, 20.001)),

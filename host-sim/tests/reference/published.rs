@@ -223,7 +223,7 @@ fn folds_are_the_published_ones() {
     for row in &FOLDS {
         let found = TIMES.map(|times| row.special(Special::Fold, times));
         println!("ω {}: {:.1e}", row.omega, limit(found) / row.force - 1.0);
-        close("fold", limit(found), row.force, 1e-9);
+        close("fold", limit(found), row.force, 1e-10);
         for (now, then) in found.iter().zip(&found[1..]) {
             let order = ((now / row.force - 1.0) / (then / row.force - 1.0)).log2();
             assert!(

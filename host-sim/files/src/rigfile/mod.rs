@@ -38,11 +38,12 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
             name.to_owned(),
             with_shaker(params),
             Stated::default(),
+            false,
             settings,
         ),
         None => {
-            let (name, params, stated) = read(Path::new(name))?;
-            set_over(name, params, stated, settings)
+            let path = Path::new(name);
+            load_text(&path.display().to_string(), &read(path)?, settings)
         }
     }
 }
@@ -53,13 +54,25 @@ pub fn load(name: impl AsRef<OsStr>, settings: &[String]) -> Result<NamedRig, Us
 /// As [`load`].
 pub fn load_text(place: &str, text: &str, settings: &[String]) -> Result<NamedRig, UserError> {
     let (params, stated) = parse_whole(text, place)?;
-    set_over(stem(Path::new(place)), params, stated, settings)
+    set_over(
+        stem(Path::new(place)),
+        params,
+        stated,
+        tells_shaker_force(text),
+        settings,
+    )
+}
+
+/// Whether the text of a rig file has the shaker's largest force.
+fn tells_shaker_force(text: &str) -> bool {
+    line_of_key(text, "shaker_max_force_n").is_some()
 }
 
 fn set_over(
     name: String,
     mut params: RigParams,
     stated: Stated,
+    shaker_force_told: bool,
     settings: &[String],
 ) -> Result<NamedRig, UserError> {
     if !settings.is_empty() {
@@ -74,6 +87,8 @@ fn set_over(
     }
     let mut rig = NamedRig::new(titled(&name, settings), params).prescribed();
     rig.stated = stated;
+    let told = |set: &String| set.trim_start().starts_with("shaker_max_force_n");
+    rig.shaker_force_told = shaker_force_told || settings.iter().any(told);
     rig.overridden = settings.iter().map(|set| tidied(set)).collect();
     Ok(rig)
 }
@@ -173,9 +188,16 @@ pub fn shown(params: &RigParams, key: &str) -> Option<String> {
 
 /// A rig as a TOML file to start from, every parameter with its meaning.
 pub fn to_toml(rig: &NamedRig) -> String {
+    // Of any other rig, a file cannot begin with its name.
+    let is_preset = preset(&rig.name) == Some(rig.clone().prescribed().params);
+    let begin = if is_preset {
+        let name = &rig.name;
+        format!("# A file may also begin with preset = \"{name}\" and name only what differs.\n")
+    } else {
+        String::new()
+    };
     format!(
-        "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n# A file may also begin with preset = \"{}\" and name only what differs.\n\n{}{}",
-        rig.name,
+        "# Rig \"{}\". Use it with: host-sim pick --rig FILE.toml\n{begin}\n{}{}",
         rig.name,
         lines(&rig.recoiling().as_ref().unwrap_or(rig).params),
         uncertainty::lines(&rig.stated)
@@ -183,7 +205,7 @@ pub fn to_toml(rig: &NamedRig) -> String {
 }
 
 /// The name and the rig of a file, and what it states of its uncertainty.
-fn read(path: &Path) -> Result<(String, RigParams, Stated), UserError> {
+fn read(path: &Path) -> Result<String, UserError> {
     let place = path.display().to_string();
     let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
     if !looks_like_a_file && !path.exists() {
@@ -194,9 +216,7 @@ fn read(path: &Path) -> Result<(String, RigParams, Stated), UserError> {
             names.join(", ")
         )));
     }
-    let text = read_text(path)?;
-    let (params, stated) = parse_whole(&text, &place)?;
-    Ok((stem(path), params, stated))
+    read_text(path)
 }
 
 /// The name of the rig in a file.
@@ -344,6 +364,16 @@ mod tests {
                 assert_eq!(back.params, rig.params, "{name}");
             }
         }
+    }
+
+    #[test]
+    fn only_a_preset_is_said_to_be_one() {
+        let said = "preset = ";
+        for (name, _) in PRESETS {
+            assert!(to_toml(&load(name, &[]).unwrap()).contains(said), "{name}");
+        }
+        let mine = file("preset = \"wires\"\nmass_kg = 0.5\n").unwrap();
+        assert!(!to_toml(&mine).contains(said), "{}", to_toml(&mine));
     }
 
     #[test]

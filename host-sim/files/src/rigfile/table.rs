@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
 use shared::model::contact::Law;
-use shared::model::params::{LAWS, RigParams, SupportParams, Torque};
+use shared::model::params::{LAWS, ParamError, RigParams, SupportParams, Torque};
 use toml::Value;
 
 use crate::decimal::comma;
@@ -170,8 +170,18 @@ pub(super) fn from_table(table: &Table) -> Result<RigParams, NoRig> {
         );
         return Err(NoRig::new(key, line));
     }
-    params.check()?;
-    Ok(params)
+    // The complaint names the frequency that was given, not the length computed from it.
+    let by_frequency = !table.contains_key("wire_length_mm");
+    match params.check() {
+        Err(error) if by_frequency && error.key == "wire_length_mm" => Err(ParamError {
+            key: "natural_frequency_hz",
+            value: params.natural_frequency_hz(),
+            must_be: "that of wires from 0.1 to 1e5 mm long",
+        }
+        .into()),
+        Err(error) => Err(error.into()),
+        Ok(()) => Ok(params),
+    }
 }
 
 fn support_from(table: &mut Table) -> Result<SupportParams, NoRig> {

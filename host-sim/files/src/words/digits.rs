@@ -38,11 +38,17 @@ impl Digits {
         let half_hz = answer.operating_frequency_hz * percent / 100.0;
         let half_ratio = 0.5 * (answer.force_ratio_largest - answer.force_ratio_worst);
         let half_n = half_ratio * answer.force_n / answer.force_ratio;
+        // Two digits of the nominal value at least, and one of the weakest: 2.42 is not 2, and 0.4 not 0.
+        let weakest = answer.force_ratio_worst / answer.force_ratio;
+        let of = |half: f64, value: f64, most: usize| {
+            let least = places(value, 2).max(places(weakest * value, 1));
+            decimals(half, most).max(least).min(most)
+        };
         Self {
             frequency: decimals(half_hz, EXACT.frequency),
             ratio: 2,
-            force_ratio: decimals(half_ratio, EXACT.force_ratio),
-            force_n: decimals(half_n, EXACT.force_n),
+            force_ratio: of(half_ratio, answer.force_ratio, EXACT.force_ratio),
+            force_n: of(half_n, answer.force_n, EXACT.force_n),
             others: 2,
         }
     }
@@ -60,8 +66,33 @@ impl Digits {
             let shown = format!("{hz:.decimals$}").parse::<f64>();
             shown.is_ok_and(|shown| (low..=high).contains(&shown))
         };
-        let decimals = (self.frequency..=EXACT.frequency).find(kept);
-        format!("{hz:.*}", decimals.unwrap_or(EXACT.frequency))
+        match (self.frequency..=EXACT.frequency).find(kept) {
+            Some(decimals) => format!("{hz:.decimals$}"),
+            // On an end of the band: rounded into it.
+            None => {
+                let scale = 10f64.powi(EXACT.frequency as i32);
+                let into = match hz - low < high - hz {
+                    true => (hz * scale - 1e-6).ceil(),
+                    false => (hz * scale + 1e-6).floor(),
+                };
+                format!("{:.*}", EXACT.frequency, into / scale)
+            }
+        }
+    }
+
+    /// The safe band, in as many digits as it takes for the frequency to run at to lie in it.
+    pub fn safe_band(self, answer: &Answer) -> String {
+        let hz = answer.operating_frequency_hz;
+        let [low, high] = answer.safe_band_hz;
+        let within = |frequency: &usize| {
+            let scale = 10f64.powi(*frequency as i32);
+            ((low * scale - 1e-6).ceil()..=(high * scale + 1e-6).floor()).contains(&(hz * scale))
+        };
+        let frequency = (self.frequency..=EXACT.frequency).find(within);
+        match frequency {
+            Some(frequency) => Self { frequency, ..self }.band([low, high]),
+            None => format!("{low:.4} to {high:.4}"),
+        }
     }
 
     /// A band of frequencies, rounded inwards: "3.34 to 4.03".
@@ -90,6 +121,15 @@ pub fn decimals(half_width: f64, most: usize) -> usize {
     }
     let place = -half_width.log10().floor();
     (place.max(0.0) as usize).min(most)
+}
+
+/// Decimals that show `digits` significant digits of `value`; none for 0 or less.
+fn places(value: f64, digits: i32) -> usize {
+    if value > 0.0 {
+        (digits - 1 - value.log10().floor() as i32).max(0) as usize
+    } else {
+        0
+    }
 }
 
 /// `value` with `digits` significant digits, without an exponent.

@@ -1,6 +1,6 @@
 //! Why this frequency, in one sentence.
 
-use super::digits::Digits;
+use super::digits::{Digits, significant};
 use numerics::pick::{Answer, CartModel};
 use serde::Serialize;
 
@@ -92,6 +92,12 @@ pub fn why(answer: &Answer) -> String {
 fn strongest_of(answer: &Answer) -> String {
     let binding = answer.limits.iter().filter(|l| l.binds).map(|l| l.name);
     let binding: Vec<_> = binding.collect();
+    if answer.amplitude_lowered && answer.wanted_force_n.is_none() {
+        return format!(
+            "The shaker's force limits the stroke to {} mm; at this stroke it is the strongest stable 1/1 that is allowed",
+            significant(answer.shaker.stroke_mm, 3)
+        );
+    }
     match (binding.as_slice(), &answer.uncertainty) {
         ([], None) => "It is the strongest stable 1/1 of the nominal rig".to_owned(),
         ([], Some(_)) => {
@@ -99,7 +105,7 @@ fn strongest_of(answer: &Answer) -> String {
                 .to_owned()
         }
         (names, _) => format!(
-            "It is the strongest stable 1/1 that {} {} ({:.*} times the weight at {} Hz without)",
+            "It is the strongest stable 1/1 that {} {} ({:.*} times the weight at {} Hz for the nominal rig without any limit)",
             names.join(" and "),
             if names.len() == 1 { "allows" } else { "allow" },
             Digits::of(answer).force_ratio,

@@ -38,7 +38,7 @@ pub struct DiagramAnswer {
     pub direction: &'static str,
     /// Drive frequencies.
     pub frequencies: usize,
-    /// Frequencies at which the section had not converged.
+    /// Frequencies at which nothing repeated and the motion still changed.
     pub not_settled: usize,
     /// Where the number of branches changes, or one breaks off.
     pub changes: Vec<Change>,
@@ -61,11 +61,7 @@ impl Answer {
             gap_mm: d.gap_mm,
             direction: d.direction.name(),
             frequencies: d.stations.len(),
-            not_settled: d
-                .stations
-                .iter()
-                .filter(|s| !s.settled && !s.row.failed)
-                .count(),
+            not_settled: d.stations.iter().filter(|s| s.row.unsettled).count(),
             changes: d.changes.clone(),
             measured_displacement_mm: measured
                 .filter(|m| !m.displacement_mm.is_empty())

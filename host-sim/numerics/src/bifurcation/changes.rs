@@ -7,7 +7,7 @@ use shared::model::regime::Regime;
 use super::{Diagram, Station};
 use crate::error::Error;
 use crate::lanes::{Cell, Outcome};
-use crate::row::{kind, regime_as_text};
+use crate::row::{Outcome as Ended, kind, regime_as_text};
 
 /// What happens between two neighbouring frequencies, read by rising frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -87,11 +87,9 @@ pub struct Twofold {
     /// Last frequency, Hz.
     pub to_hz: f64,
     /// Regime carried up, at the first.
-    #[serde(serialize_with = "regime_as_text")]
-    pub up: Regime,
+    pub up: Ended,
     /// Regime carried down, at the first.
-    #[serde(serialize_with = "regime_as_text")]
-    pub down: Regime,
+    pub down: Ended,
 }
 
 /// Frequencies a regime must last for to count as lasting.
@@ -110,7 +108,8 @@ const HALVINGS: usize = 10;
 /// Every change between neighbouring stations, not narrowed down.
 ///
 /// Beside a doubling transients are long: a few stations there may not have settled. Where they alone part a motion from
-/// the same one doubled or halved, that is one change.
+/// the same one doubled or halved, that is one change. Of stations none of which has settled nothing is known: there is no
+/// change to or from them.
 pub fn find(diagram: &Diagram) -> Vec<Change> {
     let stations = &diagram.stations;
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
@@ -120,7 +119,9 @@ pub fn find(diagram: &Diagram) -> Vec<Change> {
             _ => runs.push(k..k + 1),
         }
     }
-    let unsettled = |run: &std::ops::Range<usize>| {
+    let known =
+        |run: &std::ops::Range<usize>| !stations[run.clone()].iter().all(|s| s.row.unsettled);
+    let few = |run: &std::ops::Range<usize>| {
         let first = &stations[run.start];
         run.len() < LASTING && !first.row.failed && label(first) == APERIODIC
     };
@@ -132,12 +133,13 @@ pub fn find(diagram: &Diagram) -> Vec<Change> {
         let leaping = (run.start + 1..run.end).filter(|k| leaps(stations, *k, amplitude_mm));
         changes.extend(leaping.map(|k| change(diagram, k - 1..k, Kind::Jump, run.len() > LASTING)));
         let next = |ahead: usize| runs.get(at + ahead);
-        let over = next(1).filter(|r| unsettled(r)).and_then(|_| next(2));
+        let over = next(1).filter(|r| few(r)).and_then(|_| next(2));
         let ahead = match over.map(|r| between(&stations[run.end - 1], &stations[r.start])) {
             Some(Some(Kind::Doubling | Kind::Halving)) => 2,
+            Some(_) if next(1).is_some_and(|r| !known(r)) => 2,
             _ => 1,
         };
-        if let Some(other) = next(ahead) {
+        if let Some(other) = next(ahead).filter(|other| known(&run) && known(other)) {
             let span = run.end - 1..other.start;
             if let Some(kind) = between(&stations[span.start], &stations[span.end]) {
                 let long = |run: &[Station]| run.len() >= LONG && run[0].row.periods.is_some();
@@ -318,8 +320,8 @@ pub fn twofold(up: &Diagram, down: &Diagram) -> Vec<Twofold> {
         gap_mm: up.gap_mm,
         from_hz: up_rows[r[0]].frequency_hz,
         to_hz: up_rows[r[r.len() - 1]].frequency_hz,
-        up: up_rows[r[0]].regime,
-        down: down_rows[r[0]].regime,
+        up: up_rows[r[0]].outcome(),
+        down: down_rows[r[0]].outcome(),
     };
     ranges.map(range).collect()
 }

@@ -9,11 +9,14 @@ pub mod answer;
 pub mod changes;
 pub mod measured;
 
+use std::f64::consts::TAU;
+
 use serde::Serialize;
 use shared::model::params::RigParams;
+use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, still_changes};
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
 use crate::pick::CartModel;
@@ -35,7 +38,7 @@ pub struct PointRow {
     pub frequency_hz: f64,
     /// Ω/ω.
     pub frequency_ratio: f64,
-    /// Regime over the recorded periods; "failed", in the one row of a run that could not be followed.
+    /// Regime over the recorded periods; "unsettled" and "failed" as in a sweep, the latter in the one row of a run that could not be followed.
     pub regime: Ended,
     /// Displacement at drive phase 0 relative to the cart (prescribed: in the fixed frame, too), mm.
     pub displacement_mm: Option<f64>,
@@ -71,8 +74,6 @@ pub struct Station {
     pub row: Row,
     /// Points of the section, oldest first: as many as the motion has periods; if it does not repeat, all recorded.
     pub points: Vec<Point>,
-    /// Whether the section had converged.
-    pub settled: bool,
     /// Coordinate and rate it began from.
     pub start: [f64; 2],
     /// Coordinate and rate at the end.
@@ -281,7 +282,6 @@ fn ended(
         None => Ok(Station {
             row: Row::failed(rig_name, &cell.params, cell.frequency_hz),
             points: Vec::new(),
-            settled: false,
             start: cell.start,
             end: chain.rest,
         }),
@@ -300,6 +300,11 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
     };
     let repeats = outcome.regime.periods().map_or(usize::MAX, usize::from);
     let from = outcome.strobes.len().saturating_sub(repeats);
+    let section: Vec<[f64; 2]> = outcome.strobes.iter().map(|s| [s.q, s.v]).collect();
+    let before = (outcome.cycles as usize).saturating_sub(section.len());
+    let scale = rig.coordinate_scale();
+    let units = [scale, scale * TAU * cell.frequency_hz];
+    let aperiodic = matches!(outcome.regime, Regime::Aperiodic { .. });
     Ok(Station {
         row: Row {
             impacts: outcome.regime.impacts(),
@@ -307,11 +312,11 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
             regime: outcome.regime,
             force_ratio: outcome.force_n / params.weight_n(),
             force_n: outcome.force_n,
+            unsettled: aperiodic && still_changes(before, &section, units),
             failed: false,
             ..Row::failed(rig_name, params, cell.frequency_hz)
         },
         points: outcome.strobes[from..].iter().map(point).collect(),
-        settled: outcome.settled_after.is_some(),
         start: cell.start,
         end: outcome.section,
     })

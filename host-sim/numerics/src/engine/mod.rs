@@ -202,7 +202,7 @@ fn apart(sections: &[[f64; 2]], n: usize, units: [f64; 2]) -> f64 {
 
 /// Whether a motion that does not repeat over `recorded` may still be on its way to one that does; it began `before`
 /// periods earlier.
-fn still_changes(before: usize, recorded: &[[f64; 2]], units: [f64; 2]) -> bool {
+pub(crate) fn still_changes(before: usize, recorded: &[[f64; 2]], units: [f64; 2]) -> bool {
     let half = recorded.len() / 2;
     let (early, late) = recorded.split_at(half);
     let mut periods = 1..=MAX_PERIODS.min(half / 2);

@@ -53,6 +53,8 @@ pub struct Strongest {
     pub force_ratio: f64,
     /// The same, N.
     pub force_n: f64,
+    /// Whether its motion had settled.
+    pub settled: bool,
 }
 
 impl Summary {
@@ -106,5 +108,6 @@ fn strongest(map: &Map, asked: impl Fn(Regime) -> bool) -> Option<Strongest> {
         frequency_ratio: frequency_hz / map.rig.params.natural_frequency_hz(),
         force_ratio: map.force_ratio(index),
         force_n: force(index),
+        settled: map.cells[index].settled_after.is_some(),
     })
 }

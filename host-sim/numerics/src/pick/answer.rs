@@ -24,26 +24,38 @@ pub struct LimitUse {
     pub limit: Option<f64>,
     /// Whether a larger force lies beyond it.
     pub binds: bool,
+    /// Whether nobody stated it: it is that of a shaker assumed for a preset.
+    #[serde(skip)]
+    pub assumed: bool,
 }
 
 impl LimitUse {
     /// The reserve that the frequency keeps from the ends of the robust range, where it decided.
-    pub fn reserve() -> Self {
+    /// `kept`, Hz, is what it leaves of the range: one frequency where the range is too narrow for it.
+    pub fn reserve(kept: (f64, f64)) -> Self {
         Self {
-            name: RESERVE,
+            name: if kept.0 < kept.1 { RESERVE } else { NARROW },
             limit: None,
             binds: true,
+            assumed: false,
         }
     }
 
-    /// Whether it is that reserve.
+    /// Whether it is that reserve, and whole.
     pub fn is_reserve(&self) -> bool {
         self.name == RESERVE
+    }
+
+    /// Whether it is that reserve where the range is too narrow for it.
+    pub fn is_narrow_reserve(&self) -> bool {
+        self.name == NARROW
     }
 }
 
 /// The name of the reserve.
 const RESERVE: &str = "the reserve of 1 %";
+/// Its name where there is less of it.
+const NARROW: &str = "a reserve of less than 1 %";
 
 /// What the shaker must give at the operating point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

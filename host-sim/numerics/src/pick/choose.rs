@@ -75,6 +75,7 @@ impl Limits {
             name,
             limit,
             binds: more(others),
+            assumed: false,
         });
         used.collect()
     }
@@ -333,11 +334,15 @@ impl Field<'_> {
             name: "the uncertainty",
             limit: None,
             binds: more(certain.best(free, limits)),
+            assumed: false,
         }];
         if more(self.best(robust, limits)) {
-            uses.push(LimitUse::reserve());
+            uses.push(LimitUse::reserve(kept));
         }
         uses.extend(limits.which_decide(|others| more(self.best(kept, others))));
+        for shaker in uses.iter_mut().filter(|l| l.name == "shaker_max_force_n") {
+            shaker.assumed = !self.rig.shaker_force_told;
+        }
         uses
     }
 }

@@ -1,12 +1,11 @@
 //! A section as one answer.
 
 use serde::Serialize;
-use shared::model::regime::Regime;
 
 use super::{Portrait, SectionRequest};
 use crate::lyapunov::Exponents;
 use crate::pick::CartModel;
-use crate::row::{regime_as_text, tidy};
+use crate::row::{Outcome, tidy};
 
 /// What a section showed. Units are in the names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,9 +20,8 @@ pub struct Answer {
     pub frequency_hz: f64,
     /// Ω/ω.
     pub frequency_ratio: f64,
-    /// Regime over all recorded periods.
-    #[serde(serialize_with = "regime_as_text")]
-    pub regime: Regime,
+    /// Regime over all recorded periods, or that nothing repeats and the motion still changes.
+    pub regime: Outcome,
     /// Largest contact force, N.
     pub force_n: f64,
     /// The same over m g.
@@ -57,7 +55,7 @@ impl Answer {
             cart: CartModel::of(params),
             frequency_hz: tidy(request.frequency_hz),
             frequency_ratio: tidy(request.frequency_hz / params.natural_frequency_hz()),
-            regime: portrait.regime,
+            regime: portrait.outcome(),
             force_n: portrait.force_n,
             force_ratio: portrait.force_n / params.weight_n(),
             points: request.points,

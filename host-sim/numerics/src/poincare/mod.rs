@@ -16,6 +16,7 @@ use crate::engine::{self, Recorder, Sample, Start, event, observe};
 use crate::error::{Error, MotionError};
 use crate::progress::{Progress, check, step};
 use crate::reference::{Observer, Reference, Segment};
+use crate::row::Outcome;
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +63,8 @@ pub struct Portrait {
     pub sections: Vec<Vec<SectionPoint>>,
     /// Regime over all recorded periods.
     pub regime: Regime,
+    /// Whether nothing repeats and the motion still changes: it is then not known to be aperiodic.
+    pub unsettled: bool,
     /// Largest contact force, N.
     pub force_n: f64,
     /// The trajectory over the periods after the last point, for a line in the phase plane.
@@ -70,6 +73,16 @@ pub struct Portrait {
     pub steps_per_period: f64,
     /// Coordinate and rate on the section at phase 0 at the end.
     pub end: [f64; 2],
+}
+
+impl Portrait {
+    /// Its regime, or that it has not settled.
+    pub fn outcome(&self) -> Outcome {
+        match self.unsettled {
+            true => Outcome::Unsettled,
+            false => Outcome::Regime(self.regime),
+        }
+    }
 }
 
 /// Drive periods of [`Portrait::trajectory`].
@@ -158,9 +171,22 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
         step(progress, 1)?;
     }
     let end: [f64; 2] = hammer.state().into();
+    let regime = detector.regime();
+    let unsettled = matches!(regime, Regime::Aperiodic { .. }) && {
+        let of = |p: &SectionPoint| {
+            [
+                p.relative_displacement_mm * 1e-3,
+                p.relative_velocity_m_per_s,
+            ]
+        };
+        let section: Vec<_> = sections.iter().take(1).flatten().map(of).collect();
+        let units = [rig.amplitude(), rig.amplitude() * omega];
+        engine::still_changes(request.transient as usize, &section, units)
+    };
     Ok(Portrait {
         sections,
-        regime: detector.regime(),
+        regime,
+        unsettled,
         force_n,
         trajectory: trajectory(params, *frequency_hz, end, hammer.cart())?,
         steps_per_period: (hammer.steps() - steps) as f64 / f64::from(request.points),

@@ -122,7 +122,7 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
     let usual = || spread(from * natural_hz, to * natural_hz, count);
     let frequencies_hz = args.drive.hz(natural_hz)?.unwrap_or_else(usual);
     let own = || vec![numerics::row::tidy(rig.params.gap_m * 1e3)];
-    let mut gaps_mm = args.rig.gaps_mm().unwrap_or_else(own);
+    let mut gaps_mm = args.rig.gaps_mm()?.unwrap_or_else(own);
     gaps_mm.sort_by(f64::total_cmp);
     gaps_mm.dedup();
     let plan = DrillPlan {
@@ -139,9 +139,14 @@ fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, Us
         there.params = rig.params.with_gap_mm(*gap_mm)?;
         // Where nothing gives way, any row says so.
         let any = Among::All.best(rows).unwrap_or(0);
-        gaps_any_regime.push(rows[any].clone());
         let top = refined(&there, &setting, rows, Among::OneOne, plan);
         let top = top.unwrap_or_else(|_| rows[any].clone());
+        // The refined 1/1 may drill faster than every row between which it lies.
+        let rate = |row: &DrillRow| row.rate_of_penetration_um_per_s;
+        gaps_any_regime.push(match rate(&top) > rate(&rows[any]) {
+            true => top.clone(),
+            false => rows[any].clone(),
+        });
         let rank = |row: &DrillRow| (row.regime.is(1, 1), row.rate_of_penetration_um_per_s);
         if best.as_ref().is_none_or(|(.., b)| rank(&top) > rank(b)) {
             best = Some((there, rows, top.clone()));

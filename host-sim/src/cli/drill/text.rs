@@ -1,7 +1,7 @@
 //! What `drill` says on a terminal.
 
 use super::Answer;
-use numerics::drill::{Corner, DrillAnswer};
+use numerics::drill::{Corner, DrillAnswer, DrillRow};
 use numerics::pick::CartModel;
 use plot::chart::Chart;
 
@@ -10,7 +10,7 @@ pub fn text(answer: &Answer) -> String {
     let best = &advice.best;
     let faster = faster(answer);
     let mut text = format!(
-        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: drills fastest{} on {} at {:.4} Hz ({:.3} times the natural frequency)\n{}\n",
+        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: drills fastest{} on {} at {:.4} Hz ({:.3} times the natural frequency{})\n{}\n",
         answer.rig,
         best.gap_mm,
         advice.cart.words(),
@@ -19,6 +19,7 @@ pub fn text(answer: &Answer) -> String {
         best.regime,
         best.frequency_hz,
         best.frequency_ratio,
+        at_the_end(answer, best),
         faster
     );
     let mut line = |name: &str, value: String| text += &format!("  {name:<22} {value}\n");
@@ -60,8 +61,8 @@ pub fn text(answer: &Answer) -> String {
     }
     line("peak force", force(advice, answer.threshold_n));
     line("surface that stays", rigid(advice));
-    line("cart", cart(advice));
-    if let Some(bit) = bit(advice) {
+    line("cart", cart(answer));
+    if let Some(bit) = bit(answer) {
         line("bit", bit);
     }
     text += &corners(&advice.corners, answer);
@@ -72,16 +73,48 @@ pub fn text(answer: &Answer) -> String {
     text + &chart(answer)
 }
 
+/// First and last Ω/ω of the range.
+fn range(answer: &Answer) -> (f64, f64) {
+    let ratio = |row: Option<&DrillRow>| row.map_or(f64::NAN, |r| r.frequency_ratio);
+    (ratio(answer.rows.first()), ratio(answer.rows.last()))
+}
+
+/// Nearer to an end of the range than this (in Ω/ω) is at it: the search between the frequencies stops this short of it.
+const AT_THE_END: f64 = 5e-4;
+
+/// That a best frequency is at an end of the range, where it is: beyond, more may be had.
+fn at_the_end(answer: &Answer, row: &DrillRow) -> &'static str {
+    let (first, last) = range(answer);
+    let near = |end: f64| (row.frequency_ratio - end).abs() < AT_THE_END;
+    if first < last && (near(first) || near(last)) {
+        ", the end of the range"
+    } else {
+        ""
+    }
+}
+
+/// That a frequency (in Ω/ω) is outside the range, where it is.
+fn outside(answer: &Answer, ratio: f64) -> &'static str {
+    let (first, last) = range(answer);
+    if ratio < first - AT_THE_END || ratio > last + AT_THE_END {
+        ", outside the range"
+    } else {
+        ""
+    }
+}
+
+/// The same of one in Hz.
+fn outside_hz(answer: &Answer, hz: f64) -> &'static str {
+    let best = &answer.advice.best;
+    outside(answer, hz * best.frequency_ratio / best.frequency_hz)
+}
+
 /// The line of the motion that drills fastest of all; empty if that is the one recommended.
 fn faster(answer: &Answer) -> String {
     let (best, fastest) = (&answer.advice.best, &answer.fastest_of_all);
     if fastest == best {
         return String::new();
     }
-    let end = answer
-        .rows
-        .last()
-        .is_some_and(|r| r.frequency_hz == fastest.frequency_hz);
     // The cart's peak force (M + m) A0 Ω², at the same amplitude.
     let force = (fastest.frequency_hz / best.frequency_hz).powi(2);
     format!(
@@ -89,7 +122,7 @@ fn faster(answer: &Answer) -> String {
         fastest.regime,
         fastest.frequency_hz,
         fastest.frequency_ratio,
-        if end { ", the end of the range" } else { "" },
+        at_the_end(answer, fastest),
         fastest.gap_mm,
         fastest.rate_of_penetration_um_per_s,
         best.rate_of_penetration_um_per_s
@@ -99,7 +132,7 @@ fn faster(answer: &Answer) -> String {
 fn force(advice: &DrillAnswer, threshold_n: f64) -> String {
     match advice.threshold_reached_ratios {
         Some((low, high)) => format!(
-            "{:.1} N: it cannot pass {threshold_n:?} N, which it reaches at Ω/ω {low:.3} to {high:.3}, so it ranks no frequencies",
+            "{:.1} N: it cannot pass {threshold_n:?} N, which it first reaches at Ω/ω {low:.3} and last at {high:.3}, so it ranks no frequencies",
             advice.best.ground_force_n
         ),
         None => format!("{:.1} N", advice.best.ground_force_n),
@@ -116,17 +149,18 @@ fn rigid(advice: &DrillAnswer) -> String {
     let (Some(hz), Some(ratio), Some(force), Some(share)) = found else {
         return "has no stable 1/1 at this gap to compare with".to_owned();
     };
-    let apart = 100.0 * (advice.best.frequency_hz / hz - 1.0);
+    let apart = 100.0 * (hz / advice.best.frequency_hz - 1.0);
     format!(
-        "it would be struck hardest ({force:.1} N) at {hz:.4} Hz (Ω/ω {ratio:.3}), {:.1} % {}; there the rate is {:.1} % of the largest",
+        "it would be struck hardest ({force:.1} N) at {hz:.4} Hz (Ω/ω {ratio:.3}), {:.1} % {}; there the rate is {:.1} % of that here",
         apart.abs(),
-        if apart >= 0.0 { "lower" } else { "higher" },
+        if apart >= 0.0 { "higher" } else { "lower" },
         100.0 * share
     )
 }
 
 /// How the cart is moved, and what the other would drill.
-fn cart(advice: &DrillAnswer) -> String {
+fn cart(answer: &Answer) -> String {
+    let advice = &answer.advice;
     let (own, other, what, value) = match advice.cart {
         CartModel::Recoil => (
             "recoils",
@@ -147,11 +181,15 @@ fn cart(advice: &DrillAnswer) -> String {
         );
     };
     let more = 100.0 * (rate / advice.best.rate_of_penetration_um_per_s - 1.0);
-    format!("{own}; {other}, {rate:.1} µm/s at {hz:.4} Hz ({more:+.0} %)")
+    format!(
+        "{own}; {other}, {rate:.1} µm/s at {hz:.4} Hz{} ({more:+.0} %)",
+        outside_hz(answer, hz)
+    )
 }
 
 /// What the bit takes, and what would be drilled without it.
-fn bit(advice: &DrillAnswer) -> Option<String> {
+fn bit(answer: &Answer) -> Option<String> {
+    let advice = &answer.advice;
     let best = &advice.best;
     let (mass, feed) = (best.bit_mass_kg?, best.bit_feed_force_n?);
     let into = best.ground_energy_per_blow_mj.map_or(String::new(), |mj| {
@@ -162,7 +200,8 @@ fn bit(advice: &DrillAnswer) -> Option<String> {
         .zip(advice.without_bit_frequency_hz);
     let without = without.map_or(String::new(), |(rate, hz)| {
         let more = 100.0 * (rate / best.rate_of_penetration_um_per_s - 1.0);
-        format!("; without it, {rate:.1} µm/s at {hz:.4} Hz ({more:+.0} %)")
+        let outside = outside_hz(answer, hz);
+        format!("; without it, {rate:.1} µm/s at {hz:.4} Hz{outside} ({more:+.0} %)")
     });
     Some(format!(
         "{mass:?} kg, pressed on with {feed:.2} N, struck with at most {:.1} N{into}{without}",
@@ -181,6 +220,10 @@ fn corners(corners: &[Corner], answer: &Answer) -> String {
     }
     let (low, high) = over(|c| c.rate_at_nominal_um_per_s);
     let (from, to) = over(|c| c.best_frequency_ratio);
+    let outside = match (outside(answer, from), outside(answer, to)) {
+        ("", "") => "",
+        _ => " (partly or wholly outside the range)",
+    };
     let share =
         |c: &Corner| c.rate_at_nominal_um_per_s / c.best_rate_um_per_s.max(f64::MIN_POSITIVE);
     let least = corners
@@ -192,7 +235,7 @@ fn corners(corners: &[Corner], answer: &Answer) -> String {
         .iter()
         .all(|c| c.regime_at_nominal == answer.advice.best.regime);
     format!(
-        "  {:<22} threshold ±{:?} %, stiffness ±{:?} %: {low:.1} to {high:.1} µm/s at this frequency, {}; their own best is at Ω/ω {from:.3} to {to:.3}, and this frequency has at least {:.1} % of it\n",
+        "  {:<22} threshold ±{:?} %, stiffness ±{:?} %: {low:.1} to {high:.1} µm/s at this frequency, {}; their own best is at Ω/ω {from:.3} to {to:.3}{}, and this frequency has at least {:.1} % of it\n",
         "uncertainty",
         answer.uncertainty.threshold_percent,
         answer.uncertainty.ground_stiffness_percent,
@@ -201,6 +244,7 @@ fn corners(corners: &[Corner], answer: &Answer) -> String {
         } else {
             "not always the same regime"
         },
+        outside,
         100.0 * least
     )
 }

@@ -22,6 +22,7 @@ use crate::progress::Progress;
 use crate::tiles::Store;
 use files::UserError;
 use files::made_from::into_json;
+use files::words::count;
 use numerics::NamedRig;
 use numerics::error::{Error, MapError};
 use numerics::map::{
@@ -165,7 +166,8 @@ fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
         && !(1..=cells).contains(&audit)
     {
         return Err(UserError::new(format!(
-            "--audit is {audit}, must be from 1 to {cells}: the map has {cells} cells"
+            "--audit is {audit}, must be from 1 to {cells}: the map has {}",
+            count(cells, "cell")
         )));
     }
     if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
@@ -208,8 +210,10 @@ fn make(
     for (map, summary) in maps.iter().zip(&answer.summaries) {
         if summary.failed > 0 {
             output.note(&format!(
-                "note: {}: in {} of {} cells the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed",
-                map.rig.name, summary.failed, summary.cells
+                "note: {}: in {} of {} the hammer leaves what the model describes (beyond 1 rad or 1 m) or needs a shorter tick; their rows say failed",
+                map.rig.name,
+                summary.failed,
+                count(summary.cells, "cell")
             ));
         }
     }

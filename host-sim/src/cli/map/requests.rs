@@ -5,7 +5,7 @@ use std::ops::Range;
 use clap::ValueEnum;
 
 use super::Args;
-use crate::cli::arguments::cycles::usual_recorded;
+use crate::cli::arguments::cycles::{nothing_left, usual_recorded};
 use crate::cli::arguments::rig::at_gap;
 use files::UserError;
 use numerics::NamedRig;
@@ -133,10 +133,7 @@ fn recorded(args: &Args) -> Result<u32, UserError> {
     match (args.recorded, args.transient) {
         (Some(recorded), _) => Ok(recorded),
         (None, Some(transient)) if transient < args.cycles => Ok(args.cycles - transient),
-        (None, Some(transient)) => Err(UserError::new(format!(
-            "--transient {transient} leaves nothing of --cycles {} to record; it must be smaller",
-            args.cycles
-        ))),
+        (None, Some(transient)) => Err(nothing_left(transient, args.cycles)),
         (None, None) => Ok(usual_recorded(args.cycles)),
     }
 }
@@ -174,7 +171,7 @@ fn other(request: &MapRequest, against: Against) -> MapRequest {
 fn grid(args: &Args, rig: &NamedRig) -> Result<Grid, UserError> {
     let given = args.drive.hz(rig.params.natural_frequency_hz())?;
     let frequencies_hz = given.unwrap_or_else(|| chapter_frequencies_hz(&rig.params));
-    let gaps_mm = match args.rig.gaps_mm() {
+    let gaps_mm = match args.rig.gaps_mm()? {
         Some(gaps) => gaps.into_iter().map(tidy).collect(),
         None => chapter_gaps_mm(&rig.params),
     };

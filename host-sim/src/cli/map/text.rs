@@ -7,6 +7,7 @@ use shared::model::regime::Regime;
 use super::answer::Answer;
 use crate::words;
 use crate::words::map::percent;
+use files::words::count;
 use numerics::map::{Map, MapRequest, Strongest, Summary};
 use numerics::pick::CartModel;
 use plot::chart::terminal_width;
@@ -37,8 +38,8 @@ pub fn text(answer: &Answer, maps: &[Map]) -> String {
     if let Some(audit) = &answer.audit {
         let _ = writeln!(
             text,
-            "audit      {} cells again by the reference: {}",
-            audit.cells,
+            "audit      {} again by the reference: {}",
+            count(audit.cells, "cell"),
             words::map::agreement(audit)
         );
     }
@@ -52,22 +53,23 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
         [one] => format!("{one:?} {unit}"),
         [] => String::new(),
     };
+    let run_on = settle.is_none() && summary.open > 0;
     let settle = settle.map_or(String::new(), |n| format!(" (unsettled: {n})"));
     let mut text = format!(
-        "{}, {}: {} gaps ({}) by {} frequencies ({}), {} cells\n{}, engine {}, {} cycles{settle}, last {} recorded\n\n",
+        "{}, {}: {} ({}) by {} ({}), {}\n{}, engine {}, {}{settle}, last {} recorded\n\n",
         map.rig.name,
         CartModel::of(&map.rig.params).words(),
-        map.grid.gaps_mm.len(),
+        count(map.grid.gaps_mm.len(), "gap"),
         ends(&map.grid.gaps_mm, "mm"),
-        map.grid.frequencies_hz.len(),
+        count(map.grid.frequencies_hz.len(), "frequency"),
         ends(&map.grid.frequencies_hz, "Hz"),
-        summary.cells,
+        count(summary.cells, "cell"),
         match request.from {
             numerics::sweep::Direction::Rest => "from rest".to_owned(),
             other => format!("carried {}", other.name()),
         },
         request.runner.name(),
-        plan.cycles,
+        count(plan.cycles as usize, "cycle"),
         plan.recorded,
     );
     text += &chart(map);
@@ -95,11 +97,14 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
         percent(summary.open, summary.cells),
         percent(summary.uncertain, summary.cells),
     );
+    if run_on {
+        text += "           (--settle 5000 runs on with what has not settled: some of the aperiodic cells may then repeat, or stop striking)\n";
+    }
     if summary.failed > 0 {
         let _ = writeln!(
             text,
-            "failed     {} cells: the hammer leaves what the model describes; they are none of the regimes",
-            summary.failed
+            "failed     {}: the hammer leaves what the model describes; they are none of the regimes",
+            count(summary.failed, "cell")
         );
     }
     text
@@ -113,8 +118,13 @@ fn strongest_line(best: &Strongest, summary: &Summary) -> String {
         (true, false) => "strongest 1/1:".to_owned(),
         (false, _) => format!("strongest of all: {} with", best.regime),
     };
+    let open = if best.settled {
+        ""
+    } else {
+        " (has not settled)"
+    };
     format!(
-        "{what} {:.2} N, {:.2} times the weight, at a gap of {:?} mm and {:?} Hz (Ω/ω {:.3})\n",
+        "{what} {:.2} N, {:.2} times the weight, at a gap of {:?} mm and {:?} Hz (Ω/ω {:.3}){open}\n",
         best.force_n, best.force_ratio, best.gap_mm, best.frequency_hz, best.frequency_ratio
     )
 }

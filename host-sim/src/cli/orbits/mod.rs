@@ -14,6 +14,7 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
+use files::decimal::hint;
 use numerics::NamedRig;
 use numerics::continuation::table::{Answer, BranchRow, SpecialRow};
 use numerics::continuation::{Along, End, OrbitsRequest, diagram};
@@ -147,7 +148,8 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
                 let value = value.filter(|x| *x > 0.0 && x.is_finite());
                 value.ok_or_else(|| {
                     UserError::new(format!(
-                        "{option} {text}: with --along gap write one positive number"
+                        "{option} {text}: with --along gap write one positive number{}",
+                        hint(text)
                     ))
                 })
             };
@@ -215,7 +217,8 @@ fn ends(option: &str, text: &str) -> Result<(f64, f64), UserError> {
             rising(*from, *to).map(|()| (*from, *to)).map_err(wrong)
         }
         _ => Err(UserError::new(format!(
-            "{option} {text}: write FROM:TO, for example 0.8:4"
+            "{option} {text}: write FROM:TO, for example 0.8:4{}",
+            hint(text)
         ))),
     }
 }

@@ -40,7 +40,10 @@ pub fn text(rigs: &[NamedRig], picks: &[Pick]) -> String {
             )
         });
     }
-    table.line("safe band, Hz", |a, d| d.band(a.safe_band_hz));
+    table.line("cart", |a, _| {
+        a.cart.words().trim_start_matches("cart ").to_owned()
+    });
+    table.line("safe band, Hz", |a, d| d.safe_band(a));
     table.line("period doubling, Hz", |a, d| {
         a.period_doubling_hz.map_or("-".to_owned(), |hz| d.hz(hz))
     });

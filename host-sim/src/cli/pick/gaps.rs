@@ -11,7 +11,7 @@ use files::UserError;
 use files::words::digits::decimals;
 use numerics::NamedRig;
 use numerics::pick::gaps::{advise, gap_steps};
-use numerics::pick::{Limits, Springs, Uncertainty};
+use numerics::pick::{CartModel, Limits, Springs, Uncertainty};
 use numerics::row::tidy;
 use plot::chart::Chart;
 
@@ -64,14 +64,17 @@ pub fn run(
         &progress,
     )?;
     let advice = GapTable::from(&advice);
+    let cart = CartModel::of(&rig.params).words();
     progress.finish();
     if let Some(dir) = &output.out {
         let name = output.name("");
-        let mut contents = drawn(&name, &figure(&advice))?;
+        let mut contents = drawn(&name, &figure(&advice, cart))?;
         contents.extend(output.tables(&name, &advice, &advice.gaps)?);
         output.write(dir, contents)?;
     }
-    output.emit(&advice, &advice.gaps, || describe(&advice, uncertainty))
+    output.emit(&advice, &advice.gaps, || {
+        format!("{}, {cart}: {}", rig.name, describe(&advice, uncertainty))
+    })
 }
 
 fn describe(advice: &GapTable, uncertainty: Option<Uncertainty>) -> String {

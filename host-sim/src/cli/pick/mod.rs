@@ -26,6 +26,7 @@ use crate::pictures::drawn;
 use crate::pictures::pick::figure;
 use crate::progress::Progress;
 use files::UserError;
+use files::decimal::comma;
 use files::table::to_csv;
 use files::words::pick::Worded;
 use line::{Line, curve_rows};
@@ -269,6 +270,10 @@ fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
     }
     let mut rigs = vec![load(args, output, args.rig.name.name(), &[])?];
     for beside in &args.beside {
+        // mass_kg=1,7: the 7 is no setting of its own.
+        if let Some(write) = comma(beside) {
+            return Err(UserError::new(write).at(format!("--beside {beside}")));
+        }
         let mut parts = beside.split(',');
         let name = parts.next().unwrap_or_default().trim();
         let settings: Vec<String> = parts.map(str::to_owned).collect();

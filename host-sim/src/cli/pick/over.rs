@@ -8,7 +8,7 @@ use crate::kept::Kept;
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
-use crate::words::over::{OverRow, summary};
+use crate::words::over::{OverRow, of_rig, summary};
 use files::words::digits::{decimals, significant};
 use files::{UserError, rigfile};
 use numerics::pick::{Limits, Springs, Uncertainty, pick_on, steps};
@@ -113,7 +113,8 @@ fn rows(
 
 fn text(asked: &Over, rows: &[OverRow], uncertainty: Option<Uncertainty>) -> String {
     let mut text = format!(
-        "{}\n\n{:>26}  run at, Hz  ratio  force/weight (uncertainty)  safe band, Hz     multiplier  jumps  from rest\n",
+        "{}: {}\n\n{:>26}  run at, Hz  ratio  force/weight (uncertainty)  safe band, Hz     multiplier  jumps  from rest\n",
+        of_rig(rows),
         summary(rows),
         asked.key
     );

@@ -102,7 +102,7 @@ fn blocks(rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Vec<Block> {
         blocks.push(row(slope.parameter, what));
     }
     blocks.push(heading("Assumptions"));
-    blocks.push(row("rig", parameters(rig)));
+    blocks.push(row("rig", parameters(rig, pick)));
     blocks.push(row("uncertainty", uncertainty(pick)));
     blocks.push(row(
         "made by",
@@ -116,13 +116,17 @@ fn blocks(rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Vec<Block> {
     blocks
 }
 
-/// Every parameter, as a rig file has it.
-fn parameters(rig: &NamedRig) -> String {
+/// Every parameter, as a rig file has it; the amplitude is the answer's, which may be lower or chosen.
+fn parameters(rig: &NamedRig, pick: &Pick) -> String {
     let whole = rig.recoiling();
     let params = whole.as_ref().map_or(&rig.params, |rig| &rig.params);
     let all = rigfile::KEYS.iter();
     let all = all.filter_map(|(key, _)| {
-        let value = match rigfile::number(params, key) {
+        let number = match *key {
+            "amplitude_mm" => Some(0.5 * pick.answer.shaker.stroke_mm),
+            key => rigfile::number(params, key),
+        };
+        let value = match number {
             // Six digits, and no zeros behind them.
             Some(number) => significant(number, 6).parse::<f64>().ok()?.to_string(),
             None => rigfile::shown(params, key)?,

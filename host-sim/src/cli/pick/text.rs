@@ -7,7 +7,6 @@ use numerics::branch::End;
 use numerics::pick::answer::LimitUse;
 use numerics::pick::{Answer, CartModel, Pick};
 use plot::chart::Chart;
-use shared::model::cart::ASSUMED_SHAKER;
 
 /// One answer in full, several side by side.
 pub fn text(picks: &[Pick]) -> String {
@@ -15,13 +14,13 @@ pub fn text(picks: &[Pick]) -> String {
         return one_text(one);
     }
     let mut text = String::from(
-        "rig        run at, Hz  ratio  force, N  force/weight (worst)        safe band, Hz  doubling, Hz  jumps\n",
+        "rig        run at, Hz  ratio  force, N  force/weight (worst)        safe band, Hz  doubling, Hz  jumps  cart\n",
     );
     for pick in picks {
         let a = &pick.answer;
         let digits = Digits::of(a);
         text += &format!(
-            "{:<9} {:>11} {:>6.*} {:>9.*} {:>13.*} ({:.*}) {:>20} {:>13} {:>6}\n",
+            "{:<9} {:>11} {:>6.*} {:>9.*} {:>13.*} ({:.*}) {:>20} {:>13} {:>6}  {}\n",
             a.rig,
             digits.run_at(a),
             digits.ratio,
@@ -32,10 +31,11 @@ pub fn text(picks: &[Pick]) -> String {
             a.force_ratio,
             digits.force_ratio,
             a.force_ratio_worst,
-            digits.band(a.safe_band_hz),
+            digits.safe_band(a),
             a.period_doubling_hz
                 .map_or("-".to_owned(), |hz| digits.hz(hz)),
-            if a.jump_free { "no" } else { "yes" }
+            if a.jump_free { "no" } else { "yes" },
+            a.cart.words().trim_start_matches("cart ")
         );
     }
     text.push('\n');
@@ -87,12 +87,12 @@ pub fn lines(a: &Answer) -> Lines {
 
 /// The first line.
 pub fn head(a: &Answer) -> String {
-    let stroke = a.wanted_force_n.map_or(String::new(), |n| {
-        format!(
-            "for {n} N, give it {} mm of stroke and ",
-            rounded_mm(a.shaker.stroke_mm)
-        )
-    });
+    let mm = rounded_mm(a.shaker.stroke_mm);
+    let stroke = match a.wanted_force_n {
+        Some(n) => format!("for {n} N, give it {mm} mm of stroke and "),
+        None if a.amplitude_lowered => format!("lower the stroke to {mm} mm and "),
+        None => String::new(),
+    };
     format!(
         "{}, gap {:?} mm: {stroke}run it at {} Hz ({:.*} times the natural frequency)",
         a.rig,
@@ -140,14 +140,10 @@ fn operation(a: &Answer) -> Lines {
         "safe band",
         format!(
             "{} Hz: 1/1 stable{over}, nominal force above 90 %{}{}{}",
-            digits.band(a.safe_band_hz),
+            digits.safe_band(a),
             with_modes(a),
             at_the_ends(a),
-            if a.limits.iter().any(LimitUse::is_reserve) {
-                "; the frequency keeps a reserve of 1 % from where a rig of the uncertainty loses its 1/1"
-            } else {
-                ""
-            }
+            reserve(a)
         ),
     ));
     let middle = digits.hz(0.5 * (low + high));
@@ -209,10 +205,12 @@ fn cart(a: &Answer) -> Lines {
     if let Some(other) = other_cart(a) {
         let more = 100.0 * (other.force_ratio / other.own_force_ratio - 1.0);
         let n = digits.force_ratio;
-        let against = match other.own_force_ratio == a.force_ratio {
+        let same =
+            other.own_force_ratio == a.force_ratio && other.own_hz == a.operating_frequency_hz;
+        let against = match same {
             true => String::new(),
             false => format!(
-                "; both carts nominal and without shaker_max_force_n: the cart above then gives {:.n$} times the weight at {} Hz",
+                "; both carts nominal and without a limit of the shaker: the cart above then gives {:.n$} times the weight at {} Hz",
                 other.own_force_ratio,
                 digits.hz(other.own_hz)
             ),
@@ -228,6 +226,17 @@ fn cart(a: &Answer) -> Lines {
         ));
     }
     lines
+}
+
+/// What the frequency keeps from the ends of the range in which every rig of the uncertainty has its 1/1.
+fn reserve(a: &Answer) -> &'static str {
+    if a.limits.iter().any(LimitUse::is_reserve) {
+        "; the frequency keeps a reserve of 1 % from where a rig of the uncertainty loses its 1/1"
+    } else if a.limits.iter().any(LimitUse::is_narrow_reserve) {
+        "; a rig of the uncertainty loses its 1/1 less than 1 % below or above the frequency, which is the middle of what is left"
+    } else {
+        ""
+    }
 }
 
 /// The weakest of the uncertainty at the ends of the safe band, where there is an uncertainty.
@@ -301,9 +310,11 @@ fn stability(a: &Answer) -> Lines {
     ]
 }
 
-/// A length to a micrometre.
+/// A length to a micrometre; below 0.1 mm to three digits.
 fn rounded_mm(mm: f64) -> f64 {
-    (mm * 1e3).round() / 1e3
+    let decimals = (2.0 - mm.log10().floor()).clamp(3.0, 15.0);
+    let per_mm = 10.0_f64.powi(decimals as i32);
+    (mm * per_mm).round() / per_mm
 }
 
 /// What the shaker must give, and what it gets for it.
@@ -384,7 +395,7 @@ fn enough(a: &Answer) -> Option<String> {
             "no, not at {best_hz} Hz: the strongest 1/1 there needs {at_best} N of it, and it can give {most} N; at the {moved} frequency it needs {here} N"
         )
     } else {
-        format!("yes: it needs {here} N and can give {most} N")
+        format!("yes, for the nominal rig: it needs {here} N and can give {most} N")
     })
 }
 
@@ -395,15 +406,18 @@ fn of_shaker(limit: &LimitUse) -> bool {
 
 /// Whether it is that of the shaker assumed for a preset, and decides nothing.
 fn assumed(limit: &LimitUse) -> bool {
-    limit.name == "shaker_max_force_n"
-        && limit.limit == Some(ASSUMED_SHAKER.max_force_n)
-        && !limit.binds
+    limit.assumed && !limit.binds
 }
 
 fn limits(a: &Answer) -> Lines {
     let line = |limit: &LimitUse| {
         let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
-        let binds = if limit.binds {
+        let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
+        let binds = if of_shaker(limit) && limit.limit.is_some_and(|most| needed > most) {
+            "is not kept"
+        } else if of_shaker(limit) && a.amplitude_lowered {
+            "decides, by the stroke"
+        } else if limit.binds {
             "decides"
         } else {
             "does not bind"

@@ -79,10 +79,11 @@ impl Field<'_> {
                 name: "the uncertainty",
                 limit: None,
                 binds: more(certain.best(self.crowd.branch.range())),
+                assumed: false,
             });
         }
         if more(self.best(robust)) {
-            uses.push(LimitUse::reserve());
+            uses.push(LimitUse::reserve(kept));
         }
         uses.extend(limits.which_decide(|others| more(self.best_within(kept, others))));
         uses

@@ -302,7 +302,7 @@ fn force_optimum(pick: &RopPick) -> String {
     let Some(at) = g.force_optimum_hz else {
         return "has no stable 1/1 at this gap to compare with".to_owned();
     };
-    let apart = 100.0 * (pick.answer.operating_frequency_hz / at - 1.0);
+    let apart = 100.0 * (at / pick.answer.operating_frequency_hz - 1.0);
     let there = g.force_optimum_rate_um_per_s.map_or_else(
         || "there is no stable 1/1 on this ground".to_owned(),
         |there| {
@@ -314,7 +314,7 @@ fn force_optimum(pick: &RopPick) -> String {
         "would be struck hardest at {} Hz, {:.1} % {}; {there}",
         hz(pick, at),
         apart.abs(),
-        if apart >= 0.0 { "lower" } else { "higher" }
+        if apart >= 0.0 { "higher" } else { "lower" }
     )
 }
 
