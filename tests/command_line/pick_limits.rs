@@ -182,7 +182,11 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
     assert!(number(&little, "amplitude_mm") < 0.2);
     // The option says the same, and whether that shaker can do it.
     for (share, same, said) in [
-        (2.0, &free, "shaker enough      yes: it needs "),
+        (
+            2.0,
+            &free,
+            "shaker enough      yes, for the nominal rig: it needs ",
+        ),
         (0.8, &less, "shaker enough      no, not at "),
         (
             0.1,
@@ -197,10 +201,23 @@ fn what_the_shaker_can_give_limits_the_answer_and_lowers_the_amplitude_where_it_
         }
         let text = Folder::new().run(&line).well().out;
         assert!(text.contains(said), "{text}");
+        // A lowered stroke is said first, and that the shaker decided it.
+        let lowered =
+            text.contains("lower the stroke to ") && text.contains(": decides, by the stroke");
+        assert_eq!(lowered, share == 0.1, "{text}");
     }
     // 200 N are assumed for a preset: nobody gave them.
     let text = Folder::new().run("pick --nominal").well().out;
     assert!(!text.contains("shaker_max_force_n"), "{text}");
+    // The same 200 N stated in a rig file are no assumption.
+    let mine = "preset = \"wires\"\nshaker_max_force_n = 200\n";
+    let mine = Folder::new().with("mine.toml", mine);
+    let text = mine.run("pick --nominal --rig mine.toml").well().out;
+    assert!(text.contains("shaker enough      yes"), "{text}");
+    assert!(
+        text.contains("shaker_max_force_n = 200: does not bind"),
+        "{text}"
+    );
 }
 
 /// At no gap the force goes with the amplitude, but for what a pendulum differs from a spring (0.1 %).

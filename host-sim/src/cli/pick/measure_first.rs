@@ -40,7 +40,7 @@ pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
 /// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
 pub fn table(a: &Answer) -> String {
     let mut text = format!(
-        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
+        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open, to first order)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
         "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"
     );
     for row in by_what_they_leave_open(a) {

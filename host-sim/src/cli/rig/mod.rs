@@ -170,7 +170,7 @@ fn worst_known(rig: &NamedRig, stated: &Stated) -> String {
     };
     rows.sort_by(|a, b| by(b).total_cmp(&by(a)));
     let mut text = String::from(
-        "What to measure better first (how far each leaves force and frequency open)\n",
+        "What to measure better first (how far each leaves force and frequency open, to first order)\n",
     );
     for row in &rows {
         if let Some([frequency, force]) = left_open(row) {

@@ -112,7 +112,7 @@ pub fn why(pick: &RopPick) -> String {
         format!("No stable 1/1 drills faster{over}")
     } else {
         format!(
-            "No stable 1/1 that {} allows drills faster ({} µm/s at {} Hz without)",
+            "No stable 1/1 that {} allows drills faster ({} µm/s at {} Hz for the nominal rig without any limit)",
             binding.join(" and "),
             rate(pick, g.nominal_optimum_rate_um_per_s),
             hz(pick, a.nominal_optimum_hz)
