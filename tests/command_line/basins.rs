@@ -130,7 +130,11 @@ fn gaps_stand_beside_each_other_and_one_is_advised() {
     let folder = Folder::new();
     let line = "pick --gaps 0:2.4:2.4 --nominal --starts 20 --out o";
     let text = folder.run(line).well();
-    assert!(text.out.starts_with("Run at a gap of 0.0 mm"), "{text:?}");
+    assert!(
+        text.out
+            .starts_with("wires, cart recoils: Run at a gap of 0.0 mm"),
+        "{text:?}"
+    );
     assert_eq!(folder.ends("o/pick"), [".csv", ".json", ".png", ".svg"]);
     let rows = csv_rows(&folder.read_made("o/pick-wires-gaps", ".csv"));
     assert_eq!(rows.len(), 2);

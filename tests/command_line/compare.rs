@@ -106,7 +106,10 @@ fn bad_input_is_one_line() {
                 "compare record.csv --frequency 1 --ratio 1",
                 "cannot be used with",
             ),
-            ("compare record.csv --transient 600", "must be smaller"),
+            (
+                "compare record.csv --transient 600",
+                "give --cycles more than 600",
+            ),
         ],
     );
 }
