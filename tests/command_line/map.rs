@@ -117,7 +117,7 @@ fn a_cell_that_fails_is_a_row_that_says_so() {
         "map --gap 0 --ratio 1.5 --engine switch --cart prescribed --tick-us 1000 --format json",
     );
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    assert!(ran.err.contains("in 1 of 1 cells"), "{ran:?}");
+    assert!(ran.err.contains("in 1 of 1 cell"), "{ran:?}");
     let json: Value = serde_json::from_str(&ran.out).unwrap();
     let map = &json["maps"][0];
     assert_eq!(map["layers"]["regime"][0], "failed");

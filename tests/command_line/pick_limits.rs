@@ -296,7 +296,7 @@ fn an_edge_below_is_named_and_a_limited_optimum_is_not_compared_with_a_free_one(
     assert!(text.contains("no margin below"), "{text}");
     assert!(!text.contains("no margin above"), "{text}");
     assert!(
-        text.contains("(+10.6 % of force; both carts nominal and without shaker_max_force_n"),
+        text.contains("(+10.6 % of force; both carts nominal and without a limit of the shaker"),
         "{text}"
     );
     let above = Folder::new()
