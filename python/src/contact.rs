@@ -3,7 +3,7 @@
 use files::words::identify::Worded;
 use numerics::contact_law::{four_laws, law_name, rows};
 use numerics::drop_test::{DropTest, record as record_of};
-use numerics::identify::{Family, Fit, Misfit, Settings, fit, measure};
+use numerics::identify::{Family, Fit, Misfit, Settings, fit, free_cart_percent, measure};
 use numerics::row::tidy;
 use numerics::signal::Signal;
 use pyo3::prelude::*;
@@ -211,6 +211,7 @@ pub fn identify<'py>(
     found.set_item("gain_percent", gain_percent)?;
     found.set_item("release_height_percent", release_height_percent)?;
     found.set_item("clock_percent", clock_percent)?;
+    found.set_item("free_cart_percent", free_cart_percent(&rig.params))?;
     let shaped = fits.iter().filter(|f| f.misfit == Misfit::Force);
     let best: Option<&Fit> = shaped.min_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     let ring = best.or(fits.first()).and_then(|fit| fit.ring);

@@ -18,7 +18,8 @@ use files::words::identify::Worded;
 use numerics::NamedRig;
 use numerics::identify::ring::Ring;
 use numerics::identify::{
-    Estimate, Family, Fit, ImpactRow, Measured, Misfit, Model, Settings, fit, measure,
+    Estimate, Family, Fit, ImpactRow, Measured, Misfit, Model, Settings, fit, free_cart_percent,
+    measure,
 };
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -159,8 +160,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         gain_percent: settings.gain_percent,
         release_height_percent: settings.release_height_percent,
         clock_percent: settings.clock_percent,
-        free_cart_percent: 100.0 * rig.params.mass_kg
-            / (rig.params.mass_kg + rig.params.cart_mass_kg),
+        free_cart_percent: free_cart_percent(&rig.params),
         fits: fits.iter().map(Worded::from).collect(),
     };
     refuse(&answer)?;

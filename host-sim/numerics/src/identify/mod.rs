@@ -268,6 +268,12 @@ pub fn fit(
     Ok(fit)
 }
 
+/// How much less stiffness and damping are than [`fit`] finds if the cart was free to move, %: the fit takes it to be held, and
+/// then finds those of the reduced mass m M/(m + M).
+pub fn free_cart_percent(params: &RigParams) -> f64 {
+    100.0 * params.mass_kg / (params.mass_kg + params.cart_mass_kg)
+}
+
 /// The impacts of a record.
 ///
 /// # Errors
