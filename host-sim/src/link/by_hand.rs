@@ -103,8 +103,11 @@ pub fn measure<P: Read + Write>(
         Ok(()) => Ended::Whole,
         Err(Halt::Interrupted) => Ended::Interrupted,
         Err(Halt::Failed(error)) => {
-            // In Fault it is refused, and a broken link does not carry it: the error tells.
-            let _ = client.command(Command::Stop);
+            // Only while this program steers: a drive that somebody has taken over is theirs. In Fault the stop is refused, and a
+            // broken link does not carry it: the error tells.
+            if client.command(Command::Alive).is_ok() {
+                let _ = client.command(Command::Stop);
+            }
             return Err(error);
         }
     };

@@ -204,7 +204,7 @@ pub fn to_toml(rig: &NamedRig) -> String {
     )
 }
 
-/// The name and the rig of a file, and what it states of its uncertainty.
+/// The text of a rig file.
 fn read(path: &Path) -> Result<String, UserError> {
     let place = path.display().to_string();
     let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;

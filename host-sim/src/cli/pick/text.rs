@@ -375,7 +375,7 @@ fn enough(a: &Answer) -> Option<String> {
     let at_best = digits.other(a.shaker_force_at_optimum_n?);
     let best_hz = digits.hz(a.nominal_optimum_hz);
     let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
-    Some(if needed > most {
+    Some(if needed > most * (1.0 + 1e-6) {
         format!("no: it needs {here} N and can give {most} N")
     } else if a.wanted_force_n.is_some() && assumed(limit) {
         format!(
@@ -413,15 +413,16 @@ fn limits(a: &Answer) -> Lines {
     let line = |limit: &LimitUse| {
         let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
         let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
-        let binds = if of_shaker(limit) && limit.limit.is_some_and(|most| needed > most) {
-            "is not kept"
-        } else if of_shaker(limit) && a.amplitude_lowered {
-            "decides, by the stroke"
-        } else if limit.binds {
-            "decides"
-        } else {
-            "does not bind"
-        };
+        let binds =
+            if of_shaker(limit) && limit.limit.is_some_and(|most| needed > most * (1.0 + 1e-6)) {
+                "is not kept"
+            } else if of_shaker(limit) && a.amplitude_lowered {
+                "decides, by the stroke"
+            } else if limit.binds {
+                "decides"
+            } else {
+                "does not bind"
+            };
         ("limit", format!("{}{value}: {binds}", limit.name))
     };
     let told = a.limits.iter().filter(|limit| !assumed(limit));
