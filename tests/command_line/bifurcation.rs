@@ -22,6 +22,21 @@ fn the_doubling_is_listed_and_located() {
     assert!(number(doubling, "within_hz") < 1e-4);
 }
 
+/// Below the doubling the alternation dies out so slowly that it repeats within the section's tolerance: that is no 2/2, here
+/// as in `simulate`. `orbits` has the doubling at 4.850725 Hz.
+#[test]
+fn a_doubling_is_where_orbits_has_it() {
+    let found = answer("bifurcation --gap 0 --frequency 4.6:5:0.02");
+    let hz = number(&found["diagrams"][0]["changes"][0], "frequency_hz");
+    assert!((hz - 4.850_725).abs() < 5e-4, "{hz}");
+    let folder = Folder::new();
+    for (cycles, said) in [(1000, "give more --cycles"), (3000, "give --transient 9")] {
+        let line = format!("simulate --gap 0 --frequency 4.8485 --cycles {cycles}");
+        let told = folder.run(&line).well().out;
+        assert!(told.contains("unsettled") && told.contains(said), "{told}");
+    }
+}
+
 /// What has not settled is not aperiodic, as `sweep` has it, and no regime changes there.
 #[test]
 fn a_run_too_short_to_settle_is_unsettled() {

@@ -7,7 +7,7 @@ use shared::model::regime::Regime;
 ///
 /// | byte | holds |
 /// |---|---|
-/// | 0 | what: 0 none, 1 p/n, 2 aperiodic, 3 chatter, 4 failed |
+/// | 0 | what: 0 none, 1 p/n, 2 aperiodic, 3 chatter, 4 failed, 5 unsettled |
 /// | 1 | n; 0: it does not repeat |
 /// | 2, 3 | p |
 /// | 4 to 7 | cycle after which the section had converged; 2³² − 1: it had not |
@@ -20,6 +20,7 @@ pub fn cells(cells: &[MapCell]) -> Vec<u8> {
     for cell in cells {
         let what: u8 = match cell.regime {
             _ if cell.failed => 4,
+            _ if cell.unsettled => 5,
             Regime::None => 0,
             Regime::Periodic { .. } => 1,
             Regime::Aperiodic { .. } => 2,

@@ -35,6 +35,7 @@ mod ring;
 mod root;
 mod rows;
 mod series;
+mod settling;
 mod sustained;
 mod touch;
 mod width;
@@ -45,6 +46,7 @@ use shared::model::regime::Regime;
 pub use dispatch::{Instructions, Options, Precision, Tried, try_run};
 pub use job::Work;
 pub use reduce::SETTLED_WITHIN;
+pub use settling::Strobes;
 
 /// One simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,6 +107,8 @@ pub struct Outcome {
     pub force_n: f64,
     /// Cycle after which the section had converged; `None` if it had not.
     pub settled_after: Option<u32>,
+    /// Whether what the regime calls the motion may pass: the recorded cycles show that it still changes.
+    pub unsettled: bool,
     /// Cycles run.
     pub cycles: u32,
     /// Longest section period searched for.

@@ -3,6 +3,7 @@
 use shared::model::regime::{MAX_PERIODS, Regime, SECTION_TOLERANCE};
 
 use super::constants::Constants;
+use super::settling::Strobes;
 use super::{CellPlan, Outcome, Strobe};
 
 /// A strobe, and what happened in the drive period that ended with it; without units.
@@ -95,12 +96,15 @@ pub fn outcome(
     let units = (c.scale, c.scale * c.omega);
     let kept = cycles - (plan.strobes as usize).min(cycles);
     let last = records[cycles];
+    let distance = |i: usize, j: usize| window[i + 1].distance(&window[j + 1]);
+    let strobes = Strobes::new(recorded, distance);
+    let unsettled = settled.is_none() && strobes.still_change(regime, cycles - recorded);
+    let repeats = regime.periods().filter(|_| !unsettled);
     Outcome {
         regime,
+        unsettled,
         force_n: f64::from(force) * c.force_unit_n,
-        settled_after: regime
-            .periods()
-            .map(|n| settled_after(records, usize::from(n))),
+        settled_after: repeats.map(|n| settled_after(records, usize::from(n))),
         cycles: cycles as u32,
         searched: MAX_PERIODS.min(plan.recorded as usize / 2) as u8,
         last_contact: records[1..]

@@ -95,10 +95,10 @@ pub struct Row {
     pub impacts: u16,
     /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
-    /// Written as "p/n", "none", "aperiodic" or "chatter"; as "unsettled" if nothing repeats because the motion still
-    /// changes, as "failed" if the run failed.
+    /// Written as "p/n", "none", "aperiodic" or "chatter"; as "unsettled" if the motion still changes,
+    /// as "failed" if the run failed.
     pub regime: Regime,
-    /// Whether nothing repeats and the motion still changes: it is then not known to be aperiodic.
+    /// Whether what the regime calls the motion may pass: it still changes.
     pub unsettled: bool,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
@@ -157,10 +157,21 @@ impl Serialize for Row {
 pub enum Outcome {
     /// The regime recorded.
     Regime(Regime),
-    /// Nothing repeats in what is recorded, and the motion still changes.
+    /// The motion still changes.
     Unsettled,
     /// The hammer could not be followed.
     Failed,
+}
+
+impl Outcome {
+    /// Of a run that showed `regime`, if it settled and did not fail.
+    pub fn new(regime: Regime, unsettled: bool, failed: bool) -> Self {
+        match (failed, unsettled) {
+            (true, _) => Self::Failed,
+            (false, true) => Self::Unsettled,
+            (false, false) => Self::Regime(regime),
+        }
+    }
 }
 
 impl fmt::Display for Outcome {
@@ -220,11 +231,7 @@ impl Row {
 
     /// Its regime, or that it has not settled or failed.
     pub fn outcome(&self) -> Outcome {
-        match (self.failed, self.unsettled) {
-            (true, _) => Outcome::Failed,
-            (false, true) => Outcome::Unsettled,
-            (false, false) => Outcome::Regime(self.regime),
-        }
+        Outcome::new(self.regime, self.unsettled, self.failed)
     }
 }
 

@@ -125,9 +125,8 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
     let begin = comparison.rows.first().map_or(0.0, |r| r.time_s);
     let end = begin + 4.0 / e.frequency_hz;
     let shown = || comparison.rows.iter().take_while(|r| r.time_s <= end);
-    let every = (shown().count() / 300).max(1);
     let by_force = signal.displacement_mm.is_none();
-    let measured = shown().step_by(every).filter_map(|r| {
+    let measured = shown().filter_map(|r| {
         let value = if by_force {
             r.measured_force_n
         } else {
@@ -135,7 +134,7 @@ fn text(signal: &Signal, rig: &NamedRig, comparison: &Comparison, notes: &[Strin
         };
         Some((r.time_s, value?))
     });
-    let model = shown().step_by(every).map(|r| {
+    let model = shown().map(|r| {
         let value = if by_force {
             r.simulated_force_n
         } else {

@@ -182,7 +182,7 @@ fn heading(rig: &NamedRig, request: &SectionRequest) -> String {
 fn text(answer: &Answer, portrait: &Portrait) -> String {
     let regime = match answer.regime {
         Outcome::Unsettled => format!(
-            "{}: it has not repeated in the {} recorded, which is too early to call it aperiodic; give a longer --transient or more --points",
+            "{}: it has not come to repeat in the {} recorded, and still changes; give a longer --transient or more --points",
             answer.regime,
             count(answer.points as usize, "drive period")
         ),

@@ -140,9 +140,14 @@ fn unsettled(answer: &Answer) -> String {
         Some(cycles) => format!(
             "it repeats only from drive period {cycles} on, and the record begins before; give --transient {cycles}"
         ),
-        None => format!(
-            "it has not repeated in the {recorded} recorded drive periods, which is too early to call it aperiodic; give more --cycles"
-        ),
+        None => match answer.row.periods {
+            Some(n) => format!(
+                "it nearly repeats after {n} drive periods, but what tells it from half as many dies out; give more --cycles"
+            ),
+            None => format!(
+                "it has not repeated in the {recorded} recorded drive periods, which is too early to call it aperiodic; give more --cycles"
+            ),
+        },
     }
 }
 
@@ -159,7 +164,7 @@ fn text(answer: &Answer, recorder: &Recorder) -> String {
     );
     let meaning = match row.regime {
         Regime::None => "no contact in the recorded cycles".to_owned(),
-        Regime::Aperiodic { .. } if row.unsettled => unsettled(answer),
+        _ if row.unsettled => unsettled(answer),
         Regime::Aperiodic { .. } => format!(
             "no repetition within 16 drive periods ({} contacts in the last 16)",
             row.impacts

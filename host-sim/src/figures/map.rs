@@ -19,8 +19,8 @@ use numerics::engine::Setting;
 use numerics::lanes::CellPlan;
 use numerics::map::measured::{Measured, hits};
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{Agreement, Grid, Map, MapRequest, Runner, run, similarity};
-use numerics::row::regime_as_text;
+use numerics::map::{Agreement, Grid, Map, MapRequest, Runner, Share, Summary, run, similarity};
+use numerics::row::Outcome;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 
@@ -220,30 +220,19 @@ fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, Us
 /// How many cells show a regime.
 #[derive(Serialize)]
 struct Count {
-    #[serde(serialize_with = "regime_as_text")]
-    regime: Regime,
+    regime: Outcome,
     cells: usize,
     share_percent: f64,
 }
 
 fn counts(map: &Map) -> Vec<Count> {
-    let mut found: Vec<(Regime, usize)> = Vec::new();
-    for cell in map.cells.iter().filter(|c| !c.failed) {
-        match found
-            .iter_mut()
-            .find(|(r, _)| numerics::map::agree::same_label(*r, cell.regime))
-        {
-            Some((_, n)) => *n += 1,
-            None => found.push((cell.regime, 1)),
-        }
-    }
-    found.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
-    let count = |(regime, cells): (Regime, usize)| Count {
-        regime,
-        cells,
-        share_percent: 100.0 * cells as f64 / map.cells.len() as f64,
+    let shares = Summary::of(map).regimes.into_iter();
+    let count = |share: Share| Count {
+        regime: share.regime,
+        cells: share.cells,
+        share_percent: 100.0 * share.cells as f64 / map.cells.len() as f64,
     };
-    found.into_iter().map(count).collect()
+    shares.map(count).collect()
 }
 
 /// The picture, the number of cells of each regime, and every cell.
@@ -283,7 +272,7 @@ fn shares(map: &Map) -> String {
 fn bands(map: &Map, row: usize) -> String {
     let ratios = map.frequency_ratios();
     let columns: Vec<usize> = (0..ratios.len()).collect();
-    let name = |j: usize| map.cell(row, j).regime.to_string();
+    let name = |j: usize| map.cell(row, j).label().to_string();
     let runs = columns.chunk_by(|a, b| name(*a) == name(*b));
     let long = runs.filter(|run| run.len() * 50 > ratios.len());
     let text: Vec<String> = long
@@ -298,10 +287,12 @@ fn bands(map: &Map, row: usize) -> String {
 /// Whether 1/1 and 1/2 are the two regimes with the largest areas, as the chapter's colours say.
 fn areas(map: &Map) -> &'static str {
     let counts = counts(map);
-    let periodic = counts.iter().filter(|c| c.regime.periods().is_some());
-    let mut first = periodic.take(2).map(|c| c.regime);
-    let two = first.next().zip(first.next());
-    match two.is_some_and(|(a, b)| [a, b].iter().all(|r| r.is(1, 1) || r.is(1, 2))) {
+    let periodic = counts.iter().filter_map(|c| match c.regime {
+        Outcome::Regime(regime) => regime.periods().and(Some(regime)),
+        _ => None,
+    });
+    let first: Vec<Regime> = periodic.take(2).collect();
+    match first.len() == 2 && first.iter().all(|r| r.is(1, 1) || r.is(1, 2)) {
         true => "Agrees: 1/1 and 1/2 have the largest areas of all that repeats.",
         false => "Differs: 1/1 and 1/2 are not the largest areas of all that repeats.",
     }
@@ -324,7 +315,7 @@ fn like_wires(wires: &Map, beam: &Map) -> String {
             .count()
     };
     format!(
-        "{verdict}: the same regime as on wires in {orderly:.1} % of the cells that repeat in one or two periods on both, and in {} of all. Of the cells after 1/1 above 1.5 A0, up to Ω/ω = 2, {:.0} % end without contact, on wires {:.0} %; of all cells {}, on wires {}: wires have no damping, and where beams fall silent they go on aperiodically.",
+        "{verdict}: the same regime as on wires in {orderly:.1} % of the cells that repeat in one or two periods on both, and in {} of all. Of the cells after 1/1 above 1.5 A0, up to Ω/ω = 2, {:.0} % end without contact, on wires {:.0} %; of all cells {}, on wires {}: wires have no damping, and where beams fall silent they swing on.",
         percent(s.same, s.cells),
         silent[0],
         silent[1],

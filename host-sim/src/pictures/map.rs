@@ -6,6 +6,7 @@ use crate::pictures::regimes::{regime_color, regime_group, regime_raster};
 use files::words::count;
 use numerics::map::Map;
 use numerics::pick::CartModel;
+use numerics::row::Outcome;
 use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 
 /// A point drawn over a map: gap (mm), drive frequency (Hz), and the regime seen there.
@@ -168,12 +169,12 @@ fn frame(map: &Map) -> ((f64, f64), (f64, f64)) {
 fn regime_panel(map: &Map) -> Panel {
     let (x, y) = frame(map);
     // Neighbours are mostly alike: a name is written once for a run of them.
-    let mut last: Option<(Regime, &'static str)> = None;
-    let names = map.cells.iter().map(|cell| match last {
-        Some((regime, name)) if regime == cell.regime => name,
-        _ => {
-            let name = regime_group(&cell.regime.to_string());
-            last = Some((cell.regime, name));
+    let mut last: Option<(Outcome, &'static str)> = None;
+    let names = map.cells.iter().map(|cell| match (cell.label(), last) {
+        (label, Some((before, name))) if before == label => name,
+        (label, _) => {
+            let name = regime_group(&label.to_string());
+            last = Some((label, name));
             name
         }
     });
@@ -195,10 +196,8 @@ mod tests {
         let cell = |regime: &Regime| MapCell {
             regime: *regime,
             force_n: 30.0,
-            settled_after: None,
-            searched: 16,
-            uncertain: false,
             failed: false,
+            ..MapCell::FAILED
         };
         Map {
             rig: NamedRig::new("wires", WIRES),

@@ -7,7 +7,7 @@ use plot::{Color, Item, Mark, Point, Raster, Stroke, Style};
 ///
 /// Neighbours on a map (a regime and its doubling) differ in lightness as well as in hue, and no two regimes that are
 /// common on maps share a hue: 1/1 alone is blue, 1/2 alone orange.
-pub const REGIMES: [(&str, Style); 14] = [
+pub const REGIMES: [(&str, Style); 15] = [
     ("1/1", look(Color::BLUE, Mark::Circle, Stroke::Solid)),
     ("2/2", look(Color::GREEN, Mark::Square, Stroke::Dashed)),
     (
@@ -47,6 +47,10 @@ pub const REGIMES: [(&str, Style); 14] = [
         "aperiodic",
         look(Color(0x38, 0x38, 0x38), Mark::Cross, Stroke::Dotted),
     ),
+    (
+        "unsettled",
+        look(Color(0xA0, 0x8C, 0x7A), Mark::Cross, Stroke::Dashed),
+    ),
     ("chatter", look(Color::PURPLE, Mark::Plus, Stroke::Dotted)),
     ("none", look(Color::GREY, Mark::Ring, Stroke::Dotted)),
 ];
@@ -73,10 +77,6 @@ pub fn regime_group(regime: &str) -> &'static str {
 
 /// Colour, point shape and line break of a regime; see [`regime_group`] for the names.
 pub fn regime_style(regime: &str) -> Style {
-    // Of a run that has not settled the regime is not known.
-    if regime == "unsettled" {
-        return look(Color::GREY, Mark::Cross, Stroke::Dotted);
-    }
     let group = regime_group(regime);
     let found = REGIMES.iter().find(|(name, _)| *name == group);
     found.map_or(REGIMES[REGIMES.len() - 1].1, |(_, style)| *style)

@@ -34,6 +34,9 @@ fn note(note: &Note) -> String {
         Note::CartUnused => {
             "the cart does not move at this frequency alone: its phase is not used".to_owned()
         }
+        Note::CoarseContacts { samples } => format!(
+            "the record has {samples:.1} samples in a contact: the measured contact time is known to one sample, the largest force may lie between two"
+        ),
         Note::NoContact => "no contact stands out in the measured force".to_owned(),
         Note::FrequencyFound => "the drive frequency is found from the record: the strongest pitch or a multiple of it, whichever the simulation is most like; give --frequency if it is known".to_owned(),
     }

@@ -14,6 +14,7 @@ export const REGIMES = [
   ["3/2", "#332288"],
   ["other p/n", "#C9B8F0"],
   ["aperiodic", "#383838"],
+  ["unsettled", "#A08C7A"],
   ["chatter", "#CC79A7"],
   ["none", "#E8E8E8"],
 ];

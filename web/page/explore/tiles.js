@@ -16,7 +16,7 @@ export const NOTHING = new Uint8Array(SIDE * SIDE * CELL_BYTES).map((_, at) => (
 // Tiles kept at most.
 const KEPT = 20_000;
 
-const NAMES = ["none", null, "aperiodic", "chatter", "failed"];
+const NAMES = ["none", null, "aperiodic", "chatter", "failed", "unsettled"];
 
 // The power of two whose cells over `span` are nearest to `pixels` wide on `size` pixels of screen.
 function level(span, size, pixels) {

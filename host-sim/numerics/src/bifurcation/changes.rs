@@ -161,22 +161,26 @@ fn change(diagram: &Diagram, span: std::ops::Range<usize>, kind: Kind, lasting: 
     let frequency_hz = 0.5 * (low + high);
     Change {
         kind,
-        below: a.row.regime,
-        above: b.row.regime,
+        below: label(a),
+        above: label(b),
         frequency_hz,
         frequency_ratio: frequency_hz / diagram.params.natural_frequency_hz(),
         within_hz: 0.5 * (high - low),
-        branches: [a.row.periods, b.row.periods],
+        branches: [a, b].map(|s| label(s).periods()),
         lasting,
         span,
     }
 }
 
-/// What counts as the same motion: p/n; all that does not repeat is one.
+/// What counts as the same motion: p/n; all that does not repeat is one. Where an alternation dies out, it is half of p/n.
 fn label(station: &Station) -> Regime {
-    match station.row.periods {
-        None if station.row.regime != Regime::None => APERIODIC,
-        _ => kind(station.row.regime),
+    match station.row.regime {
+        Regime::Periodic { impacts, periods } if station.row.unsettled => Regime::Periodic {
+            impacts: impacts / 2,
+            periods: periods / 2,
+        },
+        regime if regime.periods().is_none() && regime != Regime::None => APERIODIC,
+        regime => kind(regime),
     }
 }
 
@@ -192,15 +196,15 @@ fn between(a: &Station, b: &Station) -> Option<Kind> {
     if a.row.failed || b.row.failed || label(a) == label(b) {
         return None;
     }
-    let (silent_a, silent_b) = (a.row.regime == Regime::None, b.row.regime == Regime::None);
-    Some(match (a.row.periods, b.row.periods) {
-        _ if silent_a => Kind::ContactBegins,
-        _ if silent_b => Kind::ContactEnds,
+    let (a, b) = (label(a), label(b));
+    Some(match (a.periods(), b.periods()) {
+        _ if a == Regime::None => Kind::ContactBegins,
+        _ if b == Regime::None => Kind::ContactEnds,
         (Some(_), None) => Kind::LosesPeriod,
         (None, Some(_)) => Kind::FindsPeriod,
         (None, None) => Kind::Other,
         (Some(n), Some(m)) => {
-            let (p, q) = (u32::from(a.row.impacts), u32::from(b.row.impacts));
+            let (p, q) = (u32::from(a.impacts()), u32::from(b.impacts()));
             let (n, m) = (u32::from(n), u32::from(m));
             if m == 2 * n && q == 2 * p {
                 Kind::Doubling

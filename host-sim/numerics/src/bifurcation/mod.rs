@@ -9,14 +9,11 @@ pub mod answer;
 pub mod changes;
 pub mod measured;
 
-use std::f64::consts::TAU;
-
 use serde::Serialize;
 use shared::model::params::RigParams;
-use shared::model::regime::Regime;
 use shared::model::rig::Rig;
 
-use crate::engine::{Engine, still_changes};
+use crate::engine::Engine;
 use crate::error::Error;
 use crate::lanes::{self, Cell, CellPlan, Outcome, Strobe};
 use crate::pick::CartModel;
@@ -300,11 +297,6 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
     };
     let repeats = outcome.regime.periods().map_or(usize::MAX, usize::from);
     let from = outcome.strobes.len().saturating_sub(repeats);
-    let section: Vec<[f64; 2]> = outcome.strobes.iter().map(|s| [s.q, s.v]).collect();
-    let before = (outcome.cycles as usize).saturating_sub(section.len());
-    let scale = rig.coordinate_scale();
-    let units = [scale, scale * TAU * cell.frequency_hz];
-    let aperiodic = matches!(outcome.regime, Regime::Aperiodic { .. });
     Ok(Station {
         row: Row {
             impacts: outcome.regime.impacts(),
@@ -312,7 +304,7 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
             regime: outcome.regime,
             force_ratio: outcome.force_n / params.weight_n(),
             force_n: outcome.force_n,
-            unsettled: aperiodic && still_changes(before, &section, units),
+            unsettled: outcome.unsettled,
             failed: false,
             ..Row::failed(rig_name, params, cell.frequency_hz)
         },

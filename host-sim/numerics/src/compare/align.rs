@@ -11,6 +11,9 @@ use crate::signal::Signal;
 /// Samples that are compared when a shift or a pitch is tried, at most.
 const TRIED_SAMPLES: usize = 2000;
 
+/// Samples of a force that are compared when a shift is tried, at most.
+const TRIED_FORCES: usize = 100_000;
+
 /// Shifts tried per drive period.
 const SHIFTS: u32 = 160;
 
@@ -154,9 +157,17 @@ pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64)
         let each = (0..simulated.periods).map(|k| (phase + f64::from(k)) * period);
         return least(&mut { each });
     }
-    let count = simulated.periods * SHIFTS;
-    let step = period / f64::from(SHIFTS);
-    let (near, _) = least(&mut (0..count).map(|i| f64::from(i) * step));
+    let (near, step) = match signal.displacement_mm {
+        Some(_) => {
+            let count = simulated.periods * SHIFTS;
+            let step = period / f64::from(SHIFTS);
+            (least(&mut (0..count).map(|i| f64::from(i) * step)).0, step)
+        }
+        None => match by_contacts(signal, simulated) {
+            Some((tried, step)) => (least(&mut tried.into_iter()).0, step),
+            None => return (0.0, misfit(0.0)),
+        },
+    };
     let best = maximum(
         |s| -misfit(s),
         (near - step, near + step),
@@ -164,6 +175,17 @@ pub fn shift(signal: &Signal, simulated: &Simulated, frame: Frame) -> (f64, f64)
         near,
     );
     (best.rem_euclid(simulated.span_s()), misfit(best))
+}
+
+/// Shifts that lay a contact in the middle of a force record over each of the simulation's, and how far off they may be
+/// (half a contact), s. A contact is far shorter than a [`SHIFTS`]th of a period: it would be missed.
+fn by_contacts(signal: &Signal, simulated: &Simulated) -> Option<(Vec<f64>, f64)> {
+    let measured = measure(signal, &EVERY_CONTACT).ok()?;
+    let middle = measured.impacts.get(measured.impacts.len() / 2)?;
+    let contacts = simulated.contacts(measured.threshold_n);
+    let half = 0.5 * simulated.contact_time_s(measured.threshold_n)?;
+    let shifts = contacts.iter().map(|contact| contact.0 - middle.at_s);
+    Some((shifts.collect(), half.max(measured.sample_s)))
 }
 
 /// The cart's amplitude (mm) and the drive's phase at the record's time 0 (turns), from its motion y = A0 sin Ωt.
@@ -180,16 +202,15 @@ fn left(signal: &Signal, simulated: &Simulated, frame: Frame, shift: f64) -> f64
         return f64::INFINITY;
     };
     let by_force = signal.displacement_mm.is_none();
-    // A force is short: no sample of it may be passed over.
-    let every = if by_force {
-        1
+    // A force is short: no sample of it may be passed over, so that the middle of the record must do.
+    let (from, every) = if by_force {
+        (values.len().saturating_sub(TRIED_FORCES) / 2, 1)
     } else {
-        values.len().div_ceil(TRIED_SAMPLES)
+        (0, values.len().div_ceil(TRIED_SAMPLES))
     };
-    let pairs: Vec<(f64, f64)> = signal
-        .time_s
-        .iter()
-        .zip(values)
+    let most = if by_force { TRIED_FORCES } else { usize::MAX };
+    let all = signal.time_s.iter().zip(values).skip(from).take(most);
+    let pairs: Vec<(f64, f64)> = all
         .step_by(every)
         .map(|(t, y)| {
             let at = simulated.at(t + shift, frame);

@@ -102,6 +102,11 @@ pub enum Note {
     CartUnused,
     /// No contact stands out in the measured force.
     NoContact,
+    /// The contacts have few samples: their measured time and peak are coarse.
+    CoarseContacts {
+        /// In a contact, on average.
+        samples: f64,
+    },
     /// The drive frequency was found from the displacement or the force.
     FrequencyFound,
 }
@@ -150,7 +155,7 @@ pub struct Errors {
     pub simulated_contacts_per_period: f64,
     /// Measured time over the noise's threshold, mean of the contacts, ms.
     pub measured_contact_time_ms: Option<f64>,
-    /// The same of the simulated force: at the record's instants, over the same threshold, ms.
+    /// The same of the simulated force, over the same threshold, ms.
     pub simulated_contact_time_ms: Option<f64>,
     /// What to keep in mind.
     #[serde(skip)]
@@ -248,9 +253,8 @@ fn errors(
     let found = signal.force_n.as_ref();
     let found = found.and_then(|_| measure(signal, &EVERY_CONTACT).ok());
     let contacts = found.as_ref().and_then(Contacts::of);
-    // One definition of the contact time: the simulated force is looked at in the same instants.
-    let modelled = found.map(|m| m.with_force(rows.iter().map(|r| r.simulated_force_n).collect()));
-    let modelled = modelled.as_ref().and_then(Contacts::of);
+    // One definition of the contact time: over the same threshold.
+    let modelled = found.and_then(|m| simulated.contact_time_s(m.threshold_n));
     let cart_amplitude_mm = signal
         .cart_mm
         .as_ref()
@@ -278,12 +282,15 @@ fn errors(
             .map(|c| c.count / (c.span_s * simulated.frequency_hz)),
         simulated_contacts_per_period: simulated.contacts_per_period,
         measured_contact_time_ms: contacts.map(|c| c.duration_s * 1e3),
-        simulated_contact_time_ms: modelled.map(|c| c.duration_s * 1e3),
+        simulated_contact_time_ms: modelled.map(|s| s * 1e3),
         notes: Vec::new(),
     };
-    errors.notes = notes(signal, question, simulated, &errors);
+    errors.notes = notes(signal, question, simulated, &errors, contacts);
     errors
 }
+
+/// With fewer samples in a contact its measured time and peak are coarse.
+const FEW_SAMPLES: f64 = 10.0;
 
 /// Simulated − measured, over all samples.
 #[derive(Clone, Copy)]
@@ -324,6 +331,8 @@ struct Contacts {
     largest_n: f64,
     /// Mean of the peaks, N.
     mean_n: f64,
+    /// Samples over the threshold, mean of the contacts.
+    samples: f64,
 }
 
 impl Contacts {
@@ -335,6 +344,9 @@ impl Contacts {
         let count = found.impacts.len() as f64;
         let times = &found.time_s;
         let durations = found.impacts.iter().map(|impact| found.time_over_s(impact));
+        let over = |k: &usize| found.force_n[*k] > found.threshold_n;
+        let samples = found.impacts.iter();
+        let samples = samples.map(|impact| impact.window.clone().filter(over).count());
         let peaks = || found.impacts.iter().map(|i| i.peak_n);
         Some(Self {
             count,
@@ -342,6 +354,7 @@ impl Contacts {
             duration_s: durations.sum::<f64>() / count,
             largest_n: peaks().fold(0.0_f64, f64::max),
             mean_n: peaks().sum::<f64>() / count,
+            samples: samples.sum::<usize>() as f64 / count,
         })
     }
 }
@@ -351,6 +364,7 @@ fn notes(
     question: &ComparisonRequest,
     simulated: &Simulated,
     errors: &Errors,
+    contacts: Option<Contacts>,
 ) -> Vec<Note> {
     let mut notes = Vec::new();
     if !simulated.repeats {
@@ -370,6 +384,11 @@ fn notes(
     }
     if signal.force_n.is_some() && errors.measured_force_n.is_none() {
         notes.push(Note::NoContact);
+    }
+    if let Some(few) = contacts.filter(|c| c.samples < FEW_SAMPLES) {
+        notes.push(Note::CoarseContacts {
+            samples: few.samples,
+        });
     }
     if errors.frequency_from == FrequencySource::Record {
         notes.push(Note::FrequencyFound);

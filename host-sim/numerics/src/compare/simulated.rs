@@ -147,6 +147,49 @@ impl Simulated {
         }
     }
 
+    /// How long the force is over `threshold_n` in a contact, mean of the contacts that reach twice as much, s; none if
+    /// none does.
+    pub fn contact_time_s(&self, threshold_n: f64) -> Option<f64> {
+        let contacts = self.contacts(threshold_n);
+        let times = contacts.iter().map(|contact| contact.1 - contact.0);
+        (!contacts.is_empty()).then(|| times.sum::<f64>() / contacts.len() as f64)
+    }
+
+    /// From when to when the force is over `threshold_n`, where it reaches twice as much, s.
+    pub fn contacts(&self, threshold_n: f64) -> Vec<(f64, f64)> {
+        let mut contacts = Vec::new();
+        let mut open: Option<(f64, f64)> = None;
+        let n = self.samples.len();
+        // Round the repetition from a sample without contact on: none is cut in two.
+        let begin = (self.samples.iter()).position(|s| s.force_n <= threshold_n);
+        for k in begin.map_or(0..0, |begin| begin..begin + n) {
+            let nth = |k: usize| Sample {
+                time_s: self.samples[k % n].time_s + (k / n) as f64 * self.span_s(),
+                ..self.samples[k % n]
+            };
+            let (a, b) = (nth(k), nth(k + 1));
+            let crossing = |a: Sample, b: Sample| {
+                let share = (threshold_n - a.force_n) / (b.force_n - a.force_n);
+                a.time_s + share * (b.time_s - a.time_s)
+            };
+            match (a.force_n > threshold_n, b.force_n > threshold_n) {
+                (false, true) => open = Some((crossing(a, b), b.force_n)),
+                (true, false) => {
+                    let whole = open
+                        .take()
+                        .filter(|(_, peak_n)| *peak_n > 2.0 * threshold_n);
+                    contacts.extend(whole.map(|(from, _)| (from, crossing(a, b))));
+                }
+                _ => {
+                    if let Some((_, peak_n)) = &mut open {
+                        *peak_n = peak_n.max(b.force_n);
+                    }
+                }
+            }
+        }
+        contacts
+    }
+
     /// Farthest to farthest, mm.
     pub fn peak_to_peak_mm(&self, frame: Frame) -> f64 {
         let all = || self.samples.iter().map(|s| frame.of(s).0);

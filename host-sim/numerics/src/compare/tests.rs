@@ -177,6 +177,59 @@ fn of_two_motions_at_one_frequency_the_start_chooses() {
     );
 }
 
+/// By the force alone a contact of 0.6 ms must be laid over one of the simulation's, which a search in steps of some
+/// milliseconds passes over.
+#[test]
+fn by_its_force_alone_a_record_finds_its_place() {
+    for ratio in [1.5, 1.83, 3.8] {
+        let hz = ratio * 1.82;
+        let signal = Signal {
+            displacement_mm: None,
+            ..made(&WIRES, hz, 0.1234, |_| 0.0)
+        };
+        let seen = compare(&signal, &question(Some(hz))).unwrap().errors;
+        let period = f64::from(seen.regime.periods().unwrap_or(1)) / hz;
+        let turns = (seen.shift_s - 0.1234) / period;
+        let off_s = (turns - turns.round()) * period;
+        assert!(off_s.abs() < 2e-5, "{off_s} {seen:?}");
+    }
+}
+
+/// Recorded finely where its own contacts are, and coarsely where those of another rig would be.
+#[test]
+fn the_simulated_contact_time_does_not_depend_on_the_records_instants() {
+    let hz = 1.8 * 1.82;
+    let signal = made(&WIRES, hz, 0.0, |_| 0.0);
+    let stiffer = RigParams {
+        gap_m: 0.3e-3,
+        ..WIRES
+    };
+    let whole = ComparisonRequest {
+        params: stiffer,
+        ..question(Some(hz))
+    };
+    let seen = compare(&signal, &whole).unwrap().errors;
+    let own = made(&stiffer, hz, 0.0, |_| 0.0);
+    let alone = compare(&own, &whole).unwrap().errors;
+    let [with, without] = [seen, alone].map(|e| e.simulated_contact_time_ms.unwrap());
+    assert!((with / without - 1.0).abs() < 0.01, "{with} {without}");
+}
+
+#[test]
+fn contacts_of_few_samples_are_said_to_be_coarse() {
+    let hz = 1.5 * 1.82;
+    let mut signal = made(&WIRES, hz, 0.0, |_| 0.0);
+    let count = (signal.time_s[signal.time_s.len() - 1] / 2e-4) as usize;
+    let at = |k: usize| signal.time_s.partition_point(|t| *t < k as f64 * 2e-4);
+    let kept: Vec<usize> = (0..count).map(at).collect();
+    signal.force_n = signal.force_n.map(|f| kept.iter().map(|i| f[*i]).collect());
+    signal.displacement_mm = None;
+    signal.time_s = (0..count).map(|k| k as f64 * 2e-4).collect();
+    let notes = compare(&signal, &question(Some(hz))).unwrap().errors.notes;
+    let coarse = |n: &Note| matches!(n, Note::CoarseContacts { samples } if *samples < 4.0);
+    assert!(notes.iter().any(coarse), "{notes:?}");
+}
+
 #[test]
 fn a_period_two_orbit_finds_its_drive_and_its_place() {
     // 0.0 mm, 3.8: 1/2. The strongest pitch is half the drive.

@@ -8,11 +8,11 @@ pub mod switch;
 
 use shared::model::contacts::Period;
 use shared::model::params::RigParams;
-use shared::model::regime::{Detector, MAX_PERIODS, Regime, SECTION_TOLERANCE};
+use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
 use crate::error::{Error, MotionError, StartError};
-use crate::lanes::settled_after;
+use crate::lanes::{settled_after, strobes};
 use crate::reference::Contact;
 pub use recorder::{Recorder, Sample};
 pub use switch::{Method, Precision, Setting, Switch};
@@ -165,7 +165,7 @@ pub struct Observation {
     pub frequency_hz: f64,
     /// The regime over the recorded cycles.
     pub regime: Regime,
-    /// Whether the regime is aperiodic only because the motion still changes: see [`Observation::settled_after`].
+    /// Whether what the regime calls the motion may pass: it still changes. See [`Observation::settled_after`].
     pub unsettled: bool,
     /// The number of drive periods from the start after which the section repeats, not recorded ones included; none if
     /// it does not by the end.
@@ -176,40 +176,6 @@ pub struct Observation {
     pub strongest: Option<Contact>,
     /// The section over the recorded cycles, oldest first: coordinate and rate.
     pub section: Vec<[f64; 2]>,
-}
-
-/// A motion is called aperiodic only if the later half of what is recorded begins after so many drive periods, and all
-/// that is recorded is as long as twice the longest period looked for.
-const SETTLING: usize = 64;
-/// A distance between points n periods apart that shrinks to less than this share from one half of the record to the
-/// other belongs to a motion that still settles.
-const SHRINKS: f64 = 0.5;
-
-/// The shortest period with which the last half of `sections` repeats, in units of the section.
-fn repeats_late(sections: &[[f64; 2]], units: [f64; 2]) -> Option<usize> {
-    let late = &sections[sections.len() / 2..];
-    (1..=MAX_PERIODS.min(late.len() / 2)).find(|n| apart(late, *n, units) <= SECTION_TOLERANCE)
-}
-
-/// The largest distance between points of `sections` that are `n` periods apart, in units of the section.
-fn apart(sections: &[[f64; 2]], n: usize, units: [f64; 2]) -> f64 {
-    let pairs = sections.iter().zip(sections.get(n..).unwrap_or_default());
-    let distance = |(a, b): (&[f64; 2], &[f64; 2])| {
-        ((b[0] - a[0]).abs() / units[0]).max((b[1] - a[1]).abs() / units[1])
-    };
-    pairs.map(distance).fold(0.0, f64::max)
-}
-
-/// Whether a motion that does not repeat over `recorded` may still be on its way to one that does; it began `before`
-/// periods earlier.
-pub(crate) fn still_changes(before: usize, recorded: &[[f64; 2]], units: [f64; 2]) -> bool {
-    let half = recorded.len() / 2;
-    let (early, late) = recorded.split_at(half);
-    let mut periods = 1..=MAX_PERIODS.min(half / 2);
-    recorded.len() < 2 * MAX_PERIODS
-        || before + half < SETTLING
-        || repeats_late(recorded, units).is_some()
-        || periods.any(|n| apart(late, n, units) < SHRINKS * apart(early, n, units))
 }
 
 /// Runs `machine` through `plan`.
@@ -245,21 +211,22 @@ pub fn observe(
     }
     let strongest = recorder.contacts.iter().copied();
     let (regime, units) = (detector.regime(), [scale, scale * omega]);
-    let section = sections[plan.transient as usize + 1..].to_vec();
-    let aperiodic = matches!(regime, Regime::Aperiodic { .. });
-    let unsettled = aperiodic && still_changes(plan.transient as usize, &section, units);
-    let periods = match regime.periods() {
-        None if unsettled => repeats_late(&section, units),
-        periods => periods.map(usize::from),
+    let seen = strobes(&sections[plan.transient as usize + 1..], units);
+    let unsettled = seen.still_change(regime, plan.transient as usize);
+    let periods = regime.periods().map(usize::from);
+    let periods = match unsettled {
+        true => (seen.repeats_late()).filter(|late| periods.is_none_or(|n| *late < n)),
+        false => periods,
     };
+    let settled_after = periods.map(|n| settled_after(&sections, n, units));
     Ok(Observation {
         frequency_hz: machine.frequency_hz(),
         regime,
         unsettled,
-        settled_after: periods.map(|n| settled_after(&sections, n, units)),
+        settled_after,
         force_n,
         strongest: strongest.max_by(|a, b| a.peak_force_n.total_cmp(&b.peak_force_n)),
-        section,
+        section: sections[plan.transient as usize + 1..].to_vec(),
     })
 }
 

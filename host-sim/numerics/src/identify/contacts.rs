@@ -65,17 +65,6 @@ pub struct Impact {
 }
 
 impl Measured {
-    /// Another force at the same instants, its impacts found in the same way and over the same threshold.
-    #[must_use]
-    pub fn with_force(&self, force_n: Vec<f64>) -> Self {
-        let mut other = Self {
-            force_n,
-            ..self.clone()
-        };
-        other.impacts = find(&other, usize::MAX);
-        other
-    }
-
     /// How long the force is over the threshold in the window of `impact`, s. Between two samples over it, all the time;
     /// before the first and after the last, half the distance to the next sample, the nearer of the two.
     pub fn time_over_s(&self, impact: &Impact) -> f64 {

@@ -15,11 +15,12 @@ use crate::engine::Engine;
 use crate::error::Error;
 
 pub use ::lanes::{
-    Cell, CellPlan, Instructions, Options, Outcome, Precision, SETTLED_WITHIN, Strobe, Work,
+    Cell, CellPlan, Instructions, Options, Outcome, Precision, SETTLED_WITHIN, Strobe, Strobes,
+    Work,
 };
 pub use fast::{Report, run_with};
 pub use one::run_one;
-pub(crate) use one::settled_after;
+pub(crate) use one::{settled_after, strobes};
 
 /// Cells per piece of work of a thread: enough that lanes left over at its end do not matter. Outcomes do not depend on
 /// it.

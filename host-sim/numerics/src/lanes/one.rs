@@ -3,7 +3,7 @@
 use shared::model::contacts::Period;
 use shared::model::regime::{Detector, MAX_PERIODS, SECTION_TOLERANCE};
 
-use super::{Cell, CellPlan, Outcome, Strobe};
+use super::{Cell, CellPlan, Outcome, Strobe, Strobes};
 use crate::engine::{Engine, Start, machine_at, within_reach};
 use crate::error::Error;
 
@@ -53,18 +53,31 @@ pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, 
         }
     }
     let regime = detector.regime();
+    let before = opening.min(plan.cycles) as usize;
+    let unsettled = self::strobes(&sections[before + 1..], units).still_change(regime, before);
+    let repeats = regime.periods().filter(|_| !unsettled);
     Ok(Outcome {
         regime,
+        unsettled,
         force_n,
-        settled_after: regime
-            .periods()
-            .map(|n| settled_after(&sections, usize::from(n), units)),
+        settled_after: repeats.map(|n| settled_after(&sections, usize::from(n), units)),
         cycles: plan.cycles,
         searched: MAX_PERIODS.min(plan.recorded as usize / 2) as u8,
         last_contact,
         uncertain: false,
         section: hammer.section(),
         strobes,
+    })
+}
+
+/// The strobes of a section, whose distances are in `units` of it.
+pub(crate) fn strobes(
+    section: &[[f64; 2]],
+    units: [f64; 2],
+) -> Strobes<impl Fn(usize, usize) -> f64> {
+    Strobes::new(section.len(), move |i, j| {
+        let apart = |k: usize| (section[j][k] - section[i][k]).abs() / units[k];
+        apart(0).max(apart(1))
     })
 }
 

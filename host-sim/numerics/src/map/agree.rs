@@ -227,10 +227,10 @@ mod tests {
         MapCell {
             regime,
             force_n,
-            settled_after: None,
             searched: 16,
             uncertain,
             failed: false,
+            ..MapCell::FAILED
         }
     }
 

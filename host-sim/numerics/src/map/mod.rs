@@ -10,19 +10,16 @@ pub mod request;
 mod run;
 pub mod summary;
 
-use std::fmt;
-
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use shared::model::regime::Regime;
 
 pub use self::agree::{Agreement, Similarity, audit, similarity};
 pub use self::request::{MapRequest, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
-pub use self::summary::{Strongest, Summary};
+pub use self::summary::{Share, Strongest, Summary};
 use crate::lanes::Outcome;
 use crate::pick::CartModel;
-use crate::row::NamedRig;
-use crate::row::tidy;
+use crate::row::{self, NamedRig, tidy};
 use crate::sweep::Direction;
 
 /// Stands for the sources that decide what a cell shows. Cells computed by builds with different fingerprints may differ.
@@ -70,6 +67,8 @@ pub struct MapCell {
     pub force_n: f64,
     /// Cycle after which the section had converged; none: it had not.
     pub settled_after: Option<u32>,
+    /// Whether what the regime calls the motion may pass: it still changes.
+    pub unsettled: bool,
     /// Longest section period searched for.
     pub searched: u8,
     /// Whether the fast engine was uncertain, so that the reference ran the cell again.
@@ -84,33 +83,15 @@ impl MapCell {
         regime: Regime::None,
         force_n: 0.0,
         settled_after: None,
+        unsettled: false,
         searched: 0,
         uncertain: false,
         failed: true,
     };
 
-    /// Its regime as a word: "p/n", "none", "aperiodic" or "chatter"; "failed" if the hammer could not be followed.
-    pub fn label(&self) -> Label {
-        Label((!self.failed).then_some(self.regime))
-    }
-}
-
-/// [`MapCell::label`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Label(Option<Regime>);
-
-impl fmt::Display for Label {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(regime) => regime.fmt(f),
-            None => f.pad("failed"),
-        }
-    }
-}
-
-impl Serialize for Label {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
+    /// Its regime, or that it has not settled or failed.
+    pub fn label(&self) -> row::Outcome {
+        row::Outcome::new(self.regime, self.unsettled, self.failed)
     }
 }
 
@@ -120,6 +101,7 @@ impl From<&Outcome> for MapCell {
             regime: seen.regime,
             force_n: seen.force_n,
             settled_after: seen.settled_after,
+            unsettled: seen.unsettled,
             searched: seen.searched,
             uncertain: seen.uncertain,
             failed: false,
@@ -208,8 +190,8 @@ pub struct CellRow {
     pub impacts: u16,
     /// n; none when the section does not repeat, or nothing touches.
     pub periods: Option<u8>,
-    /// "p/n", "none", "aperiodic", "chatter" or "failed".
-    pub regime: Label,
+    /// "p/n", "none", "aperiodic", "chatter", "unsettled" or "failed".
+    pub regime: row::Outcome,
     /// Largest contact force in the recorded cycles over m g.
     pub force_ratio: f64,
     /// The same, N.

@@ -4,7 +4,7 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 
 use super::Map;
-use crate::row::{kind, regime_as_text};
+use crate::row::{Outcome, kind};
 
 /// A map in a few numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,8 +15,8 @@ pub struct Summary {
     pub regimes: Vec<Share>,
     /// Cells whose section had converged.
     pub settled: usize,
-    /// Cells with contact whose section had not converged.
-    pub open: usize,
+    /// Cells whose motion still changed: their regime is not known.
+    pub unsettled: usize,
     /// Cells flagged as uncertain, and run again by the reference.
     pub uncertain: usize,
     /// Where z = 1/1 has the largest force, if there is one.
@@ -31,8 +31,7 @@ pub struct Summary {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// Which.
-    #[serde(serialize_with = "regime_as_text")]
-    pub regime: Regime,
+    pub regime: Outcome,
     /// How many.
     pub cells: usize,
 }
@@ -41,8 +40,7 @@ pub struct Share {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Strongest {
     /// Its regime.
-    #[serde(serialize_with = "regime_as_text")]
-    pub regime: Regime,
+    pub regime: Outcome,
     /// Clearance at rest, mm.
     pub gap_mm: f64,
     /// Drive frequency, Hz.
@@ -53,8 +51,6 @@ pub struct Strongest {
     pub force_ratio: f64,
     /// The same, N.
     pub force_n: f64,
-    /// Whether its motion had settled.
-    pub settled: bool,
 }
 
 impl Summary {
@@ -64,7 +60,7 @@ impl Summary {
         // Neighbours are mostly alike: the kinds are few, and the last one found is tried first.
         let mut last = 0;
         for cell in map.cells.iter().filter(|c| !c.failed) {
-            let kind = kind(cell.regime);
+            let kind = Outcome::new(kind(cell.regime), cell.unsettled, false);
             if regimes.get(last).is_none_or(|s| s.regime != kind) {
                 let found = regimes.iter().position(|s| s.regime == kind);
                 last = found.unwrap_or(regimes.len());
@@ -85,7 +81,7 @@ impl Summary {
             cells: map.cells.len(),
             regimes,
             settled: count(|c| c.settled_after.is_some()),
-            open: count(|c| c.settled_after.is_none() && c.regime != Regime::None),
+            unsettled: count(|c| c.unsettled),
             uncertain: count(|c| c.uncertain),
             strongest_one_one: strongest(map, |regime| regime.is(1, 1)),
             strongest_of_all: strongest(map, |regime| regime != Regime::None),
@@ -102,12 +98,11 @@ fn strongest(map: &Map, asked: impl Fn(Regime) -> bool) -> Option<Strongest> {
     let index = cells.reduce(|a, b| if force(b) > force(a) { b } else { a })?;
     let (gap_mm, frequency_hz) = map.grid.at(index);
     Some(Strongest {
-        regime: map.cells[index].regime,
+        regime: map.cells[index].label(),
         gap_mm,
         frequency_hz,
         frequency_ratio: frequency_hz / map.rig.params.natural_frequency_hz(),
         force_ratio: map.force_ratio(index),
         force_n: force(index),
-        settled: map.cells[index].settled_after.is_some(),
     })
 }

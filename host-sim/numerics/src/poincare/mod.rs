@@ -14,6 +14,7 @@ use shared::model::rig::Rig;
 
 use crate::engine::{self, Recorder, Sample, Start, event, observe};
 use crate::error::{Error, MotionError};
+use crate::lanes::strobes;
 use crate::progress::{Progress, check, step};
 use crate::reference::{Observer, Reference, Segment};
 use crate::row::Outcome;
@@ -172,7 +173,7 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
     }
     let end: [f64; 2] = hammer.state().into();
     let regime = detector.regime();
-    let unsettled = matches!(regime, Regime::Aperiodic { .. }) && {
+    let unsettled = {
         let of = |p: &SectionPoint| {
             [
                 p.relative_displacement_mm * 1e-3,
@@ -181,7 +182,7 @@ pub fn portrait(request: &SectionRequest, progress: &dyn Progress) -> Result<Por
         };
         let section: Vec<_> = sections.iter().take(1).flatten().map(of).collect();
         let units = [rig.amplitude(), rig.amplitude() * omega];
-        engine::still_changes(request.transient as usize, &section, units)
+        strobes(&section, units).still_change(regime, request.transient as usize)
     };
     Ok(Portrait {
         sections,

@@ -10,6 +10,7 @@ use crate::words::map::percent;
 use files::words::count;
 use numerics::map::{Map, MapRequest, Strongest, Summary};
 use numerics::pick::CartModel;
+use numerics::row::Outcome;
 use plot::chart::terminal_width;
 
 /// Regimes named one by one.
@@ -53,7 +54,7 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
         [one] => format!("{one:?} {unit}"),
         [] => String::new(),
     };
-    let run_on = settle.is_none() && summary.open > 0;
+    let run_on = settle.is_none() && summary.unsettled > 0;
     let settle = settle.map_or(String::new(), |n| format!(" (unsettled: {n})"));
     let mut text = format!(
         "{}, {}: {} ({}) by {} ({}), {}\n{}, engine {}, {}{settle}, last {} recorded\n\n",
@@ -87,18 +88,18 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
     let _ = writeln!(text, "regimes    {}{more}", shares.join(", "));
     let strongest = summary.strongest_one_one.iter();
     let others = summary.strongest_of_all.iter();
-    for best in strongest.chain(others.filter(|of_all| !of_all.regime.is(1, 1))) {
+    for best in strongest.chain(others.filter(|of_all| !is_one_one(of_all))) {
         text += &strongest_line(best, summary);
     }
     let _ = writeln!(
         text,
-        "settled    {}; strikes and has not settled {}; flagged and run again {}",
+        "settled    {}; still changing, so that the regime is not known, {}; flagged and run again {}",
         percent(summary.settled, summary.cells),
-        percent(summary.open, summary.cells),
+        percent(summary.unsettled, summary.cells),
         percent(summary.uncertain, summary.cells),
     );
     if run_on {
-        text += "           (--settle 5000 runs on with what has not settled: some of the aperiodic cells may then repeat, or stop striking)\n";
+        text += "           (--settle 5000 runs on with them)\n";
     }
     if summary.failed > 0 {
         let _ = writeln!(
@@ -110,21 +111,20 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
     text
 }
 
+fn is_one_one(cell: &Strongest) -> bool {
+    matches!(cell.regime, Outcome::Regime(regime) if regime.is(1, 1))
+}
+
 /// A cell with the largest force: of 1/1, of all regimes, or of both.
 fn strongest_line(best: &Strongest, summary: &Summary) -> String {
     let of_all = summary.strongest_of_all.as_ref() == Some(best);
-    let what = match (best.regime.is(1, 1), of_all) {
+    let what = match (is_one_one(best), of_all) {
         (true, true) => "strongest of all: 1/1 with".to_owned(),
         (true, false) => "strongest 1/1:".to_owned(),
         (false, _) => format!("strongest of all: {} with", best.regime),
     };
-    let open = if best.settled {
-        ""
-    } else {
-        " (has not settled)"
-    };
     format!(
-        "{what} {:.2} N, {:.2} times the weight, at a gap of {:?} mm and {:?} Hz (Ω/ω {:.3}){open}\n",
+        "{what} {:.2} N, {:.2} times the weight, at a gap of {:?} mm and {:?} Hz (Ω/ω {:.3})\n",
         best.force_n, best.force_ratio, best.gap_mm, best.frequency_hz, best.frequency_ratio
     )
 }
@@ -144,7 +144,7 @@ fn chart(map: &Map) -> String {
             .map(|column| {
                 letter(
                     map.cell(at, middle(column, columns, frequencies.len()))
-                        .regime,
+                        .label(),
                 )
             })
             .collect();
@@ -158,10 +158,13 @@ fn chart(map: &Map) -> String {
         .map_or(String::new(), |f| format!("{f:.2} Hz"));
     let space = columns.saturating_sub(first.len()).max(last.len() + 1);
     let _ = writeln!(text, "{:GUTTER$} {first}{last:>space$}", "");
-    text + "1: 1/1   2: 1/2   3: 1/3   d: 2/2   p: other p/n   ~: aperiodic   c: chatter   .: no contact\n"
+    text + "1: 1/1   2: 1/2   3: 1/3   d: 2/2   p: other p/n   ~: aperiodic   c: chatter   .: no contact   ?: not known\n"
 }
 
-fn letter(regime: Regime) -> char {
+fn letter(cell: Outcome) -> char {
+    let Outcome::Regime(regime) = cell else {
+        return '?';
+    };
     match regime {
         Regime::None => '.',
         Regime::Periodic {
