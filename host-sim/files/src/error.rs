@@ -22,6 +22,15 @@ impl UserError {
     }
 }
 
+impl UserError {
+    /// The same about `place`, where it is about a setting that nobody wrote as --set.
+    #[must_use]
+    pub fn at_setting(self, place: impl fmt::Display) -> Self {
+        let line = self.0.strip_prefix("--set: ").unwrap_or(&self.0);
+        Self::new(line).at(place)
+    }
+}
+
 impl fmt::Display for UserError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)

@@ -39,7 +39,7 @@ fn line(error: &Error) -> String {
         Error::Drive(error) => error.to_string(),
         Error::Preset(name) => format!("there is no preset {name}"),
         Error::Frequency(hz) => {
-            format!("the drive frequency is {hz} Hz, must be a positive number")
+            format!("the drive frequency is {hz} Hz, must be a positive number, and finite")
         }
         Error::FrequencyRatio {
             frequency_hz,

@@ -13,7 +13,7 @@ use crate::pictures::bifurcation::{Abscissa, figure};
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
-use files::table::to_csv;
+use files::table::to_csv_or_header;
 use files::words::count;
 use numerics::bifurcation::answer::{Answer, DiagramAnswer};
 use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
@@ -89,6 +89,21 @@ struct ChangeRow {
     lasting: bool,
 }
 
+impl ChangeRow {
+    /// For the names of its fields.
+    const NONE: Self = Self {
+        gap_mm: 0.0,
+        direction: "",
+        change: "",
+        below: Regime::None,
+        above: Regime::None,
+        frequency_hz: 0.0,
+        frequency_ratio: 0.0,
+        within_hz: 0.0,
+        lasting: false,
+    };
+}
+
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
@@ -118,7 +133,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         };
         let mut contents = output.tables(&output.name(""), &answer, &points)?;
         let changes: Vec<_> = answer.diagrams.iter().flat_map(change_rows).collect();
-        contents.push((output.name("-changes.csv"), to_csv(&changes)));
+        contents.push((
+            output.name("-changes.csv"),
+            to_csv_or_header(&changes, ChangeRow::NONE),
+        ));
         for same in diagrams.chunk_by(|a, b| a.gap_mm == b.gap_mm) {
             let all: Vec<_> = same.iter().collect();
             let name = match request.gaps_mm.len() {

@@ -163,7 +163,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         free_cart_percent: free_cart_percent(&rig.params),
         fits: fits.iter().map(Worded::from).collect(),
     };
-    refuse(&answer)?;
+    refuse(&answer, args.all_laws)?;
     let rows = rows(&fits);
     if let Some(dir) = &output.out {
         let mut contents = drawn(&output.name(""), &figure(&rig, &measured, &fits, &settings))?;
@@ -177,7 +177,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 }
 
 /// An error if none of the laws fits: there is no answer then.
-fn refuse(answer: &Answer) -> Result<(), UserError> {
+fn refuse(answer: &Answer, all_laws: bool) -> Result<(), UserError> {
     if answer.fits.iter().any(|worded| !worded.fit.refused) {
         return Ok(());
     }
@@ -185,10 +185,12 @@ fn refuse(answer: &Answer) -> Result<(), UserError> {
     names.dedup();
     let least = answer.fits.iter().map(|w| w.fit.misses_share);
     Err(UserError::new(format!(
-        "{}: {} does not fit: it misses {:.0} % of the force; try --all-laws, and check --rig, --gap and --release-mm; a filter in the converter may be why, too",
+        "{}: {} {} not fit: at least {:.0} % of the force is missed; {}check the units of time and force, --rig, --gap and --release-mm; a filter in the converter may be why, too",
         answer.file,
         names.join(", "),
-        100.0 * least.fold(f64::INFINITY, f64::min)
+        if names.len() == 1 { "does" } else { "do" },
+        100.0 * least.fold(f64::INFINITY, f64::min),
+        if all_laws { "" } else { "try --all-laws, and " }
     )))
 }
 

@@ -336,6 +336,10 @@ fn one_line(error: &clap::Error, arguments: &[OsString]) -> String {
     let message = error.to_string();
     let paragraph = message.lines().take_while(|line| !line.trim().is_empty());
     let words: Vec<_> = paragraph.map(str::trim).collect();
+    // What the parsers of numbers say of themselves.
+    let words = (words.join(" "))
+        .replace("invalid float literal", "write a number, such as 3.5")
+        .replace("invalid digit found in string", "write a whole number");
     let tip = || {
         let tips = message.lines().map(str::trim);
         let tip = tips.clone().find(|line| line.starts_with("tip:"));
@@ -353,7 +357,7 @@ fn one_line(error: &clap::Error, arguments: &[OsString]) -> String {
         ErrorKind::UnknownArgument => meant_option(command, word(ContextKind::InvalidArg)),
         _ => tip(),
     };
-    format!("{}{tip}; see {name} --help", words.join(" "))
+    format!("{words}{tip}; see {name} --help")
 }
 
 /// The command that `arguments` name, and how it is called.

@@ -8,10 +8,10 @@ use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures::drawn;
 use crate::pictures::regimes::regime_color;
 use files::UserError;
-use files::table::to_csv;
+use files::table::{to_csv, to_csv_or_header};
 use files::words::count;
 use numerics::NamedRig;
-use numerics::engine::answer::{Answer, SectionRow, contact_rows, section_rows};
+use numerics::engine::answer::{Answer, ContactRow, SectionRow, contact_rows, section_rows};
 use numerics::engine::{Recorder, Sample, Start, machine, observe};
 use numerics::row::Row;
 use plot::chart::Chart;
@@ -96,7 +96,7 @@ fn tables(
         (output.name("-section.csv"), to_csv(section)),
         (
             output.name("-contacts.csv"),
-            to_csv(&contact_rows(recorder)),
+            to_csv_or_header(&contact_rows(recorder), ContactRow::default()),
         ),
     ];
     if output.format == Format::Parquet {

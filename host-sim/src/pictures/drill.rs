@@ -49,12 +49,19 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer, fastest: &DrillRow) -> Fi
             fastest.gap_mm
         ),
     };
-    Figure::new(format!(
+    // A curve that is the threshold throughout shows nothing.
+    let differs = |r: &DrillRow| (r.force_n / r.threshold_n - 1.0).abs() > 1e-3;
+    let forces = drawn.iter().any(|gap| gap.iter().any(differs));
+    let peak = match forces {
+        true => "",
+        false => " Every blow reaches the threshold and no more.",
+    };
+    let figure = Figure::new(format!(
         "{}: rate of penetration, ground that gives way at {:?} N",
         best.rig, best.threshold_n
     ))
     .subtitle(format!(
-        "Ground {:e} N/m, {:?} N·s/m{}; the feed restores the gap, the cart {}. Fastest {}: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm{}.",
+        "Ground {:e} N/m, {:?} N·s/m{}; the feed restores the gap, the cart {}. Fastest {}: {:.1} µm/s at Ω/ω {:.3}, gap {:?} mm{}.{peak}",
         best.ground_stiffness_n_per_m,
         best.ground_damping_n_s_per_m,
         bit(best),
@@ -65,10 +72,18 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer, fastest: &DrillRow) -> Fi
         best.gap_mm,
         of_all
     ))
-    .size(1000, 1150)
-    .panel(panel("rate of penetration, µm/s", |r| r.rate_of_penetration_um_per_s))
-    .panel(panel("peak contact force, N", |r| r.force_n).without_legend())
-    .panel(panel("energy per blow, mJ", |r| r.energy_per_blow_mj.unwrap_or(f64::NAN)).without_legend())
+    .size(1000, if forces { 1150 } else { 800 })
+    .panel(panel("rate of penetration, µm/s", |r| r.rate_of_penetration_um_per_s));
+    let figure = match forces {
+        true => figure.panel(panel("peak contact force, N", |r| r.force_n).without_legend()),
+        false => figure,
+    };
+    figure.panel(
+        panel("energy per blow, mJ", |r| {
+            r.energy_per_blow_mj.unwrap_or(f64::NAN)
+        })
+        .without_legend(),
+    )
 }
 
 /// The bit, if there is one.

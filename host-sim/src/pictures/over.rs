@@ -43,7 +43,7 @@ impl Over<'_> {
 
     fn panel(&self, label: &str, title: &str) -> Panel {
         let key = self.rows.first().map_or("", |row| row.parameter.as_str());
-        let x = Axis::new(key);
+        let x = Axis::new(axis_label(key));
         let x = if self.log { x.log() } else { x };
         let panel = Panel::new(x, Axis::new(label).with_zero()).titled(title);
         let ends = self.rows.iter().map(|row| row.value);
@@ -62,19 +62,21 @@ impl Over<'_> {
     }
 
     fn force(&self) -> Panel {
-        let panel = self.panel("contact force over the weight", "force");
+        let panel = self.panel("contact force, N", "force");
         let panel = if self.rows.iter().any(is_uncertain) {
             let edge = |label: &str, value: fn(&OverRow) -> Option<f64>| {
                 Item::dashed(label, Color::GREY, self.points(value))
             };
             panel
-                .item(edge("over the uncertainty", |r| r.force_ratio_worst))
-                .item(edge("", |r| r.force_ratio_largest))
+                .item(edge("over the uncertainty", |r| {
+                    newtons(r, r.force_ratio_worst)
+                }))
+                .item(edge("", |r| newtons(r, r.force_ratio_largest)))
         } else {
             panel
         };
-        let jumping = |row: &OverRow| row.force_ratio.filter(|_| row.jumps == Some(true));
-        let panel = self.curve(panel, "at the pick", |r| r.force_ratio);
+        let jumping = |row: &OverRow| row.force_n.filter(|_| row.jumps == Some(true));
+        let panel = self.curve(panel, "at the pick", |r| r.force_n);
         if !self.rows.iter().any(|row| jumping(row).is_some()) {
             return panel;
         }
@@ -118,6 +120,33 @@ impl Over<'_> {
     fn power(&self) -> Panel {
         let panel = self.panel("impact power, W", "power of the blows");
         self.curve(panel, "at the pick", |r| r.impact_power_w)
+    }
+}
+
+/// A force over the weight of `row` in N.
+fn newtons(row: &OverRow, force_ratio: Option<f64>) -> Option<f64> {
+    Some(force_ratio? * row.force_n? / row.force_ratio?)
+}
+
+/// A key of rig files as the label of an axis: "contact_stiffness_n_per_m" is "contact stiffness, N/m".
+fn axis_label(key: &str) -> String {
+    const UNITS: [(&str, &str); 9] = [
+        ("_n_per_m3", "N/m³"),
+        ("_n_s_per_m", "N·s/m"),
+        ("_n_per_m", "N/m"),
+        ("_m_per_s2", "m/s²"),
+        ("_s_per_m", "s/m"),
+        ("_kg", "kg"),
+        ("_mm", "mm"),
+        ("_hz", "Hz"),
+        ("_n", "N"),
+    ];
+    let found = UNITS
+        .iter()
+        .find_map(|(end, unit)| Some((key.strip_suffix(end)?, unit)));
+    match found {
+        Some((name, unit)) => format!("{}, {unit}", name.replace('_', " ")),
+        None => key.replace('_', " "),
     }
 }
 

@@ -14,7 +14,7 @@ pub use self::dialect::{Plain, plain};
 pub use self::parquet::{parquet_with, to_parquet};
 pub use self::read::{Line, Measurements};
 
-/// Rows as CSV with a header line.
+/// Rows as CSV with a header line; none at all leave it empty.
 pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
@@ -23,4 +23,14 @@ pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
             .expect("a row of plain values always serialises");
     }
     writer.into_inner().expect("writing to memory cannot fail")
+}
+
+/// The same of rows that may be none: the header is there in any case, that of `like`.
+pub fn to_csv_or_header<T: Serialize>(rows: &[T], like: T) -> Vec<u8> {
+    if !rows.is_empty() {
+        return to_csv(rows);
+    }
+    let mut header = to_csv(&[like]);
+    header.truncate(header.iter().position(|b| *b == b'\n').map_or(0, |i| i + 1));
+    header
 }

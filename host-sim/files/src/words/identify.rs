@@ -45,7 +45,7 @@ fn warning(warning: &Warning) -> String {
             "{parameter} and {other} can stand in for each other (correlation {correlation:.3}): the data fix a combination of them better than either"
         ),
         Warning::DoesNotFit { share } => format!(
-            "this law does not fit: it misses {:.0} % of the force, far more than noise and sensor explain; its values have no intervals; try --all-laws, and check --rig, --gap and --release-mm; a filter in the sensor's converter that is not in the model may be why, too",
+            "this law does not fit: it misses {:.0} % of the force, far more than noise and sensor explain; its values have no intervals; try another law, and check the units of time and force, --rig, --gap and --release-mm; a filter in the sensor's converter that is not in the model may be why, too",
             100.0 * share
         ),
         Warning::BeyondNoise { factor } => format!(

@@ -39,7 +39,7 @@ pub struct Answer {
 }
 
 /// One contact as a table shows it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ContactRow {
     /// When it began, s.
     pub onset_s: f64,

@@ -22,7 +22,7 @@ pub struct LimitUse {
     pub name: &'static str,
     /// The limit; for the uncertainty, the band it leaves is `robust_band_hz`.
     pub limit: Option<f64>,
-    /// Whether a larger force lies beyond it.
+    /// Whether a larger force lies beyond it (or beyond it and another that decides).
     pub binds: bool,
     /// Whether nobody stated it: it is that of a shaker assumed for a preset.
     #[serde(skip)]

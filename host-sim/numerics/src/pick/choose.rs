@@ -58,23 +58,36 @@ impl Limits {
         }
     }
 
-    /// Which of them decide: `more` says whether the others alone, without it, allow more.
+    /// Which of them decide: `more` says whether those that are left allow more. Where no limit does so alone, two do together:
+    /// the fewest whose end gives more.
     pub fn which_decide(self, more: impl Fn(Self) -> bool) -> Vec<LimitUse> {
-        let (mut force, mut frequency) = (self, self);
-        force.max_force_n = None;
-        frequency.max_frequency_hz = None;
-        let shaker = self.without_the_shaker();
         let all = [
-            ("max_force_n", self.max_force_n, force),
-            ("max_frequency_hz", self.max_frequency_hz, frequency),
-            ("max_shaker_force_n", self.max_shaker_force_n, shaker),
-            ("shaker_max_force_n", self.rig_shaker_force_n, shaker),
+            ("max_force_n", self.max_force_n, 1),
+            ("max_frequency_hz", self.max_frequency_hz, 2),
+            ("max_shaker_force_n", self.max_shaker_force_n, 4),
+            ("shaker_max_force_n", self.rig_shaker_force_n, 4),
         ];
-        let given = all.into_iter().filter(|(_, limit, _)| limit.is_some());
-        let used = given.map(|(name, limit, others)| LimitUse {
+        let given: Vec<_> = all.into_iter().filter(|l| l.1.is_some()).collect();
+        let without = |ended: u32| {
+            let mut left = match ended & 4 {
+                0 => self,
+                _ => self.without_the_shaker(),
+            };
+            left.max_force_n = left.max_force_n.filter(|_| ended & 1 == 0);
+            left.max_frequency_hz = left.max_frequency_hz.filter(|_| ended & 2 == 0);
+            left
+        };
+        let there = given.iter().fold(0, |all, (.., bit)| all | bit);
+        let decide = |count: u32| {
+            let sets = (1..8_u32).filter(move |set| set & !there == 0 && set.count_ones() == count);
+            let found = sets.filter(|set| more(without(*set)));
+            found.reduce(|all, set| all | set)
+        };
+        let deciding = (1..=3).find_map(decide).unwrap_or(0);
+        let used = given.into_iter().map(|(name, limit, bit)| LimitUse {
             name,
             limit,
-            binds: more(others),
+            binds: deciding & bit != 0,
             assumed: false,
         });
         used.collect()
@@ -315,7 +328,7 @@ impl Field<'_> {
         }
     }
 
-    /// A limit decides when dropping it, and it alone, gives more.
+    /// What decides: without it there is more.
     fn which_decide(
         &self,
         orbit: &Orbit,

@@ -42,10 +42,7 @@ impl Over {
 
     /// The error of a rig that cannot be, with the option it comes from.
     pub fn at(&self, error: UserError) -> UserError {
-        // Its values are set over the rig, but nobody typed --set.
-        let line = error.to_string();
-        let line = line.strip_prefix("--set: ").unwrap_or(&line);
-        UserError::new(line).at(format!("--over {}", self.key))
+        error.at_setting(format!("--over {}", self.key))
     }
 }
 

@@ -144,6 +144,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             starts: args.starts,
             seed: args.uncertainty.seed(),
         };
+        if args.rig.sets_gap() {
+            return Err(UserError::new(
+                "--gaps says which gaps; leave --gap (or --set gap_mm) out",
+            ));
+        }
         let rig = args.cart.apply(args.rig.load()?)?;
         output.doubt(&rig);
         let uncertainty = args.uncertainty.of(&rig)?;
@@ -278,7 +283,7 @@ fn rigs(args: &Args, output: &OutputArgs) -> Result<Vec<NamedRig>, UserError> {
         let name = parts.next().unwrap_or_default().trim();
         let settings: Vec<String> = parts.map(str::to_owned).collect();
         let rig = load(args, output, name, &settings);
-        rigs.push(rig.map_err(|error| error.at(format!("--beside {beside}")))?);
+        rigs.push(rig.map_err(|error| error.at_setting(format!("--beside {beside}")))?);
     }
     Ok(rigs)
 }

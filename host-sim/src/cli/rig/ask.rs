@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::answers::{Answers, RingDown, Support, ring_down};
-use super::describe::{known_hz, natural_frequency, possible_gap, swung};
+use super::describe::{check_frequency, known_hz, natural_frequency, possible_gap, swung};
 use crate::own_rig::contact::{ratios, times};
 use crate::own_rig::reading::{
     CONTACT_TIME, FORCE, FREQUENCY, GAP, MASS, RESTITUTION, Reading, STROKE, SWING_TIME,
@@ -43,6 +43,7 @@ pub fn ask(
         }
     };
     answers.support = Some(support);
+    check_frequency(answers, support)?;
     if answers.mass.is_none() {
         answers.mass =
             Some(dialogue.measured("Weight of the hammer, g or kg", |text| MASS.read(text))?);

@@ -130,6 +130,27 @@ pub fn possible_gap(support: Support, hz: f64, gap: &Reading) -> Result<(), Stri
     ))
 }
 
+/// Refuses a natural frequency that this support cannot have, or wires' length with beams.
+///
+/// # Errors
+/// What is given, and what can be.
+pub fn check_frequency(answers: &Answers, support: Support) -> Result<(), UserError> {
+    if support == Support::Beams && answers.wire_length.is_some() {
+        return Err(UserError::new(
+            "--wire-length is for wires; time some swings of the beams: --swings with --swing-time",
+        ));
+    }
+    let given = (answers.natural_frequency.as_ref()).map(|hz| (hz.value, hz.text.clone()));
+    let timed = answers.swings.zip(answers.swing_time.as_ref());
+    let timed = timed.map(|(swings, time)| swung(swings, time));
+    for (option, value) in [("--natural-frequency", given), ("--swing-time", timed)] {
+        if let Some(value) = value {
+            natural_frequency(support, value).map_err(|why| UserError::new(why).at(option))?;
+        }
+    }
+    Ok(())
+}
+
 /// Hz, if a hammer on this support can have it.
 ///
 /// # Errors
@@ -193,22 +214,15 @@ impl Described {
                 "as the chapter has it",
             );
             self.file.word("torque", "literal", "as the chapter has it");
-        } else if answers.wire_length.is_some() {
-            return Err(UserError::new(
-                "--wire-length is for wires; time some swings of the beams: --swings with --swing-time",
-            ));
         }
-        let possible = |given| natural_frequency(support, given);
+        check_frequency(answers, support)?;
         let known = ("natural_frequency_hz", "natural_frequency_percent");
         if let Some(reading) = &answers.natural_frequency {
-            let given = (reading.value, reading.text.clone());
-            let hz = possible(given).map_err(|e| UserError::new(e).at("--natural-frequency"))?;
             self.quantity(known, reading, 1.0, "given", "--natural-frequency");
-            return Ok(hz);
+            return Ok(reading.value);
         }
         if let Some((swings, time)) = answers.swings.zip(answers.swing_time.as_ref()) {
-            let given = swung(swings, time);
-            let hz = possible(given).map_err(|e| UserError::new(e).at("--swing-time"))?;
+            let (hz, _) = swung(swings, time);
             let source = format!("{swings} swings in {}", self.read("--swing-time", time));
             self.file.number(known.0, hz, &source);
             let (width, how) = match time.from {

@@ -55,7 +55,7 @@ impl Field<'_> {
         })
     }
 
-    /// A limit decides when dropping it, and it alone, gives more. The choice is from `kept` of `robust`.
+    /// What decides: without it there is more. The choice is from `kept` of `robust`.
     pub fn which_decide(
         &self,
         chosen: &DrillOrbit,

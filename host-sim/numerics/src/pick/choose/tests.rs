@@ -214,7 +214,7 @@ fn a_force_limit_holds_for_every_member_at_the_choice_and_where_it_is_allowed() 
 }
 
 #[test]
-fn a_limit_binds_if_dropping_it_alone_gives_more() {
+fn a_limit_binds_if_dropping_it_gives_more() {
     let made = Made::new(0.0, 0.0);
     let (optimum, limit) = made.optimum();
     let binding = |limits| {
@@ -237,13 +237,13 @@ fn a_limit_binds_if_dropping_it_alone_gives_more() {
     // However little it gives away.
     let barely = force(0.9995 * optimum.force_n);
     assert_eq!(binding(barely), [("max_force_n", true)]);
-    // Two limits at the same place: neither binds by itself.
+    // Two limits at the same place: only without both there is more.
     let both = Limits {
         max_shaker_force_n: by_drive.max_shaker_force_n,
         ..frequency(below)
     };
-    let neither = [("max_frequency_hz", false), ("max_shaker_force_n", false)];
-    assert_eq!(binding(both), neither);
+    let two = [("max_frequency_hz", true), ("max_shaker_force_n", true)];
+    assert_eq!(binding(both), two);
     // The uncertainty is listed with members alone, and binds where it narrows the range.
     let made = Made::new(0.0, 5.0);
     let of = |range| {
@@ -322,4 +322,23 @@ fn the_member_that_breaks_a_limit_is_the_strongest_unless_it_is_known_to() {
     assert_eq!(field.breaks(&spread, &[], force(10.0)), None);
     assert_eq!(field.breaks(&nominal, &[], force(9.0)), None);
     assert_eq!(field.breaks(&spread, &[], Limits::default()), None);
+}
+
+/// Neither alone gives more when it ends, both together do: both decide.
+#[test]
+fn two_limits_can_decide_together() {
+    let limits = Limits {
+        max_force_n: Some(50.0),
+        max_frequency_hz: Some(2.0),
+        max_shaker_force_n: Some(900.0),
+        rig_shaker_force_n: None,
+    };
+    let free = |left: Limits| left.max_force_n.is_none() && left.max_frequency_hz.is_none();
+    let binding = |more: &dyn Fn(Limits) -> bool| -> Vec<&str> {
+        let uses = limits.which_decide(more).into_iter();
+        uses.filter(|l| l.binds).map(|l| l.name).collect()
+    };
+    assert_eq!(binding(&free), ["max_force_n", "max_frequency_hz"]);
+    assert_eq!(binding(&|left| left.max_force_n.is_none()), ["max_force_n"]);
+    assert!(binding(&|_| false).is_empty());
 }
