@@ -232,7 +232,9 @@ fn two_settings_stand_side_by_side() {
     assert!(svg.contains("wires (amplitude_mm=1.2)"));
     let refused = folder.run("pick --nominal --beside wires,mas_kg=1");
     assert!(
-        refused.err.contains("--beside wires,mas_kg=1: --set"),
+        refused
+            .err
+            .contains("--beside wires,mas_kg=1: there is no parameter"),
         "{refused:?}"
     );
 }

@@ -10,6 +10,7 @@ let shown = null;
 
 function show(wanted) {
   shown = wanted;
+  tellDrives();
   for (const part of parts) {
     const chosen = part === wanted;
     part.tab.setAttribute("aria-selected", String(chosen));
@@ -47,6 +48,23 @@ tabs.addEventListener("keydown", (event) => {
   next.tab.focus();
   next.tab.click();
   event.preventDefault();
+});
+
+// A drive that runs is seen, and stopped, on every part of the page.
+const stop = element("button", { type: "button", class: "stop everywhere", hidden: true, title: "Escape does the same" });
+tabs.after(stop);
+
+function tellDrives() {
+  for (const part of parts) part.tab.classList.toggle("drives", Boolean(part.drive));
+  const away = parts.filter((part) => part.drive && part !== shown);
+  stop.hidden = away.length === 0;
+  stop.textContent = `Stop the drive: ${away.map((part) => part.title).join(", ")}`;
+  stop.onclick = () => away.forEach((part) => part.drive.stop());
+}
+
+panels.addEventListener("drive", ({ target, detail }) => {
+  parts.find((part) => part.panel.contains(target)).drive = detail.drives ? detail : null;
+  tellDrives();
 });
 
 startTheme(document.getElementById("theme"));

@@ -118,8 +118,54 @@ def test_set_points_by_hand(opened):
     page.get_by_label("Amplitude, mm").fill("0.4")
     press(page, "Set")
     page.wait_for_function("[...document.querySelectorAll('.facts td')].some(cell => cell.textContent.startsWith('2.5 Hz'))")
+    # An empty field is no zero, what cannot be is refused, and what a limit holds back is told.
+    amplitude = page.get_by_label("Amplitude, mm")
+    for value, said in [("", "Amplitude: write a number"), ("-5", "not negative")]:
+        amplitude.fill(value)
+        press(page, "Set")
+        page.wait_for_function(f"[...document.querySelectorAll('p.wrong')].some(p => p.textContent.includes('{said}'))")
+    amplitude.fill("99")
+    press(page, "Set")
+    page.wait_for_function("[...document.querySelectorAll('.facts tr')].some(row => /limited by.*amplitude/.test(row.textContent))")
     press(page, "Stop")
     state(page, ["idle"])
+    # What was measured of the drive is from before.
+    page.wait_for_selector(".facts tr.old:has-text('peak force')")
+
+
+def test_a_drive_that_runs_is_seen_and_stopped_on_every_tab(opened):
+    page = emulated(opened)
+    tab = lambda name: page.get_by_role("tab", name=name)
+    for how in ["Escape", "Stop"]:
+        press(page, "Start")
+        power(page, True)
+        tab("Explore").click()
+        page.wait_for_selector("#tab-emulated.drives")
+        if how == "Escape":
+            page.keyboard.press("Escape")
+        else:
+            page.locator("button:visible:text-is('Stop the drive: Emulated rig')").click()
+        page.wait_for_selector("#tab-emulated:not(.drives)")
+        assert page.locator("button.everywhere").is_hidden()
+        tab("Emulated rig").click()
+        power(page, False)
+        state(page, ["idle"])
+
+
+def test_begin_pressed_twice_is_begin(opened):
+    page = emulated(opened)
+    for clicks in [2, 3]:
+        page.locator("button:visible:text-is('Begin')").click(click_count=clicks)
+        page.wait_for_selector("button:text-is('Begin'):not([disabled])")
+        time_of = "[...document.querySelectorAll('.facts tr')].find(row => row.textContent.startsWith('board'))?.lastChild.textContent"
+        before = page.evaluate(time_of)
+        page.wait_for_function(f"({time_of}) !== '{before}'")
+        assert wrong(page) == ""
+    # Another scenario that is chosen waits for Begin, and says so.
+    page.get_by_label("scenario", exact=True).select_option("crash")
+    page.wait_for_selector("text=Not begun yet (field runs on until Begin)")
+    begin(page)
+    assert page.locator("text=Not begun yet").count() == 0
 
 
 def test_everything_that_can_be_done_to_the_rig(opened):

@@ -64,8 +64,13 @@ impl Observer for Truth {
 
 /// What a scenario of wires with 1 % noise comes to; `tables` are added to it.
 fn truth(duration_s: f64, tables: &str) -> Truth {
+    truth_of("wires", duration_s, tables)
+}
+
+/// The same of another rig.
+fn truth_of(rig: &str, duration_s: f64, tables: &str) -> Truth {
     let text = format!(
-        "duration_s = {duration_s:?}\nseed = 7\n[true_rig]\npreset = \"wires\"\n[sensors]\nnoise_percent = 1.0\n{tables}"
+        "duration_s = {duration_s:?}\nseed = 7\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = 1.0\n{tables}"
     );
     let scenario = parse("danger", &text, "danger").unwrap();
     let mut truth = Truth {
@@ -224,6 +229,38 @@ fn lie(at_s: f64, sensor: &str, how: &str) -> String {
     )
 }
 
+const RIGS: [&str; 4] = ["wires", "beam-170", "beam-150", "beam-135"];
+
+/// Stopped at any instant at speed, a cart that obeys coasts to rest: the emergency stop is the only fault.
+#[test]
+fn a_drive_that_obeys_is_not_told_to_run_on() {
+    let each = RIGS.iter().flat_map(|rig| (0..8).map(move |k| (rig, k)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, k)| {
+        let at_s = 13.0 + 0.053 * f64::from(*k);
+        let stop = event(at_s, "kind = \"emergency-stop\"\nfor_s = 0.1");
+        let truth = truth_of(rig, at_s + 4.0, &format!("{}{stop}", start()));
+        assert_eq!(faults(&truth), [Fault::EmergencyStop], "{rig} {at_s}");
+        assert!(truth.hold_s.is_some(), "{rig}");
+    });
+}
+
+/// One that runs on is found within 1.2 s.
+#[test]
+fn a_drive_that_runs_on_is_found_soon() {
+    RIGS.par_iter().for_each(|rig| {
+        let stuck = event(13.0, "kind = \"stuck-drive\"");
+        let stop = event(13.0003, "kind = \"emergency-stop\"\nfor_s = 0.1");
+        let truth = truth_of(rig, 16.0, &format!("{}{stuck}{stop}", start()));
+        let found = truth
+            .faults
+            .iter()
+            .find(|(fault, _)| *fault == Fault::NotOff);
+        let after_s = found.expect("not-off").1 - 13.0;
+        assert!(after_s < 1.2, "{rig}: {after_s}");
+    });
+}
+
 #[test]
 fn a_zero_of_the_force_that_drifts_is_found_before_it_matters() {
     for n_per_s in [-1.0, 1.0] {
@@ -279,14 +316,57 @@ fn a_dead_force_sensor_is_found_by_hand_as_well() {
 
 #[test]
 fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
-    // Row 8: 88 N on the way.
-    let limits = "[limits]\nforce_n = 40.0\n";
-    let far = by_hand() + &set_point(4.0, 2.2, 0.89) + &set_point(20.0, 4.5, 0.89);
-    let truth = truth(60.0, &(limits.to_owned() + &far));
-    assert_eq!(faults(&truth), []);
-    let seconds: Vec<_> = truth.forces_n.iter().filter(|n| **n > 44.0).collect();
-    assert!(seconds.len() <= 3, "{:.0?}", truth.forces_n);
-    assert!(truth.limits.contains(ActiveLimits::FORCE));
+    for (limit_n, on_the_way) in [(40.0, (2.2, 4.5)), (60.0, (2.3, 3.7))] {
+        let limits = format!("[limits]\nforce_n = {limit_n:?}\n");
+        let (from_hz, to_hz) = on_the_way;
+        let far = by_hand() + &set_point(4.0, from_hz, 0.89) + &set_point(20.0, to_hz, 0.89);
+        let truth = truth(60.0, &(limits + &far));
+        assert_eq!(faults(&truth), []);
+        assert!(
+            truth.force_n < 1.05 * limit_n,
+            "{limit_n}: {:.0?}",
+            truth.forces_n
+        );
+        assert!(truth.limits.contains(ActiveLimits::FORCE));
+    }
+}
+
+/// What the limit took is not given back to a force sensor that shows nothing, or a seventh of the truth.
+#[test]
+fn a_limit_that_acts_holds_when_the_force_sensor_dies() {
+    let cases = [
+        ("wires", 29.0),
+        ("wires", 45.0),
+        ("beam-170", 75.0),
+        ("beam-135", 120.0),
+    ];
+    let each = cases
+        .iter()
+        .flat_map(|case| [0.0, 0.15].map(|times| (case, times)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|&(&(rig, limit_n), times)| {
+        let trip_n = 1.5 * limit_n;
+        let limits = format!("[limits]\nforce_n = {limit_n:?}\n[trips]\nforce_n = {trip_n:?}\n");
+        let truth = truth_of(
+            rig,
+            60.0,
+            &(limits + &start() + &gain(20.0, "force", times)),
+        );
+        let later = truth
+            .forces_n
+            .iter()
+            .skip(19)
+            .fold(0.0_f64, |m, n| m.max(*n));
+        println!(
+            "{rig} {limit_n} x{times}: {later:.1} N, {:.0?} {:?}",
+            truth.forces_n, truth.faults
+        );
+        assert!(
+            later < 1.1 * limit_n,
+            "{rig} {limit_n} {times}: {later} {:.0?}",
+            truth.forces_n
+        );
+    });
 }
 
 #[test]

@@ -404,6 +404,9 @@ fn reason(refusal: Refusal) -> &'static str {
             "refused: not in this state; `host-sim link PORT status` shows the state"
         }
         Refusal::Controller(Refused::NotANumber) => "refused: a number in it is not finite",
+        Refusal::Controller(Refused::NoMotion) => {
+            "refused: a frequency is positive, and an amplitude is not negative"
+        }
         Refusal::Controller(Refused::StillFaulty) => {
             "refused: the fault's cause is still there; remove it and clear again"
         }

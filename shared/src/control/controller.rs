@@ -173,9 +173,10 @@ impl Controller {
             self.pass_tick();
             self.sample(frame);
         }
-        self.life
-            .faults
-            .block_ends(self.guard.is_quiet() && !self.off_watch.is_moving());
+        // What moved with the drive off has gone only once it was seen to stand still, through a reset and new settings.
+        let moved = (self.life.faults.record).is_some_and(|r| r.episode.contains(Fault::NotOff));
+        let still = self.off_watch.is_still() || !(moved || self.off_watch.is_moving());
+        self.life.faults.block_ends(self.guard.is_quiet() && still);
         self.supervise(outputs.len());
         self.put_out(outputs);
     }

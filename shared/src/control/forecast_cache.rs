@@ -80,6 +80,31 @@ impl ForecastCache {
         target.map_or((0.0, 0.0), |t| (t.frequency_hz, t.orbit.force_n))
     }
 
+    /// The largest force that the forecast has between these frequencies and one row beyond, for an amplitude of
+    /// `amplitude_m` and in proportion to it, N. None without a forecast.
+    pub fn largest_force_n(&self, (from_hz, to_hz): (f32, f32), amplitude_m: f32) -> Option<f32> {
+        let share = self.free.share_of_full(amplitude_m);
+        let (low, high) = (from_hz.min(to_hz), from_hz.max(to_hz));
+        let (target_hz, target_n) = self.target_point();
+        let mut largest_n = if (low..=high).contains(&target_hz) {
+            target_n
+        } else {
+            0.0
+        };
+        let mut below = 0.0_f32;
+        for &(row_hz, row_n) in &self.strikes {
+            if row_hz < low {
+                below = row_n;
+                continue;
+            }
+            largest_n = largest_n.max(row_n);
+            if row_hz > high {
+                break;
+            }
+        }
+        self.has_come.then(|| largest_n.max(below) * share)
+    }
+
     /// Whether there must be a contact of more than `force_n` at `hz` with a cart amplitude of `amplitude_m`: the
     /// forecast has it from rest on both sides, with force in proportion to the amplitude, and a free swing would
     /// touch.

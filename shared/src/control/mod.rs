@@ -135,6 +135,8 @@ pub enum Refused {
     NotAcknowledged,
     /// A motor drive runs by hand only: its amplitude is the mechanism's, and no limit could reduce it.
     ByHandOnly,
+    /// A frequency that is not positive, or a negative amplitude.
+    NoMotion,
 }
 
 /// Which basin of attraction the hammer ended in after it was disturbed.

@@ -1,19 +1,24 @@
 //! Whether off is off: the cart's motion while the drive is not enabled.
 //!
-//! The mean of each [`GROUP`] samples is nearly free of noise. Over a window of two natural periods, the mean distance of
-//! these from the mean of the window before shows a motion at any frequency the drive can have; spoilt samples
-//! now and then do not show. A hammer that swings shakes a cart that is free, by m/M of its own motion and some more
-//! near the resonance of the suspension ([`SHAKEN`]); that is no motion of the drive's.
+//! The mean of each [`GROUPS`]th of a window of two natural periods is nearly free of noise. The mean distance of these from
+//! their own mean shows a motion at any frequency the drive can have, wherever the cart stands; spoilt samples now and then
+//! do not show. A hammer that swings shakes a cart that is free, by m/M of its own motion and some more near the resonance
+//! of the suspension ([`SHAKEN`]); that is no motion of the drive's.
 
 use crate::settings::{DriveKind, Settings, TICK_RATE_HZ};
 
-/// Samples averaged, 3.2 ms.
-const GROUP: u8 = 64;
-/// Windows after the drive has been on in which the cart may come to rest: on a shaker's suspension, and with a motor
-/// that runs out.
-const GRACE: (u8, u8) = (1, 5);
+/// Groups in a window.
+const GROUPS: usize = 64;
+/// Parts of the first window at whose end it is looked at, too: what runs on moves far more than [`MOVES`] and is found
+/// early, though less than a window does not tell small motions.
+const EARLY: [usize; 2] = [GROUPS / 4, 3 * GROUPS / 8];
+/// Time after the drive has been on in which the cart may come to rest, s: on a shaker's suspension (of a natural frequency
+/// from 2 Hz with a damping ratio from 0.35), and with a motor that runs out.
+const GRACE_S: (f32, f32) = (0.75, 5.5);
 /// Amplitude of the cart that counts as motion, in units of A0.
 const MOVES: f32 = 0.125;
+/// How often a motion passes its middle in a window at least: a cart that creeps to its rest on a stiff damper passes it once.
+const TO_AND_FRO: usize = 2;
 /// How far a free cart may move for a swinging hammer, in units of m/M times the hammer's motion.
 const SHAKEN: f32 = 2.5;
 /// Amplitude of a sine over its mean distance from the middle.
@@ -22,35 +27,48 @@ const AMPLITUDE: f32 = core::f32::consts::FRAC_PI_2;
 /// Watches a drive that is off.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OffWatch {
-    /// Groups in a window of two natural periods.
-    window: u32,
+    /// Ticks in a group.
+    group: u32,
     largest_m: f32,
     /// No reading counts for more than this, m: it is beyond the rails.
     reach_m: f32,
-    /// Windows of grace, and those of it that are left.
-    full_grace: u8,
-    grace: u8,
+    /// Ticks of grace, and those of it that are left.
+    full_grace: u32,
+    grace: u32,
     /// SHAKEN m/M.
     shaken: f32,
-    grouped: u8,
-    /// Groups in the window under way.
-    groups: u32,
+    /// Ticks of the group under way.
+    grouped: u32,
+    /// Groups of the window under way.
+    groups: usize,
     cart: Spread,
     relative: Spread,
-    moving: bool,
+    found: Found,
+}
+
+/// What is known of the cart since the drive went off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Found {
+    /// No whole window has passed.
+    Nothing,
+    /// It stood still in the last window.
+    Still,
+    /// It moved.
+    Moving,
 }
 
 impl OffWatch {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
         let natural_hz = (settings.rig.natural_frequency_hz() as f32).clamp(0.1, 4.0);
-        let grace = match settings.drive.kind {
-            DriveKind::Shaker => GRACE.0,
-            DriveKind::Motor => GRACE.1,
+        let grace_s = match settings.drive.kind {
+            DriveKind::Shaker => GRACE_S.0,
+            DriveKind::Motor => GRACE_S.1,
         };
-        let window_s = 2.0 / natural_hz;
+        let rate_hz = TICK_RATE_HZ as f32;
+        let grace = (grace_s * rate_hz) as u32;
         Self {
-            window: (window_s * TICK_RATE_HZ as f32 / f32::from(GROUP)) as u32,
+            group: (2.0 / natural_hz * rate_hz / GROUPS as f32) as u32,
             largest_m: MOVES * settings.rig.amplitude_m as f32,
             reach_m: 2.0 * settings.trips.cart_m,
             full_grace: grace,
@@ -58,9 +76,9 @@ impl OffWatch {
             shaken: SHAKEN * (settings.rig.mass_kg / settings.rig.cart_mass_kg) as f32,
             grouped: 0,
             groups: 0,
-            cart: Spread::default(),
-            relative: Spread::default(),
-            moving: false,
+            cart: Spread::NEW,
+            relative: Spread::NEW,
+            found: Found::Nothing,
         }
     }
 
@@ -68,73 +86,105 @@ impl OffWatch {
     #[inline]
     pub fn driving(&mut self) {
         self.grace = self.full_grace;
-        self.moving = false;
-        self.grouped = 0;
-        self.groups = 0;
-        self.cart = Spread::default();
-        self.relative = Spread::default();
+        self.found = Found::Nothing;
     }
 
     /// The drive is off, the cart at `cart_m` and the hammer `relative_m` from it. The amplitude of the cart's
     /// motion, m, when that trips.
     #[inline]
     pub fn tick(&mut self, cart_m: f32, relative_m: f32) -> Option<f32> {
+        if self.grace > 0 {
+            self.grace -= 1;
+            self.begin_window();
+            return None;
+        }
         self.cart.sum_m += cart_m.max(-self.reach_m).min(self.reach_m);
         self.relative.sum_m += relative_m;
         self.grouped += 1;
-        if self.grouped < GROUP {
+        if self.grouped < self.group {
             return None;
         }
+        let share = 1.0 / self.grouped as f32;
         self.grouped = 0;
-        self.cart.group();
-        self.relative.group();
+        self.cart.group(self.groups, share);
+        self.relative.group(self.groups, share);
         self.groups += 1;
-        if self.groups < self.window {
+        self.look()
+    }
+
+    fn begin_window(&mut self) {
+        self.grouped = 0;
+        self.groups = 0;
+        self.cart.sum_m = 0.0;
+        self.relative.sum_m = 0.0;
+    }
+
+    /// A group has ended: judges the window at its end, and the first one early, too.
+    fn look(&mut self) -> Option<f32> {
+        let whole = self.groups >= GROUPS;
+        let early = self.found == Found::Nothing && EARLY.contains(&self.groups);
+        if !whole && !early {
             return None;
         }
-        let share = 1.0 / self.groups as f32;
-        self.groups = 0;
-        let amplitude_m = self.cart.window(share);
-        let swing_m = self.relative.window(share);
-        let free_m = self.largest_m + self.shaken * swing_m;
-        self.moving = amplitude_m > free_m && self.grace == 0;
-        self.grace = self.grace.saturating_sub(1);
-        self.moving.then_some(amplitude_m)
+        let (amplitude_m, passages) = self.cart.motion(self.groups);
+        let (swing_m, _) = self.relative.motion(self.groups);
+        // A part of the window must show so much more.
+        let certain = GROUPS as f32 / self.groups as f32;
+        let far = amplitude_m > certain * self.largest_m + self.shaken * swing_m;
+        let moves = far && passages >= TO_AND_FRO;
+        if moves {
+            self.found = Found::Moving;
+        } else if whole {
+            self.found = Found::Still;
+        }
+        if whole {
+            self.begin_window();
+        }
+        moves.then_some(amplitude_m)
     }
 
     /// Whether the cart moves with the drive off.
     pub fn is_moving(&self) -> bool {
-        self.moving
+        self.found == Found::Moving
+    }
+
+    /// Whether the cart is known to stand still.
+    pub fn is_still(&self) -> bool {
+        self.found == Found::Still
     }
 }
 
-/// The spread of a signal about its middle.
-#[derive(Clone, Copy, Debug, Default)]
+/// A signal's means of groups.
+#[derive(Clone, Copy, Debug)]
 struct Spread {
     /// Sum of the group under way.
     sum_m: f32,
-    /// Sums over the groups of the window under way: of their means, and of their distances from the middle.
-    means_m: f32,
-    distances_m: f32,
-    /// Mean of the window before.
-    middle_m: f32,
+    means_m: [f32; GROUPS],
 }
 
 impl Spread {
-    fn group(&mut self) {
-        let mean_m = self.sum_m * (1.0 / GROUP as f32);
+    const NEW: Self = Self {
+        sum_m: 0.0,
+        means_m: [0.0; GROUPS],
+    };
+
+    /// Group `k`, of 1/`share` ticks, ends.
+    fn group(&mut self, k: usize, share: f32) {
+        if let Some(mean_m) = self.means_m.get_mut(k) {
+            *mean_m = self.sum_m * share;
+        }
         self.sum_m = 0.0;
-        self.means_m += mean_m;
-        self.distances_m += libm::fabsf(mean_m - self.middle_m);
     }
 
-    /// The window of 1/`share` groups ends: the amplitude of a sine of that spread.
-    fn window(&mut self, share: f32) -> f32 {
-        let amplitude_m = AMPLITUDE * share * self.distances_m;
-        self.middle_m = share * self.means_m;
-        self.means_m = 0.0;
-        self.distances_m = 0.0;
-        amplitude_m
+    /// The amplitude of a sine of the spread of the first `count` groups about their mean, and how often they pass it.
+    fn motion(&self, count: usize) -> (f32, usize) {
+        let means = || self.means_m.iter().take(count);
+        let share = 1.0 / count as f32;
+        let middle_m = share * means().sum::<f32>();
+        let distances = means().map(|mean_m| libm::fabsf(mean_m - middle_m));
+        let above = || means().map(|mean_m| *mean_m > middle_m);
+        let passages = above().zip(above().skip(1)).filter(|(a, b)| a != b);
+        (AMPLITUDE * share * distances.sum::<f32>(), passages.count())
     }
 }
 
@@ -164,6 +214,12 @@ mod tests {
             let seconds = trips_after(0.137, hz, 1e9).unwrap();
             assert!(seconds < 2.3, "{hz}: {seconds}");
             assert_eq!(trips_after(0.113, hz, 1e9), None, "{hz}");
+            // What runs on; the slower motion has not come to and fro by then.
+            let seconds = trips_after(1.0, hz, 1e9).unwrap();
+            assert!(
+                seconds < if hz < 2.0 { 1.9 } else { 1.2 },
+                "{hz}: {seconds}"
+            );
         }
     }
 
@@ -192,6 +248,37 @@ mod tests {
     #[test]
     fn a_cart_that_comes_to_rest_trips_nothing() {
         assert_eq!(trips_after(1.5, 3.66, 0.2), None);
+    }
+
+    /// Thrown at speed and coasting on its suspension, of whatever frequency, aside of where it comes to rest: on every rig.
+    #[test]
+    fn a_cart_that_coasts_trips_nothing_whatever_the_rig() {
+        for (_, rig) in crate::model::params::PRESETS {
+            for (hz, damping) in [
+                (2.0_f32, 0.35_f32),
+                (2.0, 0.7),
+                (5.0, 0.5),
+                (5.0, 1.5),
+                (0.5, 1.5),
+            ] {
+                for aside in [-1.0_f32, 0.3, 1.0] {
+                    let settings = Settings::for_rig(&rig);
+                    let a0 = rig.amplitude_m as f32;
+                    let omega = core::f32::consts::TAU * hz;
+                    let drive = core::f32::consts::TAU * 2.0 * rig.natural_frequency_hz() as f32;
+                    let mut watch = OffWatch::new(&settings);
+                    watch.driving();
+                    let (mut y, mut v) = (aside * a0, drive * a0);
+                    for tick in 0..60_000 {
+                        v -= (omega * omega * y + 2.0 * damping * omega * v) / 20_000.0;
+                        y += v / 20_000.0;
+                        let told = watch.tick(0.4e-3 + y, 0.0);
+                        assert_eq!(told, None, "{hz} {damping} {aside} {tick}");
+                    }
+                    assert!(watch.is_still());
+                }
+            }
+        }
     }
 
     #[test]

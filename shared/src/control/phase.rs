@@ -8,6 +8,8 @@ use crate::settings::ticks_of;
 
 /// Drive periods with one contact each, in a row, after which 1/1 counts as regained.
 const REGAINED_PERIODS: u8 = 8;
+/// Times the limit without 1/1 after which a search that never comes to Hold ends, too.
+const SOUGHT: f32 = 2.0;
 
 /// What the controller is doing, with what it needs for it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -94,6 +96,8 @@ pub(super) struct Start {
 pub(super) struct Seeking {
     pub search: Search,
     ticks_without_one_one: u32,
+    /// Ticks in Seek since the last Hold.
+    ticks_sought: u32,
     /// Drive periods in a row with one contact each.
     one_one_periods: u8,
 }
@@ -103,6 +107,7 @@ impl Seeking {
         Self {
             search,
             ticks_without_one_one: 0,
+            ticks_sought: 0,
             one_one_periods: 0,
         }
     }
@@ -119,10 +124,17 @@ impl Seeking {
         }
     }
 
-    /// A block has passed. Whether there was no 1/1 for longer than `limit_s`.
-    pub fn is_without_one_one(&mut self, ticks: u32, limit_s: f32) -> bool {
+    /// A block has passed, in Hold or not. Whether there was no 1/1 for longer than `limit_s`, or no Hold for
+    /// [`SOUGHT`] times that.
+    pub fn has_failed(&mut self, ticks: u32, held: bool, limit_s: f32) -> bool {
         self.ticks_without_one_one = self.ticks_without_one_one.saturating_add(ticks);
+        self.ticks_sought = if held {
+            0
+        } else {
+            self.ticks_sought.saturating_add(ticks)
+        };
         self.ticks_without_one_one > ticks_of(limit_s)
+            || self.ticks_sought > ticks_of(SOUGHT * limit_s)
     }
 }
 
@@ -155,16 +167,26 @@ mod tests {
                 seeking.strobe(number);
             }
         };
-        assert!(!seeking.is_without_one_one(second - 10, 1.0));
+        assert!(!seeking.has_failed(second - 10, true, 1.0));
         // Eight drive periods with one contact each bring it back.
         strobes(&mut seeking, [1; 8]);
         strobes(&mut seeking, [0; 8]);
-        assert!(!seeking.is_without_one_one(second - 10, 1.0));
+        assert!(!seeking.has_failed(second - 10, true, 1.0));
         // Seven do not.
         strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 0]);
         strobes(&mut seeking, [1, 1, 1, 1, 1, 1, 1, 2]);
-        assert!(!seeking.is_without_one_one(10, 1.0), "exactly the limit");
-        assert!(seeking.is_without_one_one(1, 1.0));
-        assert!(seeking.is_without_one_one(1, 1.0));
+        assert!(!seeking.has_failed(10, true, 1.0), "exactly the limit");
+        assert!(seeking.has_failed(1, true, 1.0));
+        assert!(seeking.has_failed(1, true, 1.0));
+        // 1/1 that is never near its goal: Seek ends, and Hold begins its time anew.
+        let mut seeking = Seeking::new(Search::new(&target, (1.4, 7.3), false));
+        let mut passes = |ticks: u32, held: bool| {
+            strobes(&mut seeking, [1; 8]);
+            seeking.has_failed(ticks, held, 1.0)
+        };
+        assert!(!passes(second - 10, false) && !passes(second - 10, false));
+        assert!(!passes(10, true));
+        assert!(!passes(second - 10, false) && !passes(second - 10, false));
+        assert!(passes(21, false));
     }
 }

@@ -198,7 +198,11 @@ impl Controller {
         }
         let closed = !self.plausibility.doubts_the_cart();
         let steady = self.plausibility.is_steady();
-        self.trim.strobe(strobe, command_m, hz, closed, steady);
+        let nominal_n = self
+            .forecast
+            .largest_force_n((hz, hz), self.trim.wanted_m());
+        let may = (closed, steady);
+        self.trim.strobe(strobe, command_m, hz, may, nominal_n);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();
         }

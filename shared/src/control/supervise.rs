@@ -78,13 +78,14 @@ impl Controller {
         }
     }
 
-    /// Trips when the search has been without 1/1 for too long.
+    /// Trips when the search has been without 1/1, or without Hold, for too long.
     fn check_search(&mut self, ticks: u32) {
         let limit_s = self.settings.trips.regime_lost_s;
+        let held = self.life.is_in(State::Hold);
         let Some(seeking) = self.life.phase.seeking_mut() else {
             return;
         };
-        if seeking.is_without_one_one(ticks, limit_s) {
+        if seeking.has_failed(ticks, held, limit_s) {
             self.trip(Trip::system(Fault::RegimeLost, limit_s));
         }
     }
@@ -258,9 +259,11 @@ impl Controller {
         if !self.life.phase.is_manual() {
             return Err(Refused::WrongState);
         }
+        if frequency_hz <= 0.0 || amplitude_m < 0.0 {
+            return Err(Refused::NoMotion);
+        }
         let (low, high) = self.range_hz();
         let clamped_hz = frequency_hz.max(low).min(high);
-        let amplitude_m = amplitude_m.min(self.settings.limits.amplitude_m);
         if let Phase::Prove(proof) = &mut self.life.phase {
             proof.by_hand = (clamped_hz, amplitude_m);
             return Ok(());
@@ -268,6 +271,12 @@ impl Controller {
         self.limits.active = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
         self.oscillator.aim(clamped_hz);
         self.trim.set_wanted_amplitude(amplitude_m);
+        // On the way there, no blow passes a limit.
+        let way_hz = (self.oscillator.frequency_hz(), clamped_hz);
+        let wanted_m = self.trim.wanted_m();
+        if let Some(force_n) = self.forecast.largest_force_n(way_hz, wanted_m) {
+            self.trim.expect(force_n);
+        }
         self.command_amplitude();
         Ok(())
     }

@@ -35,6 +35,8 @@ const LEAST_DRAW: f32 = 0.05;
 const RELEASE: f32 = 1.01;
 /// The same after a period without contact, which says nothing of the force: share per second.
 const BLIND_RELEASE: f32 = 0.02;
+/// What rounding may add to an amplitude at its limit.
+const ROUNDING: f32 = 1e-6;
 /// Travel of the strongest 1/1 over its amplitude: wires and beams alike.
 const STRONG_TRAVEL: f32 = 5.0;
 
@@ -44,6 +46,8 @@ pub struct Trim {
     wanted_m: f32,
     /// Largest command.
     largest_m: f32,
+    /// Whether more was asked for.
+    asked_beyond: bool,
     /// How many times its reading the cart's amplitude may be.
     cart_doubt: f32,
     force_n: f32,
@@ -63,6 +67,7 @@ impl Trim {
         Self {
             wanted_m: settings.rig.amplitude_m as f32,
             largest_m: settings.limits.amplitude_m,
+            asked_beyond: false,
             cart_doubt: 1.0,
             force_n: settings.limits.force_n,
             travel_m: settings.limits.travel_m,
@@ -80,9 +85,10 @@ impl Trim {
         self.cart_doubt = doubt.cart;
     }
 
-    /// The amplitude wanted, m (clamped by [`Self::command`]).
+    /// The amplitude wanted, m: at most what the limit leaves, which then clamps.
     pub fn set_wanted_amplitude(&mut self, amplitude_m: f32) {
-        self.wanted_m = amplitude_m.max(0.0);
+        self.asked_beyond = amplitude_m > self.largest_m * (1.0 + ROUNDING);
+        self.wanted_m = amplitude_m.max(0.0).min(self.largest_m);
     }
 
     /// Takes the force forecast at the wanted amplitude: if it, or the travel of a strong 1/1, exceeds its limit, the
@@ -105,14 +111,39 @@ impl Trim {
         self.limits
     }
 
+    /// The amplitude wanted, m.
+    pub fn wanted_m(&self) -> f32 {
+        self.wanted_m
+    }
+
+    /// A period without contact shows nothing of the force: the amplitude is at most what keeps the limit by the forecast of
+    /// `nominal_n` at the wanted amplitude; without a forecast it does not rise. The share that this leaves.
+    fn by_forecast(&self, nominal_n: Option<f32>) -> f32 {
+        let share = nominal_n.map(|n| EXPECTED * self.force_n / n);
+        share.unwrap_or(self.draw).max(LEAST_DRAW).min(1.0)
+    }
+
     /// A drive period at `hz` has ended, in which the command was `command_m` on average. `closed`: whether the loop may
-    /// correct upwards, too; `steady`: whether what a limit took may return.
-    pub fn strobe(&mut self, strobe: &Strobe, command_m: f32, hz: f32, closed: bool, steady: bool) {
+    /// correct upwards, too; `steady`: whether what a limit took may return; `nominal_n`: the force by the forecast at the
+    /// wanted amplitude.
+    pub fn strobe(
+        &mut self,
+        strobe: &Strobe,
+        command_m: f32,
+        hz: f32,
+        (closed, steady): (bool, bool),
+        nominal_n: Option<f32>,
+    ) {
         // The amplitude that this command was to make.
         let expected_m = command_m / self.gain;
         if expected_m > LEAST_COMMAND * self.wanted_m {
             self.correct(strobe.amplitude_m / expected_m, closed);
         }
+        let blind = if strobe.contacts == 0 {
+            self.by_forecast(nominal_n)
+        } else {
+            1.0
+        };
         self.limits -= ActiveLimits::FORCE | ActiveLimits::TRAVEL;
         let over_force = strobe.peak_n / self.force_n;
         let over_travel = strobe.travel_m / self.travel_m;
@@ -137,8 +168,9 @@ impl Trim {
             };
             self.draw = (self.draw * release).min(1.0);
         }
+        self.draw = self.draw.min(blind);
         if self.draw < 1.0 {
-            let limit = if over_force >= over_travel {
+            let limit = if over_force >= over_travel || self.draw >= blind {
                 ActiveLimits::FORCE
             } else {
                 ActiveLimits::TRAVEL
@@ -189,7 +221,7 @@ impl Trim {
         let command = reading_m * self.gain;
         let beyond = command > self.largest_m;
         self.limits -= ActiveLimits::AMPLITUDE;
-        self.limits |= ActiveLimits::AMPLITUDE.when(doubted || beyond);
+        self.limits |= ActiveLimits::AMPLITUDE.when(doubted || beyond || self.asked_beyond);
         if beyond { self.largest_m } else { command }
     }
 }

@@ -26,7 +26,8 @@ impl Settings {
     fn check_aim(&self) -> Result<(), ParamError> {
         let wanted_n = self.aim.force_n;
         let least_n = SEEN * self.detection.on_n;
-        let must_be = "0, or at least 1.5 times detection.on_n and at most limits.force_n, so that it is seen";
+        let must_be =
+            "0, or at least twice detection.on_n and at most limits.force_n, so that it is seen";
         if wanted_n == 0.0 || (least_n..=self.limits.force_n).contains(&wanted_n) {
             return Ok(());
         }
@@ -196,17 +197,12 @@ impl Settings {
                 cart,
                 "at least limits.amplitude_m, at most 20 times that and 95 % of what the cart's sensor can measure",
             ),
-            (
-                "trips.no_contact_s",
-                no_contact_s,
-                (0.1, 3600.0),
-                "0.1 to 3600",
-            ),
+            ("trips.no_contact_s", no_contact_s, (0.1, 30.0), "0.1 to 30"),
             (
                 "trips.regime_lost_s",
                 regime_lost_s,
-                (1.0, 3600.0),
-                "1 to 3600",
+                (1.0, 300.0),
+                "1 to 300",
             ),
             ("trips.link_timeout_s", link_timeout_s, silence.0, silence.1),
         ])
@@ -235,7 +231,14 @@ impl Settings {
                 "positive, at most detection.on_n",
             ),
             (key, refractory_s, (2e-4, 2e-2), "0.0002 to 0.02"),
-        ])
+        ])?;
+        // Of blows nearer to the threshold so much is cut off that their peak and their momentum contradict each other.
+        let limit_n = self.limits.force_n;
+        if limit_n < SEEN * on_n {
+            let must_be = "at least twice detection.on_n: a lower one cannot be kept";
+            return Err(out_of_range("limits.force_n", limit_n, must_be));
+        }
+        Ok(())
     }
 }
 
@@ -278,8 +281,8 @@ const LOOP_HZ: (f64, f64) = (1.0, 500.0);
 const LOOP_DAMPING: (f64, f64) = (0.05, 5.0);
 /// Least mass of a cart that recoils, in hammers.
 const LIGHTEST_CART: f64 = 0.2;
-/// A force wanted is at least this many times the force of detection.
-const SEEN: f32 = 1.5;
+/// A force wanted, and a limit of the force, is at least this many times the force of detection.
+const SEEN: f32 = 2.0;
 /// Share of a sensor's range that a trip level may use: the rest is for its offset.
 const REACHED: f32 = 0.95;
 /// A trip level is at most this many times its limit: one far above guards nothing that the limit does not.
@@ -357,9 +360,23 @@ mod tests {
     fn a_force_wanted_that_is_hardly_detected_is_refused() {
         let mut settings = Settings::for_rig(&PRESETS[3].1);
         let on_n = settings.detection.on_n;
-        for (force_n, holds) in [(0.0, true), (1.51 * on_n, true), (1.49 * on_n, false)] {
+        for (force_n, holds) in [(0.0, true), (2.01 * on_n, true), (1.99 * on_n, false)] {
             settings.aim.force_n = force_n;
             assert_eq!(settings.check().is_ok(), holds, "{force_n}");
+        }
+    }
+
+    #[test]
+    fn a_force_limit_that_cannot_be_kept_is_refused_by_name() {
+        for (_, rig) in PRESETS {
+            let mut settings = Settings::for_rig(&rig);
+            let on_n = settings.detection.on_n;
+            for (limit_n, holds) in [(2.01 * on_n, true), (1.99 * on_n, false)] {
+                settings.limits.force_n = limit_n;
+                settings.trips.force_n = 1.5 * limit_n;
+                let key = settings.check().map_err(|error| error.key);
+                assert_eq!(key, if holds { Ok(()) } else { Err("limits.force_n") });
+            }
         }
     }
 
@@ -496,7 +513,7 @@ mod tests {
         ];
         for (key, beyond, below) in cases {
             let mut settings = Settings::for_rig(&PRESETS[0].1);
-            settings.detection.on_n = 12.0;
+            settings.detection.on_n = 9.0;
             settings.detection.off_n = 6.0;
             let sound = settings;
             beyond(&mut settings);
@@ -600,13 +617,13 @@ mod tests {
                 "trips.no_contact_s",
                 |s| &mut s.trips.no_contact_s,
                 0.09,
-                3601.0,
+                31.0,
             ),
             (
                 "trips.regime_lost_s",
                 |s| &mut s.trips.regime_lost_s,
                 0.9,
-                3601.0,
+                301.0,
             ),
             (
                 "trips.link_timeout_s",

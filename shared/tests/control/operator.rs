@@ -302,7 +302,7 @@ fn automatic_mode_needs_a_heartbeat_only_where_it_is_asked_for() {
     let heartbeat = |settings: &mut Settings| {
         settings.operator.heartbeat = true;
         // Nothing strikes here.
-        settings.trips.no_contact_s = 100.0;
+        settings.trips.no_contact_s = 30.0;
     };
     let mut kept = Board::with(heartbeat);
     kept.open();

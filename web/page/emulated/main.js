@@ -89,7 +89,10 @@ class EmulatedRig {
       this.factor.dataset.factor = data.factor;
       this.tell(data.truth);
     }
-    if (data.error) this.wrong.textContent = data.error;
+    if (data.error) {
+      this.wrong.textContent = data.error;
+      this.run.disabled = false;
+    }
     if (data.started) this.connect();
     if (data.scenarios) {
       this.scenarios = data.scenarios;
@@ -100,10 +103,16 @@ class EmulatedRig {
   }
 
   describe() {
-    this.about.textContent = this.scenarios.find(({ name }) => name === this.choice.value)?.description ?? "";
+    const chosen = this.scenarios.find(({ name }) => name === this.choice.value)?.description ?? "";
+    const waits = this.running && this.running !== this.choice.value;
+    this.about.textContent = waits ? `Not begun yet (${this.running} runs on until Begin): ${chosen}` : chosen;
   }
 
+  // One begin at a time: a second press before the rig answers is the same begin.
   restart() {
+    this.run.disabled = true;
+    this.running = this.choice.value;
+    this.describe();
     this.wrong.textContent = "";
     this.lines.replaceChildren();
     this.board?.close();
@@ -135,6 +144,7 @@ class EmulatedRig {
     } catch (error) {
       this.wrong.textContent = error.message;
     }
+    this.run.disabled = false;
   }
 
   // What is true, which only an emulated rig tells.

@@ -30,7 +30,7 @@ function turn() {
     const bytes = engine.call("emulated.step", { blocks });
     if (bytes.length) self.postMessage({ bytes }, [bytes.buffer]);
   }
-  if (now - measured > 500) {
+  if (now - measured > 250) {
     const factor = (done * BLOCK) / (now - measured);
     self.postMessage({ factor, truth: engine.json("emulated.truth", null) });
     [measured, done] = [now, 0];

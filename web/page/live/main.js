@@ -103,7 +103,7 @@ class Live {
     const mine = this.commander !== null && this.commander === this.page;
     const who = mine ? "this page commands" : this.commander === null ? "nobody commands" : `page ${this.commander} commands, this page watches`;
     const lost = this.lost ? `; ${this.lost} messages lost on the way to this page` : "";
-    this.said.textContent = `${this.what}: this is page ${this.page} of ${this.pages}; ${who}${this.why ? ` (${this.why})` : ""}${lost}.`;
+    this.said.textContent = `${this.what}: this is page no. ${this.page}, ${this.pages === 1 ? "the only one open" : `${this.pages} are open`}; ${who}${this.why ? ` (${this.why})` : ""}${lost}.`;
     const steer = mine
       ? this.button("Leave the command (stops the drive)", () => this.transport.say("leave"))
       : this.commander === null

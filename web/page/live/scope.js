@@ -87,7 +87,7 @@ export class Scope {
     pen.fillStyle = themeColour("ink");
     pen.textAlign = "center";
     for (const { value, text } of ticks(Math.max(0, from), to, 6)) pen.fillText(text, x(value), height - 14);
-    pen.fillText("time, s", LEFT + (columns * step) / 2, height - 1);
+    pen.fillText("board's time, s", LEFT + (columns * step) / 2, height - 1);
     this.canvas.setAttribute("aria-label", `contact force, hammer and cart from ${digits(Math.max(0, from))} to ${digits(to)} s`);
   }
 }

@@ -12,6 +12,15 @@ const SPECTRUM = 700;
 
 const SIGNALS = [["force", "N", 2000], ["hammer", "mm", 60], ["cart", "mm", 60]];
 
+// What is measured of a drive: once it is off, it is from before.
+const OF_A_DRIVE = new Set(["limited by", "drive frequency", "cart amplitude", "regime", "peak force", "impulse per blow", "basin"]);
+
+// The number in a field; an empty one is none.
+function number(input, name) {
+  if (input.value.trim() === "") throw new Error(`${name}: write a number`);
+  return Number(input.value);
+}
+
 // A number field with its unit.
 function field(label, unit, attributes) {
   const input = element("input", { type: "number", step: "any", size: 8, ...attributes });
@@ -27,9 +36,9 @@ export class View {
     this.heard = {};
     this.build(container);
     this.timers = [setInterval(() => this.drawScope(), DRAW), setInterval(() => this.drawSpectrum(), SPECTRUM)];
-    // Escape stops, wherever the focus is, while this part of the page is shown.
+    // Escape stops, wherever the focus is: on every part of the page while the drive runs, and here in any state.
     document.addEventListener("keydown", (event) => {
-      if (event.key === "Escape" && container.offsetParent !== null && this.board) this.stop();
+      if (event.key === "Escape" && this.board && (this.drives || container.offsetParent !== null)) this.stop();
     });
     this.enable();
   }
@@ -72,8 +81,8 @@ export class View {
     this.hz = field("Frequency", "Hz", { min: 0.1, value: 3 });
     this.mm = field("Amplitude", "mm", { min: 0, value: 0.5 });
     this.set = button("Set", () => this.board.ask({
-      kind: "set-point", frequency_hz: Number(this.hz.input.value), amplitude_mm: Number(this.mm.input.value),
-    }));
+      kind: "set-point", frequency_hz: number(this.hz.input, "Frequency"), amplitude_mm: number(this.mm.input, "Amplitude"),
+    }).then(() => `asked for ${this.hz.input.value} Hz and ${this.mm.input.value} mm; what a limit holds back stands under "limited by"`));
     this.controls = element("div", { class: "controls row" }, this.stopButton, this.start, this.manual, this.hz.node, this.mm.node, this.set, this.clear);
   }
 
@@ -109,19 +118,32 @@ export class View {
         element("code", {}, "host-sim replay"), " can begin there. ", element("code", {}, "host-sim compare"), " reads it, too."));
   }
 
-  // Shows `board` from now on; null: none.
+  // Shows `board` from now on; null: none, and what is still seen is no longer so.
   show(board) {
     this.board = board;
     this.status = null;
     this.heard = {};
+    this.panel.dataset.stale = String(!board);
     if (board) board.onheard = (heard) => this.take(heard);
+    this.tellDrive();
     this.enable();
   }
 
   take(heard) {
-    if (heard.status) this.status = heard.status;
+    if (heard.status) {
+      this.status = heard.status;
+      this.tellDrive();
+    }
     this.heard = heard;
     this.dirty = true;
+  }
+
+  // Tells the frame of the page when a drive begins or ends.
+  tellDrive() {
+    const drives = Boolean(this.status) && !["idle", "fault"].includes(this.status.state);
+    if (drives === this.drives) return;
+    this.drives = drives;
+    this.panel.dispatchEvent(new CustomEvent("drive", { bubbles: true, detail: { drives, stop: () => this.stop() } }));
   }
 
   // Does something that may be refused, and says what came of it.
@@ -187,7 +209,7 @@ export class View {
     this.scope.draw(this.board.trace(Number(this.seconds.value), this.scope.columns()));
     const blows = this.board.blows().slice(-60);
     const draw = (chart, title, y, value, colour) => chart.draw({
-      title, x: "time, s", y, description: `${blows.length} blows`,
+      title, x: "board's time, s", y, description: `${blows.length} blows`,
       series: [{ points: blows.filter((blow) => value(blow) !== null).map((blow) => [blow.time_s, value(blow)]), colour, kind: "points" }],
     });
     draw(this.force, "Peak force per blow, as the sensor reads it", "force, N", (blow) => blow.peak_n, SERIES[0]);
@@ -225,7 +247,9 @@ export class View {
       ["board's time", `${digits(s.time_s, 6)} s`],
     ];
     this.facts.dataset.state = s.state;
-    this.facts.replaceChildren(...rows.map(([name, value]) => element("tr", { class: name === "fault" && s.fault ? "wrong" : null },
+    const look = (name) => (name === "fault" && s.fault ? "wrong" : !this.drives && OF_A_DRIVE.has(name) ? "old" : null);
+    const title = (name) => (look(name) === "old" ? "from when the drive was last on" : null);
+    this.facts.replaceChildren(...rows.map(([name, value]) => element("tr", { class: look(name), title: title(name) },
       element("th", { scope: "row" }, name), element("td", {}, value))));
     const h = this.heard;
     this.gaps.textContent = h.lost || h.gaps

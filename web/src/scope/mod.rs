@@ -100,7 +100,7 @@ impl Scope {
                 1e3 * value(1, frame.hammer),
                 1e3 * value(2, frame.cart),
             ];
-            let time_s = self.passed as f64 * TICK_S;
+            let time_s = self.board_s(self.passed as i64);
             let hz = if output.enable {
                 output.frequency_hz
             } else {
@@ -123,14 +123,20 @@ impl Scope {
         self.passed += 1;
     }
 
-    /// The last `seconds` in `columns`: first the time at the left and the right edge, s, then for each column the
+    /// The board's time, as its status and its events have it, `passed` ticks after the first that came, s.
+    fn board_s(&self, passed: i64) -> f64 {
+        let newest = self.first.unwrap_or(0).wrapping_add(self.passed as u32);
+        (f64::from(newest) - (self.passed as i64 - passed) as f64) * TICK_S
+    }
+
+    /// The last `seconds` in `columns`: first the board's time at the left and the right edge, s, then for each column the
     /// least and the largest force (N), hammer (mm) and cart (mm) in it; not numbers where nothing came.
     pub fn trace(&self, seconds: f64, columns: usize) -> Vec<f32> {
         let columns = columns.clamp(1, 4096);
         let ticks = (seconds * f64::from(TICK_RATE_HZ)).clamp(1.0, KEPT as f64) as u64;
         let end = self.passed as i64;
         let begin = end - ticks as i64;
-        let second = |tick: i64| (tick as f64 * TICK_S) as f32;
+        let second = |tick: i64| self.board_s(tick) as f32;
         let mut out = vec![second(begin), second(end)];
         for column in 0..columns as i64 {
             let edge = |at: i64| begin + at * ticks as i64 / columns as i64;

@@ -118,6 +118,9 @@ fn reason(refusal: Refusal) -> &'static str {
     match refusal {
         Refusal::Controller(Refused::WrongState) => "not in this state",
         Refusal::Controller(Refused::NotANumber) => "a number in it is not finite",
+        Refusal::Controller(Refused::NoMotion) => {
+            "a frequency is positive, and an amplitude is not negative"
+        }
         Refusal::Controller(Refused::StillFaulty) => {
             "the fault's cause is still there; remove it and clear again"
         }

@@ -65,6 +65,7 @@ pub fn refused(why: Refused) {
     let why = match why {
         Refused::WrongState => "not in this state",
         Refused::NotANumber => "not a number",
+        Refused::NoMotion => "no motion",
         Refused::StillFaulty => "the fault's cause is still there",
         Refused::BadSettings => "the settings are out of range",
         Refused::SettingsUnknown(_) => "the settings are not known to be this rig's",

@@ -60,6 +60,22 @@ fn set_points_are_taken_by_hand_only_and_held_within_the_limits() {
     for nonsense in [at(f32::NAN, 5e-4), at(3.0, f32::INFINITY)] {
         assert_eq!(rig.controller.command(nonsense), Err(Refused::NotANumber));
     }
+    for no_motion in [at(-10.0, 5e-4), at(0.0, 5e-4), at(3.0, -5e-3)] {
+        assert_eq!(rig.controller.command(no_motion), Err(Refused::NoMotion));
+    }
+    // What is more than the limit is taken as the limit, and the status says so until less is asked for.
+    let limit_m = rig.controller.settings().limits.amplitude_m;
+    rig.controller.command(at(3.0, 99e-3)).unwrap();
+    rig.pass(6.0);
+    let status = rig.controller.status();
+    assert!(status.amplitude_m <= limit_m, "{status:?}");
+    assert!(
+        status.limits.contains(ActiveLimits::AMPLITUDE),
+        "{status:?}"
+    );
+    rig.controller.command(at(3.0, 5e-4)).unwrap();
+    rig.pass(6.0);
+    assert_eq!(rig.controller.status().limits, ActiveLimits::NONE);
     assert_eq!(rig.controller.status().state, State::Manual);
 }
 

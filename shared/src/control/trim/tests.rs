@@ -4,7 +4,7 @@ use crate::model::params::WIRES;
 fn run(trim: &mut Trim, periods: usize, plant: impl Fn(f32) -> Strobe) -> f32 {
     for _ in 0..periods {
         let command = trim.command();
-        trim.strobe(&plant(command), command, 4.0, true, true);
+        trim.strobe(&plant(command), command, 4.0, (true, true), Some(0.0));
     }
     trim.command()
 }
@@ -60,7 +60,7 @@ fn a_force_above_the_limit_while_the_amplitude_rises_stops_the_rise() {
         peak_n: 1.05 * settings.limits.force_n,
         ..Strobe::default()
     };
-    trim.strobe(&strobe, 0.445e-3, 4.0, true, true);
+    trim.strobe(&strobe, 0.445e-3, 4.0, (true, true), Some(0.0));
     let share = trim.command() / 0.89e-3;
     assert!((share - 0.5 / 1.05).abs() < 1e-3, "{share}");
 }
@@ -149,7 +149,7 @@ fn what_a_limit_took_returns_only_while_the_sensors_are_steady() {
             peak_n: over * settings.limits.force_n,
             ..Strobe::default()
         };
-        trim.strobe(&strobe, command_m, 4.0, true, steady);
+        trim.strobe(&strobe, command_m, 4.0, (true, steady), Some(0.0));
         trim.command()
     };
     let reduced_m = strobe(&mut trim, 1.25, true);
@@ -268,7 +268,7 @@ fn a_cart_that_moves_too_far_is_corrected_at_once_and_under_suspicion_only_downw
             contacts: 1,
             ..Strobe::default()
         };
-        trim.strobe(&strobe, 0.89e-3, 4.0, closed, true);
+        trim.strobe(&strobe, 0.89e-3, 4.0, (closed, true), Some(0.0));
         trim.command() / 0.89e-3
     };
     for closed in [false, true] {
@@ -290,4 +290,34 @@ fn a_surge_is_one_against_the_amplitude_that_the_limits_leave() {
     // Seven tenths of the command that makes the amplitude: the motion still grows.
     let answer = trim.command() / command_m;
     assert!((answer - 0.7 / 1.3).abs() < 1e-3, "{answer}");
+}
+
+/// What a limit took comes back on evidence alone: without contact, as far as the forecast keeps the limit.
+#[test]
+fn without_contact_the_amplitude_returns_no_further_than_the_forecast_allows() {
+    let settings = Settings::for_rig(&WIRES);
+    let blind = |trim: &mut Trim, nominal_n: Option<f32>| {
+        for _ in 0..4000 {
+            let strobe = Strobe {
+                amplitude_m: trim.command(),
+                ..Strobe::default()
+            };
+            trim.strobe(&strobe, strobe.amplitude_m, 4.0, (true, true), nominal_n);
+        }
+        trim.command() / trim.wanted_m()
+    };
+    let drawn = || {
+        let mut trim = Trim::new(&settings);
+        trim.expect(4.0 * settings.limits.force_n);
+        trim
+    };
+    assert!((drawn().command() / 0.89e-3 - 0.225).abs() < 1e-4);
+    assert!((blind(&mut drawn(), None) - 0.225).abs() < 1e-4);
+    let twice = Some(2.0 * settings.limits.force_n);
+    assert!((blind(&mut drawn(), twice) - 0.45).abs() < 1e-4);
+    assert!((blind(&mut drawn(), Some(0.5 * settings.limits.force_n)) - 1.0).abs() < 1e-4);
+    // Nor does it stay above.
+    let mut full = Trim::new(&settings);
+    assert!((blind(&mut full, twice) - 0.45).abs() < 1e-4);
+    assert_eq!(full.limits(), ActiveLimits::FORCE);
 }
