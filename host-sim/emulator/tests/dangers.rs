@@ -261,6 +261,46 @@ fn a_drive_that_runs_on_is_found_soon() {
     });
 }
 
+/// Receding is what drilling is: at any rate and as far as the hammer strikes, the surface is followed.
+#[test]
+fn a_surface_that_recedes_is_followed() {
+    let ways = [(0.02, 3.0), (0.07, 2.2), (0.1, 3.0)];
+    let each = RIGS.iter().flat_map(|rig| ways.map(|way| (rig, way)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, (mm_per_s, far_mm))| {
+        let recede = event(
+            15.0,
+            &format!("kind = \"recede\"\nmm_per_s = {mm_per_s:?}\nup_to_mm = {far_mm:?}"),
+        );
+        let end_s = 15.0 + far_mm / mm_per_s + 30.0;
+        let truth = truth_of(rig, end_s, &(start() + &recede));
+        assert_eq!(faults(&truth), [], "{rig} {mm_per_s} {far_mm}");
+        assert_eq!(truth.end, State::Hold, "{rig} {mm_per_s} {far_mm}");
+    });
+}
+
+/// Between two runs the tool is fed back to where the settings have the surface, half the way, or not at all.
+#[test]
+fn after_a_surface_that_receded_the_next_start_finds_it_wherever_it_is() {
+    let each = RIGS
+        .iter()
+        .flat_map(|rig| [1.7, 0.9, 0.0].map(|back_mm| (rig, back_mm)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, back_mm)| {
+        let mut tables = start();
+        tables += &event(15.0, "kind = \"drift\"\ngap_offset_mm = 1.7\nover_s = 34.0");
+        tables += &event(60.0, "kind = \"stop\"");
+        if *back_mm > 0.0 {
+            let feed = format!("kind = \"drift\"\ngap_offset_mm = -{back_mm:?}\nover_s = 1.0");
+            tables += &event(63.0, &feed);
+        }
+        tables += &event(66.0, "kind = \"start\"");
+        let truth = truth_of(rig, 110.0, &tables);
+        assert_eq!(faults(&truth), [], "{rig} {back_mm}");
+        assert_eq!(truth.end, State::Hold, "{rig} {back_mm}");
+    });
+}
+
 #[test]
 fn a_zero_of_the_force_that_drifts_is_found_before_it_matters() {
     for n_per_s in [-1.0, 1.0] {

@@ -69,6 +69,11 @@ impl ForecastCache {
         true
     }
 
+    /// Whether one was requested and has not come.
+    pub fn is_awaited(&self) -> bool {
+        self.awaited.is_some()
+    }
+
     /// Whether a forecast has come at all.
     pub fn has_come(&self) -> bool {
         self.has_come

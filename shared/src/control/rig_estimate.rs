@@ -5,8 +5,10 @@ use crate::model::params::RigParams;
 use crate::sense::identification::{Estimates, Identification};
 use crate::settings::{DriveKind, Settings};
 
-/// Drive periods between two comparisons of the rig with its estimates.
-const COMPARE_PERIODS: u16 = 32;
+/// Drive periods between two comparisons of the rig with its estimates,
+const COMPARE_PERIODS: u16 = 8;
+/// and while a forecast is awaited, which another request would put off: a surface that recedes asks again and again.
+const AWAITED_PERIODS: u16 = 128;
 /// A natural frequency further off than this needs a new forecast, relative.
 const NATURAL_STEP: f64 = 0.01;
 /// A gap further off than this needs a new forecast, m.
@@ -15,12 +17,13 @@ const GAP_STEP_M: f64 = 3e-5;
 const NATURAL_SIGMA: f32 = 0.003;
 /// Largest standard error of a gap that is used, m.
 const GAP_SIGMA_M: f32 = 1.5e-5;
+/// A gap so many standard errors from the one believed is used, however large they are.
+const GAP_MOVED: f32 = 2.0;
 
 /// A gap beyond this many A0 is to be closed by feeding the tool: at 2.7 A0 (2.4 mm on the wires) the best 1/1 lies beside
 /// a swing without contact, and a hammer that has lost the surface does not find it again by itself.
 const FEED_GAP: f64 = 2.5;
-/// So is one that has grown by this many A0 from the gap set: from 2 A0 on, contacts there are not believed
-/// ([`crate::sense::identification::GAP_RANGE`]).
+/// So is one that has grown by this many A0 from the gap set.
 const FEED_GROWTH: f64 = 1.5;
 /// Growth that is never reported, A0: of a large gap that was set.
 const NO_GROWTH: f64 = 0.5;
@@ -66,11 +69,16 @@ impl RigEstimate {
             .is_some_and(|gap_m| f64::from(gap_m) > reach_m)
     }
 
-    /// A drive period of the search has ended. Once every [`COMPARE_PERIODS`], the rig if it has changed
-    /// enough for a new forecast.
-    pub fn strobe(&mut self) -> Option<&RigParams> {
+    /// A drive period of the search has ended. Once every [`COMPARE_PERIODS`], the rig if it has changed enough for a new
+    /// forecast; later if one is `awaited`.
+    pub fn strobe(&mut self, awaited: bool) -> Option<&RigParams> {
         self.periods += 1;
-        if self.periods < COMPARE_PERIODS {
+        let patience = if awaited {
+            AWAITED_PERIODS
+        } else {
+            COMPARE_PERIODS
+        };
+        if self.periods < patience {
             return None;
         }
         self.periods = 0;
@@ -99,10 +107,12 @@ fn estimated(set: &RigParams, believed: &RigParams, found: &Estimates) -> RigPar
         rig = set.with_natural_frequency_scaled(factor);
         rig.gap_m = believed.gap_m;
     }
-    if let Some(gap) = found.gap_m
-        && gap.sigma <= GAP_SIGMA_M
-    {
-        rig.gap_m = f64::from(gap.value);
+    if let Some(gap) = found.gap_m {
+        // Of a surface that recedes the spread is large, and what was believed is further off yet.
+        let off_m = libm::fabsf(gap.value - believed.gap_m as f32);
+        if gap.sigma <= GAP_SIGMA_M || off_m > GAP_MOVED * gap.sigma {
+            rig.gap_m = f64::from(gap.value);
+        }
     }
     rig
 }
@@ -146,10 +156,13 @@ mod tests {
             &WIRES,
             &found(
                 Some((1.05 * natural_hz, 0.004 * natural_hz)),
-                Some((2e-4, 16e-6)),
+                Some((3e-5, 16e-6)),
             ),
         );
         assert_eq!(unsure, WIRES);
+        // A surface that has moved further than its spread.
+        let moved = estimated(&WIRES, &WIRES, &found(None, Some((2e-4, 5e-5))));
+        assert!((moved.gap_m - 2e-4).abs() < 1e-10);
     }
 
     #[test]
@@ -169,7 +182,7 @@ mod tests {
     #[test]
     fn a_rig_as_set_needs_no_new_forecast() {
         let mut estimate = RigEstimate::new(&Settings::for_rig(&WIRES));
-        assert!((0..100).all(|_| estimate.strobe().is_none()));
+        assert!((0..100).all(|_| estimate.strobe(false).is_none()));
         assert_eq!(*estimate.rig(), WIRES);
     }
 
@@ -196,11 +209,11 @@ mod tests {
                 };
                 estimate.identification.flight(&sample, false);
             }
-            let early = (1..COMPARE_PERIODS).find_map(|_| estimate.strobe().copied());
+            let early = (1..COMPARE_PERIODS).find_map(|_| estimate.strobe(false).copied());
             assert_eq!(early, None);
-            let moved = estimate.strobe().copied();
+            let moved = estimate.strobe(false).copied();
             // What is believed then needs no other forecast.
-            let again = (0..2 * COMPARE_PERIODS).find_map(|_| estimate.strobe().copied());
+            let again = (0..2 * COMPARE_PERIODS).find_map(|_| estimate.strobe(false).copied());
             assert_eq!(again, None);
             moved.inspect(|rig| assert_eq!(rig, estimate.rig()))
         };

@@ -165,7 +165,7 @@ impl Controller {
             }
         }
         self.make_the_force(strobe);
-        if let Some(rig) = self.rig.strobe() {
+        if let Some(rig) = self.rig.strobe(self.forecast.is_awaited()) {
             let (natural_hz, gap_m) = (rig.natural_frequency_hz() as f32, rig.gap_m as f32);
             self.life.push(EventKind::Identified { natural_hz, gap_m });
             self.request_forecast();

@@ -67,7 +67,8 @@ pub const FAR_M: f32 = 1.5e-3;
 /// The checks and their counts.
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
-    gap_m: f32,
+    /// None: not known since the last start.
+    gap_m: Option<f32>,
     gap_set_m: f32,
     travel_limit_m: f32,
     amplitude_m: f32,
@@ -87,7 +88,7 @@ impl Plausibility {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
-            gap_m: settings.rig.gap_m as f32,
+            gap_m: Some(settings.rig.gap_m as f32),
             gap_set_m: settings.rig.gap_m as f32,
             travel_limit_m: settings.limits.travel_m,
             amplitude_m: settings.rig.amplitude_m as f32,
@@ -103,8 +104,10 @@ impl Plausibility {
         }
     }
 
-    /// The drive starts anew. What was doubted remains so until the sensors show otherwise.
+    /// The drive starts anew. What was doubted remains so until the sensors show otherwise; where the surface is now, the first
+    /// contacts tell.
     pub fn restart(&mut self) {
+        self.gap_m = None;
         self.far_pulses = 0;
         self.bad_zeros = 0;
         self.bad_targets = 0;
@@ -115,12 +118,12 @@ impl Plausibility {
 
     /// The gap as the last contacts have shown it, m: a surface that recedes slowly is followed.
     pub fn believe_gap(&mut self, gap_m: f32) {
-        self.gap_m = gap_m;
+        self.gap_m = Some(gap_m);
     }
 
     /// A contact has ended.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<Trip> {
-        let far_m = libm::fabsf(pulse.relative_m - self.gap_m);
+        let far_m = (self.gap_m).map_or(0.0, |gap_m| libm::fabsf(pulse.relative_m - gap_m));
         if run(&mut self.far_pulses, far_m > FAR_M, FAR_PULSES) {
             return trip(Origin::Force, far_m);
         }
@@ -190,7 +193,8 @@ impl Plausibility {
 
     /// How much too little the sensors may read.
     pub fn doubt(&self) -> Doubt {
-        let farther = (self.gap_m - self.gap_set_m) / self.travel_limit_m;
+        let farther_m = self.gap_m.map_or(0.0, |gap_m| gap_m - self.gap_set_m);
+        let farther = farther_m / self.travel_limit_m;
         Doubt::new(self.impulse_over_momentum, self.hammer_over_cart, farther)
     }
 

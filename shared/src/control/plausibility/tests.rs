@@ -231,6 +231,21 @@ fn the_distance_is_from_the_gap_as_contacts_have_shown_it() {
     assert!(trips(0.4e-3) && trips(3.6e-3));
 }
 
+/// Between two runs the surface may have come to be anywhere.
+#[test]
+fn after_a_start_the_first_contacts_tell_where_the_surface_is() {
+    let at = |relative_m: f32| Pulse {
+        relative_m,
+        ..contact(1.0)
+    };
+    let mut plausibility = plausibility();
+    plausibility.believe_gap(2e-3);
+    plausibility.restart();
+    assert!((0..10).all(|_| plausibility.pulse(&at(0.0)).is_none()));
+    plausibility.believe_gap(0.0);
+    assert!((0..10).any(|_| plausibility.pulse(&at(2e-3)).is_some()));
+}
+
 #[test]
 fn a_start_begins_every_count_anew() {
     let far = Pulse {
@@ -241,7 +256,10 @@ fn a_start_begins_every_count_anew() {
     type Count = (u8, fn(&mut Plausibility, f32, &Pulse) -> Option<Trip>);
     // All but one of the periods or contacts that trip, for each check.
     let counts: [Count; 5] = [
-        (2, |p, _, far| p.pulse(far)),
+        (2, |p, _, far| {
+            p.believe_gap(0.0);
+            p.pulse(far)
+        }),
         (15, |p, _, _| p.pulse(&contact(1.4))),
         (3, |p, limit_n, _| p.free_force((0.06 * limit_n, 1))),
         (15, |p, _, _| p.ratio(Some((1.3, 48)), true)),

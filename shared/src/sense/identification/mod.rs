@@ -53,8 +53,11 @@ use statistics::{Average, Line};
 /// Largest number of windows or contacts in an estimate: older ones fade.
 pub const MEMORY: u32 = 200;
 
-/// The same of the gap: few, so that it follows a surface that recedes (at 5 µm/s on the wires it is 30 µm late).
+/// The same of the gap: few, so that it follows a surface that recedes,
 pub const GAP_MEMORY: u32 = 24;
+/// and fewer once so many contacts in a row were on the same side of the mean (at 100 µm/s on the wires it is 0.15 mm late).
+const MOVING_MEMORY: u32 = 6;
+const MOVING_CONTACTS: i8 = 5;
 
 /// A gap further from the mean than this many spreads is another gap,
 const GAP_JUMP: f32 = 5.0;
@@ -71,7 +74,7 @@ pub const CONTACT_RANGE: f32 = 3.0;
 pub const NATURAL_RANGE: f32 = 0.3;
 
 /// The same for the gap, in units of A0.
-pub const GAP_RANGE: f32 = 2.0;
+pub const GAP_RANGE: f32 = 4.0;
 
 /// Excess of the measured time above the threshold, s: the first less the second times threshold over initial force.
 /// Measured against the reference through a second-order filter of 5 kHz at initial forces of 38 to
@@ -155,6 +158,8 @@ pub struct Identification {
     gap: Average<GAP_MEMORY>,
     /// Contacts in a row far from the mean gap.
     moved: u8,
+    /// Contacts in a row beyond the mean gap; negative: nearer.
+    side: i8,
     /// Square of a gap's least spread, m²: 1 % of A0.
     gap_grain_m2: f32,
     refused: u32,
@@ -216,6 +221,7 @@ impl Identification {
             duration: Average::default(),
             gap: Average::default(),
             moved: 0,
+            side: 0,
             gap_grain_m2: 1e-4 * amplitude_m * amplitude_m,
             refused: 0,
             ratio: Ratio::default(),
@@ -350,9 +356,20 @@ impl Identification {
             self.gap = Average::default();
             self.moved = 0;
         }
-        if !far {
-            self.gap.push(gap_m);
+        if far {
+            return;
         }
+        let beyond = off > 0.0;
+        let turned = beyond != (self.side > 0);
+        let side = if turned { 0 } else { self.side };
+        self.side = if beyond {
+            side.saturating_add(1)
+        } else {
+            side.saturating_sub(1)
+        };
+        let moves = self.side.unsigned_abs() >= MOVING_CONTACTS.unsigned_abs();
+        let memory = if moves { MOVING_MEMORY } else { GAP_MEMORY };
+        self.gap.push_within(gap_m, memory);
     }
 
     /// What has been identified. Some thousand instructions: for now and then.
@@ -387,6 +404,7 @@ impl Identification {
         self.duration = Average::default();
         self.gap = Average::default();
         self.moved = 0;
+        self.side = 0;
         self.ratio.reset();
     }
 

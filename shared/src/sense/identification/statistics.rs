@@ -19,8 +19,13 @@ pub struct Average<const M: u32 = MEMORY> {
 
 impl<const M: u32> Average<M> {
     pub fn push(&mut self, value: f32) {
+        self.push_within(value, M);
+    }
+
+    /// The same with a shorter memory.
+    pub fn push_within(&mut self, value: f32, memory: u32) {
         self.count = self.count.saturating_add(1);
-        let weight = 1.0 / self.count.min(M) as f32;
+        let weight = 1.0 / self.count.min(memory) as f32;
         let off = value - self.mean;
         self.mean += weight * off;
         self.variance = (1.0 - weight) * (self.variance + weight * off * off);
