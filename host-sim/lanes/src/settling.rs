@@ -93,7 +93,7 @@ mod tests {
     }
 
     fn alternating(amount: impl Fn(f64) -> f64) -> bool {
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         changes(DOUBLED, |k| sign(k) * amount(k as f64))
     }
 

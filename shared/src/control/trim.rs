@@ -120,7 +120,7 @@ impl Trim {
     /// `nominal_n` at the wanted amplitude; without a forecast it does not rise. The share that this leaves.
     fn by_forecast(&self, nominal_n: Option<f32>) -> f32 {
         let share = nominal_n.map(|n| EXPECTED * self.force_n / n);
-        share.unwrap_or(self.draw).max(LEAST_DRAW).min(1.0)
+        share.unwrap_or(self.draw).clamp(LEAST_DRAW, 1.0)
     }
 
     /// A drive period at `hz` has ended, in which the command was `command_m` on average. `closed`: whether the loop may
