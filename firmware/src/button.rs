@@ -1,75 +1,138 @@
 //! The one button: start, stop, acknowledge an emergency stop, clear a fault.
+//!
+//! Everything but a start is at once. A start wants the button held for two seconds: a leaning hand, a shorted wire or
+//! interference starts no machine.
 
 use shared::control::{Command, Mode, State};
 
 /// A level must stay this many steps (of 10 ms) to count.
 const STEADY: u8 = 3;
+/// A start wants the button held so many steps: 2 s.
+const HELD: u8 = 200;
 
 /// The button, debounced.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Button {
     pressed: bool,
+    /// Steps at the other level.
     steps: u8,
+    /// Steps since a press that may yet become a start.
+    held: Option<u8>,
 }
 
 impl Button {
     /// A button that is `pressed` already: held at reset, that press has been used already.
     pub fn new(pressed: bool) -> Self {
-        Self { pressed, steps: 0 }
+        Self {
+            pressed,
+            ..Self::default()
+        }
     }
 
-    /// Takes the level once in 10 ms; true in the step in which a press is sure.
-    pub fn step(&mut self, pressed: bool) -> bool {
+    /// Takes the level once in 10 ms, in this state, an emergency stop being `awaited` to be acknowledged or not. The
+    /// command, in the step in which it is sure.
+    pub fn step(&mut self, pressed: bool, state: State, awaited: bool) -> Option<Command> {
         if pressed == self.pressed {
             self.steps = 0;
-            return false;
+            return self.hold(state);
         }
         self.steps += 1;
         if self.steps < STEADY {
-            return false;
+            return None;
         }
-        *self = Self { pressed, steps: 0 };
-        pressed
+        *self = Self::new(pressed);
+        if !pressed {
+            return None;
+        }
+        let command = meaning(state, awaited);
+        if command.is_none() {
+            self.held = Some(0);
+        }
+        command
+    }
+
+    /// The level stays: a start once a press that began in Idle has lasted.
+    fn hold(&mut self, state: State) -> Option<Command> {
+        let held = self.held.filter(|_| state == State::Idle)?;
+        if held < HELD {
+            self.held = Some(held + 1);
+            return None;
+        }
+        self.held = None;
+        Some(Command::Start(Mode::Automatic))
     }
 }
 
-/// The command of a press: start from Idle, acknowledge an emergency stop that must be (`awaited`), clear a fault, stop
-/// anything else. So after such a stop a fault is cleared by the second press, or over the link.
-pub fn meaning(state: State, awaited: bool) -> Command {
+/// What a press does at once: acknowledge an emergency stop that must be (`awaited`), clear a fault, stop whatever drives.
+/// In Idle nothing. So after such a stop a fault is cleared by the second press, or over the link.
+fn meaning(state: State, awaited: bool) -> Option<Command> {
     match state {
-        State::Idle => Command::Start(Mode::Automatic),
-        State::Fault if awaited => Command::Acknowledge,
-        State::Fault => Command::ClearFault,
-        _ => Command::Stop,
+        State::Idle => None,
+        State::Fault if awaited => Some(Command::Acknowledge),
+        State::Fault => Some(Command::ClearFault),
+        _ => Some(Command::Stop),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::vec::Vec;
+
+    /// The commands while the level is `pressed` for so many steps.
+    fn during(button: &mut Button, pressed: bool, steps: usize, state: State) -> Vec<Command> {
+        let each = (0..steps).filter_map(|_| button.step(pressed, state, false));
+        each.collect()
+    }
 
     #[test]
     fn a_bouncing_press_counts_once() {
         let mut button = Button::default();
         let levels = [1, 0, 1, 1, 0, 1, 1, 1, 1, 1, 0, 1, 0, 0, 0, 0, 0];
-        let presses = levels.iter().filter(|level| button.step(**level == 1));
-        assert_eq!(presses.count(), 1);
-        let again = [1, 1, 1].iter().filter(|level| button.step(**level == 1));
-        assert_eq!(again.count(), 1);
+        let press = |level: &i32| button.step(*level == 1, State::Hold, false);
+        assert_eq!(levels.iter().filter_map(press).count(), 1);
+        assert_eq!(during(&mut button, true, 3, State::Hold), [Command::Stop]);
+    }
+
+    #[test]
+    fn a_start_wants_two_seconds_without_a_break() {
+        let start = [Command::Start(Mode::Automatic)];
+        let mut button = Button::default();
+        assert_eq!(during(&mut button, true, 200, State::Idle), []);
+        assert_eq!(during(&mut button, false, 10, State::Idle), []);
+        // Twice a second and a half is no three seconds.
+        for _ in 0..2 {
+            assert_eq!(during(&mut button, true, 150, State::Idle), []);
+            assert_eq!(during(&mut button, false, 10, State::Idle), []);
+        }
+        assert_eq!(during(&mut button, true, 210, State::Idle), start);
+        // Held on, it does nothing more.
+        assert_eq!(during(&mut button, true, 1000, State::Idle), []);
+    }
+
+    #[test]
+    fn a_press_that_stopped_the_drive_does_not_start_it_again() {
+        let mut button = Button::default();
+        assert_eq!(during(&mut button, true, 50, State::Hold), [Command::Stop]);
+        assert_eq!(during(&mut button, true, 500, State::Idle), []);
+        let mut button = Button::default();
+        let cleared = during(&mut button, true, 50, State::Fault);
+        assert_eq!(cleared, [Command::ClearFault]);
+        assert_eq!(during(&mut button, true, 500, State::Idle), []);
     }
 
     #[test]
     fn an_emergency_stop_is_acknowledged_before_its_fault_is_cleared() {
-        assert_eq!(meaning(State::Fault, true), Command::Acknowledge);
-        assert_eq!(meaning(State::Fault, false), Command::ClearFault);
-        assert_eq!(meaning(State::Hold, true), Command::Stop);
+        assert_eq!(meaning(State::Fault, true), Some(Command::Acknowledge));
+        assert_eq!(meaning(State::Fault, false), Some(Command::ClearFault));
+        assert_eq!(meaning(State::Hold, true), Some(Command::Stop));
     }
 
     #[test]
     fn held_at_reset_is_no_press() {
         let mut button = Button::new(true);
-        assert!(!(0..10).any(|_| button.step(true)));
-        assert!(!(0..10).any(|_| button.step(false)));
-        assert!((0..10).any(|_| button.step(true)));
+        assert_eq!(during(&mut button, true, 500, State::Idle), []);
+        assert_eq!(during(&mut button, false, 10, State::Idle), []);
+        assert_eq!(during(&mut button, true, 300, State::Idle).len(), 1);
     }
 }

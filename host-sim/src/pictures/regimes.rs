@@ -49,7 +49,7 @@ pub const REGIMES: [(&str, Style); 15] = [
     ),
     (
         "unsettled",
-        look(Color(0xA0, 0x8C, 0x7A), Mark::Cross, Stroke::Dashed),
+        look(Color(0x90, 0x50, 0x10), Mark::Cross, Stroke::Dashed),
     ),
     ("chatter", look(Color::PURPLE, Mark::Plus, Stroke::Dotted)),
     ("none", look(Color::GREY, Mark::Ring, Stroke::Dotted)),

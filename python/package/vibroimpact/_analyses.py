@@ -233,8 +233,8 @@ class Map(Grid):
     """A Peterka map: what the hammer does over gap and drive frequency. Layers have the shape (gaps, frequencies).
 
     Axes: ``gap_mm`` and ``frequency_hz``, beside them ``gap_ratio`` (gap/A0) and ``frequency_ratio`` (Ω/ω). Layers:
-    ``regime`` ("p/n", "none", "aperiodic", "chatter", "failed"), ``impacts`` (p), ``periods`` (n; NaN where nothing
-    repeats), ``force_ratio`` (over the weight), ``force_n``, ``settling_cycles`` (NaN: not settled),
+    ``regime`` ("p/n", "none", "aperiodic", "chatter", "unsettled", "failed"), ``impacts`` (p), ``periods`` (n; NaN
+    where nothing repeats), ``force_ratio`` (over the weight), ``force_n``, ``settling_cycles`` (NaN: not settled),
     ``largest_period_searched``, ``uncertain`` (the fast engine handed the cell to the reference), ``failed``.
     """
 

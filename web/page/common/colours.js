@@ -14,7 +14,7 @@ export const REGIMES = [
   ["3/2", "#332288"],
   ["other p/n", "#C9B8F0"],
   ["aperiodic", "#383838"],
-  ["unsettled", "#A08C7A"],
+  ["unsettled", "#905010"],
   ["chatter", "#CC79A7"],
   ["none", "#E8E8E8"],
 ];

@@ -1,6 +1,6 @@
 //! Whether anything is wired to the sensor pins, probed before they become analogue.
 //!
-//! A pin with nothing on it follows the part's own pull resistors (some 40 kΩ); so does one with only the 100 kΩ
+//! A pin with nothing on it follows the part's own pull resistors (some 40 kΩ); so does one with only the 220 kΩ
 //! pull-down of an open sensor wire. A conditioner's output does not: it holds its voltage, and the pin reads
 //! the same under both.
 

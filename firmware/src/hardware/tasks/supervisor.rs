@@ -4,7 +4,7 @@ use rtic::Mutex;
 
 use super::{blocks, control, forecasts, link, log};
 use crate::{
-    button::{self, Button},
+    button::Button,
     hardware::{board, stack},
     led::{LedPattern, Shown},
     liveness::{Liveness, Progress},
@@ -50,11 +50,11 @@ impl Supervisor {
             let controller = recorder.controller();
             (controller.status(), controller.awaits_acknowledgement())
         });
-        if self.button.step(self.pin.is_pressed()) {
-            let command = button::meaning(status.state, awaited);
-            if let Err(why) = shared.lock(|recorder| recorder.command(command)) {
-                log::refused(why);
-            }
+        let pressed = self.pin.is_pressed();
+        if let Some(command) = self.button.step(pressed, status.state, awaited)
+            && let Err(why) = shared.lock(|recorder| recorder.command(command))
+        {
+            log::refused(why);
         }
         let shown = Shown {
             state: status.state,

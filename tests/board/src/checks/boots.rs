@@ -134,17 +134,32 @@ pub fn button_held(setup: &Setup) -> Found {
     around.pins[port::C][13] = Outside::Low;
     let mut bench = Bench::power_up(setup, around)?;
     bench.advance_ms(300)?;
-    bench
-        .rig
-        .borrow_mut()
-        .machine
-        .set_pin(port::C, 13, Outside::High);
+    let button = |bench: &mut Bench, level: Outside, ms: u64| {
+        bench.rig.borrow_mut().machine.set_pin(port::C, 13, level);
+        bench.advance_ms(ms)
+    };
+    button(&mut bench, Outside::High, 100)?;
     let status = bench.must_be(State::Idle)?;
     must(status.fault.is_none(), || {
         format!("a fault in bench mode: {:?}", status.fault)
     })?;
+    // A press by accident starts nothing, however often.
+    for _ in 0..3 {
+        button(&mut bench, Outside::Low, 500)?;
+        button(&mut bench, Outside::High, 100)?;
+    }
+    bench.must_be(State::Idle)?;
+    button(&mut bench, Outside::Low, 2200)?;
+    let state = bench.status()?.state;
+    must(matches!(state, State::SelfTest | State::Prove), || {
+        format!("{state:?} after two seconds of the button")
+    })?;
+    // The next press stops it, and held on starts nothing again.
+    button(&mut bench, Outside::High, 100)?;
+    button(&mut bench, Outside::Low, 3500)?;
+    bench.must_be(State::Idle)?;
     Ok((
-        "the model replaces the rig, idle without stored settings".into(),
+        "the model replaces the rig, idle without stored settings; a start wants the button for two seconds".into(),
         bench.now(),
     ))
 }
