@@ -179,7 +179,9 @@ def test_cells_of_the_map_are_the_command_line_s(opened):
     )
     mine = {(round(float(r["gap_mm"]), 6), round(float(r["frequency_ratio"]), 6)): r for r in rows}
     pairs = [(mine[round(float(n["gap_mm"]), 6), round(float(n["frequency_ratio"]), 6)], n) for n in native]
-    same = [(a, b) for a, b in pairs if a["regime"] == b["regime"]]
+    # What does not repeat is one: whether chaos seems to shrink over a hundred periods is a matter of rounding.
+    kind = lambda row: "does not repeat" if row["regime"] in ("aperiodic", "unsettled") else row["regime"]
+    same = [(a, b) for a, b in pairs if kind(a) == kind(b)]
     settled = [(a, b) for a, b in same if b["settled"] == "true"]
     far = max(abs(float(a["force_n"]) - float(b["force_n"])) / max(float(b["force_n"]), 1e-9) for a, b in settled)
     print(f"\nmap: {len(same)} of {len(pairs)} cells have the command line's regime; settled ones differ in force by {far:.1e} at most")
