@@ -20,9 +20,7 @@ impl UserError {
     pub fn at(self, place: impl fmt::Display) -> Self {
         Self(format!("{place}: {}", self.0))
     }
-}
 
-impl UserError {
     /// The same about `place`, where it is about a setting that nobody wrote as --set.
     #[must_use]
     pub fn at_setting(self, place: impl fmt::Display) -> Self {

@@ -79,6 +79,10 @@ pub fn converged(records: &[Record], grain: f64) -> Option<usize> {
         .then_some(2 * window)
 }
 
+fn strobes(records: &[Record]) -> Strobes<impl Fn(usize, usize) -> f64> {
+    Strobes::new(records.len(), |i, j| records[j].distance(&records[i]))
+}
+
 /// What the records of a cell say. The first record is the section at the start.
 pub fn outcome(
     c: &Constants,
@@ -96,15 +100,15 @@ pub fn outcome(
     let units = (c.scale, c.scale * c.omega);
     let kept = cycles - (plan.strobes as usize).min(cycles);
     let last = records[cycles];
-    let distance = |i: usize, j: usize| window[i + 1].distance(&window[j + 1]);
-    let strobes = Strobes::new(recorded, distance);
-    let unsettled = settled.is_none() && strobes.still_change(regime, cycles - recorded);
+    let whole = strobes(records);
+    let unsettled =
+        settled.is_none() && strobes(&window[1..]).still_change(regime, cycles - recorded);
     let repeats = regime.periods().filter(|_| !unsettled);
     Outcome {
         regime,
         unsettled,
         force_n: f64::from(force) * c.force_unit_n,
-        settled_after: repeats.map(|n| settled_after(records, usize::from(n))),
+        settled_after: repeats.map(|n| whole.settled_after(usize::from(n))),
         cycles: cycles as u32,
         searched: MAX_PERIODS.min(plan.recorded as usize / 2) as u8,
         last_contact: records[1..]
@@ -163,15 +167,6 @@ pub fn regime(window: &[Record]) -> Regime {
         (false, Some((impacts, periods))) => Regime::Periodic { impacts, periods },
         (false, None) => Regime::Aperiodic { impacts: in_window },
     }
-}
-
-/// The first cycle from which on every strobe equals the one `n` cycles later, within the section's tolerance.
-fn settled_after(records: &[Record], n: usize) -> u32 {
-    let last = records.len().saturating_sub(n);
-    (0..last)
-        .rev()
-        .find(|k| records[k + n].distance(&records[*k]) > SECTION_TOLERANCE)
-        .map_or(0, |k| k as u32 + 1)
 }
 
 #[cfg(test)]

@@ -36,6 +36,13 @@ impl<D: Fn(usize, usize) -> f64> Strobes<D> {
         (1..=longest).find(|n| self.apart(half.clone(), *n) <= SECTION_TOLERANCE)
     }
 
+    /// The first strobe from which on each equals the one `n` periods later.
+    pub fn settled_after(&self, n: usize) -> u32 {
+        let last = self.count.saturating_sub(n);
+        let differs = |k: &usize| (self.distance)(*k, k + n) > SECTION_TOLERANCE;
+        (0..last).rev().find(differs).map_or(0, |k| k as u32 + 1)
+    }
+
     /// Whether what `regime` calls the motion may pass: these strobes came `before` periods after the start.
     ///
     /// A motion that does not repeat may yet come to repeat. One that repeats after an even number of periods may be half

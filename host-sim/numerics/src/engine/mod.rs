@@ -12,7 +12,7 @@ use shared::model::regime::{Detector, Regime};
 use shared::model::rig::Rig;
 
 use crate::error::{Error, MotionError, StartError};
-use crate::lanes::{settled_after, strobes};
+use crate::lanes::strobes;
 use crate::reference::Contact;
 pub use recorder::{Recorder, Sample};
 pub use switch::{Method, Precision, Setting, Switch};
@@ -218,7 +218,7 @@ pub fn observe(
         true => (seen.repeats_late()).filter(|late| periods.is_none_or(|n| *late < n)),
         false => periods,
     };
-    let settled_after = periods.map(|n| settled_after(&sections, n, units));
+    let settled_after = periods.map(|n| strobes(&sections, units).settled_after(n));
     Ok(Observation {
         frequency_hz: machine.frequency_hz(),
         regime,

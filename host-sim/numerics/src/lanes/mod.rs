@@ -20,7 +20,7 @@ pub use ::lanes::{
 };
 pub use fast::{Report, run_with};
 pub use one::run_one;
-pub(crate) use one::{settled_after, strobes};
+pub(crate) use one::strobes;
 
 /// Cells per piece of work of a thread: enough that lanes left over at its end do not matter. Outcomes do not depend on
 /// it.

@@ -1,7 +1,7 @@
 //! One cell by one of the engines, without lanes.
 
 use shared::model::contacts::Period;
-use shared::model::regime::{Detector, MAX_PERIODS, SECTION_TOLERANCE};
+use shared::model::regime::{Detector, MAX_PERIODS};
 
 use super::{Cell, CellPlan, Outcome, Strobe, Strobes};
 use crate::engine::{Engine, Start, machine_at, within_reach};
@@ -60,7 +60,8 @@ pub fn run_one(engine: Engine, cell: &Cell, plan: &CellPlan) -> Result<Outcome, 
         regime,
         unsettled,
         force_n,
-        settled_after: repeats.map(|n| settled_after(&sections, usize::from(n), units)),
+        settled_after: repeats
+            .map(|n| self::strobes(&sections, units).settled_after(usize::from(n))),
         cycles: plan.cycles,
         searched: MAX_PERIODS.min(plan.recorded as usize / 2) as u8,
         last_contact,
@@ -79,16 +80,4 @@ pub(crate) fn strobes(
         let apart = |k: usize| (section[j][k] - section[i][k]).abs() / units[k];
         apart(0).max(apart(1))
     })
-}
-
-/// The first cycle from which on every strobe equals the one `n` cycles later, within the section's tolerance.
-pub(crate) fn settled_after(sections: &[[f64; 2]], n: usize, units: [f64; 2]) -> u32 {
-    let differs = |k: usize| {
-        (0..2).any(|i| (sections[k + n][i] - sections[k][i]).abs() > SECTION_TOLERANCE * units[i])
-    };
-    let last = sections.len().saturating_sub(n);
-    (0..last)
-        .rev()
-        .find(|k| differs(*k))
-        .map_or(0, |k| k as u32 + 1)
 }

@@ -144,9 +144,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             starts: args.starts,
             seed: args.uncertainty.seed(),
         };
-        if args.rig.sets_gap() {
+        if args.rig.name.overrides("gap_mm") {
             return Err(UserError::new(
-                "--gaps says which gaps; leave --gap (or --set gap_mm) out",
+                "--gaps and --set gap_mm both say what it is; leave one of them out",
             ));
         }
         let rig = args.cart.apply(args.rig.load()?)?;

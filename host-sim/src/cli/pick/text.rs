@@ -375,7 +375,7 @@ fn enough(a: &Answer) -> Option<String> {
     let at_best = digits.other(a.shaker_force_at_optimum_n?);
     let best_hz = digits.hz(a.nominal_optimum_hz);
     let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
-    Some(if needed > most * (1.0 + 1e-6) {
+    Some(if is_beyond(needed, most) {
         format!("no: it needs {here} N and can give {most} N")
     } else if a.wanted_force_n.is_some() && assumed(limit) {
         format!(
@@ -399,6 +399,11 @@ fn enough(a: &Answer) -> Option<String> {
     })
 }
 
+/// Whether a force is more than the shaker can give, beyond what the search for that very force leaves.
+fn is_beyond(needed_n: f64, most_n: f64) -> bool {
+    needed_n > most_n * (1.0 + 1e-6)
+}
+
 /// Whether it is the limit of the shaker's force.
 fn of_shaker(limit: &LimitUse) -> bool {
     ["max_shaker_force_n", "shaker_max_force_n"].contains(&limit.name)
@@ -413,16 +418,16 @@ fn limits(a: &Answer) -> Lines {
     let line = |limit: &LimitUse| {
         let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
         let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
-        let binds =
-            if of_shaker(limit) && limit.limit.is_some_and(|most| needed > most * (1.0 + 1e-6)) {
-                "is not kept"
-            } else if of_shaker(limit) && a.amplitude_lowered {
-                "decides, by the stroke"
-            } else if limit.binds {
-                "decides"
-            } else {
-                "does not bind"
-            };
+        let beyond = limit.limit.is_some_and(|most| is_beyond(needed, most));
+        let binds = if of_shaker(limit) && beyond {
+            "is not kept"
+        } else if of_shaker(limit) && a.amplitude_lowered {
+            "decides, by the stroke"
+        } else if limit.binds {
+            "decides"
+        } else {
+            "does not bind"
+        };
         ("limit", format!("{}{value}: {binds}", limit.name))
     };
     let told = a.limits.iter().filter(|limit| !assumed(limit));
