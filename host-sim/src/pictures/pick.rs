@@ -85,7 +85,7 @@ fn panel(pick: &Pick) -> Panel {
         high,
     ));
     if !pick.force_range.is_empty() {
-        let over = "its force over the uncertainty, where 1/1 stays for every rig of it";
+        let over = "force over the uncertainty, all rigs in 1/1";
         panel = panel.item(Item::between(over, CURVE, &pick.force_range));
     }
     panel = panel.item(Item::line(
