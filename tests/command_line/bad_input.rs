@@ -126,6 +126,10 @@ fn basins_and_gaps_that_cannot_be() {
         ("pick --gaps 0:70:70", "--gaps: gap_mm is 70"),
         ("pick --gaps 0:3:0.0001", "at most 1000"),
         ("pick --gaps 0:1:1 --gap 2", "cannot be used with"),
+        (
+            "pick --gaps 0:1:1 --set gap_mm=1",
+            "--gaps and --set gap_mm both say what it is",
+        ),
         ("pick --starts 5", "--gaps"),
     ]);
 }
@@ -157,7 +161,12 @@ fn frequencies_ranges_cycles_and_starts_that_cannot_be() {
         ("simulate --ratio=-1", "must be a positive number"),
         ("simulate --ratio inf", "must be a positive number"),
         ("simulate --frequency nan", "must be a positive number"),
-        ("simulate --ratio fast", "invalid value 'fast'"),
+        (
+            "simulate --ratio fast",
+            "invalid value 'fast' for '--ratio <R>': write a number, such as 3.5",
+        ),
+        ("simulate --ratio 2 --cycles 1.5", "write a whole number"),
+        ("simulate --ratio 1e308", "a positive number, and finite"),
         (
             "simulate --ratio 1.5 --cycles 10 --transient 10",
             "give --cycles more than 10, or a smaller --transient",

@@ -234,6 +234,18 @@ fn a_transient_is_not_called_aperiodic_and_a_run_says_when_it_repeats() {
     );
 }
 
+/// A table without rows says what would be in them.
+#[test]
+fn without_a_contact_the_table_of_contacts_has_its_header() {
+    let folder = Folder::new();
+    folder
+        .run("simulate --gap 3 --frequency 1 --cycles 40")
+        .well();
+    let contacts = folder.read_made("out/simulate", "-contacts.csv");
+    assert!(contacts.starts_with("onset_s,duration_ms,"), "{contacts}");
+    assert_eq!(contacts.lines().count(), 1, "{contacts}");
+}
+
 #[test]
 fn a_few_cycles_need_no_other_option() {
     let few = answer("simulate --ratio 2.02 --cycles 10");

@@ -349,6 +349,27 @@ mod tests {
         assert_eq!(answers.gap.map(|gap| gap.text).as_deref(), Some("0.5 mm"));
     }
 
+    /// What no answer can make right is told before the next question, not after the last.
+    #[test]
+    fn options_that_do_not_fit_the_support_are_refused_at_once() {
+        let long = Answers {
+            wire_length: Some(WIRE_LENGTH.read("300mm").unwrap()),
+            ..Answers::default()
+        };
+        let fast = Answers {
+            natural_frequency: Some(FREQUENCY.read("300Hz").unwrap()),
+            ..Answers::default()
+        };
+        for (typed, answers, option) in [
+            ("beams\n", long, "--wire-length"),
+            ("wires\n", fast, "--natural-frequency"),
+        ] {
+            let (done, _, out) = asked(typed, answers);
+            assert!(done.unwrap_err().to_string().starts_with(option));
+            assert!(!out.contains("Weight"), "{out}");
+        }
+    }
+
     #[test]
     fn an_end_of_the_answers_is_one_line() {
         let (done, ..) = asked("beams\n", Answers::default());
