@@ -1,31 +1,39 @@
-//! How well the force wanted is there: the true mean peak of the contacts over what was asked, in Hold, for two rigs,
-//! several forces and several levels of noise. Prints a table.
+//! How well the force wanted is there, whatever the surface rings like: the true peaks of the contacts over what was asked, in Hold,
+//! for the four rigs; and the same with a force limit that acts instead. Prints a table of the worst of each row.
 //!
-//!     cargo run --release -p emulator --example force_wanted -- [RINGING_PERCENT]
+//!     cargo run --release -p emulator --example force_wanted -- [NOISE_PERCENT]
 //!
-//! RINGING_PERCENT is the surface's ringing over the contact's peak, 50 if left out.
+//! NOISE_PERCENT is the sensors' noise over the strongest force, 0.5 if left out.
 
 use emulator::local::Local;
 use emulator::record::{BlockRow, Contact, Observer};
 use emulator::run::run;
 use emulator::scenario::parse;
 use rayon::prelude::*;
+use shared::control::State;
 
 /// Rig time of a run, and from when on contacts count, s.
 const LONG_S: f64 = 60.0;
 const FROM_S: f64 = 35.0;
-const RIGS: [&str; 2] = ["wires", "beam-135"];
-const NOISE_PERCENT: [f64; 4] = [0.0, 0.5, 2.0, 4.0];
-const FORCES_N: [f64; 5] = [40.0, 60.0, 87.0, 120.0, 140.0];
+/// The rigs, and 0.8 of the force of their strongest 1/1, N.
+const RIGS: [(&str, f64); 4] = [
+    ("wires", 77.0),
+    ("beam-170", 186.0),
+    ("beam-150", 219.0),
+    ("beam-135", 274.0),
+];
+const RINGING_KHZ: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
+const RINGING_PERCENT: [f64; 9] = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0];
 
-/// True peaks, and what the controller measured and was limited by.
+/// True peaks once it is in Hold.
 #[derive(Default)]
 struct Peaks {
     sum_n: f64,
     count: f64,
     largest_n: f64,
-    measured_n: (f64, f64),
-    limited: bool,
+    /// From the first block in Hold on.
+    in_hold_n: f64,
+    holds: bool,
 }
 
 impl Observer for Peaks {
@@ -35,50 +43,73 @@ impl Observer for Peaks {
             self.count += 1.0;
         }
         self.largest_n = self.largest_n.max(contact.peak_force_n);
+        if self.holds {
+            self.in_hold_n = self.in_hold_n.max(contact.peak_force_n);
+        }
     }
     fn block(&mut self, row: &BlockRow) {
-        if row.tick as f64 * 5e-5 > FROM_S {
-            self.measured_n.0 += f64::from(row.status.peak_n);
-            self.measured_n.1 += 1.0;
-            self.limited |= !row.status.limits.is_empty();
-        }
+        self.holds |= row.status.state == State::Hold;
     }
 }
 
-fn row(rig: &str, noise: f64, force_n: f64, ringing: f64) -> String {
-    let text = format!(
-        "duration_s = {LONG_S:?}\nseed = 5\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\nringing_percent = {ringing:?}\n[aim]\nforce_n = {force_n:?}\n[[events]]\nat_s = 0.5\nkind = \"start\"\n"
-    );
-    let scenario = match parse("force", &text, "force") {
-        Ok(scenario) => scenario,
-        Err(e) => return format!("| {rig} | {noise} | {force_n} | {e} |"),
+/// Mean, largest in Hold and largest of all, % of the force wanted or the limit, if it ended in Hold.
+fn peaks(rig: &str, force_n: f64, limited: bool, noise: f64, khz: f64, ringing: f64) -> [f64; 3] {
+    let asked = if limited {
+        format!(
+            "[limits]\nforce_n = {force_n:?}\n[trips]\nforce_n = {:?}\n",
+            1.1 * force_n
+        )
+    } else {
+        format!("[aim]\nforce_n = {force_n:?}\n")
     };
+    let text = format!(
+        "duration_s = {LONG_S:?}\nseed = 5\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\nringing_hz = {:?}\nringing_percent = {ringing:?}\n{asked}[[events]]\nat_s = 0.5\nkind = \"start\"\n",
+        1e3 * khz
+    );
+    let scenario = parse("force", &text, "force").expect("a scenario");
     let mut peaks = Peaks::default();
-    let mut control = Local::new(&scenario.settings).unwrap();
-    let summary = run(&scenario, &mut control, &mut peaks).unwrap();
-    let mean = 100.0 * peaks.sum_n / peaks.count / force_n;
-    let largest = 100.0 * peaks.largest_n / force_n;
-    let measured = 100.0 * peaks.measured_n.0 / peaks.measured_n.1 / force_n;
-    let state = summary.final_state();
-    let limited = if peaks.limited { ", limited" } else { "" };
-    format!(
-        "| {rig} | {noise} | {force_n} | {mean:.1} | {largest:.1} | {measured:.1} | {state:?}{limited} |"
-    )
+    let mut control = Local::new(&scenario.settings).expect("good settings");
+    let summary = run(&scenario, &mut control, &mut peaks).expect("a good rig");
+    if summary.final_state() != State::Hold {
+        return [f64::NAN; 3];
+    }
+    let mean_n = peaks.sum_n / peaks.count;
+    [mean_n, peaks.in_hold_n, peaks.largest_n].map(|n| 100.0 * n / force_n)
 }
 
 fn main() {
-    let ringing = std::env::args().nth(1);
-    let ringing: f64 = ringing.map_or(50.0, |text| text.parse().expect("a number of percent"));
-    println!("| rig | noise, % | wanted, N | true mean, % of it | largest, % | measured, % | |");
-    println!("|---|---|---|---|---|---|---|");
+    let noise = std::env::args().nth(1);
+    let noise: f64 = noise.map_or(0.5, |text| text.parse().expect("a number of percent"));
+    println!("| rig | ringing, kHz | asked | mean, % of it | largest in Hold, % | largest, % |");
+    println!("|---|---|---|---|---|---|");
     let cases: Vec<_> = RIGS
         .iter()
-        .flat_map(|rig| NOISE_PERCENT.map(|noise| (*rig, noise)))
-        .flat_map(|(rig, noise)| FORCES_N.map(|force_n| (rig, noise, force_n)))
+        .flat_map(|rig| RINGING_KHZ.map(|khz| (*rig, khz)))
+        .flat_map(|case| [false, true].map(|limited| (case, limited)))
         .collect();
-    let rows: Vec<_> = cases
-        .par_iter()
-        .map(|(rig, noise, force_n)| row(rig, *noise, *force_n, ringing))
-        .collect();
-    rows.iter().for_each(|row| println!("{row}"));
+    for ((rig, strong_n), khz, limited) in cases.iter().map(|((r, k), l)| (*r, *k, *l)) {
+        let all: Vec<_> = RINGING_PERCENT
+            .par_iter()
+            .map(|ringing| peaks(rig, strong_n, limited, noise, khz, *ringing))
+            .collect();
+        let range = |i: usize| {
+            let of = |pick: fn(f64, f64) -> f64, from: f64| {
+                all.iter().fold(from, |a, row| {
+                    if row[i].is_nan() {
+                        f64::NAN
+                    } else {
+                        pick(a, row[i])
+                    }
+                })
+            };
+            format!("{:.1} to {:.1}", of(f64::min, 1e9), of(f64::max, 0.0))
+        };
+        let asked = if limited { "limit" } else { "force" };
+        println!(
+            "| {rig} | {khz} | {asked} {strong_n} N | {} | {} | {} |",
+            range(0),
+            range(1),
+            range(2)
+        );
+    }
 }

@@ -4,6 +4,7 @@ use super::controller::Controller;
 use super::event::EventKind;
 use super::guard::Trip;
 use super::phase::Phase;
+use super::plausibility::Doubt;
 use super::proof::Proven;
 use super::search::{Beat, Step};
 use super::{ActiveLimits, State};
@@ -123,11 +124,22 @@ impl Controller {
         }
     }
 
+    /// How much too little the sensors may read, with what the surface's ringing may hide.
+    fn doubt(&self) -> Doubt {
+        let doubt = self.plausibility.doubt();
+        Doubt {
+            force: doubt.force * self.sense.ringing().doubt(),
+            ..doubt
+        }
+    }
+
     /// Limits and trip levels go by the worse of two measurements that contradict each other.
     pub(super) fn go_by_the_worse(&mut self) {
-        let doubt = self.plausibility.doubt();
+        let doubt = self.doubt();
         let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
-        self.guard.set_levels(&self.settings.trips, &doubt, rest);
+        let peak_over_reading = self.sense.ringing().peak_over_reading();
+        self.guard
+            .set_levels(&self.settings.trips, &doubt, peak_over_reading, rest);
         self.trim.set_limits(&self.settings.limits, &doubt);
     }
 
@@ -224,7 +236,7 @@ impl Controller {
 
     /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.
     fn stop_a_motor_beyond_its_limits(&mut self, strobe: &Strobe) -> bool {
-        let (limits, doubt) = (&self.settings.limits, self.plausibility.doubt());
+        let (limits, doubt) = (&self.settings.limits, self.doubt());
         let beyond = ActiveLimits::FORCE.when(strobe.peak_n * doubt.force > limits.force_n)
             | ActiveLimits::TRAVEL.when(strobe.travel_m * doubt.travel > limits.travel_m);
         if beyond.is_empty() {
@@ -265,7 +277,7 @@ impl Controller {
         }
         let clamped = !self.trim.limits().is_empty();
         // No harder than asked, by either measurement.
-        let peak_n = strobe.peak_n * self.plausibility.doubt().force;
+        let peak_n = strobe.peak_n * self.doubt().force;
         if self.force.strobe(peak_n, clamped) {
             let wanted_m = self.wanted_amplitude_m() * self.force.factor();
             self.trim.set_wanted_amplitude(wanted_m);

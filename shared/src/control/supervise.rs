@@ -18,6 +18,8 @@ use crate::settings::{DriveKind, ticks_of};
 
 /// How long a start waits for the forecast after the sensors are proven, s.
 const FORECAST_PATIENCE_S: f32 = 120.0;
+/// Force while the frequency moves, at most, over that of the forecast, at which it stands still.
+const ON_THE_WAY: f32 = 1.05;
 
 impl Controller {
     /// Once per block: times that run out, states that follow from others.
@@ -275,7 +277,7 @@ impl Controller {
         let way_hz = (self.oscillator.frequency_hz(), clamped_hz);
         let wanted_m = self.trim.wanted_m();
         if let Some(force_n) = self.forecast.largest_force_n(way_hz, wanted_m) {
-            self.trim.expect(force_n);
+            self.trim.expect(ON_THE_WAY * force_n);
         }
         self.command_amplitude();
         Ok(())

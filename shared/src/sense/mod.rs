@@ -4,7 +4,8 @@
 //!
 //! | module | finds |
 //! |---|---|
-//! | [`pulse`] | contacts: onset, peak, impulse, duration; what merges |
+//! | [`pulse`] | contacts: onset, largest sample, impulse, duration; what merges |
+//! | [`ringing`] | the surface's ringing after them, and the true peak behind it |
 //! | [`observer`] | displacement and rate relative to the cart; approach and rebound speeds |
 //! | [`harmonic`] | the cart's amplitude and its lag behind the command |
 //! | [`section`] | the regime z = p/n, robust to noise and to one missed contact |
@@ -17,6 +18,7 @@ pub mod harmonic;
 pub mod identification;
 pub mod observer;
 pub mod pulse;
+pub mod ringing;
 pub mod section;
 
 use serde::{Deserialize, Serialize};
@@ -27,7 +29,8 @@ use crate::settings::{Settings, TICK_S};
 
 use harmonic::Harmonic;
 use observer::Observer;
-use pulse::{PulseDetector, PulseEdge, RawPulse};
+use pulse::{PulseDetector, PulseEdge};
+use ringing::{Contact, Ringing};
 use section::Section;
 
 /// One tick's samples in SI units, fixed frame.
@@ -48,7 +51,7 @@ pub struct Pulse {
     pub onset_tick: u32,
     /// Drive phase at the onset, turns, 0 to 1.
     pub onset_turns: f32,
-    /// Largest force sample, N (the surface's ringing included).
+    /// Largest force, N, without the surface's ringing as far as that is known ([`ringing`]).
     pub peak_n: f32,
     /// ∫F dt, N·s.
     pub impulse_n_s: f32,
@@ -72,7 +75,7 @@ pub struct Strobe {
     pub rate_m_per_s: f32,
     /// Contacts that began in the period.
     pub contacts: u16,
-    /// Largest force sample of the period, N.
+    /// Largest force of the period, N, without the surface's ringing as far as that is known ([`ringing`]).
     pub peak_n: f32,
     /// Impulse of the period's contacts, N·s.
     pub impulse_n_s: f32,
@@ -114,6 +117,7 @@ const REBOUND_AFTER: f32 = 0.25;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sense {
     pulses: PulseDetector,
+    ringing: Ringing,
     observer: Observer,
     harmonic: Harmonic,
     section: Section,
@@ -146,6 +150,7 @@ impl Sense {
         let ticks = REBOUND_AFTER / (omega * TICK);
         Self {
             pulses: PulseDetector::new(&settings.detection, TICK),
+            ringing: Ringing::new(settings, TICK),
             observer: Observer::new(settings, TICK),
             harmonic: Harmonic::default(),
             section: Section::default(),
@@ -164,6 +169,7 @@ impl Sense {
     /// Starts anew; the offsets stay.
     pub fn reset(&mut self) {
         self.pulses.reset();
+        self.ringing.reset();
         self.observer.reset();
         self.harmonic.reset();
         self.section.restart();
@@ -209,12 +215,11 @@ impl Sense {
         self.section.tick(now.cycle, now.phase);
 
         self.period.travel_m = largest(self.period.travel_m, relative_m);
-        self.period.peak_n = if force_n > self.period.peak_n {
-            force_n
-        } else {
-            self.period.peak_n
-        };
-        let pulse = match self.pulses.tick(force_n) {
+        let edge = self.pulses.tick(force_n);
+        if let Some(contact) = self.ringing.tick(force_n, &edge) {
+            self.end(&contact);
+        }
+        let pulse = match edge {
             PulseEdge::None => self.settle(),
             PulseEdge::Began { ago } => {
                 let before = self.current.take().map(|current| current.pulse);
@@ -225,7 +230,10 @@ impl Sense {
                 before
             }
             PulseEdge::Ended(raw) => {
-                self.end(&raw);
+                if let Some(current) = &mut self.current {
+                    let ticks = raw.first_fall + raw.crossed_before;
+                    current.pulse.duration_s = ticks * TICK;
+                }
                 None
             }
         };
@@ -255,6 +263,7 @@ impl Sense {
             rate_m_per_s,
             amplitude_m: cart.amplitude_m(),
             lag_rad: cart.lag_rad(),
+            peak_n: self.ringing.take_largest(),
             ..self.period
         };
         self.period = Strobe::default();
@@ -280,14 +289,12 @@ impl Sense {
         });
     }
 
-    fn end(&mut self, raw: &RawPulse) {
+    fn end(&mut self, contact: &Contact) {
         if let Some(current) = &mut self.current {
-            let pulse = &mut current.pulse;
-            pulse.peak_n = raw.peak_n;
-            pulse.impulse_n_s = raw.sum_n * TICK;
-            pulse.duration_s = (raw.first_fall + raw.crossed_before) * TICK;
+            let impulse_n_s = contact.sum_n * TICK;
+            current.pulse.peak_n = contact.peak_n;
+            current.pulse.impulse_n_s = impulse_n_s;
             current.ended = true;
-            let impulse_n_s = pulse.impulse_n_s;
             self.period.impulse_n_s += impulse_n_s;
             self.section
                 .impulse(current.cycle, current.phase, impulse_n_s);
@@ -330,6 +337,11 @@ impl Sense {
     pub fn cart(&self) -> (f32, f32) {
         let cart = self.harmonic.last();
         (cart.amplitude_m(), cart.lag_rad())
+    }
+
+    /// What the ringing makes of the force.
+    pub fn ringing(&self) -> &Ringing {
+        &self.ringing
     }
 
     /// What the force sensor read at zero in the self test, N.

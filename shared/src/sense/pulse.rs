@@ -35,8 +35,6 @@ pub struct RawPulse {
     pub crossed_before: f32,
     /// From that sample to the end of its refractory time, ticks.
     pub age: u32,
-    /// Largest sample, N.
-    pub peak_n: f32,
     /// Sum of the samples, N.
     pub sum_n: f32,
     /// First fall of the force without its ringing below the upper threshold, ticks.
@@ -200,7 +198,6 @@ impl PulseDetector {
         RawPulse {
             crossed_before: (force_n - self.on_n) / (force_n - before),
             age: 0,
-            peak_n: force_n,
             sum_n: force_n + first + second + third,
             first_fall: 0.0,
             last_fall: 0,
@@ -212,9 +209,6 @@ impl OpenPulse {
     fn follow(&mut self, force_n: f32, off_n: f32) {
         let raw = &mut self.raw;
         raw.age += 1;
-        if force_n > raw.peak_n {
-            raw.peak_n = force_n;
-        }
         self.pending += force_n;
         if force_n >= off_n {
             self.low = 0;

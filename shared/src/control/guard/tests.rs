@@ -167,7 +167,7 @@ fn levels_come_nearer_by_what_is_doubted_and_by_a_zero_on_the_far_side() {
         for (k, level) in levels.into_iter().enumerate() {
             for (share, trips_there) in [(1.01, true), (0.99, false)] {
                 let mut guard = Guard::new(&settings);
-                guard.set_levels(&trips, &doubt, rest);
+                guard.set_levels(&trips, &doubt, 1.0, rest);
                 let code = |channel: &Channel| {
                     AdcCode((channel.zero_code + share * level / channel.unit_per_code) as u16)
                 };

@@ -15,8 +15,8 @@ pub struct Doubt {
     pub cart: f32,
 }
 
-/// Sensors that differ by no more than this agree: ringing and thresholds cost some 2 % of a contact's impulse.
-const AGREES: f32 = 0.97;
+/// Sensors that differ by no more than this agree: those of a healthy rig are within 2 %.
+const AGREES: f32 = 0.98;
 
 impl Doubt {
     /// The most: sensors that are further apart trip.

@@ -3,7 +3,7 @@
 //! | check | measured against | trips | after | origin |
 //! |---|---|---|---|---|
 //! | distance | displacement at a contact against the believed gap | more than [`FAR_M`] off | [`FAR_PULSES`] contacts in a row | force |
-//! | momentum | ∫F dt against the believed reduced mass times the change of speed, both as leaky sums | outside [`momentum::MOMENTUM_RANGE`] | [`BAD_PULSES`] contacts in a row, from the sixteenth on | force |
+//! | momentum | ∫F dt against the believed mass times the change of speed, both as leaky sums | outside [`momentum::MOMENTUM_RANGE`] | [`BAD_PULSES`] contacts in a row, from the sixteenth on | force |
 //! | gross | the same of a single contact | outside [`momentum::GROSS_RANGE`] | [`momentum::GROSS_PULSES`] contacts in a row | force |
 //! | zero | mean force of a drive period outside contacts, against the zero of the self test | more than [`ZERO_SHARE`] of `limits.force_n` | [`ZERO_PERIODS`] drive periods in a row | force |
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |

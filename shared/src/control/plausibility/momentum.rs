@@ -1,6 +1,7 @@
 //! The impulse of the contacts against the change of speed they make.
 //!
-//! ∫F dt = m/(1 + m/M) (v before + v after), both speeds relative to the cart. As sums over the last contacts,
+//! ∫F dt = m (v before + v after), both speeds relative to the cart, which the shaker has brought back to its course by the
+//! time at which the second is known. As sums over the last contacts,
 //! so that weak ones count for little and a misread one does nothing. A hammer that seems to fly away from the
 //! surface into it makes the sum of speeds negative, and that is judged like any other number.
 
@@ -29,7 +30,7 @@ const FEWEST: u8 = 12;
 /// The sums.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Momentum {
-    reduced_kg: f32,
+    mass_kg: f32,
     impulse_n_s: f32,
     speed_m_per_s: f32,
     quick_impulse_n_s: f32,
@@ -42,7 +43,7 @@ pub(super) struct Momentum {
 impl Momentum {
     pub fn new(rig: &RigParams) -> Self {
         Self {
-            reduced_kg: (rig.mass_kg / (1.0 + rig.mass_kg / rig.cart_mass_kg)) as f32,
+            mass_kg: rig.mass_kg as f32,
             impulse_n_s: 0.0,
             speed_m_per_s: 0.0,
             quick_impulse_n_s: 0.0,
@@ -65,7 +66,7 @@ impl Momentum {
 
     /// Impulse over momentum of the last contacts, if there were enough and both have a sign.
     pub fn ratio(&self) -> Option<f32> {
-        let ratio = quotient(self.impulse_n_s, self.reduced_kg * self.speed_m_per_s);
+        let ratio = quotient(self.impulse_n_s, self.mass_kg * self.speed_m_per_s);
         (self.pulses >= FEW && ratio > 0.0).then_some(ratio)
     }
 
@@ -90,7 +91,7 @@ impl Momentum {
         self.quick_impulse_n_s = QUICK_KEPT * self.quick_impulse_n_s + pulse.impulse_n_s;
         self.quick_speed_m_per_s = QUICK_KEPT * self.quick_speed_m_per_s + speed;
         self.pulses = self.pulses.saturating_add(1);
-        let one = self.reduced_kg * speed;
+        let one = self.mass_kg * speed;
         let gross = !is_within(pulse.impulse_n_s, one, GROSS_RANGE);
         if super::run(&mut self.gross, gross, GROSS_PULSES) {
             return Some(quotient(pulse.impulse_n_s, one));
@@ -98,7 +99,7 @@ impl Momentum {
         if self.pulses <= FEWEST {
             return None;
         }
-        let sum = self.reduced_kg * self.speed_m_per_s;
+        let sum = self.mass_kg * self.speed_m_per_s;
         let outside = !is_within(self.impulse_n_s, sum, MOMENTUM_RANGE);
         let trips = super::run(&mut self.bad, outside, BAD_PULSES);
         trips.then(|| quotient(self.impulse_n_s, sum))

@@ -1,0 +1,104 @@
+//! The true peak behind a ringing that is made up, through a filter that is integrated.
+
+use super::*;
+use crate::model::params::WIRES;
+use crate::sense::pulse::PulseDetector;
+use crate::settings::Settings;
+use std::vec::Vec;
+
+/// Integration steps in a tick.
+const INNER: usize = 50;
+
+/// The force of a contact at the speed of a strong 1/1, N, every fiftieth of a tick, and where its largest is.
+fn contact() -> (Vec<f64>, usize) {
+    let (h, mut x, mut v) = (1e-6, 0.0_f64, 0.08_f64);
+    let mut forces = Vec::new();
+    loop {
+        let force_n = 5.5e6 * x + 1.2e3 * v;
+        if force_n < 0.0 {
+            break;
+        }
+        forces.push(force_n);
+        v -= h * force_n / 0.298;
+        x += h * v;
+    }
+    let top = (0..forces.len()).max_by(|a, b| forces[*a].total_cmp(&forces[*b]));
+    (forces, top.unwrap())
+}
+
+/// What the filter makes of the contact, which rings by `share` at `hz` and decays within `decay_s`; starts `late` of
+/// [`INNER`] into a tick.
+fn samples(share: f64, hz: f64, decay_s: f64, late: usize) -> Vec<f32> {
+    let (forces, top) = contact();
+    let before = 4 * INNER + late;
+    let (h, corner) = (1e-6, core::f64::consts::TAU * 6_000.0);
+    let (mut y, mut rate) = (0.0, 0.0);
+    let mut seen = Vec::new();
+    for k in 0..140 * INNER {
+        let force = k.checked_sub(before).and_then(|i| forces.get(i));
+        let t = k.saturating_sub(before + top) as f64 * h;
+        let swing = share * forces[top] * (-t / decay_s).exp();
+        let signal = force.unwrap_or(&0.0) - swing * (core::f64::consts::TAU * hz * t).sin();
+        rate += h * corner * (corner * (signal - y) - core::f64::consts::SQRT_2 * rate);
+        y += h * rate;
+        if k % INNER == 0 {
+            seen.push(y as f32);
+        }
+    }
+    seen
+}
+
+/// Peak and impulse as found from 40 contacts at other places in a tick, over the true ones.
+fn found(share: f64, hz: f64, decay_s: f64, noise: f32) -> (f32, f32) {
+    let settings = Settings::for_rig(&WIRES);
+    let (forces, top) = contact();
+    let peak_n = forces[top] as f32;
+    let impulse_n_s = 1e-6 * forces.iter().sum::<f64>() as f32;
+    let mut detector = PulseDetector::new(&settings.detection, 5e-5);
+    let mut ringing = Ringing::new(&settings, 5e-5);
+    let (mut peak, mut impulse, mut random) = (0.0, 0.0, 12_345_u32);
+    for i in 0..56 {
+        for sample in samples(share, hz, decay_s, 17 * i % INNER) {
+            // The sum of four even ones.
+            let wave: f32 = core::iter::repeat_with(|| {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                random as f32 / 4_294_967_296.0 - 0.5
+            })
+            .take(4)
+            .sum();
+            let force_n = sample + noise * peak_n * 1.732 * wave;
+            // The first contacts only show how it rings.
+            if let Some(contact) = ringing.tick(force_n, &detector.tick(force_n))
+                && i >= 16
+            {
+                peak += contact.peak_n / 40.0;
+                impulse += 5e-5 * contact.sum_n / 40.0;
+            }
+        }
+    }
+    assert_eq!(ringing.doubt(), 1.0);
+    (peak / peak_n, impulse / impulse_n_s)
+}
+
+#[test]
+fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
+    for (noise, within) in [
+        (0.0, (0.003, 0.002)),
+        (0.005, (0.007, 0.003)),
+        (0.02, (0.04, 0.05)),
+    ] {
+        let plain = found(0.0, 3e3, 2e-3, noise);
+        assert!((plain.0 - 1.0).abs() < 0.025, "{plain:?}");
+        assert!((plain.1 - 1.0).abs() < 0.01, "{plain:?}");
+        for decay_s in [1e-3, 2e-3] {
+            for hz in [1e3, 2e3, 3e3, 4e3, 5e3, 6e3] {
+                for share in [0.05, 0.1, 0.2, 0.3, 0.45, 0.6] {
+                    let rung = found(share, hz, decay_s, noise);
+                    let off = (rung.0 / plain.0 - 1.0, rung.1 / plain.1 - 1.0);
+                    let is_within = off.0.abs() < within.0 && off.1.abs() < within.1;
+                    assert!(is_within, "{noise} {decay_s} {hz} {share}: {off:?}");
+                }
+            }
+        }
+    }
+}
