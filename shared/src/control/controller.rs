@@ -99,7 +99,8 @@ impl Controller {
     /// # Errors
     /// If a setting is out of range: the first such.
     pub fn new(settings: &Settings, boot: &BootInfo) -> Result<Self, ParamError> {
-        let mut controller = Self::from_settings(settings)?;
+        let oscillator = oscillator_of(settings)?;
+        let mut controller = Self::with(settings, oscillator, Lifetime::default());
         controller.life.faults = Faults::at_boot(boot);
         controller.life.operator.settings = boot.settings;
         controller.request_forecast();
@@ -107,17 +108,10 @@ impl Controller {
         Ok(controller)
     }
 
-    /// A controller at the start of its life, nothing requested.
-    fn from_settings(settings: &Settings) -> Result<Self, ParamError> {
-        settings.check()?;
-        let start_hz = start_frequency(settings);
-        let oscillator = Oscillator::new(&settings.drive, start_hz).map_err(|_| ParamError {
-            key: "limits.max_frequency_hz",
-            value: f64::from(settings.limits.max_frequency_hz),
-            must_be: "a frequency the control tick can make",
-        })?;
-        Ok(Self {
-            life: Lifetime::default(),
+    /// A controller with settings that were checked, nothing requested.
+    fn with(settings: &Settings, oscillator: Oscillator, life: Lifetime) -> Self {
+        Self {
+            life,
             settings: *settings,
             sensed_drive: *oscillator.drive(),
             oscillator,
@@ -132,7 +126,7 @@ impl Controller {
             seen: Seen::NOTHING,
             limits: LimitReport::default(),
             off_watch: OffWatch::new(settings),
-        })
+        }
     }
 
     /// Adds the fault that the start itself is to the episode that was before it, or reports that episode.
@@ -240,9 +234,9 @@ impl Controller {
         if !matches!(self.state(), State::Idle | State::Fault) {
             return Err(Refused::WrongState);
         }
-        let fresh = Self::from_settings(settings).map_err(|_| Refused::BadSettings)?;
+        let oscillator = oscillator_of(settings).map_err(|_| Refused::BadSettings)?;
         let life = core::mem::take(&mut self.life);
-        *self = Self { life, ..fresh };
+        *self = Self::with(settings, oscillator, life);
         self.settings_came();
         self.request_forecast();
         Ok(())
@@ -373,6 +367,16 @@ impl Controller {
         let id = self.life.forecast_id();
         self.forecast.request(id, self.rig.rig(), self.range_hz());
     }
+}
+
+/// The oscillator of settings, which are checked.
+fn oscillator_of(settings: &Settings) -> Result<Oscillator, ParamError> {
+    settings.check()?;
+    Oscillator::new(&settings.drive, start_frequency(settings)).map_err(|_| ParamError {
+        key: "limits.max_frequency_hz",
+        value: f64::from(settings.limits.max_frequency_hz),
+        must_be: "a frequency the control tick can make",
+    })
 }
 
 /// Where the frequency stands before there is a forecast: at the natural frequency, within the limits.
