@@ -8,7 +8,6 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::settings::TICK_S;
 
@@ -24,8 +23,14 @@ use numerics::pick::search::maximise;
 const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 /// Where the two bodies are tried, relative to the reference's optimum.
 const TRIED: [f64; 8] = [0.91, 0.93, 0.95, 0.97, 0.99, 1.01, 1.03, 1.05];
-/// Drive periods settled before the cart's amplitude is measured and corrected, each time.
+/// Where the search begins among them: most rigs' best is next to it.
+const BEGIN: usize = 4;
+/// Most drive periods settled before the cart's amplitude is measured and corrected, each time.
 const SETTLED: [u32; 3] = [40, 20, 30];
+/// Relative change of the force from one period to the next, [`STILL_PERIODS`] times in a row, at which it has settled.
+const STILL: f64 = 1e-7;
+/// See [`STILL`].
+const STILL_PERIODS: u32 = 4;
 /// Drive periods measured.
 const MEASURED: u32 = 10;
 
@@ -63,15 +68,15 @@ pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option
             force_n,
         })
     };
-    let tried: Vec<Option<Optimum>> = TRIED
-        .par_iter()
-        .map(|ratio| at(ratio * top.frequency_hz))
-        .collect();
-    let force = |i: usize| tried.get(i).copied().flatten();
-    let (i, best) = (0..tried.len())
-        .filter_map(|i| Some((i, force(i)?)))
-        .max_by(|a, b| a.1.force_n.total_cmp(&b.1.force_n))?;
-    let neighbours = i.checked_sub(1).and_then(force).zip(force(i + 1));
+    let mut known = [None; TRIED.len()];
+    let mut force = |i: usize| -> Option<Optimum> {
+        *known
+            .get_mut(i)?
+            .get_or_insert_with(|| at(TRIED[i] * top.frequency_hz))
+    };
+    let i = climb(TRIED.len(), BEGIN, |i| force(i).map(|o| o.force_n))?;
+    let best = force(i)?;
+    let neighbours = i.checked_sub(1).and_then(&mut force).zip(force(i + 1));
     // The top of the parabola through the best and its neighbours.
     let refined = neighbours.and_then(|(a, b)| {
         let bend = a.force_n - 2.0 * best.force_n + b.force_n;
@@ -82,6 +87,22 @@ pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option
         .into_iter()
         .flatten()
         .max_by(|a, b| a.force_n.total_cmp(&b.force_n))
+}
+
+/// The place of `count` with the largest value, uphill from `begin`; none where no place has one.
+fn climb(count: usize, begin: usize, mut value: impl FnMut(usize) -> Option<f64>) -> Option<usize> {
+    // From a place without a value, to the nearest that has one.
+    let mut places: Vec<usize> = (0..count).collect();
+    places.sort_by_key(|i| i.abs_diff(begin));
+    let mut best = places.into_iter().find_map(|i| Some((i, value(i)?)))?;
+    for step in [-1, 1] {
+        while let Some(i) = best.0.checked_add_signed(step).filter(|i| *i < count)
+            && let Some(higher) = value(i).filter(|v| *v > best.1)
+        {
+            best = (i, higher);
+        }
+    }
+    Some(best.0)
 }
 
 /// Mean over drive periods of the largest force of `plant`, driven at `frequency_hz` with the rig's amplitude
@@ -110,8 +131,19 @@ pub fn held_force(
     });
     let mut last = None;
     for settle in SETTLED {
+        let (mut before_n, mut still) = (0.0, 0);
         for _ in 0..settle {
-            run.period();
+            let force_n = run.period().force_n;
+            let change = (force_n - before_n).abs();
+            still = if change <= STILL * force_n {
+                still + 1
+            } else {
+                0
+            };
+            before_n = force_n;
+            if still >= STILL_PERIODS {
+                break;
+            }
         }
         let mut sum = Period::default();
         for _ in 0..MEASURED {

@@ -11,7 +11,7 @@
 
 use core::f32::consts::{PI, SQRT_2};
 
-use nalgebra::{Complex, ComplexField, Matrix2, Vector2};
+use nalgebra::{Complex, Matrix2, Vector2};
 
 use crate::model::contact::Law;
 use crate::model::params::RigParams;
@@ -303,16 +303,16 @@ impl Shape {
         // peak.
         let peak = self.to_peak - crossed_before - (self.tail as f32 - 1.0);
         let filter = pole * pole + pole * (SQRT_2 * CORNER) + CORNER * CORNER;
-        let angle = (amplitude * filter * (pole * peak).exp()).argument();
+        let angle = argument(amplitude * filter * exp(pole * peak));
         let begin = peak + libm::remainderf(0.5 * PI - angle, 2.0 * PI) / pole.im;
         let first = libm::ceilf(begin).max(-(self.tail as f32));
-        let mut ringing = amplitude * (pole * first).exp();
+        let mut ringing = amplitude * exp(pole * first);
         // The filter starts at rest: what its output lacks of that dies out as the filter does.
-        let at_begin = amplitude * (pole * begin).exp();
+        let at_begin = amplitude * exp(pole * begin);
         let own = Complex::new(-1.0, 1.0) * (CORNER / SQRT_2);
         let sine = at_begin.re + (at_begin * pole).re / own.im;
-        let mut lacks = Complex::new(at_begin.re, -sine) * (own * (first - begin)).exp();
-        let (turn, fade) = (pole.exp(), own.exp());
+        let mut lacks = Complex::new(at_begin.re, -sine) * exp(own * (first - begin));
+        let (turn, fade) = (exp(pole), exp(own));
         let skipped = (self.tail as f32 + first) as usize;
         for sample in samples.iter_mut().skip(skipped) {
             *sample -= ringing.re - lacks.re;
@@ -327,7 +327,7 @@ fn amplitude<'a>(
     samples: impl Iterator<Item = &'a f32>,
     pole: Complex<f32>,
 ) -> Option<Complex<f32>> {
-    let step = pole.exp();
+    let step = exp(pole);
     let mut turned = Complex::new(1.0, 0.0);
     let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
     for sample in samples {
@@ -338,6 +338,16 @@ fn amplitude<'a>(
     }
     let found = normal.try_inverse()? * right;
     Some(Complex::new(found.x, found.y))
+}
+
+/// The same bits on every processor, as those of `nalgebra` are not.
+fn exp(z: Complex<f32>) -> Complex<f32> {
+    let (sin, cos) = libm::sincosf(z.im);
+    Complex::new(cos, sin) * libm::expf(z.re)
+}
+
+fn argument(z: Complex<f32>) -> f32 {
+    libm::atan2f(z.im, z.re)
 }
 
 #[cfg(test)]
