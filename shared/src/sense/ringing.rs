@@ -282,11 +282,12 @@ fn pole(correlation: &[f32; LAGS]) -> Option<Complex<f32>> {
     let left = all - weights.dot(&right);
     let (sum, squared) = (weights.x, -weights.y);
     let decays = squared > LEAST_DECAY && squared < 1.0;
-    let size = libm::sqrtf(squared);
-    let cosine = 0.5 * sum / size;
-    let swings = cosine > -1.0 && cosine < 1.0;
-    (decays && swings && left < UNEXPLAINED * all)
-        .then(|| Complex::new(libm::logf(size), libm::acosf(cosine)))
+    let real = 0.5 * sum;
+    let swings = real * real < squared;
+    (decays && swings && left < UNEXPLAINED * all).then(|| {
+        let imaginary = libm::sqrtf(squared - real * real);
+        Complex::new(0.5 * libm::logf(squared), libm::atan2f(imaginary, real))
+    })
 }
 
 impl Shape {
@@ -303,8 +304,8 @@ impl Shape {
         // peak.
         let peak = self.to_peak - crossed_before - (self.tail as f32 - 1.0);
         let filter = pole * pole + pole * (SQRT_2 * CORNER) + CORNER * CORNER;
-        let angle = argument(amplitude * filter * exp(pole * peak));
-        let begin = peak + libm::remainderf(0.5 * PI - angle, 2.0 * PI) / pole.im;
+        let from_falling = amplitude * filter * exp(pole * peak) * Complex::new(0.0, -1.0);
+        let begin = peak - libm::atan2f(from_falling.im, from_falling.re) / pole.im;
         let first = libm::ceilf(begin).max(-(self.tail as f32));
         let mut ringing = amplitude * exp(pole * first);
         // The filter starts at rest: what its output lacks of that dies out as the filter does.
@@ -342,12 +343,7 @@ fn amplitude<'a>(
 
 /// The same bits on every processor, as those of `nalgebra` are not.
 fn exp(z: Complex<f32>) -> Complex<f32> {
-    let (sin, cos) = libm::sincosf(z.im);
-    Complex::new(cos, sin) * libm::expf(z.re)
-}
-
-fn argument(z: Complex<f32>) -> f32 {
-    libm::atan2f(z.im, z.re)
+    Complex::new(libm::cosf(z.im), libm::sinf(z.im)) * libm::expf(z.re)
 }
 
 #[cfg(test)]
