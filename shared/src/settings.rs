@@ -179,17 +179,22 @@ const CONTACT_STIFFNESS: f64 = 5.5e6;
 /// Amplitude of the chapter's rigs, m: for which the ranges of displacement below are.
 const USUAL_AMPLITUDE_M: f64 = 0.89e-3;
 
+/// Peak force of a strong 1/1 at no gap and the rig's amplitude, N, for who has no forecast.
+pub fn strong_force_n(rig: &RigParams) -> f64 {
+    let omega = TAU * rig.natural_frequency_hz();
+    let stiffness = match rig.contact {
+        Law::SpringDashpot { stiffness, .. } => stiffness,
+        _ => CONTACT_STIFFNESS,
+    };
+    STRONG_FORCE * rig.amplitude_m * omega * libm::sqrt(stiffness * rig.mass_kg)
+}
+
 impl Settings {
     /// Settings for a rig with sensors and a shaker that suit it: force to about five times the strongest 1/1,
     /// displacements ±12 mm (hammer) and ±2.5 mm (cart), a shaker of ±2.5 mm, and with them limits and trip levels of
     /// displacement. Where the amplitude is above the chapter's 0.89 mm, these are larger in proportion.
     pub fn for_rig(rig: &RigParams) -> Self {
-        let omega = TAU * rig.natural_frequency_hz();
-        let stiffness = match rig.contact {
-            Law::SpringDashpot { stiffness, .. } => stiffness,
-            _ => CONTACT_STIFFNESS,
-        };
-        let strong = STRONG_FORCE * rig.amplitude_m * omega * libm::sqrt(stiffness * rig.mass_kg);
+        let strong = strong_force_n(rig);
         let larger = (rig.amplitude_m / USUAL_AMPLITUDE_M).max(1.0) as f32;
         let strong_n = strong as f32;
         let natural_hz = rig.natural_frequency_hz() as f32;

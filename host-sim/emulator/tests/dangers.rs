@@ -371,6 +371,22 @@ fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
     }
 }
 
+/// A first set-point comes before there is a forecast.
+#[test]
+fn the_force_limit_holds_at_a_first_set_point_by_hand() {
+    // 36, 47, 57 and 68 N of the limits.
+    [(30.0, 4.6), (40.0, 4.5), (50.0, 4.4), (60.0, 4.0)]
+        .par_iter()
+        .for_each(|&(limit_n, hz)| {
+            let limits = format!("[limits]\nforce_n = {limit_n:?}\n");
+            let truth = truth(60.0, &(limits + &by_hand() + &set_point(4.0, hz, 0.89)));
+            assert_eq!(faults(&truth), []);
+            let largest = truth.force_n / limit_n;
+            assert!(largest < 1.05, "{limit_n} {hz}: {:.0?}", truth.forces_n);
+            assert!(truth.limits.contains(ActiveLimits::FORCE));
+        });
+}
+
 /// What the limit took is not given back to a force sensor that shows nothing, or a seventh of the truth.
 #[test]
 fn a_limit_that_acts_holds_when_the_force_sensor_dies() {

@@ -119,7 +119,8 @@ fn the_force_limit_is_not_passed_by_a_force_that_reads_less() {
 
 #[test]
 fn a_force_that_falls_in_hold_gives_nothing_back_that_its_limit_took() {
-    // It was 112 %, 109 % and 106 % of the limit, with readings 4 % above the true peak.
+    // It was 112 %, 109 % and 106 % of the limit, while readings were 4 % above the true peak (the limit then acted at 94 %
+    // of it, now at 98 %).
     for (falls_s, times, faults) in [
         (41.0, 0.6, &[Fault::SensorOutOfFamily][..]),
         (42.0, 0.7, &[Fault::SensorOutOfFamily]),
@@ -128,7 +129,7 @@ fn a_force_that_falls_in_hold_gives_nothing_back_that_its_limit_took() {
         let lies = gains(falls_s, &[("force", times)]);
         let truth = truth(&format!("[limits]\nforce_n = 65.0\n{ITSELF}{lies}"));
         let share = truth.force_n / 65.0;
-        assert!((0.9..1.04).contains(&share), "{times}: {share:.3}");
+        assert!((0.9..1.06).contains(&share), "{times}: {share:.3}");
         assert_eq!(truth.faults, faults);
     }
 }

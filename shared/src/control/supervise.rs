@@ -14,7 +14,7 @@ use super::self_test::{SelfTest, Zero};
 use super::trim::Trim;
 use super::{ActiveLimits, Mode, Refused, SettingsState, State};
 use crate::fault::{Fault, Record};
-use crate::settings::{DriveKind, ticks_of};
+use crate::settings::{DriveKind, strong_force_n, ticks_of};
 
 /// How long a start waits for the forecast after the sensors are proven, s.
 const FORECAST_PATIENCE_S: f32 = 120.0;
@@ -185,7 +185,7 @@ impl Controller {
             self.trim.expect(force_n * self.force.factor());
         } else {
             self.oscillator.jump(by_hand.0);
-            self.trim.set_wanted_amplitude(by_hand.1);
+            self.go_by_hand(by_hand);
         }
         self.change(Phase::Ramp(search));
         self.command_amplitude();
@@ -272,15 +272,21 @@ impl Controller {
         }
         self.limits.active = ActiveLimits::FREQUENCY.when(clamped_hz != frequency_hz);
         self.oscillator.aim(clamped_hz);
-        self.trim.set_wanted_amplitude(amplitude_m);
-        // On the way there, no blow passes a limit.
-        let way_hz = (self.oscillator.frequency_hz(), clamped_hz);
-        let wanted_m = self.trim.wanted_m();
-        if let Some(force_n) = self.forecast.largest_force_n(way_hz, wanted_m) {
-            self.trim.expect(ON_THE_WAY * force_n);
-        }
+        self.go_by_hand((clamped_hz, amplitude_m));
         self.command_amplitude();
         Ok(())
+    }
+
+    /// Wants a set-point by hand, with no blow beyond a limit on the way there.
+    fn go_by_hand(&mut self, (hz, amplitude_m): (f32, f32)) {
+        self.trim.set_wanted_amplitude(amplitude_m);
+        let way_hz = (self.oscillator.frequency_hz(), hz);
+        let wanted_m = self.trim.wanted_m();
+        let force_n = self.forecast.largest_force_n(way_hz, wanted_m);
+        let force_n = force_n.unwrap_or_else(|| {
+            strong_force_n(&self.settings.rig) as f32 * wanted_m / self.wanted_amplitude_m()
+        });
+        self.trim.expect(ON_THE_WAY * force_n);
     }
 
     pub(super) fn alive(&mut self) {

@@ -79,7 +79,7 @@ impl Shape {
 }
 
 /// Approach speed of a strong 1/1 over A0 ω: 0.08 m/s on the wires.
-const STRONG_SPEED: f32 = 7.9;
+pub const STRONG_SPEED: f32 = 7.9;
 
 /// Finds the ringing, one sample of the force at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -97,7 +97,7 @@ impl Plausibility {
             bad_targets: 0,
             far_pulses: 0,
             bad_ratios: 0,
-            momentum: Momentum::new(&settings.rig),
+            momentum: Momentum::new(settings),
             follow: Follow::new(settings.rig.amplitude_m as f32),
             impulse_over_momentum: 1.0,
             hammer_over_cart: 1.0,

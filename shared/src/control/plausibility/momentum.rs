@@ -5,8 +5,9 @@
 //! so that weak ones count for little and a misread one does nothing. A hammer that seems to fly away from the
 //! surface into it makes the sum of speeds negative, and that is judged like any other number.
 
-use crate::model::params::RigParams;
 use crate::sense::Pulse;
+use crate::sense::ringing::STRONG_SPEED;
+use crate::settings::{Settings, strong_force_n};
 
 /// Contacts in a row with a sum outside the range that trip.
 pub const BAD_PULSES: u8 = 4;
@@ -31,6 +32,8 @@ const FEWEST: u8 = 12;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Momentum {
     mass_kg: f32,
+    /// Approach speed of a contact of twice the force from which one is detected. Of weaker ones some are missed.
+    weak_m_per_s: f32,
     impulse_n_s: f32,
     speed_m_per_s: f32,
     quick_impulse_n_s: f32,
@@ -41,9 +44,14 @@ pub(super) struct Momentum {
 }
 
 impl Momentum {
-    pub fn new(rig: &RigParams) -> Self {
+    pub fn new(settings: &Settings) -> Self {
+        let rig = &settings.rig;
+        let omega = core::f32::consts::TAU * rig.natural_frequency_hz() as f32;
+        let strong_m_per_s = STRONG_SPEED * rig.amplitude_m as f32 * omega;
+        let weak = 2.0 * settings.detection.on_n / strong_force_n(rig) as f32;
         Self {
             mass_kg: rig.mass_kg as f32,
+            weak_m_per_s: weak * strong_m_per_s,
             impulse_n_s: 0.0,
             speed_m_per_s: 0.0,
             quick_impulse_n_s: 0.0,
@@ -80,7 +88,8 @@ impl Momentum {
     /// A contact has ended; the ratio of the sums if it trips.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<f32> {
         // The next contact came before the speed after this one was known.
-        if pulse.rebound_m_per_s == 0.0 {
+        let weak = pulse.approach_m_per_s < self.weak_m_per_s && pulse.approach_m_per_s > 0.0;
+        if pulse.rebound_m_per_s == 0.0 || weak {
             return None;
         }
         let speed = pulse.approach_m_per_s + pulse.rebound_m_per_s;
