@@ -7,8 +7,8 @@ use shared::link::ToBoard;
 use super::session::Bench;
 use super::{Found, Setup, must};
 
-/// Rig time of each run, s.
-const SECONDS: f64 = 2.0;
+/// Rig time of each run, s: longer than a forecast takes, in which nothing waits.
+const SECONDS: f64 = 5.0;
 
 /// All that a run leaves behind, and the instructions that were executed and passed over.
 struct Left {
