@@ -173,6 +173,9 @@ pub struct Settings {
 /// 3.1 and 3.2 (`host-sim pick`), and the same for the beams, whose force grows with ω.
 const STRONG_FORCE: f64 = 7.4;
 
+/// Its approach speed in units of A0 ω: 0.08 m/s on the wires.
+const STRONG_SPEED: f64 = 7.9;
+
 /// ki of Table 3.1, N/m, for the nonlinear laws: their presets make the same contact, in other units.
 const CONTACT_STIFFNESS: f64 = 5.5e6;
 
@@ -187,6 +190,11 @@ pub fn strong_force_n(rig: &RigParams) -> f64 {
         _ => CONTACT_STIFFNESS,
     };
     STRONG_FORCE * rig.amplitude_m * omega * libm::sqrt(stiffness * rig.mass_kg)
+}
+
+/// Approach speed of that contact, m/s.
+pub fn strong_speed_m_per_s(rig: &RigParams) -> f64 {
+    STRONG_SPEED * rig.amplitude_m * TAU * rig.natural_frequency_hz()
 }
 
 impl Settings {

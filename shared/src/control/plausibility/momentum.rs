@@ -6,8 +6,7 @@
 //! surface into it makes the sum of speeds negative, and that is judged like any other number.
 
 use crate::sense::Pulse;
-use crate::sense::ringing::STRONG_SPEED;
-use crate::settings::{Settings, strong_force_n};
+use crate::settings::{Settings, strong_force_n, strong_speed_m_per_s};
 
 /// Contacts in a row with a sum outside the range that trip.
 pub const BAD_PULSES: u8 = 4;
@@ -46,12 +45,10 @@ pub(super) struct Momentum {
 impl Momentum {
     pub fn new(settings: &Settings) -> Self {
         let rig = &settings.rig;
-        let omega = core::f32::consts::TAU * rig.natural_frequency_hz() as f32;
-        let strong_m_per_s = STRONG_SPEED * rig.amplitude_m as f32 * omega;
         let weak = 2.0 * settings.detection.on_n / strong_force_n(rig) as f32;
         Self {
             mass_kg: rig.mass_kg as f32,
-            weak_m_per_s: weak * strong_m_per_s,
+            weak_m_per_s: weak * strong_speed_m_per_s(rig) as f32,
             impulse_n_s: 0.0,
             speed_m_per_s: 0.0,
             quick_impulse_n_s: 0.0,

@@ -102,3 +102,26 @@ fn peak_and_impulse_are_those_of_the_contact_without_its_ringing() {
         }
     }
 }
+
+/// A force that grows after the samples were collected, and one that goes on: nothing of it is lost.
+#[test]
+fn a_contact_that_goes_on_keeps_its_later_peak_and_its_whole_impulse() {
+    let settings = Settings::for_rig(&WIRES);
+    let mut detector = PulseDetector::new(&settings.detection, 5e-5);
+    let mut ringing = Ringing::new(&settings, 5e-5);
+    let mut seen = Vec::new();
+    for k in 0..400 {
+        let force_n = match k {
+            10..25 => 60.0,
+            25..100 => 20.0,
+            100..120 => 90.0,
+            _ => 0.0,
+        };
+        seen.extend(ringing.tick(force_n, &detector.tick(force_n)));
+    }
+    let whole = 15.0 * 60.0 + 75.0 * 20.0 + 20.0 * 90.0;
+    let [contact] = seen[..] else {
+        panic!("{seen:?}");
+    };
+    assert_eq!((contact.peak_n, contact.sum_n), (90.0, whole));
+}
