@@ -202,3 +202,26 @@ impl Sine {
         period
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_top_is_climbed_to_from_either_side_and_from_where_there_is_nothing() {
+        for top in 0..8_usize {
+            for begin in 0..8 {
+                let mut asked = 0;
+                let found = climb(8, begin, |i| {
+                    asked += 1;
+                    // Places below the second have no value.
+                    (i >= 2).then(|| -(i.abs_diff(top) as f64))
+                });
+                assert_eq!(found, Some(top.max(2)), "{top} from {begin}");
+                assert!(asked <= 12, "{asked}");
+            }
+        }
+        assert_eq!(climb(8, 4, |_| None), None);
+        assert_eq!(climb(8, 4, |i| Some(i as f64)), Some(7));
+    }
+}
