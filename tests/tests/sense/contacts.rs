@@ -66,27 +66,40 @@ fn weak_second_contacts_count_with_thresholds_that_suit_them() {
     assert!(seen.measured.last().unwrap().regime.is(2, 1));
 }
 
-/// Ringing without net impulse leaves the mean impulse within 2 %. A single one scatters by its noise, 2 % of
-/// the peak on some fifty samples.
+/// The ringing that is sought begins falling at the contact's peak; it is taken out, and leaves the mean impulse and the
+/// mean peak within 1 %. A single one scatters by its noise, 2 % of the peak on some fifty samples.
 #[test]
-fn impulse_is_within_two_percent_if_the_ringing_has_none_of_its_own() {
+fn peak_and_impulse_are_within_one_percent_in_spite_of_the_ringing() {
     let settings = Settings::for_rig(&WIRES);
-    for ring in [Ring::None, Ring::Mode, Ring::Cosine] {
+    for ring in [Ring::None, Ring::Late] {
         let seen = watch(&settings, &WIRES, 1.5, &Sensors { ring, ..REAL });
         let pairs = matched(&seen);
         let (mean, scatter) = spread(pairs.iter().map(|(c, p)| off(p.impulse_n_s, c.impulse_n_s)));
-        assert!(mean.abs() < 0.02, "{mean}");
-        assert!(scatter < 0.03, "{scatter}");
+        assert!(mean.abs() < 0.01, "{ring:?}: impulse {mean}");
+        assert!(scatter < 0.03, "{ring:?}: impulse scatters by {scatter}");
+        let (mean, scatter) = spread(pairs.iter().map(|(c, p)| off(p.peak_n, c.peak_force_n)));
+        assert!(mean.abs() < 0.01, "{ring:?}: peak {mean}");
+        assert!(scatter < 0.03, "{ring:?}: peak scatters by {scatter}");
     }
-    // A sine of half the peak that starts at zero has an impulse of its own: amplitude over angular frequency,
-    // 8 % of the contact's. Momentum, m (approach + rebound), is not touched by it.
+    // Momentum, m (approach + rebound), knows of no ringing.
     let seen = watch(&settings, &WIRES, 1.5, &REAL);
     let pairs = matched(&seen);
-    let (mean, _) = spread(pairs.iter().map(|(c, p)| off(p.impulse_n_s, c.impulse_n_s)));
-    assert!(mean > -0.1 && mean < -0.03, "{mean}");
     let momentum = |p: &Pulse| WIRES.mass_kg as f32 * (p.approach_m_per_s + p.rebound_m_per_s);
     let (mean, _) = spread(pairs.iter().map(|(c, p)| off(momentum(p), c.impulse_n_s)));
     assert!(mean.abs() < 0.01, "{mean}");
+}
+
+/// A ringing that begins otherwise, in a mode that the force itself drives or at the onset, is not known for what it is:
+/// then the peak is told too high, and the force is kept too low, which does no harm.
+#[test]
+fn a_ringing_that_begins_elsewhere_never_hides_a_peak() {
+    let settings = Settings::for_rig(&WIRES);
+    for (ring, most) in [(Ring::Mode, 0.07), (Ring::Cosine, 0.2), (Ring::Sine, 0.42)] {
+        let seen = watch(&settings, &WIRES, 1.5, &Sensors { ring, ..REAL });
+        let pairs = matched(&seen);
+        let (mean, _) = spread(pairs.iter().map(|(c, p)| off(p.peak_n, c.peak_force_n)));
+        assert!((0.0..most).contains(&mean), "{ring:?}: {mean}");
+    }
 }
 
 fn speeds_are_good(settings: &Settings, rig: &RigParams, ratio: f64) {
