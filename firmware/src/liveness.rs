@@ -9,6 +9,7 @@ const IDLE_STEPS: u8 = 50;
 pub struct Liveness {
     blocks: u32,
     links: u32,
+    looks: u32,
     idles: u32,
     without_idle: u8,
 }
@@ -20,23 +21,27 @@ pub struct Progress {
     pub blocks: u32,
     /// Turns of the link task.
     pub links: u32,
+    /// Looks of the blocks' guard.
+    pub looks: u32,
     /// Turns of the idle loop.
     pub idles: u32,
 }
 
 impl Liveness {
-    /// Call every 10 ms. Whether control and link have run since the last step, and idle within the last half
+    /// Call every 10 ms. Whether control, link and guard have run since the last step, and idle within the last half
     /// second.
     pub fn step(&mut self, done: Progress) -> bool {
         let control = done.blocks != self.blocks;
         let link = done.links != self.links;
+        let guard = done.looks != self.looks;
         self.without_idle = if done.idles == self.idles {
             self.without_idle.saturating_add(1)
         } else {
             0
         };
-        (self.blocks, self.links, self.idles) = (done.blocks, done.links, done.idles);
-        control && link && self.without_idle < IDLE_STEPS
+        (self.blocks, self.links) = (done.blocks, done.links);
+        (self.looks, self.idles) = (done.looks, done.idles);
+        control && link && guard && self.without_idle < IDLE_STEPS
     }
 }
 
@@ -48,6 +53,7 @@ mod tests {
         Progress {
             blocks: 20 * step,
             links: 10 * step,
+            looks: 10 * step,
             idles: step,
         }
     }
@@ -60,9 +66,10 @@ mod tests {
 
     #[test]
     fn any_stopped_task_starves_it() {
-        let stopped: [fn(Progress) -> Progress; 2] = [
+        let stopped: [fn(Progress) -> Progress; 3] = [
             |done| Progress { blocks: 0, ..done },
             |done| Progress { links: 0, ..done },
+            |done| Progress { looks: 0, ..done },
         ];
         for stop in stopped {
             let mut liveness = Liveness::default();

@@ -6,7 +6,7 @@ use heapless::{Deque, Vec};
 use shared::control::{Command, Controller, Refused};
 use shared::forecast::Forecast;
 use shared::io::{Frame, Output};
-use shared::link::{BlockNotes, GivenCommand, RecordedBlock};
+use shared::link::{BlockNotes, GivenCommand, RecordedBlock, store};
 use shared::settings::Settings;
 
 /// Blocks in the buffer: 2 ms of them. The link takes them every millisecond.
@@ -16,6 +16,8 @@ const CAPACITY: usize = 4;
 #[derive(Debug)]
 pub struct Recorder {
     controller: Controller,
+    /// Of the settings, as they were taken.
+    settings_sum: Option<u32>,
     /// Inputs since the last block.
     notes: BlockNotes,
     recording: bool,
@@ -26,6 +28,7 @@ impl Recorder {
     /// A controller whose recording is off.
     pub fn new(controller: Controller) -> Self {
         Self {
+            settings_sum: store::sum(controller.settings()),
             controller,
             notes: BlockNotes::default(),
             recording: false,
@@ -36,6 +39,11 @@ impl Recorder {
     /// The controller, to read.
     pub fn controller(&self) -> &Controller {
         &self.controller
+    }
+
+    /// The sum of the settings as they were taken ([`store::sum`]).
+    pub fn settings_sum(&self) -> Option<u32> {
+        self.settings_sum
     }
 
     /// The controller, to take events and forecast requests: that changes nothing in a recording.
@@ -71,6 +79,7 @@ impl Recorder {
     /// If the controller refuses them ([`Controller::replace_settings`]).
     pub fn replace_settings(&mut self, settings: &Settings) -> Result<(), Refused> {
         self.controller.replace_settings(settings)?;
+        self.settings_sum = store::sum(settings);
         self.notes.restarted = true;
         Ok(())
     }

@@ -18,7 +18,7 @@ pub struct Flags {
 }
 
 impl Flags {
-    /// The cause. `driving`: memory that outlives a short drop of the supply shows that the drive was enabled;
+    /// The cause. `driving`: memory that outlives a reset, and a short drop of the supply, shows that the drive was enabled;
     /// then a power-on flag means that the supply dropped while the drive ran.
     ///
     /// Several flags are set at once: the part sets the pin's with every cause, and the brown-out's with
@@ -26,12 +26,13 @@ impl Flags {
     pub fn cause(self, driving: bool) -> ResetCause {
         match self {
             Self { watchdog: true, .. } => ResetCause::Watchdog,
-            Self { software: true, .. } => ResetCause::Software,
+            Self { software: true, .. } if !driving => ResetCause::Software,
             Self { power_on: true, .. } if driving => ResetCause::BrownOut,
             Self { power_on: true, .. } => ResetCause::PowerOn,
             Self {
                 brown_out: true, ..
             } => ResetCause::BrownOut,
+            _ if driving => ResetCause::WhileDriving,
             _ => ResetCause::Pin,
         }
     }
@@ -52,7 +53,8 @@ mod tests {
             brown_out: true,
             ..pin
         };
-        assert_eq!(pin.cause(true), ResetCause::Pin);
+        assert_eq!(pin.cause(false), ResetCause::Pin);
+        assert_eq!(pin.cause(true), ResetCause::WhileDriving);
         assert_eq!(power_on.cause(false), ResetCause::PowerOn);
         assert_eq!(power_on.cause(true), ResetCause::BrownOut);
         let dropped = Flags {
@@ -69,6 +71,7 @@ mod tests {
             software: true,
             ..pin
         };
-        assert_eq!(software.cause(true), ResetCause::Software);
+        assert_eq!(software.cause(false), ResetCause::Software);
+        assert_eq!(software.cause(true), ResetCause::WhileDriving);
     }
 }

@@ -48,11 +48,13 @@ pub enum Fault {
     NotOff = 17,
     /// The board itself is not fit to drive a rig: clock, supply or reference ([`crate::control::Unfit`]).
     BoardUnfit = 18,
+    /// The reset line, or a debugger, has reset the board while the drive was on.
+    ResetWhileDriving = 19,
 }
 
 impl Fault {
     /// Every fault, in the order of its number.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::EmergencyStop,
         Self::OverForce,
         Self::OverTravel,
@@ -71,6 +73,7 @@ impl Fault {
         Self::Crash,
         Self::NotOff,
         Self::BoardUnfit,
+        Self::ResetWhileDriving,
     ];
 
     /// The stable number.
@@ -105,6 +108,7 @@ impl Fault {
             Self::Crash => "crash",
             Self::NotOff => "not-off",
             Self::BoardUnfit => "board-unfit",
+            Self::ResetWhileDriving => "reset-while-driving",
         }
     }
 }

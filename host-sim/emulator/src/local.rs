@@ -53,6 +53,7 @@ pub fn birth(cause: Reset, memory: &Persisted) -> BootInfo {
             Reset::PowerOn | Reset::CorruptSettings | Reset::Unfit => ResetCause::PowerOn,
             Reset::Watchdog => ResetCause::Watchdog,
             Reset::BrownOut => ResetCause::BrownOut,
+            Reset::WhileDriving => ResetCause::WhileDriving,
             Reset::Crash => ResetCause::Software,
         },
         record,

@@ -19,6 +19,8 @@ pub enum Reset {
     Watchdog,
     /// The supply dropped.
     BrownOut,
+    /// The reset line was low while it drove.
+    WhileDriving,
     /// It panicked or faulted.
     Crash,
     /// Power came on, and the stored settings were found damaged.

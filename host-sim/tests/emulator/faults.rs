@@ -286,6 +286,11 @@ fn brown_out() {
 }
 
 #[test]
+fn reset_while_driving() {
+    born_faulty("reset-while-driving");
+}
+
+#[test]
 fn crash() {
     born_faulty("crash");
 }

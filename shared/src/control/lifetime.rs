@@ -89,6 +89,7 @@ impl Faults {
             _ if !boot.settings.can_drive() => Some(Fault::CorruptSettings),
             ResetCause::Watchdog => Some(Fault::WatchdogReset),
             ResetCause::BrownOut => Some(Fault::BrownOut),
+            ResetCause::WhileDriving => Some(Fault::ResetWhileDriving),
             _ => None,
         }
     }

@@ -205,6 +205,8 @@ pub enum ResetCause {
     Watchdog,
     /// The supply dropped.
     BrownOut,
+    /// The reset line or a debugger, with the drive on.
+    WhileDriving,
 }
 
 /// Where the settings in use come from.

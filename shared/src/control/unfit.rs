@@ -19,9 +19,11 @@ impl Unfit {
     pub const SUPPLY: Self = Self(4);
     /// The measuring reference is too far from its value: every sensor would read wrong.
     pub const REFERENCE: Self = Self(8);
+    /// A register, or the settings in memory, are not what they were set to. (16 meant something once.)
+    pub const CHANGED: Self = Self(32);
 
     /// Every reason, with what is wrong in words.
-    pub const ALL: [(Self, &str); 4] = [
+    pub const ALL: [(Self, &str); 5] = [
         (Self::CLOCK, "the crystal's clock is missing or died"),
         (
             Self::BROWN_OUT_LEVEL,
@@ -29,6 +31,10 @@ impl Unfit {
         ),
         (Self::SUPPLY, "the supply is too low"),
         (Self::REFERENCE, "the measuring reference is off"),
+        (
+            Self::CHANGED,
+            "a register or the settings in memory had changed by themselves",
+        ),
     ];
 
     /// The reasons of either set.
@@ -81,6 +87,6 @@ mod tests {
         assert!(words[0].contains("clock") && words[1].contains("reference"));
         assert_eq!(Unfit::NONE.reasons().count(), 0);
         assert!(Unfit::CLOCK.when(false).is_none());
-        assert_eq!(Unfit::from_bits(0xff).bits(), 15);
+        assert_eq!(Unfit::from_bits(0xff).bits(), 47);
     }
 }

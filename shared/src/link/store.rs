@@ -224,6 +224,12 @@ fn image_of(settings: &Settings, sequence: u32) -> Option<(Image, usize)> {
     Some((image, end))
 }
 
+/// A sum of settings, which others hardly have. `None` if they do not fit (no settings are that long).
+pub fn sum(settings: &Settings) -> Option<u32> {
+    let (image, end) = image_of(settings, 0)?;
+    Some(CRC_32.checksum(image.get(..end)?))
+}
+
 fn put(image: &mut Image, at: Range<usize>, bytes: &[u8]) {
     for (place, byte) in image.iter_mut().skip(at.start).zip(bytes) {
         *place = *byte;

@@ -46,6 +46,7 @@ fn why_the_board_started_is_taken_account_of() {
     for (cause, fault) in [
         (ResetCause::Watchdog, Fault::WatchdogReset),
         (ResetCause::BrownOut, Fault::BrownOut),
+        (ResetCause::WhileDriving, Fault::ResetWhileDriving),
     ] {
         assert_eq!(after(cause), (State::Fault, Some(Fault::OverForce)));
         let boot = kept(cause, Some(record));

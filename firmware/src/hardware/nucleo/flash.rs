@@ -14,6 +14,7 @@
 //! ([`blocks`]), and the watchdog's shortest period is longer ([`super::watchdog`]).
 #![allow(unsafe_code)]
 
+use super::watchdog;
 use crate::{hardware::tasks::blocks, link_device::SettingsStore};
 use embedded_storage::nor_flash::{
     ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase,
@@ -153,6 +154,8 @@ impl Store {
 
 impl SettingsStore for Store {
     fn store(&mut self, settings: &Settings) -> bool {
+        // Whatever is left of its period is shorter than the save may take.
+        watchdog::feed();
         blocks::paused(|| self.0.save(settings)).is_ok()
     }
 }

@@ -33,6 +33,7 @@ mod block_monitor;
 mod clock;
 mod flash;
 mod pins;
+mod registers;
 mod reset;
 mod sampling;
 mod serial;
@@ -53,12 +54,13 @@ pub use crate::hardware::tasks::report::{report_fault, report_panic};
 pub use block_monitor::BlockMonitor;
 pub use flash::Store;
 pub use pins::{ButtonPin, Chain, EnablePin, LedPin, Reports, acknowledge_chain, disable};
+pub use registers::{Registers, read as registers};
 pub use reset::flags as reset_flags;
 pub use sampling::Sampler;
 pub use serial::Serial;
 pub use set_points::SetPoints;
 pub use stm32f4xx_hal::pac::{self, Peripherals};
-pub use supply::dropped as supply_dropped;
+pub use supply::{dropped as supply_dropped, is_low as supply_is_low};
 pub use watchdog::{Watchdog, feed as feed_watchdog};
 
 /// The board's name, as the link gives it.
@@ -73,7 +75,7 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
     let mut rcc = device.RCC.constrain();
     let gpioa = device.GPIOA.split(&mut rcc);
     let enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
-    let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
+    let mut watchdog = Watchdog::start(&device.IWDG, &device.DBGMCU);
     let gpiob = device.GPIOB.split(&mut rcc);
     let gpioc = device.GPIOC.split(&mut rcc);
     let chain = gpiob.pb5.into_pull_up_input();

@@ -42,6 +42,13 @@ pub fn watch(pwr: &pac::PWR, flash: &pac::FLASH, exti: &pac::EXTI) -> Unfit {
         .and(Unfit::BROWN_OUT_LEVEL.when(!level))
 }
 
+/// Whether the supply is low now. A supply that was low before the drive came on raises no interrupt.
+#[inline]
+pub fn is_low() -> bool {
+    // SAFETY: a read without side effect.
+    unsafe { (*pac::PWR::ptr()).csr().read().pvdo().bit() }
+}
+
 /// The detector's interrupt. A drive that runs goes off, and the board starts anew; a board that drives nothing takes
 /// note of nothing.
 pub fn dropped() {

@@ -1,11 +1,12 @@
 //! The blocks of samples: which half of the ring one lies in, how many were served, and what happens without them.
 //!
 //! Once per millisecond, above every other task, it is checked that blocks are being served. If the control task hangs
-//! or is starved, or the samples stop, the drive's enable is taken away 2 to 3 ms after the last block.
+//! or is starved, or the samples stop, the drive's enable is taken away 2 to 3 ms after the last block. So it is where the
+//! link or the supervisor has not run for 100 ms: nothing would hear a stop or the button.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use super::drive;
+use super::{drive, link, supervisor};
 
 /// Blocks served since the start (wraps).
 static SERVED: AtomicU32 = AtomicU32::new(0);
@@ -13,6 +14,13 @@ static SERVED: AtomicU32 = AtomicU32::new(0);
 static PAUSED: AtomicBool = AtomicBool::new(false);
 /// Set when the enable was taken away; the control task takes it and reports stale samples.
 static ACTED: AtomicBool = AtomicBool::new(false);
+/// Set while the link or the supervisor is late.
+static LATE: AtomicBool = AtomicBool::new(false);
+/// Looks of the guard (wraps).
+static LOOKS: AtomicU32 = AtomicU32::new(0);
+
+/// Looks, one per millisecond, between two turns of the link, and of the supervisor, at most.
+const PATIENCE: u8 = 100;
 
 /// Both halves.
 pub const HALVES: [Half; 2] = [Half(0), Half(1)];
@@ -68,6 +76,17 @@ pub fn take_stale() -> bool {
     ACTED.swap(false, Ordering::Relaxed)
 }
 
+/// Whether the link or the supervisor is late now.
+#[inline]
+pub fn others_are_late() -> bool {
+    LATE.load(Ordering::Relaxed)
+}
+
+/// Looks of the guard since the start (wraps).
+pub fn looks() -> u32 {
+    LOOKS.load(Ordering::Relaxed)
+}
+
 /// Runs `work`, during which the processor may stand still; the drive is off.
 pub fn paused<T>(work: impl FnOnce() -> T) -> T {
     PAUSED.store(true, Ordering::Relaxed);
@@ -82,11 +101,14 @@ pub fn is_paused() -> bool {
     PAUSED.load(Ordering::Relaxed)
 }
 
-/// Looks once per millisecond whether blocks are served.
+/// Looks once per millisecond whether blocks are served, and whether link and supervisor have run.
 #[derive(Debug, Default)]
 pub struct Guard {
     seen: u32,
     missed: u8,
+    turns: [u32; 2],
+    /// Looks since those of the link and of the supervisor have changed.
+    silent: [u8; 2],
 }
 
 impl Guard {
@@ -95,6 +117,7 @@ impl Guard {
     /// learns it by a block without samples, which does not count as served. The watchdog resets a board that stays so.
     #[inline]
     pub fn finds_a_stall(&mut self) -> bool {
+        LOOKS.fetch_add(1, Ordering::Relaxed);
         let now = served();
         let stalled = now == self.seen && !is_paused();
         self.seen = now;
@@ -108,6 +131,27 @@ impl Guard {
             drive::take_away();
             ACTED.store(true, Ordering::Relaxed);
         }
+        self.look_at_others();
         acts
+    }
+
+    /// Takes the enable away while the link or the supervisor is late: the controller gets blocks without samples then.
+    #[inline]
+    fn look_at_others(&mut self) {
+        let now = [link::turns(), supervisor::turns()];
+        let both = self.silent.iter_mut().zip(self.turns.iter().zip(now));
+        for (silent, (before, now)) in both {
+            *silent = if *before == now && !is_paused() {
+                silent.saturating_add(1)
+            } else {
+                0
+            };
+        }
+        self.turns = now;
+        let late = self.silent.iter().any(|silent| *silent > PATIENCE);
+        if late {
+            drive::take_away();
+        }
+        LATE.store(late, Ordering::Relaxed);
     }
 }

@@ -101,7 +101,8 @@ impl Control {
             Some(bench) => bench.block(outputs, &mut frames),
             None => frames = self.sampler.take(arrived.half, tripped),
         }
-        let stale = blocks::take_stale() || arrived.failed || !arrived.any;
+        let stale =
+            blocks::take_stale() || blocks::others_are_late() || arrived.failed || !arrived.any;
         let late = arrived.lost && !blocks::is_paused();
         let wired = &mut self.wired;
         let record = shared.lock(|recorder| {
@@ -122,7 +123,12 @@ impl Control {
             true
         };
         if let Some(enable) = &mut self.enable {
-            enable.apply(outputs.iter().all(|output| output.enable), tripped);
+            let on = outputs.iter().all(|output| output.enable);
+            if on && board::supply_is_low() {
+                board::make_outputs_safe();
+                report::unfit(Unfit::SUPPLY);
+            }
+            enable.apply(on, tripped);
         }
         // The drive is off; a reset from here on finds the fault.
         self.keeper.after_block(record.as_ref(), retained::keep);

@@ -46,7 +46,6 @@ impl Enable {
     /// Low.
     pub fn new(mut pin: EnablePin) -> Self {
         pin.set_low();
-        retained::note_drive(false);
         Self {
             pin,
             on: false,

@@ -11,6 +11,11 @@ use crate::{hardware::board, link_device::BoardLink, recorder::Recorder, wire::R
 /// Bytes waiting for the wire at most.
 const QUEUE: usize = 4096;
 
+/// Requests served in a turn at most, and bytes looked at: a computer that floods the wire loses requests, and no task its
+/// time. One that waits for its answers has one request on the way.
+const REQUESTS: u32 = 4;
+const BYTES: usize = 512;
+
 /// Turns of the task (wraps).
 static TURNS: AtomicU32 = AtomicU32::new(0);
 
@@ -52,7 +57,12 @@ impl Link {
         forecast: &mut impl Mutex<T = Forecast>,
     ) -> bool {
         self.timer.acknowledge();
-        while recorder.lock(|recorder| recorder.takes_commands()) {
+        let before = self.session.counters().good;
+        for _ in 0..BYTES {
+            let served = self.session.counters().good.wrapping_sub(before);
+            if served >= REQUESTS || !recorder.lock(|recorder| recorder.takes_commands()) {
+                break;
+            }
             let Some(byte) = self.serial.read() else {
                 break;
             };

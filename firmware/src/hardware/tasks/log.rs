@@ -20,6 +20,7 @@ pub fn start(boot: &BootInfo, crash: Option<Crash>, bench: bool, asked: bool) {
         ResetCause::Software => "its own program",
         ResetCause::Watchdog => "watchdog",
         ResetCause::BrownOut => "supply dropped",
+        ResetCause::WhileDriving => "while driving",
     };
     defmt::info!("started: {=str}", cause);
     if let Some(record) = &boot.record {

@@ -13,7 +13,8 @@
 //! | `BlockMonitor` | the tick of 1 ms above all tasks |
 //! | `Store` | the settings' flash |
 //! | `LedPin`, `ButtonPin`, `Watchdog` | |
-//! | `reset_flags`, `disable`, `make_outputs_safe`, `feed_watchdog` | from anywhere |
+//! | `reset_flags`, `disable`, `make_outputs_safe`, `feed_watchdog`, `supply_is_low` | from anywhere |
+//! | `Registers`, `registers` | what the board's set-up has written, to be compared with later |
 //! | `report_panic`, `report_fault` | those of [`report`] |
 
 pub mod blocks;

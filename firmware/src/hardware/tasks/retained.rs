@@ -4,7 +4,7 @@
 //! |---|---|
 //! | the last fault's record | the report after the reset |
 //! | where the program crashed | the log after the reset |
-//! | whether the drive was enabled | a drop of the supply, as against switching on |
+//! | whether the drive was enabled | a reset or a drop of the supply in the midst of driving |
 //!
 //! After power-up the words are random; each entry is validated when it is read.
 #![allow(unsafe_code)]
@@ -59,7 +59,8 @@ pub struct Left {
     pub driving: bool,
 }
 
-/// Reads what the last run left, and forgets the crash and the drive.
+/// Reads what the last run left, and forgets the crash. The drive is forgotten once what it means is recorded
+/// ([`note_drive`]): the next reset may come before that.
 pub fn take() -> Left {
     // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
     let (record, crash, drive) = unsafe {
@@ -69,7 +70,6 @@ pub fn take() -> Left {
             (&raw const (*words()).drive).read_volatile(),
         )
     };
-    note_drive(false);
     // SAFETY: as above.
     unsafe { (&raw mut (*words()).crash.mark).write_volatile(0) };
     Left {
@@ -95,10 +95,7 @@ pub fn note_drive(on: bool) {
 
 /// Retains where the program crashed.
 pub fn note_crash(address: Option<u32>, status: u32) {
-    // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
-    let before = unsafe { (&raw const (*words()).record).read_volatile() };
-    // The faults before the crash stay in the episode.
-    keep(Some(&Record::CRASH.after(before.record())));
+    end_with(&Record::CRASH);
     let crash = Crash {
         mark: CRASHED,
         address: address.unwrap_or(0),
@@ -110,7 +107,13 @@ pub fn note_crash(address: Option<u32>, status: u32) {
 
 /// Retains why the board is not fit to drive.
 pub fn note_unfit(why: Unfit) {
+    end_with(&Record::unfit(why));
+}
+
+/// The run ends with this fault, its drive off; the faults before it stay in the episode.
+fn end_with(record: &Record) {
     // SAFETY: the place is valid for reads, and every bit pattern is a value of these plain words.
     let before = unsafe { (&raw const (*words()).record).read_volatile() };
-    keep(Some(&Record::unfit(why).after(before.record())));
+    keep(Some(&record.after(before.record())));
+    note_drive(false);
 }

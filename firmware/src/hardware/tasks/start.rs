@@ -56,26 +56,32 @@ pub fn start(mut core: cortex_m::Peripherals, device: board::Peripherals) -> Tas
     let Ok(controller) = Controller::new(&settings, &boot) else {
         panic!("settings that passed their check are refused");
     };
+    let record = controller.fault().copied();
+    retained::keep(record.as_ref());
+    retained::note_drive(false);
     log::start(&boot, left.crash, bench, board.bench_asked);
     log::unfit(board.unfit);
 
-    let mut tasks = Tasks {
-        recorder: Recorder::new(controller),
-        control: Control::new(
-            (board.sampler, board.set_points),
-            (board.chain, board.reports),
-            board.enable.filter(|_| !bench),
-            bench.then(|| Bench::new(&settings)),
-            boot.record,
-        ),
-        block_monitor: board.block_monitor,
-        link: Link::new(board.serial, board.link_timer, store),
-        supervisor: Supervisor::new(board.led, board.button, board.watchdog, bench),
-    };
+    let mut control = Control::new(
+        (board.sampler, board.set_points),
+        (board.chain, board.reports),
+        board.enable.filter(|_| !bench),
+        bench.then(|| Bench::new(&settings)),
+        record,
+    );
+    let mut block_monitor = board.block_monitor;
+    let link = Link::new(board.serial, board.link_timer, store);
     // Last of all, and the guard after the sampling: until the first block there is none to miss.
-    tasks.control.begin();
-    if !tasks.block_monitor.start() {
+    control.begin();
+    if !block_monitor.start() {
         panic!("a timer cannot be set to its rate");
     }
-    tasks
+    let registers = board::registers();
+    Tasks {
+        recorder: Recorder::new(controller),
+        control,
+        block_monitor,
+        link,
+        supervisor: Supervisor::new(board.led, board.button, board.watchdog, bench, registers),
+    }
 }

@@ -1,8 +1,11 @@
 //! The supervisor: button, LED, watchdog, and the log.
 
-use rtic::Mutex;
+use core::sync::atomic::{AtomicU32, Ordering};
 
-use super::{blocks, control, forecasts, link, log};
+use rtic::Mutex;
+use shared::{control::Unfit, link::store};
+
+use super::{blocks, control, forecasts, link, log, report};
 use crate::{
     button::Button,
     hardware::{board, stack},
@@ -10,6 +13,14 @@ use crate::{
     liveness::{Liveness, Progress},
     recorder::Recorder,
 };
+
+/// Turns of the task (wraps).
+static TURNS: AtomicU32 = AtomicU32::new(0);
+
+/// Turns since the start (wraps).
+pub fn turns() -> u32 {
+    TURNS.load(Ordering::Relaxed)
+}
 
 /// What the task owns.
 pub struct Supervisor {
@@ -21,6 +32,8 @@ pub struct Supervisor {
     liveness: Liveness,
     bench: bool,
     steps: u32,
+    /// What the board's registers were set to.
+    registers: board::Registers,
 }
 
 impl Supervisor {
@@ -30,6 +43,7 @@ impl Supervisor {
         pin: board::ButtonPin,
         watchdog: board::Watchdog,
         bench: bool,
+        registers: board::Registers,
     ) -> Self {
         Self {
             led,
@@ -40,6 +54,7 @@ impl Supervisor {
             liveness: Liveness::default(),
             bench,
             steps: 0,
+            registers,
         }
     }
 
@@ -65,6 +80,7 @@ impl Supervisor {
         let progress = Progress {
             blocks: blocks::served(),
             links: link::turns(),
+            looks: blocks::looks(),
             idles: forecasts::turns(),
         };
         if self.liveness.step(progress) {
@@ -73,8 +89,10 @@ impl Supervisor {
         while let Some(event) = shared.lock(|recorder| recorder.taking().take_event()) {
             log::event(&event.kind);
         }
+        TURNS.fetch_add(1, Ordering::Relaxed);
         self.steps = self.steps.wrapping_add(1);
         if self.steps.is_multiple_of(100) {
+            self.look_for_changes(shared);
             if status.events_dropped > 0 {
                 defmt::warn!("{=u16} events were lost", status.events_dropped);
             }
@@ -88,6 +106,19 @@ impl Supervisor {
                 longest,
                 stack::peak(),
             );
+        }
+    }
+
+    /// Once a second: whether registers and settings are still what they were set to. If not, nothing that the program
+    /// decides can be relied on: the outputs are made safe, and the board starts anew.
+    fn look_for_changes(&mut self, shared: &mut impl Mutex<T = Recorder>) {
+        let (settings, sum) = shared.lock(|recorder| {
+            let settings = *recorder.controller().settings();
+            (settings, recorder.settings_sum())
+        });
+        if self.registers != board::registers() || store::sum(&settings) != sum {
+            board::make_outputs_safe();
+            report::unfit(Unfit::CHANGED);
         }
     }
 }

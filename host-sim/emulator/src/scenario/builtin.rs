@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// Name and text of each: what must be held first, then one per fault, by the fault's number.
-pub const BUILTIN: [(&str, &str); 36] = scenarios![
+pub const BUILTIN: [(&str, &str); 37] = scenarios![
     "field",
     "held-wires",
     "held-beam-170",
@@ -42,6 +42,7 @@ pub const BUILTIN: [(&str, &str); 36] = scenarios![
     "corrupt-settings",
     "watchdog-reset",
     "brown-out",
+    "reset-while-driving",
     "crash",
     "not-off",
     "board-unfit",

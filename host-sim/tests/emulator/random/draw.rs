@@ -116,6 +116,7 @@ fn mishap(kind: Kind, scenario: &Scenario, r: &mut Random) -> Option<Act> {
                 Reset::PowerOn,
                 Reset::Watchdog,
                 Reset::BrownOut,
+                Reset::WhileDriving,
                 Reset::Crash,
             ]),
         },

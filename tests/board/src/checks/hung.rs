@@ -100,23 +100,50 @@ pub fn control_starved(setup: &Setup) -> Found {
     ))
 }
 
-/// The link's task and what is below it; the control task goes on, and the drive with it, until the watchdog acts.
+/// The enable must be gone so soon after the link's or the supervisor's last turn, µs.
+const NOT_HEARD_US: f64 = 103_000.0;
+
+/// The link's task and what is below it; the control task goes on.
 pub fn link_starved(setup: &Setup) -> Found {
+    starved(setup, interrupt::TIM6)
+}
+
+/// The supervisor's task, and what is below it.
+pub fn supervisor_starved(setup: &Setup) -> Found {
+    starved(setup, interrupt::UART5)
+}
+
+fn starved(setup: &Setup, task: usize) -> Found {
     let mut bench = Bench::driving(setup)?;
     until_idle(&mut bench)?;
     let from = bench.now();
     {
         let machine = &mut bench.rig.borrow_mut().machine;
         machine.hang();
-        machine.cpu.basepri = machine.nvic.priority[FIRST + interrupt::TIM6];
+        machine.cpu.basepri = machine.nvic.priority[FIRST + task];
     }
-    bench.advance_ms(100)?;
-    let driven = bench.rig.borrow_mut().is_driven();
-    let seconds = watchdog_acts(&mut bench, from)?;
-    let on = if driven { "on" } else { "off" };
+    bench.advance_ms(150)?;
+    let gone = bench.enable_gone_us(from)?;
+    must(gone <= NOT_HEARD_US, || {
+        format!("PA8 was last high {gone:.1} µs after the task's last turn")
+    })?;
+    let (at, flags) = bench.until_reset(from, WATCHDOG_S)?;
+    must(flags & cause::WATCHDOG != 0, || {
+        format!("the reset has flags {flags:#010x}, not the watchdog's")
+    })?;
+    let record = bench.must_be(State::Fault)?.fault.ok_or("no record")?;
+    let both = [Fault::StaleSamples, Fault::WatchdogReset];
+    must(
+        both.iter().all(|fault| record.episode.contains(*fault)),
+        || format!("after the reset: {record:?}"),
+    )?;
+    let seconds = (at - from) as f64 / UNITS_PER_S as f64;
     Ok((
         format!(
-            "the drive is {on} 0.1 s after it; reset after {seconds:.2} s, then in Fault: WatchdogReset"
+            "PA8 low for good {:.1} ms after it ({:.0} allowed); reset after {seconds:.2} s, then in Fault: {:?}",
+            1e-3 * gone,
+            1e-3 * NOT_HEARD_US,
+            record.fault
         ),
         bench.now() - from,
     ))

@@ -2,14 +2,17 @@
 
 mod benchmark;
 mod boots;
+mod changed;
 mod closed;
 mod faults;
+mod flooded;
 mod hold;
 mod hung;
 mod pairs;
 mod passed;
 mod records;
 mod reports;
+mod resets;
 mod saves;
 mod scenarios;
 mod sensors;
@@ -68,7 +71,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 38] = [
+const ALL: [Check; 43] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -97,6 +100,14 @@ const ALL: [Check; 38] = [
     ("the program hangs", hung::hung),
     ("the control task is starved", hung::control_starved),
     ("the link's task is starved", hung::link_starved),
+    ("the supervisor is starved", hung::supervisor_starved),
+    ("a flooded link", flooded::flooded),
+    ("resets with the drive on", resets::while_driving),
+    (
+        "a supply that sagged before a start",
+        resets::sagged_before_a_start,
+    ),
+    ("what changes by itself", changed::by_themselves),
     ("two at once: chain and save", pairs::chain_in_a_save),
     ("two at once: stall and clock", pairs::clock_dies_in_a_stall),
     (

@@ -84,6 +84,7 @@ pub mod interrupt {
     pub const TIM2: usize = 28;
     pub const TIM3: usize = 29;
     pub const USART2: usize = 38;
+    pub const UART5: usize = 53;
     pub const TIM6: usize = 54;
     pub const TIM7: usize = 55;
     pub const RCC: usize = 5;

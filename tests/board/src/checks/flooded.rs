@@ -1,0 +1,76 @@
+//! A computer that floods the wire: the drive hears the button all the same.
+
+use shared::control::State;
+use shared::link::{BAUD, MAX_FRAME, Packet, ToBoard, encode};
+
+use super::session::Bench;
+use super::{Found, Setup, must};
+use crate::core::nvic::FIRST;
+use crate::parts::UNITS_PER_S;
+use crate::parts::gpio::Outside;
+use crate::parts::interrupt;
+use crate::rig::port;
+
+/// Flooded before the button is pressed, pressed, and flooded after that, ms.
+const BEFORE_MS: u64 = 2_500;
+const PRESSED_MS: u64 = 60;
+const AFTER_MS: u64 = 2_500;
+/// Turns that the link may miss, of 1,000 in a second.
+const MISSED: u64 = 10;
+
+/// Requests without a break at the wire's rate, of three kinds, while it drives: the link keeps its turns, the button stops the
+/// drive, and the watchdog is content.
+pub fn flooded(setup: &Setup) -> Found {
+    let mut most = 0;
+    let mut units = 0;
+    for request in [ToBoard::GetStatus, ToBoard::GetSettings, ToBoard::Hello] {
+        let mut bench = Bench::driving(setup)?;
+        let from = bench.now();
+        let turns = bench.entered(FIRST + interrupt::TIM6);
+        let packet = Packet {
+            sequence: 1,
+            message: request,
+        };
+        let mut place = [0; MAX_FRAME];
+        let frame = encode(&packet, &mut place).ok_or("no frame")?;
+        let bytes_per_ms = (BAUD / 10_000) as usize;
+        let mut wire = frame.iter().copied().cycle();
+        let mut flood = |bench: &mut Bench, ms: u64| -> Result<(), Box<dyn std::error::Error>> {
+            for _ in 0..ms {
+                let bytes: Vec<u8> = wire.by_ref().take(bytes_per_ms).collect();
+                bench.rig.borrow_mut().machine.send(&bytes);
+                bench.advance_ms(1)?;
+                bench.rig.borrow_mut().machine.parts.usart.sent.clear();
+            }
+            Ok(())
+        };
+        flood(&mut bench, BEFORE_MS)?;
+        let missed = BEFORE_MS.saturating_sub(bench.entered(FIRST + interrupt::TIM6) - turns);
+        must(missed <= MISSED * BEFORE_MS / 1_000, || {
+            format!("{request:?}: the link has missed {missed} of {BEFORE_MS} turns")
+        })?;
+        most = most.max(missed);
+        let driven = bench.rig.borrow_mut().is_driven();
+        must(driven, || format!("{request:?}: the drive went off"))?;
+        let press = |bench: &Bench, level| {
+            bench.rig.borrow_mut().machine.set_pin(port::C, 13, level);
+        };
+        press(&bench, Outside::Low);
+        flood(&mut bench, PRESSED_MS)?;
+        press(&bench, Outside::High);
+        flood(&mut bench, AFTER_MS)?;
+        // What still lies in the ring is answered.
+        bench.advance_ms(200)?;
+        bench.rig.borrow_mut().machine.parts.usart.sent.clear();
+        bench.must_be(State::Idle)?;
+        units += bench.now() - from;
+    }
+    Ok((
+        format!(
+            "GetStatus, GetSettings and Hello at {BAUD} Bd for {:.1} s each: the button stops the drive, {most} turns of the \
+             link missed of {BEFORE_MS} at most",
+            (units / 3) as f64 / UNITS_PER_S as f64
+        ),
+        units,
+    ))
+}
