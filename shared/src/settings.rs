@@ -95,7 +95,8 @@ pub struct OperatorSettings {
     /// In automatic mode, too, a program on the link must keep giving signs of life; without them the drive goes off
     /// after [`Trips::link_timeout_s`].
     pub heartbeat: bool,
-    /// After an emergency stop, somebody must press the board's button before the fault can be cleared.
+    /// After an emergency stop, somebody must press the board's button before the fault can be cleared. And each start wants the
+    /// chain to have been opened, and that acknowledged, since the last one: so its report is known to work.
     pub acknowledge: bool,
 }
 
@@ -198,6 +199,14 @@ pub fn strong_speed_m_per_s(rig: &RigParams) -> f64 {
 }
 
 impl Settings {
+    /// The same for a rig that is really there: a program on the link must be heard while the drive is on, in automatic mode,
+    /// too.
+    #[must_use]
+    pub fn with_heartbeat(mut self) -> Self {
+        self.operator.heartbeat = true;
+        self
+    }
+
     /// Settings for a rig with sensors and a shaker that suit it: force to about five times the strongest 1/1,
     /// displacements ±12 mm (hammer) and ±2.5 mm (cart), a shaker of ±2.5 mm, and with them limits and trip levels of
     /// displacement. Where the amplitude is above the chapter's 0.89 mm, these are larger in proportion.

@@ -58,7 +58,7 @@ fn status_settings_and_forecast_of_the_real_controller() {
             .contains("natural_frequency_hz = 5.25")
     );
     let expected = board.client().ask(ToBoard::GetSettings).expect("an answer");
-    let beams = Settings::for_rig(&BEAM_150);
+    let beams = Settings::for_rig(&BEAM_150).with_heartbeat();
     assert_eq!(expected, shared::link::Answer::Settings(beams));
 }
 
@@ -555,10 +555,10 @@ fn a_program_that_steers_is_in_the_way_of_others_until_they_take_over() {
 
 #[test]
 fn a_start_with_a_heartbeat_stays_and_its_end_switches_the_drive_off() {
-    let folder = Folder::new().with("alive.toml", "[operator]\nheartbeat = true\n");
+    let folder = Folder::new();
     let emulator = Emulator::start(&folder, "field");
     let ask = |rest: &str| folder.run(&format!("link {} {rest}", emulator.1));
-    ask("set alive.toml --rig wires").well();
+    ask("set --rig wires").well();
     assert!(ask("get").well().out.contains("heartbeat = true"));
     let mut start = folder.command(&["link", &emulator.1, "start"]);
     let mut start = start.stdout(Stdio::piped()).spawn().expect("it starts");

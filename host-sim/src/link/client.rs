@@ -429,6 +429,9 @@ fn reason(refusal: Refusal) -> &'static str {
         Refusal::Controller(Refused::NotAcknowledged) => {
             "refused: the emergency stop must be acknowledged at the board: close the chain, press the button, then clear"
         }
+        Refusal::Controller(Refused::ChainNotTried) => {
+            "refused: operator.acknowledge is set, so each start wants the emergency stop tried: press it, release it, press the board's button, then clear"
+        }
         Refusal::NotAvailable => "refused: this board cannot do that",
         Refusal::NoSession => {
             "refused: this program no longer steers; another has taken over, the board was reset, or this one was silent for too long"

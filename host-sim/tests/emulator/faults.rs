@@ -8,7 +8,7 @@ use shared::fault::Fault;
 use crate::builtin::verdict;
 
 /// The scenarios run here: each fault has one of its name.
-pub fn names() -> [&'static str; 18] {
+pub fn names() -> [&'static str; 19] {
     Fault::ALL.map(Fault::name)
 }
 

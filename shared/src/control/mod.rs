@@ -137,6 +137,8 @@ pub enum Refused {
     ByHandOnly,
     /// A frequency that is not positive, or a negative amplitude.
     NoMotion,
+    /// Settings ask for an acknowledgement, and the emergency-stop chain was not opened and acknowledged since the last start.
+    ChainNotTried,
 }
 
 /// Which basin of attraction the hammer ended in after it was disturbed.

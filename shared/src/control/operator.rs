@@ -15,6 +15,8 @@ pub(super) struct Operator {
     awaited: bool,
     /// When the chain was last seen open, ticks.
     open_at: u32,
+    /// Its opening was acknowledged since the last start.
+    tried: bool,
 }
 
 impl Operator {
@@ -39,6 +41,16 @@ impl Operator {
             return Err(Refused::StillFaulty);
         }
         self.awaited = false;
+        self.tried = true;
+        Ok(())
+    }
+
+    /// A start. `required`: as in [`Self::emergency`]; then the chain's report must have been tried since the last one.
+    pub fn start(&mut self, required: bool) -> Result<(), Refused> {
+        if required && !self.tried {
+            return Err(Refused::ChainNotTried);
+        }
+        self.tried = false;
         Ok(())
     }
 }

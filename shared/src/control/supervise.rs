@@ -210,6 +210,8 @@ impl Controller {
         if self.is_motor() && mode == Mode::Automatic {
             return Err(Refused::ByHandOnly);
         }
+        let required = self.settings.operator.acknowledge;
+        self.life.operator.start(required)?;
         // By hand, a computer that steers says so after the start.
         self.life.remote = Remote::expected(self.settings.operator.heartbeat);
         self.seen.basin = BasinTracker::NEW;

@@ -383,6 +383,22 @@ fn an_emergency_stop_is_acknowledged_at_the_board_where_that_is_asked_for() {
 }
 
 #[test]
+fn each_start_wants_the_chain_tried_where_an_acknowledgement_is_asked_for() {
+    let mut board = Board::with(|settings| settings.operator.acknowledge = true);
+    board.open();
+    let start = Command::Start(Mode::Automatic);
+    let not_tried = refused(Refused::ChainNotTried);
+    for _ in 0..2 {
+        assert_eq!(board.command(start), not_tried);
+        after_an_emergency_stop(&mut board, 30);
+        assert_eq!(board.rig.command(Command::Acknowledge), Ok(()));
+        assert_eq!(board.command(Command::ClearFault), Answer::Done);
+        assert_eq!(board.command(start), Answer::Done);
+        assert_eq!(board.command(Command::Stop), Answer::Done);
+    }
+}
+
+#[test]
 fn a_reset_acknowledges_no_emergency_stop() {
     let mut settings = Settings::for_rig(&WIRES);
     settings.operator.acknowledge = true;

@@ -177,6 +177,13 @@ impl Rig {
         self.machine.set_pin(port::B, 5, Outside::High);
     }
 
+    /// The emergency-stop chain closes.
+    pub fn close_chain(&mut self) {
+        let now_s = self.world.plant().time_s();
+        self.world.set_emergency(false, now_s);
+        self.machine.set_pin(port::B, 5, Outside::Low);
+    }
+
     /// What changed at the edge is no longer wanted, but for the pulses.
     pub fn forget_changes(&mut self) {
         self.is_driven();

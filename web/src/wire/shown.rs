@@ -137,6 +137,9 @@ fn reason(refusal: Refusal) -> &'static str {
         Refusal::Controller(Refused::NotAcknowledged) => {
             "the emergency stop must be acknowledged at the board: close the chain, press the button, then clear"
         }
+        Refusal::Controller(Refused::ChainNotTried) => {
+            "each start wants the emergency stop tried: press it, release it, press the board's button, then clear"
+        }
         Refusal::NotStored => {
             "the settings are in use but could not be stored: they are lost at the next reset; write them again"
         }

@@ -71,6 +71,7 @@ pub fn refused(why: Refused) {
         Refused::BadSettings => "the settings are out of range",
         Refused::SettingsUnknown(_) => "the settings are not known to be this rig's",
         Refused::NotAcknowledged => "the emergency stop must be acknowledged first",
+        Refused::ChainNotTried => "open the emergency-stop chain and acknowledge it first",
         Refused::ByHandOnly => "a motor drive runs by hand only",
     };
     defmt::warn!("button: refused, {=str}", why);

@@ -45,7 +45,8 @@ pub fn start(mut core: cortex_m::Peripherals, device: board::Peripherals) -> Tas
         Some(Loaded::Default) => (None, SettingsState::Missing),
         Some(Loaded::Corrupt) | None => (None, SettingsState::Damaged),
     };
-    let settings = stored.unwrap_or_else(|| Settings::for_rig(&WIRES));
+    let usual = Settings::for_rig(&WIRES);
+    let settings = stored.unwrap_or(if bench { usual } else { usual.with_heartbeat() });
     let boot = BootInfo {
         reset: flags.cause(left.driving),
         record: left.record,

@@ -292,7 +292,7 @@ fn settings(port: &mut Port) -> Result<Settings, UserError> {
 
 fn send_settings(port: &mut Port, set: &NewSettings) -> Result<(), UserError> {
     let mut new = match &set.rig {
-        Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params),
+        Some(rig) => Settings::for_rig(&rigfile::load(rig, &[])?.params).with_heartbeat(),
         None => settings(port)?,
     };
     if let Some(path) = &set.file {

@@ -71,7 +71,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 43] = [
+const ALL: [Check; 44] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -91,6 +91,7 @@ const ALL: [Check; 43] = [
     ("the supply sags", faults::supply_sags),
     ("a report that contradicts", reports::contradict),
     ("the measuring reference is off", reports::reference),
+    ("a chain that was not tried", reports::chain_tried),
     ("a stack overflow", faults::stack_overflow),
     ("a load from nowhere", faults::bad_address),
     ("a panic", records::panic),

@@ -62,6 +62,39 @@ pub fn contradict(setup: &Setup) -> Found {
     Ok((text.join(", ") + ", EmergencyStop", units))
 }
 
+/// With `operator.acknowledge`, a chain whose report was not tried since the last start starts nothing: a report that is stuck
+/// closed would never be seen.
+pub fn chain_tried(setup: &Setup) -> Found {
+    let mut bench = Bench::power_up(setup, wired())?;
+    bench.scenario.settings.operator.acknowledge = true;
+    let (mut bench, _) = bench.prepared(None)?;
+    let start = Command::Start(Mode::Automatic);
+    for _ in 0..2 {
+        must(bench.client.command(start).is_err(), || {
+            "a start without a trial of the chain is taken".into()
+        })?;
+        bench.rig.borrow_mut().open_chain();
+        bench.advance_ms(20)?;
+        bench.must_be(State::Fault)?;
+        bench.rig.borrow_mut().close_chain();
+        bench.advance_ms(100)?;
+        for level in [Outside::Low, Outside::High] {
+            bench.rig.borrow_mut().machine.set_pin(port::C, 13, level);
+            bench.advance_ms(60)?;
+        }
+        bench.client.command(Command::ClearFault)?;
+        bench.client.command(start)?;
+        bench.client.command(Command::Stop)?;
+        bench.advance_ms(20)?;
+        bench.must_be(State::Idle)?;
+    }
+    Ok((
+        "a start is refused until the chain was opened, closed and acknowledged; after it, again"
+            .into(),
+        bench.now(),
+    ))
+}
+
 /// VDDA falls by 4 %: the reference reads that much higher.
 pub fn reference(setup: &Setup) -> Found {
     let strike = Strike {
