@@ -71,8 +71,10 @@ pub struct Around {
     pub pins: [[Outside; 16]; 8],
     /// Supply, V.
     pub supply_v: f64,
-    /// The watchdog's clock, Hz.
+    /// The watchdog's clock, Hz: 17,000 to 47,000 (DS10693, 6.3.9).
     pub lsi_hz: u64,
+    /// The flash takes the longest times of the data sheet, not the typical ones.
+    pub slow_flash: bool,
     /// Option bytes.
     pub options: u32,
     /// Rate of the link's other end.
@@ -166,7 +168,7 @@ fn parts(flags: u32, around: &Around) -> Parts {
         clocks: AFTER_RESET,
         rcc: Rcc::new(flags, around.hse),
         pwr: Pwr::new(around.supply_v),
-        flash: Flash::new(around.options),
+        flash: Flash::new(around.options, around.slow_flash),
         gpio: std::array::from_fn(|port| Gpio::new(port, around.pins[port])),
         exti: Exti::default(),
         tim: [

@@ -63,6 +63,7 @@ pub fn wired() -> Around {
         pins,
         supply_v: 3.3,
         lsi_hz: 32_000,
+        slow_flash: false,
         options: LEVEL_3,
         baud: u64::from(BAUD),
     }
@@ -207,13 +208,15 @@ impl Rig {
         if self.machine.around.pins[port::B][5] != chain {
             self.machine.set_pin(port::B, 5, chain);
         }
-        let code = self.machine.parts.dac.holding_code();
+        // The bias holds a pin that is not driven in the middle (docs/wiring.md).
+        let coming = self.machine.parts.dac.coming_code();
+        let code = coming.unwrap_or(DacCode::MIDDLE.0);
         if self.keeps {
             self.played.push(code);
         }
         self.output = Output {
             dac: DacCode(code),
-            frequency_hz: (self.machine.parts.tim[1].duty(2).unwrap_or(0.0) * FULL_SCALE_HZ) as f32,
+            frequency_hz: (self.machine.duty().unwrap_or(0.0) * FULL_SCALE_HZ) as f32,
             enable: self.is_driven(),
         };
     }
