@@ -124,6 +124,7 @@ impl Machine {
     /// Writes the bits of `mask` of a word of a peripheral.
     pub(crate) fn write_part(&mut self, address: u32, value: u32, mask: u32) -> Try {
         let (part, offset) = self.part_at(address)?;
+        let value = self.around.patch.changed(address, value);
         let w = Write {
             offset,
             value,

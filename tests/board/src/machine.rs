@@ -62,6 +62,35 @@ pub struct Parts {
     pub dbgmcu: Dbgmcu,
 }
 
+/// What the program writes to some bits of a register is another value: a mistake in its set-up.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// Address of the register.
+    pub register: u32,
+    /// Bits.
+    pub mask: u32,
+    /// Their value instead.
+    pub value: u32,
+}
+
+impl Patch {
+    /// None.
+    pub const NONE: Self = Self {
+        register: 0,
+        mask: 0,
+        value: 0,
+    };
+
+    /// What is written in place of `value`.
+    pub(crate) fn changed(&self, address: u32, value: u32) -> u32 {
+        if address & !3 == self.register {
+            value & !self.mask | self.value
+        } else {
+            value
+        }
+    }
+}
+
 /// What stays the same over a reset: what is around the part.
 #[derive(Clone, Copy, Debug)]
 pub struct Around {
@@ -79,6 +108,8 @@ pub struct Around {
     pub options: u32,
     /// Rate of the link's other end.
     pub baud: u64,
+    /// A mistake in the program's set-up.
+    pub patch: Patch,
 }
 
 /// The machine.

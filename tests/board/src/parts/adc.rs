@@ -174,7 +174,7 @@ impl Adc {
                     && began >= self.reference_at + REFERENCE_TIME
                     && self.sampling_cycles(channel) * self.cycle(clocks) >= REFERENCE_TIME);
         if usable {
-            return code;
+            return code >> (2 * (self.control[0] >> 24 & 3));
         }
         self.unusable += 1;
         GARBAGE
