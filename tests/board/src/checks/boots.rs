@@ -45,10 +45,10 @@ pub fn cold(setup: &Setup) -> Found {
             .find(|(_, c)| *c == wanted)
             .map_or(0.0, |(at, _)| *at as f64 / 720e3)
     };
-    let early = bench.rig.borrow().machine.parts.adc.early;
+    let unusable = bench.rig.borrow().machine.parts.adc.unusable;
     let text = format!(
         "PA8 driven low after {:.1} ms, PA4 at the middle after {:.1} ms, 180 MHz; 2 kHz, 1 kHz, 1 kHz exactly; \
-         {early} conversion(s) within 3 µs of ADON",
+         {unusable} conversion(s) that give nothing to be used",
         first(Change::Enable(Some(false))),
         first(Change::Dac(Some(2048)))
     );

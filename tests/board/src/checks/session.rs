@@ -37,7 +37,8 @@ impl Bench {
     }
 
     /// The same in another scenario.
-    pub fn power_up_in(setup: &Setup, scenario: Scenario, around: Around) -> Outcome<Self> {
+    pub fn power_up_in(setup: &Setup, scenario: Scenario, mut around: Around) -> Outcome<Self> {
+        around.patch = setup.patch;
         let rig = Rig::power_up(setup.image()?, &scenario, around)?;
         Ok(Self::of(rig, scenario))
     }
