@@ -83,7 +83,7 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 40] = [
+const ALL: [Check; 41] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
@@ -101,6 +101,7 @@ const ALL: [Check; 40] = [
     ("a debugger's traps", faults::traps),
     ("the clock dies", faults::clock_dies),
     ("the supply sags", faults::supply_sags),
+    ("reports that agree", reports::agree),
     ("a report that contradicts", reports::contradict),
     ("the measuring reference is off", reports::reference),
     ("a stack overflow", faults::stack_overflow),
