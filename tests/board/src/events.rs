@@ -239,6 +239,10 @@ impl Machine {
                 self.flash[range.clone()].fill(0xff);
                 range
             }
+            Some(Work::Options(options)) => {
+                self.around.options = options;
+                return;
+            }
             None => return,
         };
         self.forget(range);

@@ -323,7 +323,8 @@ impl Machine {
                 self.flash[range.start..middle].fill(0xff);
                 self.forget(range);
             }
-            None => {}
+            // They are what they were: what silicon has then is not said.
+            Some(Work::Options(_)) | None => {}
         }
     }
 

@@ -2,6 +2,7 @@
 
 use shared::control::State;
 use shared::fault::Fault;
+use shared::link::Act;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -181,6 +182,33 @@ pub fn brown_out_off(setup: &Setup) -> Found {
         format!("level 3 accepted: {on}, off accepted: {off}")
     })?;
     Ok(("refused; level 3 is accepted".into(), UNITS_PER_S / 5))
+}
+
+/// A board as it is delivered, and the link's command; after the next power-up it is fit. While it drives, the command is refused.
+pub fn brown_out_set(setup: &Setup) -> Found {
+    let mut around = wired();
+    around.options = DELIVERED;
+    let mut bench = Bench::power_up(setup, around)?;
+    bench.advance_ms(100)?;
+    bench.client.hello()?;
+    bench.client.open_session(false)?;
+    bench.client.steer(Act::SetBrownOut)?;
+    let options = bench.rig.borrow().machine.around.options;
+    must((options ^ LEVEL_3) & !3 == 0, || {
+        format!("option bytes {options:#010x}")
+    })?;
+    let units = bench.now();
+    must(fit(setup, options)?, || "not fit after it".into())?;
+    let mut bench = Bench::driving(setup)?;
+    bench.client.hello()?;
+    bench.client.open_session(true)?;
+    must(bench.client.steer(Act::SetBrownOut).is_err(), || {
+        "option bytes are written while it drives".into()
+    })?;
+    Ok((
+        "off as delivered; the link's command, a power-up, and the board is fit; refused while it drives".into(),
+        units,
+    ))
 }
 
 /// The supply is gone at once while the board drives, and comes back: RAM says so, and the reset's flags.

@@ -86,12 +86,13 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 46] = [
+const ALL: [Check; 48] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
     ("boot with the button held", boots::button_held),
     ("boot with the brown-out reset off", boots::brown_out_off),
+    ("the brown-out reset is set", boots::brown_out_set),
     ("boot with damaged settings", slots::damaged),
     ("boot after a brown-out", boots::after_brown_out),
     ("closed loop", closed::field),
@@ -104,6 +105,7 @@ const ALL: [Check; 46] = [
     ("a debugger's traps", faults::traps),
     ("the clock dies", faults::clock_dies),
     ("the supply sags", faults::supply_sags),
+    ("reports that agree", reports::agree),
     ("a report that contradicts", reports::contradict),
     ("the measuring reference is off", reports::reference),
     ("a chain that was not tried", reports::chain_tried),

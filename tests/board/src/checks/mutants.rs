@@ -3,7 +3,6 @@
 
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use host_sim::progress::Progress;
 
@@ -247,7 +246,7 @@ const SAMPLE: [&str; 10] = [
 ];
 
 /// What a mutant is run through, until one fails.
-const SESSION: [&str; 13] = [
+const SESSION: [&str; 14] = [
     "cold boot",
     "closed loop",
     "the emergency chain opens",
@@ -256,11 +255,12 @@ const SESSION: [&str; 13] = [
     "the processor is halted",
     "the program hangs",
     "the control task is starved",
-    "boot with the button held",
     "boot without the crystal's clock",
     "a save on the slowest flash",
+    "reports that agree",
     "a report that contradicts",
     "the measuring reference is off",
+    "boot with the button held",
 ];
 
 /// Rig time of the closed loop, s.
@@ -329,7 +329,6 @@ pub fn run(setup: &Setup, wanted: &str) -> Result<usize, String> {
         .collect();
     let (next, passed) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let progress = Progress::new("mutants", all.len() as u64, false);
-    let lines = Mutex::new(vec![String::new(); all.len()]);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let elf = setup.elf.as_path();
     let work = || -> Result<(), String> {
@@ -355,7 +354,7 @@ pub fn run(setup: &Setup, wanted: &str) -> Result<usize, String> {
                     format!("PASSED  {}", mutant.0)
                 }
             };
-            lines.lock().unwrap_or_else(PoisonError::into_inner)[i] = line;
+            println!("{line}");
             progress.inc(1);
         }
     };
@@ -370,8 +369,6 @@ pub fn run(setup: &Setup, wanted: &str) -> Result<usize, String> {
     });
     progress.finish();
     done?;
-    let lines = lines.into_inner().unwrap_or_else(PoisonError::into_inner);
-    lines.iter().for_each(|line| println!("{line}"));
     let passed = passed.into_inner();
     println!(
         "{} mutants, {} of them listed as harmless; {passed} passed that should be caught",

@@ -1,6 +1,6 @@
 //! The flash's interface (RM0390, chapter 3): wait states, keys, programming by byte to double word, erasing sectors,
-//! errors, option bytes to read. While it works the processor stands at its next fetch. Not modelled: option bytes'
-//! programming, mass erase, read protection, the accelerator's hits and misses.
+//! errors, the brown-out level in the option bytes. While it works the processor stands at its next fetch. Not modelled: other option
+//! bytes' programming, mass erase, read protection, the accelerator's hits and misses.
 
 use super::{Access, UNITS_PER_US, Write};
 
@@ -35,6 +35,8 @@ pub enum Work {
     Program(u32, Vec<u8>),
     /// A sector being erased.
     Erase(usize),
+    /// The option bytes being written.
+    Options(u32),
 }
 
 /// The block.
@@ -46,6 +48,8 @@ pub struct Flash {
     control: u32,
     /// Option bytes: brown-out level, write protection.
     pub options: u32,
+    option_keys: u32,
+    option_locked: bool,
     /// What it does, and until when.
     pub work: Option<(Work, u64)>,
     /// It takes the longest times of the data sheet, not the typical ones.
@@ -70,6 +74,8 @@ impl Flash {
             status: 0,
             control: LOCK,
             options,
+            option_keys: 0,
+            option_locked: true,
             work: None,
             slow,
             operations: 0,
@@ -100,7 +106,7 @@ impl Flash {
             0x00 => self.access,
             0x0c => self.status | u32::from(self.work.is_some()) << 16,
             0x10 => self.control,
-            0x14 => self.options,
+            0x14 => self.options & !1 | u32::from(self.option_locked),
             _ => return Err("is not modelled".into()),
         })
     }
@@ -120,7 +126,17 @@ impl Flash {
             }
             0x04 => self.unlock(w.ones())?,
             0x0c => self.status &= !w.over(0, 0x1f3)?,
+            0x08 => match (self.option_keys, w.ones()) {
+                (0, 0x0819_2a3b) => self.option_keys = 1,
+                (1, 0x4c5d_6e7f) if self.option_locked => self.option_locked = false,
+                (_, key) => {
+                    return Err(format!(
+                        "{key:#010x} is not the option bytes' key: locked until the next reset (3.6.2)"
+                    ));
+                }
+            },
             0x10 => self.control(w)?,
+            0x14 => self.write_options(w)?,
             _ => return Err("is not modelled".into()),
         }
         Ok(())
@@ -141,6 +157,32 @@ impl Flash {
                     "{key:#010x} is not the key: locked until the next reset (3.5.1)"
                 ));
             }
+        }
+        Ok(())
+    }
+
+    /// FLASH_OPTCR: OPTLOCK, OPTSTRT, brown-out level, and what must stay as it is.
+    fn write_options(&mut self, w: Write) -> Access {
+        let new = w.over(self.options, !0)?;
+        if self.option_locked {
+            return Err("FLASH_OPTCR is written while locked".into());
+        }
+        if self.work.is_some() {
+            return Err("FLASH_OPTCR is written while the flash is busy (3.6.2)".into());
+        }
+        let level = 3 << 2;
+        if (new ^ self.options) & !(level | 3) != 0 {
+            return Err("of the option bytes more than the brown-out level is changed".into());
+        }
+        self.options = new & !3;
+        if new & 2 != 0 {
+            self.operations += 1;
+            let time = ERASE_TIME[0] << u32::from(self.slow);
+            self.work = Some((Work::Options(new & !3), w.now + time));
+        }
+        if new & 1 != 0 {
+            self.option_locked = true;
+            self.option_keys = 0;
         }
         Ok(())
     }

@@ -3,6 +3,9 @@
 
 use super::{Access, Write};
 
+/// Looks at a port between two levels of its floating pins: 32 ms of a task that looks at it once in 0.5 ms.
+const LOOKS: u32 = 64;
+
 /// What is outside a pin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outside {
@@ -26,8 +29,9 @@ pub struct Gpio {
     pull: u32,
     output: u32,
     alternate: [u32; 2],
-    /// What floating pins read, by pin: another at each look.
+    /// What floating pins read, by pin, and how often the port was looked at.
     noise: u32,
+    looks: u32,
     /// By pin.
     pub outside: [Outside; 16],
 }
@@ -48,6 +52,7 @@ impl Gpio {
             output: 0,
             alternate: [0; 2],
             noise: 0x9e37_79b9u32.rotate_left(port as u32),
+            looks: 0,
             outside,
         }
     }
@@ -92,11 +97,15 @@ impl Gpio {
             .fold(0, |all, pin| all | 1 << pin)
     }
 
+    /// A floating pin keeps a level for [`LOOKS`] looks, so that asking a few times in a row does not hide it.
     fn stir(&mut self) {
-        self.noise = self
-            .noise
-            .wrapping_mul(1_664_525)
-            .wrapping_add(1_013_904_223);
+        self.looks += 1;
+        if self.looks.is_multiple_of(LOOKS) {
+            self.noise = self
+                .noise
+                .wrapping_mul(1_664_525)
+                .wrapping_add(1_013_904_223);
+        }
     }
 
     /// Reads.
@@ -163,7 +172,9 @@ mod tests {
         write(&mut gpio, 0x0c, 3 << 10).unwrap_err();
         // Without a pull it reads now this, now that.
         write(&mut gpio, 0x0c, 0).unwrap();
-        let read: Vec<u32> = (0..64).map(|_| gpio.read(0x10).unwrap() >> 5 & 1).collect();
+        let read: Vec<u32> = (0..64 * LOOKS)
+            .map(|_| gpio.read(0x10).unwrap() >> 5 & 1)
+            .collect();
         assert!(read.contains(&0) && read.contains(&1));
         gpio.outside[5] = Outside::Low;
         assert!(!gpio.level(5));
