@@ -189,7 +189,7 @@ const MUTANTS: &[Mutant] = &[
     ("link out: one place", LINK_OUT, MINC, 0),
     ("link out: to memory", LINK_OUT, DIR, 0),
     ("USART2 at half its rate", BRR, 0xffff, 40),
-    ("USART2 5 % too slow", BRR, 0xffff, 21),
+    ("USART2 5 % too fast", BRR, 0xffff, 19),
     ("USART2 oversampled by 8", USART_CR1, 1 << 15, 1 << 15),
     ("USART2 with 9 bits", USART_CR1, 1 << 12, 1 << 12),
     ("USART2 does not send", USART_CR1, 1 << 3, 0),
@@ -373,7 +373,7 @@ pub fn run(setup: &Setup, wanted: &str) -> Result<usize, String> {
     println!(
         "{} mutants, {} of them listed as harmless; {passed} passed that should be caught",
         all.len(),
-        HARMLESS.len()
+        all.iter().filter(|(_, because)| because.is_some()).count()
     );
     Ok(passed)
 }
