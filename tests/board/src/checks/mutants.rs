@@ -92,6 +92,7 @@ const MUTANTS: &[Mutant] = &[
     ("PC7 an input", PORT_C + MODER, 3 << 14, 0),
     ("PC7 in function 3", PORT_C + AFRL, 15 << 28, 3 << 28),
     ("PC13 an output", PORT_C + MODER, 3 << 26, 1 << 26),
+    ("PB5 without its pull-up", PORT_B + PUPDR, 3 << 10, 0),
     ("PA9 without its pull-up", PORT_A + PUPDR, 3 << 18, 0),
     ("PB10 without its pull-up", PORT_B + PUPDR, 3 << 20, 0),
     ("GPIOA without a clock", AHB1ENR, 1, 0),
@@ -189,7 +190,7 @@ const MUTANTS: &[Mutant] = &[
     ("link out: one place", LINK_OUT, MINC, 0),
     ("link out: to memory", LINK_OUT, DIR, 0),
     ("USART2 at half its rate", BRR, 0xffff, 40),
-    ("USART2 5 % too slow", BRR, 0xffff, 21),
+    ("USART2 5 % too fast", BRR, 0xffff, 19),
     ("USART2 oversampled by 8", USART_CR1, 1 << 15, 1 << 15),
     ("USART2 with 9 bits", USART_CR1, 1 << 12, 1 << 12),
     ("USART2 does not send", USART_CR1, 1 << 3, 0),
@@ -197,9 +198,9 @@ const MUTANTS: &[Mutant] = &[
     ("USART2 off", USART_CR1, 1 << 13, 0),
     ("USART2 without DMA in", USART_CR3, 1 << 6, 0),
     ("USART2 without DMA out", USART_CR3, 1 << 7, 0),
-    ("watchdog of 33 s", IWDG_PR, 7, 6),
-    ("watchdog of 0.5 s", IWDG_PR, 7, 0),
-    ("watchdog of 5 ms", IWDG_RLR, 0xfff, 10),
+    ("watchdog of 33 s", IWDG_RLR, 0xfff, 0xfff),
+    ("watchdog of 0.5 s", IWDG_RLR, 0xfff, 62),
+    ("watchdog of 31 ms", IWDG_PR, 7, 0),
     ("watchdog stands with the processor", DBGMCU_APB1_FZ, 1 << 12, 1 << 12),
     ("set-points go on without the processor", DBGMCU_APB1_FZ, 1, 0),
     ("EXTI9_5 off", ISER, 1 << 23, 0),
@@ -217,7 +218,6 @@ const MUTANTS: &[Mutant] = &[
 #[rustfmt::skip]
 const HARMLESS: &[(Mutant, &str)] = &[
     (("PA5 an input", PORT_A + MODER, 3 << 10, 0), "it is the LED alone"),
-    (("PB5 without its pull-up", PORT_B + PUPDR, 3 << 10, 0), "1 kΩ outside pulls it up (docs/wiring.md)"),
     (("PA10 without its pull-up", PORT_A + PUPDR, 3 << 20, 0), "bench mode is refused where sensors are wired"),
     (("APB2 by 4", CFGR, 7 << 13, 5 << 13), "a scan takes 18 of the 50 µs that there are"),
     (("ADC at 11.25 MHz", ADC_CCR, 3 << 16, 3 << 16), "a scan takes 18 of the 50 µs that there are"),
@@ -373,7 +373,7 @@ pub fn run(setup: &Setup, wanted: &str) -> Result<usize, String> {
     println!(
         "{} mutants, {} of them listed as harmless; {passed} passed that should be caught",
         all.len(),
-        HARMLESS.len()
+        all.iter().filter(|(_, because)| because.is_some()).count()
     );
     Ok(passed)
 }

@@ -3,9 +3,6 @@
 
 use super::{Access, Write};
 
-/// Looks at a port between two levels of its floating pins: 32 ms of a task that looks at it once in 0.5 ms.
-const LOOKS: u32 = 64;
-
 /// What is outside a pin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outside {
@@ -29,9 +26,8 @@ pub struct Gpio {
     pull: u32,
     output: u32,
     alternate: [u32; 2],
-    /// What floating pins read, by pin, and how often the port was looked at.
+    /// From what floating pins read.
     noise: u32,
-    looks: u32,
     /// By pin.
     pub outside: [Outside; 16],
 }
@@ -52,7 +48,6 @@ impl Gpio {
             output: 0,
             alternate: [0; 2],
             noise: 0x9e37_79b9u32.rotate_left(port as u32),
-            looks: 0,
             outside,
         }
     }
@@ -86,7 +81,7 @@ impl Gpio {
         match self.outside[pin] {
             Outside::Low => false,
             Outside::High => true,
-            Outside::Open if pull == 0 => self.noise >> (16 + pin) & 1 == 1,
+            Outside::Open if pull == 0 => self.floating(pin),
             Outside::Open | Outside::Weak => pull == 1,
         }
     }
@@ -97,15 +92,17 @@ impl Gpio {
             .fold(0, |all, pin| all | 1 << pin)
     }
 
-    /// A floating pin keeps a level for [`LOOKS`] looks, so that asking a few times in a row does not hide it.
+    /// A floating pin is high at one look in 16, by chance: low is the worse level of a contact that closes to ground, and no
+    /// level is steady.
+    fn floating(&self, pin: usize) -> bool {
+        self.noise.rotate_left(2 * pin as u32) >> 28 == 0
+    }
+
     fn stir(&mut self) {
-        self.looks += 1;
-        if self.looks.is_multiple_of(LOOKS) {
-            self.noise = self
-                .noise
-                .wrapping_mul(1_664_525)
-                .wrapping_add(1_013_904_223);
-        }
+        self.noise = self
+            .noise
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
     }
 
     /// Reads.
@@ -172,7 +169,7 @@ mod tests {
         write(&mut gpio, 0x0c, 3 << 10).unwrap_err();
         // Without a pull it reads now this, now that.
         write(&mut gpio, 0x0c, 0).unwrap();
-        let read: Vec<u32> = (0..64 * LOOKS)
+        let read: Vec<u32> = (0..256)
             .map(|_| gpio.read(0x10).unwrap() >> 5 & 1)
             .collect();
         assert!(read.contains(&0) && read.contains(&1));

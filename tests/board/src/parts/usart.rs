@@ -204,11 +204,16 @@ impl Usart {
 }
 
 /// What is heard of a byte whose ten bits take `sent`, by one whose ten bits take `own`: the bits in the middle of its
-/// own times, and whether the last is a stop bit.
+/// own times, an eighth too late or too early at worst, and whether the last is a stop bit.
 fn heard(byte: u8, sent: u64, own: u64) -> (u8, bool) {
     // Start bit, data from the lowest, stop bit, and the idle level after it.
     let wire = |i: u64| i > 8 || u64::from(byte) << 1 >> i & 1 == 1;
-    let at = |i: u64| wire((2 * i + 1) * own / (2 * sent));
+    let eighths = match own.cmp(&sent) {
+        std::cmp::Ordering::Less => 3,
+        std::cmp::Ordering::Equal => 4,
+        std::cmp::Ordering::Greater => 5,
+    };
+    let at = |i: u64| wire((8 * i + eighths) * own / (8 * sent));
     let byte = (0..8).fold(0, |all, i| all | u8::from(at(i + 1)) << i);
     (byte, at(9))
 }
@@ -249,6 +254,8 @@ mod tests {
     fn at_a_wrong_rate_other_bytes_are_heard() {
         assert_eq!(heard(0x5a, 3200, 3200), (0x5a, true));
         assert_eq!(heard(0x5a, 3200, 3300), (0x5a, true));
+        assert_eq!(heard(0x5a, 3200, 3360), (0x9a, true));
+        assert_eq!(heard(0, 3200, 3000), (0, false));
         // Twice as fast: each bit is heard twice, and the stop bit is a data bit.
         assert_eq!(heard(0x5a, 3200, 1600), (0b1001_1000, true));
         assert_eq!(heard(0, 3200, 1600), (0, false));
