@@ -15,6 +15,9 @@ use crate::parts::interrupt;
 /// Ticks from a sample to its set-point: a block gathered and a block worked on.
 const LATENCY: usize = 20;
 
+/// Requests after it: more bytes than the board's receive ring has.
+const REQUESTS: usize = 300;
+
 /// A step of the duty cycle, Hz.
 const FREQUENCY_STEP_HZ: f32 = 50.0 / 18_000.0;
 
@@ -36,7 +39,10 @@ pub fn field(setup: &Setup) -> Found {
         ticks,
         start,
     )?;
-    let status = bench.client.status()?;
+    let mut status = bench.client.status()?;
+    for _ in 0..REQUESTS {
+        status = bench.client.status()?;
+    }
     let replayed = replay(&mut Reader::open(&log)?, &Progress::new("", 1, true))?;
     must(replayed.difference.is_none(), || {
         format!("the desktop decides otherwise: {:?}", replayed.difference)

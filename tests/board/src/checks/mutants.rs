@@ -138,7 +138,7 @@ const MUTANTS: &[Mutant] = &[
     ("TIM3 in PWM 2", TIM3 + TIM_CCMR1, 7 << 12, 7 << 12),
     ("TIM3 without its output", TIM3 + TIM_CCER, 1 << 4, 0),
     ("TIM3 off", TIM3 + TIM_CR1, 1, 0),
-    ("TIM6 at half its rate", TIM6 + TIM_PSC, 0xffff, 1),
+    ("TIM6 at half its rate", TIM6 + TIM_PSC, 0xffff, 3),
     ("TIM6 without its interrupt", TIM6 + TIM_DIER, 1, 0),
     ("TIM7 without its interrupt", TIM7 + TIM_DIER, 1, 0),
     ("TIM7 off", TIM7 + TIM_CR1, 1, 0),
