@@ -433,6 +433,30 @@ mod tests {
         assert!(contradict_each_other([1.32, 1.0, 1.0]));
     }
 
+    /// Far faster than a sensor drifts, so that a minute is enough.
+    #[test]
+    fn a_trip_that_the_drift_justifies_ends_the_trial_and_is_told_as_such() {
+        let mut long = LongTrial::draw(3, 3, &presets());
+        long.gain_percent_per_min = [0.0, -15.0, 15.0];
+        let row = long.run(60.0).expect("a run");
+        assert_eq!(row.trip, Some("sensor-out-of-family"), "{row:?}");
+        assert_eq!(row.trip_by_drift, Some(true), "{row:?}");
+        assert!(row.hammer_over_cart_gain < 0.82, "{row:?}");
+        assert!(
+            row.trip_s.is_some_and(|s| (20.0..60.0).contains(&s)),
+            "{row:?}"
+        );
+        // The force until the trip counts, and Hold until then.
+        assert!(row.hold_share.is_some_and(|share| share > 0.9), "{row:?}");
+        let share = row.force_share_at_amplitude;
+        assert!(share.is_some_and(|share| share > 0.9), "{row:?}");
+        let all = Campaign::of(&[row]);
+        assert_eq!(
+            (all.without_trip, all.trips_by_drift, all.false_trips),
+            (0, 1, 0)
+        );
+    }
+
     #[test]
     fn what_drifts_is_in_the_scenario() {
         let long = LongTrial::draw(3, 1, &presets());
