@@ -145,8 +145,9 @@ impl LongTrial {
             }
         }
         let (summary, watch) = run.finish();
+        let start_s = summary.started_s.unwrap_or(START_S);
         let trip = summary.faults.first();
-        let trip_s = trip.map(|trip| trip.tick as f64 * scenario.tick_s() - START_S);
+        let trip_s = trip.map(|trip| trip.tick as f64 * scenario.tick_s() - start_s);
         let gains = self.gains(summary.end_s());
         let [force, hammer, cart] = gains;
         // Both means ask for the same moments.
@@ -187,7 +188,7 @@ impl LongTrial {
             force_gain_drift_percent_per_min: self.gain_percent_per_min[0],
             hammer_gain_drift_percent_per_min: self.gain_percent_per_min[1],
             cart_gain_drift_percent_per_min: self.gain_percent_per_min[2],
-            hold_s: summary.hold_s.map(|s| tidy(s - START_S)),
+            hold_s: summary.hold_s.map(|s| tidy(s - start_s)),
             held: summary.final_state() == State::Hold,
             hold_share: watch.hold_share(),
             trip: trip.map(|trip| trip.fault.name()),
