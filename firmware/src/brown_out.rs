@@ -5,8 +5,16 @@
 /// BOR_LEV, bits 2 and 3, counts downwards: 0 is level 3, and 3 is off, as the part is delivered (RM0390, "Flash option
 /// control register", and ST's own `OB_BOR_LEVEL3`). The names of the register in `stm32f4` 0.16 count upwards.
 pub fn is_level_3(optcr: u32) -> bool {
-    optcr >> 2 & 3 == 0
+    optcr & LEVEL == 0
 }
+
+/// The option register with level 3 and all else as it was.
+pub fn at_level_3(optcr: u32) -> u32 {
+    optcr & !LEVEL
+}
+
+/// BOR_LEV of FLASH_OPTCR.
+const LEVEL: u32 = 3 << 2;
 
 #[cfg(test)]
 mod tests {
@@ -18,5 +26,6 @@ mod tests {
         // ST's values: level 1 0x08, level 2 0x04, level 3 0x00.
         assert!(!is_level_3(0x0fff_aae9) && !is_level_3(0x0fff_aae5));
         assert!(is_level_3(0x0fff_aae1));
+        assert_eq!(at_level_3(0x0fff_aaed), 0x0fff_aae1);
     }
 }

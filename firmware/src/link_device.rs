@@ -17,6 +17,9 @@ use crate::recorder::Recorder;
 pub trait SettingsStore {
     /// Stores them; returns whether that worked. May block for as long as the flash takes.
     fn store(&mut self, settings: &Settings) -> bool;
+
+    /// Sets the part's brown-out reset to the level that its clock needs; returns whether that worked. May block likewise.
+    fn set_brown_out(&mut self) -> bool;
 }
 
 /// The board as the link sees it.
@@ -72,6 +75,14 @@ where
     fn store_settings(&mut self) -> Result<(), Refusal> {
         let settings = self.settings();
         if self.settings_store.store(&settings) {
+            Ok(())
+        } else {
+            Err(Refusal::NotStored)
+        }
+    }
+
+    fn set_brown_out(&mut self) -> Result<(), Refusal> {
+        if self.settings_store.set_brown_out() {
             Ok(())
         } else {
             Err(Refusal::NotStored)

@@ -1,18 +1,15 @@
 //! The link's wire: how much is sent at once, and the bit rate.
 //!
-//! Rates: [`BAUD`] carries a recording of every tick. Whether a debugger's serial port passes so much on has not been
+//! Rates ([`shared::link::RATES`]): the usual one carries a recording of every tick. Whether a debugger's serial port passes so much on has not been
 //! tried. So there is a slower rate, at which everything but a recording of every tick goes through. The board finds out
 //! which of them the computer uses: bytes at the wrong rate have no stop bit where one must be.
 
-use shared::link::BAUD;
+use shared::link::RATES;
 
 /// Bytes sent at once at most. The link task starts a sending at most once per millisecond, while a recording brings 180 to
 /// 198 bytes in that time and the wire carries 225. A sending must be long enough that the turns it occupies beyond the
 /// first are used to the full: 256 bytes take 1.14 ms, so two turns, and carry 128 bytes per millisecond.
 pub const CHUNK: usize = 1024;
-
-/// Bits per second, the usual one first.
-pub const RATES: [u32; 2] = [BAUD, 921_600];
 
 /// Turns with errors, without a good packet, after which the other rate is tried.
 const ERRORS: u8 = 2;
@@ -60,7 +57,7 @@ impl RateFinder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::link::ByteQueue;
+    use shared::link::{BAUD, ByteQueue};
 
     /// Frames lost of a recording of `seconds`, after a disturbance of `pause_ms` in which the wire took nothing; sendings
     /// of at most `chunk` bytes. First those of the disturbance and the 0.5 s after it, then all later ones.

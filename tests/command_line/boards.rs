@@ -63,7 +63,9 @@ impl Behind {
 
     /// A client of its own.
     pub fn client(&self) -> client::Client<Box<dyn SerialPort>> {
-        client::open(&self.path, BAUD).expect("a board").0
+        client::open(&self.path, Some(BAUD))
+            .expect("a board")
+            .client
     }
 }
 

@@ -24,6 +24,8 @@ struct Truth {
     end: State,
     limits: ActiveLimits,
     on: bool,
+    /// When the drive was last on, s.
+    last_on_s: f64,
     verbose: bool,
 }
 
@@ -33,6 +35,7 @@ impl Observer for Truth {
         if self.on {
             self.force_n = self.force_n.max(row.true_force_n);
             self.cart_mm = self.cart_mm.max(row.cart_m.abs() * 1e3);
+            self.last_on_s = row.tick as f64 / 20_000.0;
         }
     }
     fn contact(&mut self, contact: &Contact) {
@@ -258,6 +261,32 @@ fn a_drive_that_runs_on_is_found_soon() {
             .find(|(fault, _)| *fault == Fault::NotOff);
         let after_s = found.expect("not-off").1 - 13.0;
         assert!(after_s < 1.2, "{rig}: {after_s}");
+    });
+}
+
+/// It is not forgotten by a reset, whatever the reset calls itself: cleared by hand and started while the cart still runs on, nothing
+/// drives.
+#[test]
+fn a_drive_that_runs_on_starts_nothing_after_a_reset() {
+    let causes = ["while-driving", "watchdog", "power-on"];
+    let each = RIGS
+        .iter()
+        .flat_map(|rig| causes.map(|cause| (*rig, cause)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, cause)| {
+        let mut tables = start()
+            + &event(13.0, "kind = \"stuck-drive\"")
+            + &event(13.0003, "kind = \"emergency-stop\"\nfor_s = 0.1")
+            + &event(15.0, &format!("kind = \"reset\"\ncause = \"{cause}\""));
+        for k in 0..20 {
+            let at_s = 15.05 + 0.25 * f64::from(k);
+            tables += &event(at_s, "kind = \"clear-fault\"");
+            tables += &event(at_s + 0.01, "kind = \"start\"");
+        }
+        let truth = truth_of(rig, 21.0, &tables);
+        assert!(truth.last_on_s < 13.1, "{rig} {cause}: {truth:?}");
+        assert_eq!(truth.end, State::Fault, "{rig} {cause}");
+        assert!(faults(&truth).contains(&Fault::NotOff), "{rig} {cause}");
     });
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 use serialport::SerialPort;
 use shared::control::{Command, Refused, SettingsState, Status};
 use shared::link::{
-    Act, Answer, BoardState, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, Refusal,
+    Act, Answer, BoardState, FromBoard, Hello, MAX_FRAME, PROTOCOL_VERSION, Packet, RATES, Refusal,
     SESSION_S, ToBoard, encode,
 };
 use wire::Caller;
@@ -42,15 +42,48 @@ pub struct Client<P> {
     streamed: VecDeque<FromBoard>,
 }
 
-/// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers.
+/// Opens the serial port (or pseudo-terminal) `name` and makes sure that a board of our protocol answers: at the rate `baud`, or
+/// without one at the first of the board's own at which it does.
 ///
 /// # Errors
 /// If the port does not exist or is in use, or no board of this protocol answers.
-pub fn open(name: &str, baud: u32) -> Result<(Client<Box<dyn SerialPort>>, Hello), UserError> {
-    let port = port::open_alone(name, baud)?;
-    let mut client = Client::new(port, name);
-    let hello = client.hello()?;
-    Ok((client, hello))
+pub fn open(name: &str, baud: Option<u32>) -> Result<Opened, UserError> {
+    at_a_rate(baud, |baud| {
+        let port = port::open_alone(name, baud)?;
+        let mut client = Client::new(port, name);
+        let hello = client.hello()?;
+        Ok(Opened {
+            client,
+            hello,
+            baud,
+        })
+    })
+}
+
+/// A port at which a board answers.
+#[derive(Debug)]
+pub struct Opened {
+    /// The conversation.
+    pub client: Client<Box<dyn SerialPort>>,
+    /// Who answers.
+    pub hello: Hello,
+    /// The rate, bits per second.
+    pub baud: u32,
+}
+
+/// What `open` gives at the rate `baud`, or without one at the first of a board's rates at which it gives something.
+///
+/// # Errors
+/// That of the first attempt.
+fn at_a_rate<T>(
+    baud: Option<u32>,
+    mut open: impl FnMut(u32) -> Result<T, UserError>,
+) -> Result<T, UserError> {
+    let [usual, slower] = RATES;
+    match baud {
+        Some(baud) => open(baud),
+        None => open(usual).or_else(|why| open(slower).map_err(|_| why)),
+    }
 }
 
 /// Sends a stop to the port `name` if another program uses it, as often as an unanswered one would be sent. The answers go
@@ -58,7 +91,7 @@ pub fn open(name: &str, baud: u32) -> Result<(Client<Box<dyn SerialPort>>, Hello
 ///
 /// # Errors
 /// If the port may not be used, or breaks.
-pub fn stop_beside_another(name: &str, baud: u32) -> Result<bool, UserError> {
+pub fn stop_beside_another(name: &str) -> Result<bool, UserError> {
     let mut frame = [0; MAX_FRAME];
     let packet = Packet {
         sequence: 0,
@@ -68,7 +101,7 @@ pub fn stop_beside_another(name: &str, baud: u32) -> Result<bool, UserError> {
         .ok_or_else(|| UserError::new("too long").at(name))?
         .repeat(ATTEMPTS as usize);
     // The zero ends whatever half frame the other program has sent.
-    port::write_beside_another(name, baud, &[&[0], stop.as_slice()].concat())
+    port::write_beside_another(name, &[&[0], stop.as_slice()].concat())
 }
 
 /// A controller's clock, watched for standing still.
@@ -387,7 +420,7 @@ pub(crate) fn is_patience(error: &io::Error) -> bool {
 /// How long to wait for the answer to an act, and how often to send it.
 fn patience_for(act: &Act) -> (Duration, u32) {
     match act {
-        Act::SetSettings(_) | Act::Command(Command::ConfirmSettings) => {
+        Act::SetSettings(_) | Act::SetBrownOut | Act::Command(Command::ConfirmSettings) => {
             (PATIENCE_FOR_FLASH, ATTEMPTS)
         }
         // Sent twice, the second would be refused though the first was obeyed.
@@ -441,5 +474,31 @@ fn reason(refusal: Refusal) -> &'static str {
         }
         Refusal::Old => "refused: the message is older than the last; try again",
         Refusal::AtTheBoard => "refused: that is done at the board, with its button",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slower_rate_is_tried_where_the_usual_one_has_no_answer() {
+        let at = |baud, answers: u32| {
+            let mut tried = Vec::new();
+            let opened = at_a_rate(baud, |rate| {
+                tried.push(rate);
+                let answer = (rate == answers).then_some(rate);
+                answer.ok_or_else(|| UserError::new(format!("no answer at {rate}")))
+            });
+            (opened.map_err(|why| why.to_string()), tried)
+        };
+        let [usual, slower] = RATES;
+        assert_eq!(at(None, usual), (Ok(usual), vec![usual]));
+        assert_eq!(at(None, slower), (Ok(slower), vec![usual, slower]));
+        let silent = at(None, 0);
+        assert_eq!(silent.1, [usual, slower]);
+        assert!(silent.0.unwrap_err().contains(&usual.to_string()));
+        // A rate that is asked for is the only one.
+        assert_eq!(at(Some(slower), usual).1, [slower]);
     }
 }

@@ -32,22 +32,19 @@ pub fn open_alone(name: &str, baud: u32) -> Result<Box<dyn SerialPort>, UserErro
     Ok(port)
 }
 
-/// Writes `bytes` to the port `name`, which another program uses and has set up; the answers are that program's. False, and
-/// nothing is written, if nobody uses it.
+/// Writes `bytes` to the port `name` as another program that uses it has set it up (its rate, above all); the answers are that
+/// program's. False, and nothing is written, if nobody uses it.
 ///
 /// # Errors
 /// If the port may not be used, or breaks.
-pub fn write_beside_another(name: &str, baud: u32, bytes: &[u8]) -> Result<bool, UserError> {
+pub fn write_beside_another(name: &str, bytes: &[u8]) -> Result<bool, UserError> {
     if !is_used(name) {
         return Ok(false);
     }
     let broken =
         |e: io::Error| UserError::new(format!("cannot write to {name}: {e}; check the cable"));
-    match open(name, baud) {
-        Ok(mut port) => port.write_all(bytes).map_err(broken)?,
-        // It holds the port alone by a lock that says nothing about writing.
-        Err(_) => raw(name, bytes).map_err(broken)?,
-    }
+    // It holds the port alone by a lock that says nothing about writing.
+    raw(name, bytes).map_err(broken)?;
     Ok(true)
 }
 

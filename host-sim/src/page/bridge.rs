@@ -6,12 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use serialport::SerialPort;
-use shared::link::Hello;
 
 use super::hub::Hub;
 use super::mailbox::Mailbox;
-use crate::link::client::is_patience;
-use crate::link::client::{self, Client};
+use crate::link::client::{self, Opened, is_patience};
 
 /// Pages at one board at most.
 const MAX_PAGES: usize = 16;
@@ -61,23 +59,19 @@ impl Door {
 pub struct Port {
     /// Its name.
     pub name: String,
-    /// Bits per second.
-    pub baud: u32,
     /// The conversation that found the board.
-    pub client: Client<Box<dyn SerialPort>>,
-    /// The board.
-    pub hello: Hello,
+    pub opened: Opened,
 }
 
 /// Carries messages between pages and board until `over`; then stops the drive if a page commands it. A board that is lost
 /// is looked for again.
 pub fn run(door: &Door, port: Port, over: &dyn Fn() -> bool) {
-    let Port {
-        name,
-        baud,
+    let Port { name, opened } = port;
+    let Opened {
         client,
         hello,
-    } = port;
+        baud,
+    } = opened;
     let (stream, sequence) = client.into_parts();
     let mut hub = Hub::new(&name, hello, sequence, Instant::now());
     let mut wire = Some(Wire::new(stream));
@@ -93,9 +87,9 @@ pub fn run(door: &Door, port: Port, over: &dyn Fn() -> bool) {
                 }
             }
             None if tried.elapsed() > AGAIN => {
-                if let Ok((client, hello)) = client::open(&name, baud) {
-                    wire = Some(Wire::new(client.into_parts().0));
-                    hub.board_back(hello, Instant::now());
+                if let Ok(opened) = client::open(&name, Some(baud)) {
+                    wire = Some(Wire::new(opened.client.into_parts().0));
+                    hub.board_back(opened.hello, Instant::now());
                 }
                 tried = Instant::now();
             }

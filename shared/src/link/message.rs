@@ -89,6 +89,8 @@ pub enum Act {
     SetSettings(Settings),
     /// The session ends.
     Release,
+    /// The part's brown-out reset is set to the level that its clock needs, in Idle or Fault with the drive off, once per board.
+    SetBrownOut,
 }
 
 /// A message of the controller.

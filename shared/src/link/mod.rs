@@ -76,6 +76,9 @@ pub const PROTOCOL_VERSION: u16 = 4;
 /// recording of every tick: 90 to 99 bytes per block of 10 ticks are 1.8 to 2 Mbit/s. Not tried on silicon.
 pub const BAUD: u32 = 2_250_000;
 
+/// The rates that a board knows, the usual one first. At the slower one everything but a recording of every tick goes through.
+pub const RATES: [u32; 2] = [BAUD, 921_600];
+
 /// Longest packet in postcard's encoding, bytes; tests hold the longest message of each kind to it.
 pub const MAX_PACKET: usize = 408;
 

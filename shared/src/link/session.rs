@@ -5,7 +5,7 @@ use super::{
     Hello, Identified, MAX_FRAME, Packet, RecordedBlock, Recording, Refusal, Telemetry, ToBoard,
     encode,
 };
-use crate::control::{Command, Mode, Refused, SettingsState, Status};
+use crate::control::{Command, Mode, Refused, SettingsState, State, Status};
 use crate::fault::Record;
 use crate::settings::{Settings, ticks_of};
 
@@ -33,6 +33,13 @@ pub trait Device {
     /// # Errors
     /// If the flash fails: [`Refusal::NotStored`].
     fn store_settings(&mut self) -> Result<(), Refusal>;
+    /// Sets the part's brown-out reset to the level that its clock needs; called only in Idle or Fault.
+    ///
+    /// # Errors
+    /// If the board has none ([`Refusal::NotAvailable`]), or the flash fails ([`Refusal::NotStored`]).
+    fn set_brown_out(&mut self) -> Result<(), Refusal> {
+        Err(Refusal::NotAvailable)
+    }
     /// A page of the last forecast ([`ForecastPage::of`]).
     fn forecast(&mut self, page: u8) -> ForecastPage;
     /// The present or last fault; it survives a reset.
@@ -310,6 +317,16 @@ impl<const N: usize> Session<N> {
             Act::Release => {
                 self.steering = None;
                 Ok(())
+            }
+            Act::SetBrownOut => {
+                let is_off = matches!(device.status().state, State::Idle | State::Fault);
+                let set = if is_off {
+                    device.set_brown_out()
+                } else {
+                    Err(Refused::WrongState.into())
+                };
+                holder.heard = device.status().tick;
+                set
             }
         }
     }

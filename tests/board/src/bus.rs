@@ -85,6 +85,12 @@ impl Machine {
         Ok((part, address - base))
     }
 
+    /// An error if the part at an address has no clock.
+    pub(crate) fn check_clock(&self, address: u32) -> Access {
+        let found = self.part_at(address);
+        found.map(|_| ()).map_err(|trap| format!("{trap:?}"))
+    }
+
     /// Reads a word of a peripheral.
     pub(crate) fn read_part(&mut self, address: u32) -> Try<u32> {
         let (part, offset) = self.part_at(address)?;
@@ -118,6 +124,7 @@ impl Machine {
     /// Writes the bits of `mask` of a word of a peripheral.
     pub(crate) fn write_part(&mut self, address: u32, value: u32, mask: u32) -> Try {
         let (part, offset) = self.part_at(address)?;
+        let value = self.around.patch.changed(address, value);
         let w = Write {
             offset,
             value,
@@ -149,19 +156,40 @@ impl Machine {
                 Ok(())
             }
             Part::Iwdg => p.watchdog.write(w),
-            Part::Usart2 => p.usart.write(w, p.clocks.pclk1),
-            Part::Pwr => p.pwr.write(w).map(|()| self.settle_pins()),
-            Part::Dac => p.dac.write(w, p.clocks.pclk1),
-            Part::Adc => p.adc.write(w, &p.clocks.clone()),
+            Part::Usart2 => {
+                p.usart.write(w, p.clocks.pclk1)?;
+                self.check_pins()
+            }
+            Part::Pwr => {
+                p.pwr.write(w, p.rcc.running())?;
+                self.settle_pins();
+                self.check_power()
+            }
+            Part::Dac => {
+                p.dac.write(w, p.clocks.pclk1)?;
+                self.check_pins()
+            }
+            Part::Adc => {
+                p.adc.write(w, &p.clocks.clone())?;
+                self.check_pins()
+            }
             Part::Syscfg => p.exti.write_syscfg(w).map(|()| self.settle_pins()),
             Part::Exti => p.exti.write(w),
-            Part::Gpio(port) => p.gpio[port].write(w).map(|()| self.settle_pins()),
+            Part::Gpio(port) => {
+                p.gpio[port].write(w)?;
+                self.settle_pins();
+                self.note_duty();
+                self.check_pins()
+            }
             Part::Rcc => {
                 let reset = p.rcc.write(w)?;
                 if let Some((bus, bits)) = reset {
                     self.reset_parts(bus, bits);
                 }
-                self.clocks_changed()
+                self.gate_parts();
+                self.clocks_changed()?;
+                self.check_power()?;
+                self.check_pins()
             }
             Part::Flash => {
                 p.flash.write(w)?;
@@ -195,21 +223,86 @@ impl Machine {
             return Ok(());
         }
         p.flash.check(hz)?;
-        if hz > p.pwr.limit_hz(self.now) {
-            return Err(format!(
-                "HCLK {hz} Hz is above what scale and over-drive allow (5.1.4)"
-            ));
-        }
         for timer in &mut p.tim {
             timer.settle(self.now, p.clocks.timclk1);
         }
         p.clocks = clocks;
         self.unit = clocks.hclk;
+        self.check_power()
+    }
+
+    /// Clock and power must fit together.
+    fn check_power(&self) -> Access {
+        let p = &self.parts;
+        let hz = p.rcc.hclk_hz()?;
+        if hz > p.pwr.limit_hz(self.now) {
+            return Err(format!(
+                "HCLK {hz} Hz is above what scale and over-drive allow (5.1.4)"
+            ));
+        }
+        p.pwr.check_switching(self.now, p.rcc.running())
+    }
+
+    /// The pins of what is at work must be set to it.
+    pub(crate) fn check_pins(&self) -> Access {
+        let p = &self.parts;
+        let analogue = |name: char, pin: usize, who: &str| {
+            let port = name as usize - 'A' as usize;
+            if p.gpio[port].mode(pin) == 3 {
+                return Ok(());
+            }
+            Err(format!(
+                "P{name}{pin} is not analogue, and is {who} (7.3.12)"
+            ))
+        };
+        for (channel, pin) in [(0, 4), (1, 5)] {
+            if p.dac.code(channel).is_some() {
+                analogue('A', pin, "the DAC's output")?;
+            }
+        }
+        for channel in p.adc.channels() {
+            match channel {
+                0..8 => analogue('A', channel, "an input of the ADC")?,
+                8..10 => analogue('B', channel - 8, "an input of the ADC")?,
+                10..16 => analogue('C', channel - 10, "an input of the ADC")?,
+                _ => {}
+            }
+        }
+        let (sends, receives) = p.usart.uses_pins();
+        for (used, pin) in [(sends, 2), (receives, 3)] {
+            if used && (p.gpio[0].mode(pin), p.gpio[0].function(pin)) != (2, 7) {
+                return Err(format!(
+                    "PA{pin} is not in alternate function 7, and USART2 is at work (7.3.2)"
+                ));
+            }
+        }
         Ok(())
+    }
+
+    /// Parts without a clock, or in reset, stand still.
+    fn gate_parts(&mut self) {
+        let p = &mut self.parts;
+        let works = |part: Part| part.clock().is_none_or(|clock| p.rcc.works(clock));
+        for (i, timer) in p.tim.iter_mut().enumerate() {
+            timer.gate(works(Part::Tim(i)), self.now, p.clocks.timclk1);
+        }
+        for (i, dma) in p.dma.iter_mut().enumerate() {
+            dma.clocked = works(Part::Dma(i));
+        }
+        p.adc.clocked = works(Part::Adc);
+        p.dac.clocked = works(Part::Dac);
+        p.usart.clocked = works(Part::Usart2);
+        if p.rcc.lsi_is_on() {
+            p.watchdog.run_lsi(self.now);
+        }
+        self.note_duty();
     }
 
     fn reset_parts(&mut self, bus: usize, bits: u32) {
         let p = &mut self.parts;
+        if bus == 3 && bits >> 28 & 1 == 1 {
+            p.pwr = crate::parts::pwr::Pwr::new(p.pwr.supply_v);
+        }
         for (i, bit) in [0, 1, 4, 5].into_iter().enumerate() {
             if bus == 3 && bits >> bit & 1 == 1 {
                 p.tim[i] = crate::parts::timer::Timer::new(i > 1, i == 0);
@@ -283,9 +376,13 @@ impl Machine {
         self.note(Change::Led(self.parts.gpio[0].driven(5)));
     }
 
-    fn note_duty(&mut self) {
+    /// The duty cycle at PC7, which is TIM3's in alternate function 2.
+    pub fn duty(&self) -> Option<f64> {
         let routed = self.parts.gpio[2].mode(7) == 2 && self.parts.gpio[2].function(7) == 2;
-        let duty = self.parts.tim[1].duty(2).filter(|_| routed);
-        self.note(Change::Duty(duty));
+        self.parts.tim[1].duty(2).filter(|_| routed)
+    }
+
+    fn note_duty(&mut self) {
+        self.note(Change::Duty(self.duty()));
     }
 }

@@ -74,7 +74,10 @@ impl Machine {
                     _ => self.store::<2>(transfer.memory, value),
                 };
                 stored.map_err(|trap| format!("DMA to {:#010x}: {trap:?}", transfer.memory))?;
-                self.parts.dma[controller].streams[stream].count();
+                let last = self.parts.dma[controller].streams[stream].count();
+                if last && request == Request::Adc1 {
+                    self.parts.adc.dma_ends();
+                }
             }
         }
         Ok(())
@@ -87,6 +90,7 @@ impl Machine {
             mask: u32::MAX,
             now: self.now,
         };
+        self.check_clock(address)?;
         let p = &mut self.parts;
         match address {
             0x4000_7408 => p.dac.write(w, p.clocks.pclk1),
@@ -124,6 +128,7 @@ impl Machine {
         }
         let clocks = self.parts.clocks;
         if trigger && self.parts.adc.trigger(adc::TIM2_TRGO, now, &clocks)? {
+            self.check_pins()?;
             self.ticks += 1;
             self.pause = true;
             self.attend();
@@ -202,7 +207,7 @@ impl Machine {
             let work = self.parts.flash.end();
             self.flash_done(work);
         }
-        if self.parts.watchdog.next() <= at {
+        if self.parts.watchdog.next() <= at && self.parts.watchdog.run(at) {
             self.reset(cause::WATCHDOG | cause::PIN);
             return Ok(());
         }
@@ -233,6 +238,10 @@ impl Machine {
                 let range = SECTORS[sector] as usize..SECTORS[sector + 1] as usize;
                 self.flash[range.clone()].fill(0xff);
                 range
+            }
+            Some(Work::Options(options)) => {
+                self.around.options = options;
+                return;
             }
             None => return,
         };

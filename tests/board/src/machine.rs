@@ -62,6 +62,35 @@ pub struct Parts {
     pub dbgmcu: Dbgmcu,
 }
 
+/// What the program writes to some bits of a register is another value: a mistake in its set-up.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// Address of the register.
+    pub register: u32,
+    /// Bits.
+    pub mask: u32,
+    /// Their value instead.
+    pub value: u32,
+}
+
+impl Patch {
+    /// None.
+    pub const NONE: Self = Self {
+        register: 0,
+        mask: 0,
+        value: 0,
+    };
+
+    /// What is written in place of `value`.
+    pub(crate) fn changed(&self, address: u32, value: u32) -> u32 {
+        if address & !3 == self.register {
+            value & !self.mask | self.value
+        } else {
+            value
+        }
+    }
+}
+
 /// What stays the same over a reset: what is around the part.
 #[derive(Clone, Copy, Debug)]
 pub struct Around {
@@ -71,12 +100,16 @@ pub struct Around {
     pub pins: [[Outside; 16]; 8],
     /// Supply, V.
     pub supply_v: f64,
-    /// The watchdog's clock, Hz.
+    /// The watchdog's clock, Hz: 17,000 to 47,000 (DS10693, 6.3.9).
     pub lsi_hz: u64,
+    /// The flash takes the longest times of the data sheet, not the typical ones.
+    pub slow_flash: bool,
     /// Option bytes.
     pub options: u32,
     /// Rate of the link's other end.
     pub baud: u64,
+    /// A mistake in the program's set-up.
+    pub patch: Patch,
 }
 
 /// The machine.
@@ -166,7 +199,7 @@ fn parts(flags: u32, around: &Around) -> Parts {
         clocks: AFTER_RESET,
         rcc: Rcc::new(flags, around.hse),
         pwr: Pwr::new(around.supply_v),
-        flash: Flash::new(around.options),
+        flash: Flash::new(around.options, around.slow_flash),
         gpio: std::array::from_fn(|port| Gpio::new(port, around.pins[port])),
         exti: Exti::default(),
         tim: [
@@ -290,7 +323,8 @@ impl Machine {
                 self.flash[range.start..middle].fill(0xff);
                 self.forget(range);
             }
-            None => {}
+            // They are what they were: what silicon has then is not said.
+            Some(Work::Options(_)) | None => {}
         }
     }
 

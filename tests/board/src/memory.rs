@@ -244,6 +244,7 @@ impl Machine {
             }
             0xe if address & !0xfff == DBGMCU => {
                 let (value, mask) = ((value & mask) << shift, mask << shift);
+                let value = self.around.patch.changed(address, value);
                 let w = Write {
                     offset: address & 0xffc,
                     value,

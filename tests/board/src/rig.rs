@@ -16,7 +16,7 @@ use shared::link::BAUD;
 
 use crate::fingerprint::Fingerprint;
 use crate::image::Image;
-use crate::machine::{Around, Change, Machine};
+use crate::machine::{Around, Change, Machine, Patch};
 use crate::memory::VREFINT_CODE;
 use crate::parts::UNITS_PER_US;
 use crate::parts::gpio::Outside;
@@ -63,8 +63,10 @@ pub fn wired() -> Around {
         pins,
         supply_v: 3.3,
         lsi_hz: 32_000,
+        slow_flash: false,
         options: LEVEL_3,
         baud: u64::from(BAUD),
+        patch: Patch::NONE,
     }
 }
 
@@ -102,9 +104,11 @@ pub struct Rig {
     pub tick: u64,
     /// Codes at PA4, tick by tick.
     pub played: Vec<u16>,
+    /// Frequencies that the duty cycle at PC7 stands for, tick by tick, Hz.
+    pub frequencies: Vec<f32>,
     /// What the ADC was given, tick by tick.
     pub sampled: Vec<Frame>,
-    /// Whether `played` and `sampled` are kept.
+    /// Whether `played`, `frequencies` and `sampled` are kept.
     pub keeps: bool,
     /// Codes that force, hammer and cart read whatever the plant does.
     pub forced: [Option<u16>; 3],
@@ -136,6 +140,7 @@ impl Rig {
             output: Output::SAFE,
             tick: 0,
             played: Vec::new(),
+            frequencies: Vec::new(),
             sampled: Vec::new(),
             keeps: true,
             forced: [None; 3],
@@ -214,13 +219,17 @@ impl Rig {
         if self.machine.around.pins[port::B][5] != chain {
             self.machine.set_pin(port::B, 5, chain);
         }
-        let code = self.machine.parts.dac.holding_code();
+        // The bias holds a pin that is not driven in the middle (docs/wiring.md).
+        let coming = self.machine.parts.dac.coming_code();
+        let code = coming.unwrap_or(DacCode::MIDDLE.0);
+        let frequency_hz = (self.machine.duty().unwrap_or(0.0) * FULL_SCALE_HZ) as f32;
         if self.keeps {
             self.played.push(code);
+            self.frequencies.push(frequency_hz);
         }
         self.output = Output {
             dac: DacCode(code),
-            frequency_hz: (self.machine.parts.tim[1].duty(2).unwrap_or(0.0) * FULL_SCALE_HZ) as f32,
+            frequency_hz,
             enable: self.is_driven(),
         };
     }

@@ -1,4 +1,5 @@
-//! Tiny programs in the machine: exceptions, each rule that ends a run, and waiting that is passed over.
+//! Tiny programs in the machine: exceptions, each rule that ends a run, set-ups that must not work, and waiting that is
+//! passed over.
 
 use crate::core::nvic::FIRST;
 use crate::image::Image;
@@ -291,4 +292,257 @@ fn what_depends_on_its_own_count_is_executed() {
         passed_over(&[0x2504, 0x072d, 0x2401, 0x0324, 0x192d, 0x682c]),
         0
     );
+}
+
+/// Registers, written from outside into a program that does nothing.
+fn set(machine: &mut Machine, registers: &[(u32, u32)]) -> Result<(), Stop> {
+    registers
+        .iter()
+        .try_for_each(|(address, value)| machine.poke(*address, *value))
+}
+
+/// The last of these writes must be refused.
+fn refused(registers: &[(u32, u32)]) -> String {
+    let mut machine = with_handlers(&[]);
+    let (last, before) = registers.split_last().unwrap();
+    set(&mut machine, before).unwrap();
+    machine.poke(last.0, last.1).unwrap_err().why
+}
+
+const AHB1ENR: u32 = 0x4002_3830;
+const APB1ENR: u32 = 0x4002_3840;
+const APB2ENR: u32 = 0x4002_3844;
+const APB1RSTR: u32 = 0x4002_3820;
+const PORT_A: u32 = 0x4002_0000;
+const ADC_CR2: u32 = 0x4001_2008;
+const DMA: u32 = 1 << 8;
+const DDS: u32 = 1 << 9;
+
+#[test]
+fn a_part_at_work_wants_its_pins_and_keeps_them() {
+    let clocks = [
+        (AHB1ENR, 1),
+        (APB1ENR, 1 << 17 | 1 << 29),
+        (APB2ENR, 1 << 8),
+    ];
+    let after = |registers: &[(u32, u32)]| refused(&[&clocks, registers].concat());
+    // As after the reset: PA0, PA4, PA2 and PA3 are inputs.
+    assert!(after(&[(ADC_CR2, 1), (ADC_CR2, 1 | 1 << 30)]).contains("PA0 is not analogue"));
+    assert!(after(&[(0x4000_7400, 1)]).contains("PA4 is not analogue"));
+    assert!(after(&[(0x4000_440c, 1 << 13 | 1 << 3)]).contains("PA2"));
+    assert!(after(&[(0x4000_440c, 1 << 13 | 1 << 2)]).contains("PA3"));
+    // Another function, and one that is taken away again.
+    let other = [(PORT_A, 0xa800_0020), (PORT_A + 0x20, 0x100)];
+    assert!(after(&[&other[..], &[(0x4000_440c, 1 << 13 | 1 << 3)]].concat()).contains("PA2"));
+    let away = [
+        (PORT_A, 0xa800_0300),
+        (0x4000_7400, 1),
+        (PORT_A, 0xa800_0100),
+    ];
+    assert!(after(&away).contains("PA4"));
+}
+
+/// Where the samples go, and where the codes come from.
+const SAMPLES: u32 = RAM + 0x2000;
+const CODES: u32 = RAM + 0x2010;
+
+/// TIM2 at 20 kHz on HSI: PA0 by ADC1 and DMA2 into a ring of two samples, a ring of two codes by DMA1 to PA4.
+fn sampling(cr2: u32) -> Machine {
+    let mut machine = with_handlers(&[]);
+    machine.know(CODES, 4);
+    machine.ram[(CODES - RAM) as usize..][..4].copy_from_slice(&[1, 0, 2, 0]);
+    let ring = 1 << 8 | 1 << 10 | 1 << 11 | 1 << 13;
+    let registers = [
+        (AHB1ENR, 1 | 3 << 21),
+        (APB1ENR, 1 | 1 << 29),
+        (APB2ENR, 1 << 8),
+        (PORT_A, 0xa800_0303),
+        (ADC_CR2, 1 | DMA | cr2 | 6 << 24 | 1 << 28),
+        (0x4002_6414, 2),
+        (0x4002_6418, 0x4001_204c),
+        (0x4002_641c, SAMPLES),
+        (0x4002_6410, ring | 1),
+        (0x4000_7400, 1),
+        (0x4002_602c, 2),
+        (0x4002_6030, 0x4000_7408),
+        (0x4002_6034, CODES),
+        (0x4002_6028, ring | 3 << 25 | 1 << 6 | 1),
+        (0x4000_002c, 799),
+        (0x4000_0004, 2 << 4),
+        (0x4000_000c, 1 << 8),
+        (0x4000_0000, 1),
+    ];
+    set(&mut machine, &registers).unwrap();
+    machine
+}
+
+/// Whether triggers, samples and codes still come.
+fn goes_on(machine: &mut Machine) -> [bool; 3] {
+    let sample = |machine: &Machine| machine.ram[(SAMPLES - RAM) as usize];
+    machine.codes[0] = u16::from(sample(machine)) + 1;
+    let (ticks, before) = (machine.ticks, sample(machine));
+    let changes = machine.changes.len();
+    run(machine, 200).unwrap();
+    [
+        machine.ticks > ticks,
+        sample(machine) != before,
+        machine.changes.len() > changes,
+    ]
+}
+
+#[test]
+fn without_dds_the_samples_stop_after_the_first_ring() {
+    for (cr2, expected) in [(DDS, true), (0, false)] {
+        let mut machine = sampling(cr2);
+        run(&mut machine, 80).unwrap();
+        assert!(goes_on(&mut machine)[0], "the first ring");
+        assert_eq!(goes_on(&mut machine), [true, expected, true]);
+    }
+}
+
+#[test]
+fn a_part_without_a_clock_or_in_reset_stands() {
+    let apb1 = 1 | 1 << 29;
+    for (register, value, expected) in [
+        (AHB1ENR, 1 | 3 << 21, [true; 3]),
+        (APB1ENR, 1 << 29, [false; 3]),
+        (APB1RSTR, 1, [false; 3]),
+        (APB2ENR, 0, [false, false, true]),
+        (AHB1ENR, 1 | 1 << 22, [true, true, false]),
+        // An overrun: the ADC takes no more triggers.
+        (AHB1ENR, 1 | 1 << 21, [false, false, true]),
+    ] {
+        let mut machine = sampling(DDS);
+        run(&mut machine, 500).unwrap();
+        assert_eq!(goes_on(&mut machine), [true; 3]);
+        set(&mut machine, &[(register, value)]).unwrap();
+        run(&mut machine, 100).unwrap();
+        assert_eq!(goes_on(&mut machine), expected, "{register:#x}");
+    }
+    // The DMA's write to a DAC without a clock goes nowhere.
+    let mut machine = sampling(DDS);
+    set(&mut machine, &[(APB1ENR, apb1 & 1)]).unwrap();
+    let stop = run(&mut machine, 200).unwrap_err();
+    assert!(
+        stop.why.contains("Dac at 0x40007408 has no clock"),
+        "{stop}"
+    );
+}
+
+/// To 180 MHz from HSI, with the regulator at this scale, and over-drive or not.
+fn faster(scale: u32, over_drive: bool, ports: u32) -> (Machine, Result<(), Stop>) {
+    let mut machine = with_handlers(&[]);
+    let power = scale << 14;
+    let mut steps = vec![
+        (0x4002_3c00, 5),
+        (AHB1ENR, ports),
+        (APB1ENR, 1 << 28),
+        (0x4000_7000, power),
+        (0x4002_3804, 0x2200_0000 | 180 << 6 | 8),
+        (0x4002_3800, 1 << 24 | 0x81),
+    ];
+    if over_drive {
+        steps.push((0x4000_7000, power | 1 << 16));
+        steps.push((0x4000_7000, power | 3 << 16));
+    }
+    steps.push((0x4002_3808, 4 << 13 | 5 << 10 | 2));
+    let done = steps.iter().try_for_each(|step| {
+        set(&mut machine, &[*step])?;
+        run(&mut machine, 200)
+    });
+    (machine, done)
+}
+
+#[test]
+fn the_fastest_clock_wants_scale_1_and_over_drive_and_keeps_them() {
+    let (mut machine, done) = faster(3, true, 0);
+    done.unwrap();
+    for without in [1 << 14 | 3 << 16, 3 << 14 | 1 << 16, 3 << 14] {
+        let mut machine = machine.clone();
+        machine.poke(0x4000_7000, without).unwrap_err();
+    }
+    // PWR in reset is as after a reset.
+    machine.poke(APB1RSTR, 1 << 28).unwrap_err();
+    for (scale, over_drive) in [(3, false), (2, true), (1, true)] {
+        let why = faster(scale, over_drive, 0).1.unwrap_err().why;
+        assert!(why.contains("scale and over-drive"), "{why}");
+    }
+}
+
+#[test]
+fn the_over_drive_is_not_switched_with_peripherals_clocked() {
+    let why = faster(3, true, 1).1.unwrap_err().why;
+    assert!(why.contains("a peripheral has a clock"), "{why}");
+    // Nor is a peripheral's clock switched on meanwhile.
+    let mut machine = with_handlers(&[]);
+    set(
+        &mut machine,
+        &[(APB1ENR, 1 << 28), (0x4000_7000, 3 << 14 | 1 << 16)],
+    )
+    .unwrap();
+    run(&mut machine, 200).unwrap();
+    machine.poke(0x4000_7000, 3 << 14 | 3 << 16).unwrap();
+    let why = machine.poke(AHB1ENR, 1).unwrap_err().why;
+    assert!(why.contains("a peripheral has a clock"), "{why}");
+}
+
+#[test]
+fn the_reference_wants_to_be_switched_on_and_time() {
+    let reference = |ccr: u32, sampling: u32, wait_us: u64| {
+        let mut machine = with_handlers(&[]);
+        machine.codes[17] = 1500;
+        let before = [
+            (APB2ENR, 1 << 8),
+            (0x4001_200c, sampling << 21),
+            (0x4001_2038, 17 << 15),
+            (ADC_CR2, 1),
+        ];
+        set(&mut machine, &before).unwrap();
+        run(&mut machine, 100).unwrap();
+        set(&mut machine, &[(0x4001_2304, ccr)]).unwrap();
+        run(&mut machine, wait_us).unwrap();
+        set(&mut machine, &[(ADC_CR2, 1 | 1 << 22)]).unwrap();
+        run(&mut machine, 100).unwrap();
+        machine.peek(0x4001_203c).unwrap() == 1500
+    };
+    // 480 cycles of 8 MHz are 60 µs, 56 are 7 µs.
+    assert!(reference(1 << 23, 7, 12));
+    assert!(!reference(0, 7, 12));
+    assert!(!reference(1 << 23, 3, 12));
+    assert!(!reference(1 << 23, 7, 5));
+}
+
+#[test]
+fn what_does_not_exist_or_has_a_bit_in_brackets_set_is_refused() {
+    use crate::core::{decode16, decode32, op::Kind};
+    let wide = |a, b| decode32::decode(CODE, a, b).kind == Kind::Undefined;
+    for (good, bad) in [
+        // vldr d0 and d16; vmov d0[0], r0 and d16[0].
+        ((0xed90, 0x0b00), (0xedd0, 0x0b00)),
+        ((0xee00, 0x0b10), (0xee00, 0x0b90)),
+        // vmov s0, r0; vmov.f32 s0, #2.0; vcmp.f32 s0, #0; vmrs r0, fpscr
+        ((0xee00, 0x0a10), (0xee00, 0x0a11)),
+        ((0xeeb0, 0x0a00), (0xeeb0, 0x0a20)),
+        ((0xeeb5, 0x0a40), (0xeeb5, 0x0a41)),
+        ((0xeef1, 0x0a10), (0xeef1, 0x0a30)),
+        // mov.w r0, r1; ldm.w r0, {r1, r2}; stmdb sp!, {r4, lr}; tbb [r0, r1]; ldrex r0, [r1]
+        ((0xea4f, 0x0001), (0xea4f, 0x8001)),
+        ((0xe890, 0x0006), (0xe890, 0x2006)),
+        ((0xe92d, 0x4010), (0xe92d, 0x8010)),
+        ((0xe8d0, 0xf001), (0xe8d0, 0x0001)),
+        ((0xe851, 0x0f00), (0xe851, 0x0e00)),
+        // ubfx r0, r1, #0, #8; msr basepri, r0; mrs r0, basepri; dsb; uxtb.w r0, r1; udiv r0, r1, r2
+        ((0xf3c1, 0x0007), (0xf3c1, 0x0027)),
+        ((0xf380, 0x8811), (0xf380, 0x8911)),
+        ((0xf3ef, 0x8011), (0xf3ef, 0xa011)),
+        ((0xf3bf, 0x8f4f), (0xf3bf, 0x8e4f)),
+        ((0xfa5f, 0xf081), (0xfa5f, 0xf0c1)),
+        ((0xfbb1, 0xf0f2), (0xfbb1, 0x00f2)),
+    ] {
+        assert!(!wide(good.0, good.1), "{good:04x?}");
+        assert!(wide(bad.0, bad.1), "{bad:04x?}");
+    }
+    let narrow = |h| decode16::decode(CODE, h).kind == Kind::Undefined;
+    assert!(!narrow(0x4770) && narrow(0x4771), "bx lr");
+    assert!(!narrow(0xb672) && narrow(0xb676), "cpsid i");
 }

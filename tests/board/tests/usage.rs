@@ -24,6 +24,11 @@ fn what_is_not_understood_is_named() {
 
 #[test]
 fn an_image_that_is_not_there_fails_its_check() {
+    let (code, text) = run(&["no-such-image", "--mutants"]);
+    assert!(
+        code == Some(1) && text.contains("cannot read no-such-image"),
+        "{text}"
+    );
     let (code, text) = run(&["no-such-image", "cold boot"]);
     assert!(
         code == Some(1) && text.contains("FAILED  cold boot: cannot read no-such-image"),

@@ -38,7 +38,13 @@ pub fn start(rcc: Rcc) -> (Rcc, bool) {
     } else {
         Config::hsi()
     };
+    // While the over-drive switches, no peripheral may have a clock (RM0390, 5.1.4). Pins keep mode and level without one.
+    let ports = rcc.ahb1enr().read().bits();
+    // SAFETY: no clock at all; nothing but the ports has one yet.
+    rcc.ahb1enr().write(|w| unsafe { w.bits(0) });
     let rcc = rcc.freeze(source.sysclk(SYSCLK_MHZ.MHz()));
+    // SAFETY: what was there before.
+    rcc.ahb1enr().write(|w| unsafe { w.bits(ports) });
     if crystal {
         rcc.cr().modify(|_, w| w.csson().set_bit());
     }

@@ -15,7 +15,7 @@
 #![allow(unsafe_code)]
 
 use super::watchdog;
-use crate::{hardware::tasks::blocks, link_device::SettingsStore};
+use crate::{brown_out, hardware::tasks::blocks, link_device::SettingsStore};
 use embedded_storage::nor_flash::{
     ErrorType, MultiwriteNorFlash, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase,
     check_read, check_write,
@@ -38,6 +38,9 @@ const SECTOR: u32 = 0x4000;
 
 /// EOP, OPERR, WRPERR, PGAERR, PGPERR, PGSERR and RDERR of FLASH_SR.
 const ERRORS: u32 = 0x1f3;
+
+/// Keys of the option bytes (RM0390, "FLASH_OPTKEYR").
+const OPTION_KEYS: [u32; 2] = [0x0819_2a3b, 0x4c5d_6e7f];
 
 /// Empties the data cache of the flash accelerator, which an erasure leaves as it was (RM0390, "Adaptive real-time
 /// memory accelerator"): what is read next would be what was there before. It can be emptied only while it is off.
@@ -157,5 +160,26 @@ impl SettingsStore for Store {
         // Whatever is left of its period is shorter than the save may take.
         watchdog::feed();
         blocks::paused(|| self.0.save(settings)).is_ok()
+    }
+
+    /// Of the option bytes only the level changes (RM0390, "Programming user option bytes").
+    fn set_brown_out(&mut self) -> bool {
+        watchdog::feed();
+        blocks::paused(|| {
+            // SAFETY: this is the flash's owner, and no operation of it is under way.
+            let flash = unsafe { &*pac::FLASH::ptr() };
+            for key in OPTION_KEYS {
+                // SAFETY: the keys that RM0390 names.
+                flash.optkeyr().write(|w| unsafe { w.bits(key) });
+            }
+            let wanted = brown_out::at_level_3(flash.optcr().read().bits());
+            // SAFETY: what was read, with another level.
+            flash.optcr().write(|w| unsafe { w.bits(wanted) });
+            flash.optcr().modify(|_, w| w.optstrt().set_bit());
+            // The processor stands at its next fetch meanwhile.
+            while flash.sr().read().bsy().bit() {}
+            flash.optcr().modify(|_, w| w.optlock().set_bit());
+            brown_out::is_level_3(flash.optcr().read().bits())
+        })
     }
 }

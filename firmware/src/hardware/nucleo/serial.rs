@@ -15,7 +15,8 @@
 
 use core::cell::UnsafeCell;
 
-use crate::wire::{CHUNK, RATES};
+use crate::wire::CHUNK;
+use shared::link::RATES;
 use stm32f4xx_hal::{
     gpio::{Alternate, PA2, PA3},
     pac,

@@ -34,6 +34,9 @@ pub fn check(what: &What) -> Result<(), UserError> {
             given("--amplitude", start.amplitude)?;
             given("--for", start.duration_s)
         }
+        What::SetBrownOut(set) if !set.yes => Err(UserError::new(
+            "this writes the processor's option bytes, and a power cut in that second can lock the processor; leave the board on its plug and say --yes",
+        )),
         What::Record(record) => {
             positive("--for", record.duration_s)?;
             unless_there([record.out.as_path()])

@@ -12,7 +12,7 @@ use clap::Subcommand;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serialport::SerialPort;
 use shared::control::{self, Mode, State};
-use shared::link::{Act, Answer, Hello, ToBoard};
+use shared::link::{Act, Answer, Hello, RATES, ToBoard};
 use shared::settings::{Settings, TICK_RATE_HZ};
 
 use super::arguments::output::Format;
@@ -40,9 +40,9 @@ pub struct Args {
     #[arg(value_name = "PORT")]
     port: String,
 
-    /// Bits per second (a pseudo-terminal does not care)
-    #[arg(long, value_name = "N", default_value_t = shared::link::BAUD)]
-    baud: u32,
+    /// Bits per second [default: 2250000, or if nothing answers 921600; a pseudo-terminal does not care]
+    #[arg(long, value_name = "N")]
+    baud: Option<u32>,
 
     /// Show the board in a browser, until interrupted: one page commands, others watch
     #[arg(long)]
@@ -94,6 +94,8 @@ enum What {
     Get,
     /// Send settings; the board checks them as a whole, in idle, uses them and stores them
     Set(Set),
+    /// Set the processor's brown-out reset to the level that its clock needs, once per board; without it the board drives nothing
+    SetBrownOut(SetBrownOut),
     /// What the online twin forecasts over frequency
     Forecast {
         /// How to answer
@@ -137,6 +139,15 @@ struct Start {
     /// Stop after so long, s of the controller's time [default: until interrupted]
     #[arg(long = "for", value_name = "S", requires = "manual")]
     duration_s: Option<f64>,
+    #[command(flatten)]
+    session: Session,
+}
+
+#[derive(Debug, clap::Args)]
+struct SetBrownOut {
+    /// Yes, write the processor's option bytes; the board keeps its power meanwhile
+    #[arg(long)]
+    yes: bool,
     #[command(flatten)]
     session: Session,
 }
@@ -201,11 +212,13 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         }
     };
     check(what)?;
-    if matches!(what, What::Stop) && client::stop_beside_another(&args.port, args.baud)? {
+    if matches!(what, What::Stop) && client::stop_beside_another(&args.port)? {
         print("sent; another program uses the port, and only it hears whether the drive stops\n");
         return Ok(0);
     }
-    let (mut port, hello) = client::open(&args.port, args.baud)?;
+    let opened = client::open(&args.port, args.baud)?;
+    say_the_rate(args, opened.baud);
+    let (mut port, hello) = (opened.client, opened.hello);
     let port = &mut port;
     let done = match what {
         What::Status { format } => show::status(port, &hello, *format, &args.made_from),
@@ -227,6 +240,13 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         }),
         What::Get => settings(port).map(|settings| print(&settings_file::to_toml(&settings))),
         What::Set(set) => in_session(port, set.session, |port| send_settings(port, &set.new)),
+        What::SetBrownOut(set) => in_session(port, set.session, |port| {
+            port.steer(Act::SetBrownOut)?;
+            print(
+                "the brown-out reset is set; unplug the board, wait a second, and plug it in again\n",
+            );
+            Ok(())
+        }),
         What::Forecast { format } => show::forecast(port, &hello, *format, &args.made_from),
         What::Record(recording) => in_session(port, recording.session, |port| {
             record(port, &hello, recording, &args.made_from)
@@ -239,6 +259,17 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
         What::Monitor { duration_s, rate } => show::monitor(port, *duration_s, *rate),
     };
     done.map(|()| 0)
+}
+
+/// Says so if the board answers only at the slower rate.
+fn say_the_rate(args: &Args, baud: u32) {
+    let [usual, slower] = RATES;
+    if args.baud.is_none() && baud == slower {
+        say(&format!(
+            "{}: no answer at {usual} Bd, so {slower} Bd, too slow to record every tick (`--baud {slower}` saves this wait)",
+            args.port
+        ));
+    }
 }
 
 /// Does `work` in a session, which ends with it, however that ends.

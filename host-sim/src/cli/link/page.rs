@@ -13,7 +13,8 @@ use files::UserError;
 pub fn run(args: &Args) -> Result<i32, UserError> {
     let built = format!("cargo xtask lab --board {}", args.port);
     let page = lab::page(args.page_file.as_deref(), &built)?;
-    let (client, hello) = client::open(&args.port, args.baud)?;
+    let opened = client::open(&args.port, args.baud)?;
+    super::say_the_rate(args, opened.baud);
     let door = Arc::new(Door::default());
     let site = Site {
         page,
@@ -28,9 +29,7 @@ pub fn run(args: &Args) -> Result<i32, UserError> {
     let _shown = lab::show(&address, args.no_open);
     let port = Port {
         name: args.port.clone(),
-        baud: args.baud,
-        client,
-        hello,
+        opened,
     };
     bridge::run(&door, port, &interrupt::interrupted);
     Ok(interrupt::CODE)

@@ -121,22 +121,25 @@ pub fn benchmark(setup: &Setup) -> Found {
         text += &format!("        {name:<28} {table:>7} {model:>20} {misses:>11}\n");
     }
     let [table, _, misses] = profile.response;
-    must(table < DEADLINE, || {
-        format!("a block takes {table} cycles by the table, and {DEADLINE} are there\n{text}")
-    })?;
+    within_deadline(misses).map_err(|why| format!("{why}\n{text}"))?;
     must(lost == 0, || format!("{lost} packets lost\n{text}"))?;
     text += &format!(
         "        bounds, not cycles of silicon: of the {DEADLINE} until the set-points must be there (a block: {BLOCK}) the \
-         longest takes {:.0} to {:.0} %: the deadline {}",
+         longest takes {:.0} to {:.0} %: the deadline holds at the upper bound",
         100.0 * table as f64 / DEADLINE as f64,
         100.0 * misses as f64 / DEADLINE as f64,
-        if misses < DEADLINE {
-            "holds at the upper bound"
-        } else {
-            "does not hold at the upper bound"
-        }
     );
     Ok((text, machine.now - from))
+}
+
+/// The longest block must end in time at the upper bound of its cycles.
+fn within_deadline(cycles: u64) -> Result<(), String> {
+    if cycles < DEADLINE {
+        return Ok(());
+    }
+    Err(format!(
+        "a block takes up to {cycles} cycles at the upper bound (all misses), and {DEADLINE} are there"
+    ))
 }
 
 /// Of the functions inlined at a place, the innermost that is the program's own, without the folders before it.
@@ -162,4 +165,15 @@ fn stack(machine: &crate::machine::Machine) -> Result<usize, String> {
     let words = machine.ram[bottom..top].chunks_exact(4);
     let untouched = words.take_while(|word| *word == PAINT).count();
     Ok(top - bottom - 4 * untouched)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_upper_bound_is_what_must_hold() {
+        within_deadline(DEADLINE - 1).unwrap();
+        within_deadline(DEADLINE).unwrap_err();
+    }
 }

@@ -2,6 +2,7 @@
 
 use shared::control::State;
 use shared::fault::Fault;
+use shared::link::Act;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -45,10 +46,10 @@ pub fn cold(setup: &Setup) -> Found {
             .find(|(_, c)| *c == wanted)
             .map_or(0.0, |(at, _)| *at as f64 / 720e3)
     };
-    let early = bench.rig.borrow().machine.parts.adc.early;
+    let unusable = bench.rig.borrow().machine.parts.adc.unusable;
     let text = format!(
         "PA8 driven low after {:.1} ms, PA4 at the middle after {:.1} ms, 180 MHz; 2 kHz, 1 kHz, 1 kHz exactly; \
-         {early} conversion(s) within 3 µs of ADON",
+         {unusable} conversion(s) that give nothing to be used",
         first(Change::Enable(Some(false))),
         first(Change::Dac(Some(2048)))
     );
@@ -181,6 +182,33 @@ pub fn brown_out_off(setup: &Setup) -> Found {
         format!("level 3 accepted: {on}, off accepted: {off}")
     })?;
     Ok(("refused; level 3 is accepted".into(), UNITS_PER_S / 5))
+}
+
+/// A board as it is delivered, and the link's command; after the next power-up it is fit. While it drives, the command is refused.
+pub fn brown_out_set(setup: &Setup) -> Found {
+    let mut around = wired();
+    around.options = DELIVERED;
+    let mut bench = Bench::power_up(setup, around)?;
+    bench.advance_ms(100)?;
+    bench.client.hello()?;
+    bench.client.open_session(false)?;
+    bench.client.steer(Act::SetBrownOut)?;
+    let options = bench.rig.borrow().machine.around.options;
+    must((options ^ LEVEL_3) & !3 == 0, || {
+        format!("option bytes {options:#010x}")
+    })?;
+    let units = bench.now();
+    must(fit(setup, options)?, || "not fit after it".into())?;
+    let mut bench = Bench::driving(setup)?;
+    bench.client.hello()?;
+    bench.client.open_session(true)?;
+    must(bench.client.steer(Act::SetBrownOut).is_err(), || {
+        "option bytes are written while it drives".into()
+    })?;
+    Ok((
+        "off as delivered; the link's command, a power-up, and the board is fit; refused while it drives".into(),
+        units,
+    ))
 }
 
 /// The supply is gone at once while the board drives, and comes back: RAM says so, and the reset's flags.

@@ -15,6 +15,12 @@ use crate::parts::interrupt;
 /// Ticks from a sample to its set-point: a block gathered and a block worked on.
 const LATENCY: usize = 20;
 
+/// Requests after it: more bytes than the board's receive ring has.
+const REQUESTS: usize = 300;
+
+/// A step of the duty cycle, Hz.
+const FREQUENCY_STEP_HZ: f32 = 50.0 / 18_000.0;
+
 /// The field scenario, started over the link: recorded at full rate, every decision compared with the desktop's bit for
 /// bit, every set-point at the pin with the controller's.
 pub fn field(setup: &Setup) -> Found {
@@ -33,7 +39,10 @@ pub fn field(setup: &Setup) -> Found {
         ticks,
         start,
     )?;
-    let status = bench.client.status()?;
+    let mut status = bench.client.status()?;
+    for _ in 0..REQUESTS {
+        status = bench.client.status()?;
+    }
     let replayed = replay(&mut Reader::open(&log)?, &Progress::new("", 1, true))?;
     must(replayed.difference.is_none(), || {
         format!("the desktop decides otherwise: {:?}", replayed.difference)
@@ -67,7 +76,7 @@ fn played(bench: &Bench, log: &mut Reader) -> Result<usize, Box<dyn std::error::
             block
                 .ticks
                 .iter()
-                .map(|tick| (tick.frame, tick.output.dac.0)),
+                .map(|tick| (tick.frame, tick.output.dac.0, tick.output.frequency_hz)),
         );
     }
     let rig = bench.rig.borrow();
@@ -80,16 +89,29 @@ fn played(bench: &Bench, log: &mut Reader) -> Result<usize, Box<dyn std::error::
             window
                 .iter()
                 .zip(head)
-                .all(|(sample, (frame, _))| sample == frame)
+                .all(|(sample, (frame, ..))| sample == frame)
         })
         .ok_or("the recorded samples are not those that the ADC was given")?;
-    let codes: Vec<u16> = recorded.iter().map(|(_, code)| *code).collect();
+    let codes: Vec<u16> = recorded.iter().map(|(_, code, _)| *code).collect();
     // The code played at a tick is noted when the tick begins; the first is read ahead.
     let offset = (LATENCY - 2..=LATENCY + 2).find(|offset| {
         let pins = rig.played.get(at + offset..).unwrap_or_default();
         pins.len() >= 2000 && pins.iter().zip(&codes).all(|(pin, code)| pin == code)
     });
     let offset = offset.ok_or("the codes at PA4 are not those of the controller")?;
+    // A block's frequency is at PC7 before the next block's last tick, and stays for a block.
+    let wrong = recorded
+        .iter()
+        .enumerate()
+        .skip(9)
+        .step_by(10)
+        .find(|(i, tick)| {
+            let pin = rig.frequencies.get(at + i + 9);
+            pin.is_some_and(|hz| (hz - tick.2).abs() > FREQUENCY_STEP_HZ)
+        });
+    must(wrong.is_none(), || {
+        format!("the duty cycle at PC7 is not the controller's frequency: {wrong:?}")
+    })?;
     let compared = codes.len().min(rig.played.len() - at - offset);
     Ok(compared)
 }

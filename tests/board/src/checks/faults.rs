@@ -5,8 +5,9 @@ use shared::fault::Fault;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
-use crate::machine::Change;
+use crate::machine::{Change, Machine};
 use crate::parts::rcc::External;
+use crate::profile::CONTROL;
 
 /// docs/controller.md, "How soon the drive is off": PA8 low for good at the latest so many µs after the cause, at the pin.
 pub const CHAIN_US: f64 = 20.0;
@@ -117,12 +118,31 @@ fn strike(
     Ok((found.text(&strike), found.units))
 }
 
-/// PB5 rises.
+/// PB5 rises, while the control task works: its interrupt must come above that task.
 pub fn chain(setup: &Setup) -> Found {
-    strike(setup, CHAIN_US, 50, Fault::EmergencyStop, |bench| {
+    let strike = Strike {
+        limit_us: CHAIN_US,
+        wait_ms: 50,
+        wanted: Fault::EmergencyStop,
+    };
+    let found = struck_from(in_control(setup)?, &strike, |bench| {
         bench.rig.borrow_mut().open_chain();
         Ok(())
-    })
+    })?;
+    Ok((found.text(&strike), found.units))
+}
+
+/// A board that drives, at the start of the control task, with PA8 high.
+fn in_control(setup: &Setup) -> Result<Bench, Box<dyn std::error::Error>> {
+    let bench = Bench::driving(setup)?;
+    for _ in 0..10_000 {
+        let there = |machine: &Machine| machine.cpu.ipsr as usize == CONTROL && machine.enabled();
+        if there(&bench.rig.borrow().machine) {
+            return Ok(bench);
+        }
+        bench.rig.borrow_mut().advance(1)?;
+    }
+    Err("the control task does not raise PA8".into())
 }
 
 /// TIM2 stands: no samples, and no interrupt of the control task; the block monitor acts.
@@ -191,15 +211,21 @@ pub fn clock_dies(setup: &Setup) -> Found {
     })
 }
 
-/// The supply falls below the voltage detector's level, and comes back.
+/// The supply falls below the voltage detector's level while the control task works, and comes back.
 pub fn supply_sags(setup: &Setup) -> Found {
-    strike(setup, CRASH_US, 400, Fault::BoardUnfit, |bench| {
+    let strike = Strike {
+        limit_us: CRASH_US,
+        wait_ms: 400,
+        wanted: Fault::BoardUnfit,
+    };
+    let found = struck_from(in_control(setup)?, &strike, |bench| {
         let rig = &mut bench.rig.borrow_mut();
         rig.machine.set_supply(2.88);
         rig.advance(2_000)?;
         rig.machine.set_supply(3.3);
         Ok(())
-    })
+    })?;
+    Ok((found.text(&strike), found.units))
 }
 
 /// The stack pointer at the bottom of RAM: the next call or interrupt leaves it.
@@ -218,12 +244,17 @@ pub fn bad_address(setup: &Setup) -> Found {
     })
 }
 
-/// A debugger halts the processor and goes away: the pulses end at once, the watchdog resets the board.
+/// A debugger halts the processor and goes away: pulses and set-points end at once, the watchdog resets the board.
 pub fn halted(setup: &Setup) -> Found {
     let mut bench = Bench::driving(setup)?;
     let from = bench.now();
     bench.rig.borrow_mut().machine.stand_still();
-    bench.advance_ms(10)?;
+    bench.advance_ms(1)?;
+    let ticks = bench.rig.borrow().machine.ticks;
+    bench.advance_ms(9)?;
+    must(bench.rig.borrow().machine.ticks == ticks, || {
+        "samples and set-points go on while the processor is halted".into()
+    })?;
     let driven = bench.rig.borrow_mut().is_driven();
     must(!driven, || {
         "the pulses hold the enable 10 ms after the processor was halted".into()

@@ -30,9 +30,11 @@ impl Machine {
 /// Goes on until no task is at work and none is masked.
 fn until_idle(bench: &mut Bench) -> Result<(), Box<dyn std::error::Error>> {
     for _ in 0..10_000 {
-        let cpu = &bench.rig.borrow().machine.cpu;
-        if cpu.ipsr == 0 && cpu.basepri == 0 && !cpu.primask {
-            return Ok(());
+        {
+            let cpu = &bench.rig.borrow().machine.cpu;
+            if cpu.ipsr == 0 && cpu.basepri == 0 && !cpu.primask {
+                return Ok(());
+            }
         }
         bench.rig.borrow_mut().advance(1)?;
     }

@@ -8,6 +8,7 @@ mod faults;
 mod flooded;
 mod hold;
 mod hung;
+pub mod mutants;
 mod pairs;
 mod passed;
 mod records;
@@ -26,6 +27,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use crate::image::Image;
+use crate::machine::Patch;
 use crate::parts::UNITS_PER_S;
 use crate::rig::Rig;
 
@@ -37,6 +39,8 @@ pub struct Setup {
     pub seconds: f64,
     /// Without what takes long, and of the power cuts one in so many.
     pub short: Option<u32>,
+    /// A mistake in the set-up.
+    patch: Patch,
     image: OnceCell<Rc<Image>>,
     driving: OnceCell<Rig>,
     holding: OnceCell<Rig>,
@@ -49,9 +53,20 @@ impl Setup {
             elf,
             seconds: 60.0,
             short: None,
+            patch: Patch::NONE,
             image: OnceCell::new(),
             driving: OnceCell::new(),
             holding: OnceCell::new(),
+        }
+    }
+
+    /// An image that was read, with a mistake in its set-up, for this much rig time.
+    fn patched(image: Rc<Image>, patch: Patch, seconds: f64) -> Self {
+        Self {
+            seconds,
+            patch,
+            image: image.into(),
+            ..Self::new(PathBuf::new())
         }
     }
 
@@ -71,12 +86,13 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 44] = [
+const ALL: [Check; 48] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
     ("boot with the button held", boots::button_held),
     ("boot with the brown-out reset off", boots::brown_out_off),
+    ("the brown-out reset is set", boots::brown_out_set),
     ("boot with damaged settings", slots::damaged),
     ("boot after a brown-out", boots::after_brown_out),
     ("closed loop", closed::field),
@@ -89,6 +105,7 @@ const ALL: [Check; 44] = [
     ("a debugger's traps", faults::traps),
     ("the clock dies", faults::clock_dies),
     ("the supply sags", faults::supply_sags),
+    ("reports that agree", reports::agree),
     ("a report that contradicts", reports::contradict),
     ("the measuring reference is off", reports::reference),
     ("a chain that was not tried", reports::chain_tried),
@@ -118,6 +135,8 @@ const ALL: [Check; 44] = [
     ("two at once: wire and chain", pairs::wire_and_chain),
     ("power cuts in a save", saves::power_cuts),
     ("a save after an old error", saves::old_error),
+    ("a save on the slowest flash", saves::slowest),
+    ("one mistake in the set-up", mutants::sample),
     ("waiting passed over", passed::same),
     ("the clock dies in Hold", hold::clock_dies),
     ("the set-point after a trip in Hold", hold::way_back),

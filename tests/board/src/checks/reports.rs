@@ -4,7 +4,7 @@ use shared::control::{Command, Mode, State};
 use shared::fault::Fault;
 
 use super::faults::{Strike, struck};
-use super::session::Bench;
+use super::session::{Bench, START_STEP_MS};
 use super::{Found, Setup, must};
 use crate::memory::VREFINT_CODE;
 use crate::parts::gpio::Outside;
@@ -18,9 +18,6 @@ const VREFINT: usize = 17;
 const RELAY_MS: f64 = 100.0;
 const READY_MS: f64 = 1_000.0;
 const LASTS_MS: f64 = 10.0;
-
-/// Steps in which the start is waited for, ms.
-const STEP_MS: u64 = 5;
 
 /// A relay that stays dropped, then a power stage that never gets ready, each with its report wired and set.
 pub fn contradict(setup: &Setup) -> Found {
@@ -36,19 +33,13 @@ pub fn contradict(setup: &Setup) -> Found {
         bench.scenario.settings.interlock.relay = relay;
         bench.scenario.settings.interlock.ready = !relay;
         let (mut bench, _) = bench.prepared(None)?;
-        bench.client.command(Command::Start(Mode::Automatic))?;
-        for _ in 0..1_600 {
-            if bench.rig.borrow_mut().is_driven() {
-                break;
-            }
-            bench.advance_ms(STEP_MS)?;
-        }
+        bench.start_drive()?;
         let from = bench.now();
         bench.advance_ms(1_100)?;
         let gone_ms = bench.enable_gone_us(from)? / 1e3;
         let limit_ms = after_ms + LASTS_MS + 1.0;
         must(
-            gone_ms <= limit_ms && gone_ms > after_ms - STEP_MS as f64,
+            gone_ms <= limit_ms && gone_ms > after_ms - START_STEP_MS as f64,
             || format!("{name}: PA8 was last high after {gone_ms:.1} ms of {limit_ms}"),
         )?;
         let status = bench.must_be(State::Fault)?;
@@ -91,6 +82,30 @@ pub fn chain_tried(setup: &Setup) -> Found {
     Ok((
         "a start is refused until the chain was opened, closed and acknowledged; after it, again"
             .into(),
+        bench.now(),
+    ))
+}
+
+/// The relay drops its contact and the stage is ready as they should: the drive stays on.
+pub fn agree(setup: &Setup) -> Found {
+    let mut around = wired();
+    around.pins[port::A][9] = Outside::Low;
+    around.pins[port::B][10] = Outside::Low;
+    let mut bench = Bench::power_up(setup, around)?;
+    bench.scenario.settings.interlock.relay = true;
+    bench.scenario.settings.interlock.ready = true;
+    let (mut bench, _) = bench.prepared(None)?;
+    bench.start_drive()?;
+    bench
+        .rig
+        .borrow_mut()
+        .machine
+        .set_pin(port::A, 9, Outside::Open);
+    bench.advance_ms(1_100)?;
+    let driven = bench.rig.borrow_mut().is_driven();
+    must(driven, || "the drive went off".into())?;
+    Ok((
+        "relay pulled in, stage ready: the drive is on 1.1 s later".into(),
         bench.now(),
     ))
 }

@@ -15,6 +15,8 @@ use crate::rig::{Rig, Wire, wired};
 
 /// The longest that a start is given until the drive comes on, ms.
 const MOST_START_MS: u64 = 8_000;
+/// Steps in which it is waited for, ms.
+pub const START_STEP_MS: u64 = 5;
 /// The longest until Hold, s.
 const MOST_SEEK_S: u64 = 240;
 
@@ -37,7 +39,8 @@ impl Bench {
     }
 
     /// The same in another scenario.
-    pub fn power_up_in(setup: &Setup, scenario: Scenario, around: Around) -> Outcome<Self> {
+    pub fn power_up_in(setup: &Setup, scenario: Scenario, mut around: Around) -> Outcome<Self> {
+        around.patch = setup.patch;
         let rig = Rig::power_up(setup.image()?, &scenario, around)?;
         Ok(Self::of(rig, scenario))
     }
@@ -118,19 +121,25 @@ impl Bench {
     /// The same with a debugger attached, and these traps (DEMCR) left in the part.
     pub fn driving_with(setup: &Setup, traps: Option<u32>) -> Outcome<Self> {
         let (mut bench, _) = Self::power_up(setup, wired())?.prepared(traps)?;
-        bench.client.command(Command::Start(Mode::Automatic))?;
-        for _ in 0..MOST_START_MS / 5 {
-            bench.advance_ms(5)?;
-            if bench.rig.borrow_mut().is_driven() {
-                bench.advance_ms(20)?;
-                // In the middle of a pulse.
-                while !bench.rig.borrow().machine.enabled() {
-                    bench.rig.borrow_mut().advance(20)?;
-                }
-                return Ok(bench);
+        bench.start_drive()?;
+        bench.advance_ms(20)?;
+        // In the middle of a pulse.
+        while !bench.rig.borrow().machine.enabled() {
+            bench.rig.borrow_mut().advance(20)?;
+        }
+        Ok(bench)
+    }
+
+    /// Starts it, and goes on until the first pulse at PA8 has come.
+    pub fn start_drive(&mut self) -> Outcome {
+        self.client.command(Command::Start(Mode::Automatic))?;
+        for _ in 0..MOST_START_MS / START_STEP_MS {
+            self.advance_ms(START_STEP_MS)?;
+            if self.rig.borrow_mut().is_driven() {
+                return Ok(());
             }
         }
-        let status = bench.status()?;
+        let status = self.status()?;
         Err(format!(
             "the drive did not come on within {MOST_START_MS} ms of the start: {:?}",
             status.state

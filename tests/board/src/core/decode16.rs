@@ -132,6 +132,7 @@ fn special(h: u32) -> Op {
         1 => op(Kind::CmpR).regs(0, d, m).s(1),
         2 if d == 15 => op(Kind::MovPc).regs(15, 0, m),
         2 => op(Kind::MovR).regs(d, 0, m),
+        _ if h & 7 != 0 => op(Kind::Undefined).imm(h),
         _ if h >> 7 & 1 == 1 => op(Kind::BranchLinkReg).regs(0, 0, m),
         _ => op(Kind::BranchReg).regs(0, 0, m),
     }
@@ -169,7 +170,7 @@ fn miscellaneous(pc: u32, h: u32) -> Op {
                 .ra(mode::WRITE_BACK | mode::BEFORE)
                 .cost(count(list))
         }
-        6 if h & 0xffe8 == 0xb660 => op(Kind::Cps).imm(h & 3).ra(h >> 4 & 1),
+        6 if h & 0xffec == 0xb660 => op(Kind::Cps).imm(h & 3).ra(h >> 4 & 1),
         10 => match h >> 6 & 3 {
             0 => op(Kind::Rev).regs(d, 0, m),
             1 => op(Kind::Rev16).regs(d, 0, m),

@@ -12,7 +12,8 @@ fn undefined(a: u32, b: u32) -> Op {
     op(Kind::Undefined).imm(a << 16 | b)
 }
 
-/// Decodes the instruction of the half words `a` and `b` at `pc`.
+/// Decodes the instruction of the half words `a` and `b` at `pc`. What has a bit other than the manual writes in brackets,
+/// "(0)" or "(1)", is refused like one that does not exist.
 pub fn decode(pc: u32, a: u32, b: u32) -> Op {
     match (a >> 11 & 3, a >> 4 & 0x7f) {
         (1, op2) if op2 & 0x64 == 0 => many(a, b),
@@ -39,11 +40,14 @@ fn many(a: u32, b: u32) -> Op {
         2 => mode::BEFORE,
         _ => return undefined(a, b),
     };
-    let kind = if load {
-        Kind::LoadMany
+    let (kind, brackets) = if load {
+        (Kind::LoadMany, 0x2000)
     } else {
-        Kind::StoreMany
+        (Kind::StoreMany, 0xa000)
     };
+    if b & brackets != 0 {
+        return undefined(a, b);
+    }
     op(kind)
         .regs(0, n, 0)
         .imm(b)
@@ -62,11 +66,15 @@ fn pair_or_table(a: u32, b: u32) -> Op {
         };
         return match (u, load, b >> 4 & 15) {
             (0, 0, _) => op(Kind::StoreExclusive).regs(t, n, t2).imm(imm).cost(2),
-            (0, 1, _) => op(Kind::LoadExclusive).regs(t, n, 0).imm(imm).cost(2),
-            (1, 1, 0) => op(Kind::TableByte).regs(0, n, b & 15).cost(4),
-            (1, 1, 1) => op(Kind::TableHalf).regs(0, n, b & 15).cost(4),
-            (1, 0, 4 | 5) => op(Kind::StoreExclusive).regs(t, n, b & 15).s(size).cost(2),
-            (1, 1, 4 | 5) => op(Kind::LoadExclusive).regs(t, n, 0).s(size).cost(2),
+            (0, 1, _) if t2 == 15 => op(Kind::LoadExclusive).regs(t, n, 0).imm(imm).cost(2),
+            (1, 1, 0) if b >> 8 == 0xf0 => op(Kind::TableByte).regs(0, n, b & 15).cost(4),
+            (1, 1, 1) if b >> 8 == 0xf0 => op(Kind::TableHalf).regs(0, n, b & 15).cost(4),
+            (1, 0, 4 | 5) if t2 == 15 => {
+                op(Kind::StoreExclusive).regs(t, n, b & 15).s(size).cost(2)
+            }
+            (1, 1, 4 | 5) if b & 0xf0f == 0xf0f => {
+                op(Kind::LoadExclusive).regs(t, n, 0).s(size).cost(2)
+            }
             _ => undefined(a, b),
         };
     }
@@ -111,6 +119,9 @@ fn shifted_register(a: u32, b: u32) -> Op {
     let (n, d, m, s) = (a & 15, b >> 8 & 15, b & 15, a >> 4 & 1);
     let (amount, kind) = decode_shift(b >> 4 & 3, b >> 10 & 0x1c | b >> 6 & 3);
     let number = a >> 5 & 15;
+    if b >> 15 == 1 {
+        return undefined(a, b);
+    }
     if number == 6 && s == 0 {
         let pack = if b >> 5 & 1 == 0 {
             Kind::PackBt
@@ -168,6 +179,10 @@ fn plain_immediate(pc: u32, a: u32, b: u32) -> Op {
     } else {
         shift::LSL
     };
+    // Saturations and bit fields.
+    if a >> 8 & 1 == 1 && (a >> 10 & 1 == 1 || b >> 5 & 1 == 1) {
+        return undefined(a, b);
+    }
     match a >> 4 & 0x1f {
         0 if n == 15 => op(Kind::MovI).regs(d, 0, 0).imm(here.wrapping_add(imm12)),
         0 => op(Kind::AddI).regs(d, n, 0).imm(imm12),
@@ -175,11 +190,11 @@ fn plain_immediate(pc: u32, a: u32, b: u32) -> Op {
         10 if n == 15 => op(Kind::MovI).regs(d, 0, 0).imm(here.wrapping_sub(imm12)),
         10 => op(Kind::SubI).regs(d, n, 0).imm(imm12),
         12 => op(Kind::Movt).regs(d, 0, 0).imm(imm16),
-        18 if low == 0 => op(Kind::Ssat16).regs(d, n, 0).imm((b & 15) + 1),
+        18 if low == 0 && b >> 4 & 1 == 0 => op(Kind::Ssat16).regs(d, n, 0).imm((b & 15) + 1),
         16 | 18 => op(Kind::Ssat).regs(d, n, 0).imm(wide + 1).s(low).ra(sh),
         20 => op(Kind::Sbfx).regs(d, n, 0).imm(low).s(wide + 1),
         22 if wide >= low => op(Kind::Bfi).regs(d, n, 0).imm(low).s(wide - low + 1),
-        26 if low == 0 => op(Kind::Usat16).regs(d, n, 0).imm(b & 15),
+        26 if low == 0 && b >> 4 & 1 == 0 => op(Kind::Usat16).regs(d, n, 0).imm(b & 15),
         24 | 26 => op(Kind::Usat).regs(d, n, 0).imm(wide).s(low).ra(sh),
         28 => op(Kind::Ubfx).regs(d, n, 0).imm(low).s(wide + 1),
         _ => undefined(a, b),
@@ -211,18 +226,20 @@ fn branch(pc: u32, a: u32, b: u32) -> Op {
 
 fn control(a: u32, b: u32) -> Op {
     match a >> 4 & 0x7f {
-        0x38 | 0x39 => op(Kind::Msr)
+        0x38 if b & 0x2300 == 0 => op(Kind::Msr)
             .regs(0, a & 15, 0)
             .imm(b & 0xff)
             .ra(b >> 10 & 3)
             .cost(2),
-        0x3a if b >> 8 & 7 == 0 => hint(b & 0xff, 4),
-        0x3b => match b >> 4 & 15 {
-            2 => op(Kind::ClearExclusive),
+        0x3a if a & 15 == 15 && b & 0x2f00 == 0 => hint(b & 0xff, 4),
+        0x3b if a & 15 == 15 && b & 0x2f00 == 0x0f00 => match b >> 4 & 15 {
+            2 if b & 15 == 15 => op(Kind::ClearExclusive),
             4..=6 => op(Kind::Barrier),
             _ => undefined(a, b),
         },
-        0x3e | 0x3f => op(Kind::Mrs).regs(b >> 8 & 15, 0, 0).imm(b & 0xff).cost(2),
+        0x3e if a & 15 == 15 && b & 0x2000 == 0 => {
+            op(Kind::Mrs).regs(b >> 8 & 15, 0, 0).imm(b & 0xff).cost(2)
+        }
         _ => undefined(a, b),
     }
 }
@@ -309,7 +326,7 @@ fn register(a: u32, b: u32) -> Op {
         let kind = [Kind::Lsl, Kind::Lsr, Kind::Asr, Kind::Ror][(op1 >> 1) as usize];
         return op(kind).regs(d, n, m).s(op1 & 1);
     }
-    if op2 & 8 == 8 && op1 < 6 {
+    if op2 & 12 == 8 && op1 < 6 {
         let kind = [
             Kind::Sxth,
             Kind::Uxth,
@@ -366,9 +383,9 @@ fn long_multiply(a: u32, b: u32) -> Op {
     let with = |kind, imm| op(kind).regs(low, n, m).ra(high).imm(imm);
     match (a >> 4 & 7, b >> 4 & 15) {
         (0, 0) => with(Kind::Smull, 0),
-        (1, 15) => op(Kind::Sdiv).regs(high, n, m).cost(7),
+        (1, 15) if low == 15 => op(Kind::Sdiv).regs(high, n, m).cost(7),
         (2, 0) => with(Kind::Umull, 0),
-        (3, 15) => op(Kind::Udiv).regs(high, n, m).cost(7),
+        (3, 15) if low == 15 => op(Kind::Udiv).regs(high, n, m).cost(7),
         (4, 0) => with(Kind::Smlal, 0),
         (4, half @ 8..=11) => with(Kind::SmlalHalf, half & 3),
         (4, dual @ 12..=13) => with(Kind::SmlalDual, dual & 1),

@@ -52,6 +52,9 @@ fn data(a: u32, b: u32) -> Op {
 fn other(a: u32, b: u32, d: u32, m: u32) -> Op {
     let (opc2, opc3) = (a & 15, b >> 6 & 3);
     if opc3 & 1 == 0 {
+        if b & 0xa0 != 0 {
+            return undefined(a, b);
+        }
         return op(Kind::VmovI)
             .regs(d, 0, 0)
             .imm(expand(opc2 << 4 | b & 15));
@@ -63,7 +66,7 @@ fn other(a: u32, b: u32, d: u32, m: u32) -> Op {
         (1, 1) => with(Kind::Vneg),
         (1, 3) => with(Kind::Vsqrt).cost(14),
         (4, _) => with(Kind::Vcmp),
-        (5, _) => with(Kind::VcmpZero),
+        (5, _) if b & 0x2f == 0 => with(Kind::VcmpZero),
         (8, _) => with(Kind::VfromInt).imm(b >> 7 & 1),
         // Bit 0: signed; bit 1: towards zero.
         (12 | 13, _) => with(Kind::VtoInt).imm(opc2 & 1 | (b >> 7 & 1) << 1),
@@ -88,15 +91,20 @@ fn expand(imm: u32) -> u32 {
 fn transfer(a: u32, b: u32) -> Op {
     let (n, t) = ((a & 15) * 2 + (b >> 7 & 1), b >> 12);
     let double = b >> 8 & 1 == 1;
+    // There are 16 doubles, and what the manual writes in brackets is 0.
+    let brackets = if double { 0x8f } else { 0x6f };
+    if b & brackets != 0 || a >> 7 & 1 == 1 && b & 0x80 != 0 {
+        return undefined(a, b);
+    }
     match (a >> 5 & 7, a >> 4 & 1) {
         (0, 0) if !double => op(Kind::VmovFromCore).regs(n, t, 0),
         (0, 1) if !double => op(Kind::VmovToCore).regs(t, n, 0),
         // Half of a double: bit 5 says which.
         (half @ 0..=1, 0) if double && b >> 5 & 3 == 0 => {
-            op(Kind::VmovFromCore).regs(double_register(a & 15, b >> 7 & 1) + half, t, 0)
+            op(Kind::VmovFromCore).regs(2 * (a & 15) + half, t, 0)
         }
         (half @ 0..=1, 1) if double && b >> 5 & 3 == 0 => {
-            op(Kind::VmovToCore).regs(t, double_register(a & 15, b >> 7 & 1) + half, 0)
+            op(Kind::VmovToCore).regs(t, 2 * (a & 15) + half, 0)
         }
         (7, 0) if a & 15 == 1 => op(Kind::Vmsr).regs(t, 0, 0),
         (7, 1) if a & 15 == 1 => op(Kind::Vmrs).regs(t, 0, 0),
@@ -104,23 +112,13 @@ fn transfer(a: u32, b: u32) -> Op {
     }
 }
 
-/// The first single of a double.
-fn double_register(low: u32, high: u32) -> u32 {
-    ((high * 16 + low) * 2) & 31
-}
-
 /// Loads and stores, and moves of two registers.
 fn memory(a: u32, b: u32) -> Op {
     let (p, u, extra, w, load) = (a >> 8 & 1, a >> 7 & 1, a >> 6 & 1, a >> 5 & 1, a >> 4 & 1);
     let n = a & 15;
     let double = b >> 8 & 1 == 1;
-    let d = if double {
-        double_register(b >> 12, extra)
-    } else {
-        (b >> 12) * 2 + extra
-    };
     if p == 0 && u == 0 {
-        if extra == 0 || w == 1 {
+        if extra == 0 || w == 1 || b & 0xd0 != 0x10 || double && b & 0x20 != 0 {
             return undefined(a, b);
         }
         let kind = if double {
@@ -128,14 +126,15 @@ fn memory(a: u32, b: u32) -> Op {
         } else {
             Kind::VmovPair
         };
-        let m = if double {
-            double_register(b & 15, b >> 5 & 1)
-        } else {
-            (b & 15) * 2 + (b >> 5 & 1)
-        };
+        let m = (b & 15) * 2 + (b >> 5 & 1);
         // To the core where `imm` is 1.
         return op(kind).regs(b >> 12, n, m).imm(load).cost(2);
     }
+    // d16 and those above are not there.
+    if double && extra == 1 {
+        return undefined(a, b);
+    }
+    let d = (b >> 12) * 2 + extra;
     let words = b & 0xff;
     if p == 1 && w == 0 {
         let offset = if u == 1 {

@@ -216,6 +216,7 @@ impl Machine {
     /// Writes the bits of `mask` of a word of the processor's own registers.
     pub(crate) fn write_system(&mut self, address: u32, value: u32, mask: u32) -> Try {
         let word = address & !3;
+        let value = self.around.patch.changed(address, value);
         let merged = |before: u32| before & !mask | value & mask;
         let only = |bits: u32| {
             if value & mask & !bits == 0 {

@@ -10,11 +10,24 @@ const JEOC: u32 = 1 << 2;
 const JSTRT: u32 = 1 << 3;
 const STRT: u32 = 1 << 4;
 const OVR: u32 = 1 << 5;
+/// Of ADC_CR2: DMA, and its requests going on after the last transfer.
+const DMA: u32 = 1 << 8;
+const DDS: u32 = 1 << 9;
+/// Of ADC_CCR: the part's own reference and temperature.
+const TSVREFE: u32 = 1 << 23;
+const REFERENCE: usize = 17;
+const TEMPERATURE: usize = 18;
 const STABILISING: u64 = 3 * UNITS_PER_US;
+/// What the reference needs to start, and to be sampled.
+const REFERENCE_TIME: u64 = 10 * UNITS_PER_US;
+/// A code that nobody should use.
+const GARBAGE: u16 = 0x0aa;
 
 /// The block.
 #[derive(Clone, Debug, Default)]
 pub struct Adc {
+    /// Whether its clock is on: without it nothing is converted.
+    pub clocked: bool,
     status: u32,
     control: [u32; 2],
     sampling: [u32; 2],
@@ -27,11 +40,14 @@ pub struct Adc {
     data: u32,
     unread: bool,
     on_at: u64,
+    /// When the part's own reference was switched on.
+    reference_at: u64,
+    /// The DMA has made its last transfer, and DDS is 0: no more requests (13.8.1).
+    requests_over: bool,
     /// The place in the sequence under way, and when its conversion ends.
     step: Option<(usize, u64)>,
-    /// Conversions begun within 3 µs of ADON (13.3.6): what they give is not to be used.
-    pub early: u32,
-    too_early: bool,
+    /// Conversions that gave nothing to be used.
+    pub unusable: u32,
     /// Triggers that found a sequence still under way.
     pub missed: u32,
 }
@@ -52,17 +68,19 @@ impl Adc {
         (self.sequence[2 - place / 6] >> (5 * (place % 6)) & 31) as usize
     }
 
-    /// Units of time of one conversion.
-    fn duration(&self, channel: usize, clocks: &Clocks) -> u64 {
+    fn sampling_cycles(&self, channel: usize) -> u64 {
         let (register, place) = if channel < 10 {
             (1, channel)
         } else {
             (0, channel - 10)
         };
-        let sampling = [3, 15, 28, 56, 84, 112, 144, 480]
-            [(self.sampling[register] >> (3 * place) & 7) as usize];
+        [3, 15, 28, 56, 84, 112, 144, 480][(self.sampling[register] >> (3 * place) & 7) as usize]
+    }
+
+    /// Units of time of one conversion.
+    fn duration(&self, channel: usize, clocks: &Clocks) -> u64 {
         let bits = [12, 10, 8, 6][(self.control[0] >> 24 & 3) as usize];
-        (sampling + bits) * self.cycle(clocks)
+        (self.sampling_cycles(channel) + bits) * self.cycle(clocks)
     }
 
     fn cycle(&self, clocks: &Clocks) -> u64 {
@@ -73,8 +91,6 @@ impl Adc {
         if self.control[1] & 1 == 0 {
             return Ok(());
         }
-        self.too_early = now < self.on_at + STABILISING;
-        self.early += u32::from(self.too_early);
         // 36 MHz at most (DS10693, 6.3.20): 20 units.
         if self.cycle(clocks) < 20 {
             return Err("the ADC's clock is above 36 MHz".into());
@@ -124,7 +140,7 @@ impl Adc {
     /// A rule of the converter is broken.
     pub fn trigger(&mut self, source: u32, now: u64, clocks: &Clocks) -> Access<bool> {
         let listens = self.control[1] >> 28 & 1 == 1 && self.control[1] >> 24 & 15 == source;
-        if !listens || self.control[1] & 1 == 0 || self.status & OVR != 0 {
+        if !self.clocked || !listens || self.control[1] & 1 == 0 || self.status & OVR != 0 {
             return Ok(false);
         }
         let before = self.step.is_some();
@@ -132,8 +148,43 @@ impl Adc {
         Ok(!before)
     }
 
+    /// Channels of the sequence under way.
+    pub fn channels(&self) -> impl Iterator<Item = usize> {
+        let count = if self.step.is_some() {
+            self.length()
+        } else {
+            0
+        };
+        (0..count).map(|place| self.channel(place))
+    }
+
+    /// The DMA's stream has made the last transfer that it was told.
+    pub fn dma_ends(&mut self) {
+        self.requests_over |= self.control[1] & DDS == 0;
+    }
+
+    /// What a conversion of a channel that ended now gives: nothing to be used within 3 µs of ADON (13.3.6), nor of the
+    /// part's own reference without TSVREFE, within 10 µs of it, or sampled for less than 10 µs (DS10693, 6.3.24).
+    fn converted(&mut self, channel: usize, now: u64, clocks: &Clocks, code: u16) -> u16 {
+        let began = now.saturating_sub(self.duration(channel, clocks));
+        let internal = channel == REFERENCE || channel == TEMPERATURE;
+        let usable = began >= self.on_at + STABILISING
+            && (!internal
+                || self.common & TSVREFE != 0
+                    && began >= self.reference_at + REFERENCE_TIME
+                    && self.sampling_cycles(channel) * self.cycle(clocks) >= REFERENCE_TIME);
+        if usable {
+            return code >> (2 * (self.control[0] >> 24 & 3));
+        }
+        self.unusable += 1;
+        GARBAGE
+    }
+
     /// When the conversion under way ends.
     pub fn next(&self) -> u64 {
+        if !self.clocked {
+            return NEVER;
+        }
         let regular = self.step.map_or(NEVER, |(_, at)| at);
         regular.min(self.injected.unwrap_or(NEVER))
     }
@@ -142,23 +193,21 @@ impl Adc {
     pub fn run(&mut self, now: u64, clocks: &Clocks, code: impl Fn(usize) -> u16) -> bool {
         if self.injected.is_some_and(|at| at <= now) {
             self.injected = None;
-            self.injected_data = u32::from(code(self.injected_channel()));
+            let channel = self.injected_channel();
+            self.injected_data = u32::from(self.converted(channel, now, clocks, code(channel)));
             self.status |= JEOC;
         }
         let Some((place, _)) = self.step.filter(|(_, at)| *at <= now) else {
             return false;
         };
-        let dma = self.control[1] & 1 << 8 != 0;
+        let dma = self.control[1] & DMA != 0 && !self.requests_over;
         if self.unread && (dma || self.control[1] & 1 << 10 != 0) {
             self.status |= OVR;
             self.step = None;
             return false;
         }
-        self.data = u32::from(if self.too_early {
-            0x0aa
-        } else {
-            code(self.channel(place))
-        });
+        let channel = self.channel(place);
+        self.data = u32::from(self.converted(channel, now, clocks, code(channel)));
         if self.control[1] & 1 << 11 != 0 {
             self.data <<= 4;
         }
@@ -235,6 +284,7 @@ impl Adc {
                 if new & !self.control[1] & 1 == 1 {
                     self.on_at = w.now;
                 }
+                self.requests_over &= new & DMA != 0;
                 self.control[1] = new & !(1 << 30 | 1 << 22);
                 if new & 1 == 0 {
                     self.step = None;
@@ -255,7 +305,13 @@ impl Adc {
                 *slot = w.over(*slot, 0x3fff_ffff)?;
             }
             0x38 => self.injected_sequence = w.over(self.injected_sequence, 0x003f_ffff)?,
-            0x304 => self.common = w.over(self.common, 0x00c3_ef1f)?,
+            0x304 => {
+                let new = w.over(self.common, 0x00c3_ef1f)?;
+                if new & !self.common & TSVREFE != 0 {
+                    self.reference_at = w.now;
+                }
+                self.common = new;
+            }
             _ => return Err("is not modelled".into()),
         }
         Ok(())

@@ -5,6 +5,8 @@ use super::{Access, NEVER, Write};
 /// The block.
 #[derive(Clone, Debug, Default)]
 pub struct Dac {
+    /// Whether its clock is on: without it no code moves to the output.
+    pub clocked: bool,
     control: u32,
     holding: [u32; 2],
     output: [u32; 2],
@@ -17,14 +19,19 @@ impl Dac {
         (self.control >> (16 * channel) & 1 == 1).then_some(self.output[channel] as u16)
     }
 
-    /// The code that is about to be, or is, at channel 0's output.
-    pub fn holding_code(&self) -> u16 {
-        self.holding[0] as u16
+    /// The code that is about to be, or is, at channel 0's output; `None` while it is off.
+    pub fn coming_code(&self) -> Option<u16> {
+        let code = if self.clocked {
+            self.holding[0]
+        } else {
+            self.output[0]
+        };
+        (self.control & 1 == 1).then_some(code as u16)
     }
 
     /// When a code written moves on to the output: a cycle of APB1 later.
     pub fn next(&self) -> u64 {
-        self.moves_at.unwrap_or(NEVER)
+        self.moves_at.filter(|_| self.clocked).unwrap_or(NEVER)
     }
 
     /// Moves it.

@@ -125,8 +125,8 @@ impl Stream {
         (self.is_on() && self.control >> 6 & 3 == 1).then(|| self.transfer())
     }
 
-    /// Counts a transfer.
-    pub fn count(&mut self) {
+    /// Counts a transfer; true if it was the last, of a round where it is circular.
+    pub fn count(&mut self) -> bool {
         self.left -= 1;
         // Half of an odd number is rounded down.
         if self.reload - self.left == self.reload / 2 {
@@ -139,7 +139,9 @@ impl Stream {
             } else {
                 self.left = self.reload;
             }
+            return true;
         }
+        false
     }
 
     /// An access failed.
@@ -168,6 +170,8 @@ impl Stream {
 /// The block.
 #[derive(Clone, Debug)]
 pub struct Dma {
+    /// Whether its clock is on: without it no request is served.
+    pub clocked: bool,
     number: usize,
     /// Its streams.
     pub streams: [Stream; 8],
@@ -181,6 +185,7 @@ impl Dma {
             ..Stream::default()
         };
         Self {
+            clocked: false,
             number,
             streams: std::array::from_fn(|_| stream.clone()),
         }
@@ -188,6 +193,9 @@ impl Dma {
 
     /// The stream that serves a request now.
     pub fn serves(&self, request: Request) -> Option<usize> {
+        if !self.clocked {
+            return None;
+        }
         let routes = Request::ROUTES
             .iter()
             .filter(|r| r.0 == request && r.1 == self.number);

@@ -1,6 +1,6 @@
 //! The flash's interface (RM0390, chapter 3): wait states, keys, programming by byte to double word, erasing sectors,
-//! errors, option bytes to read. While it works the processor stands at its next fetch. Not modelled: option bytes'
-//! programming, mass erase, read protection, the accelerator's hits and misses.
+//! errors, the brown-out level in the option bytes. While it works the processor stands at its next fetch. Not modelled: other option
+//! bytes' programming, mass erase, read protection, the accelerator's hits and misses.
 
 use super::{Access, UNITS_PER_US, Write};
 
@@ -11,8 +11,9 @@ pub const SECTORS: [u32; 9] = [
     0, 0x4000, 0x8000, 0xc000, 0x1_0000, 0x2_0000, 0x4_0000, 0x6_0000, 0x8_0000,
 ];
 
-const PROGRAM_TIME: u64 = 16 * UNITS_PER_US;
-/// Erasing 16, 64 and 128 KiB by bytes (DS10693, "Flash memory programming": typical).
+/// Programming a byte to a word, typical and longest (DS10693, "Flash memory programming").
+const PROGRAM_TIME: [u64; 2] = [16 * UNITS_PER_US, 100 * UNITS_PER_US];
+/// Erasing 16, 64 and 128 KiB by bytes, typical; the longest is twice that.
 const ERASE_TIME: [u64; 3] = [
     400_000 * UNITS_PER_US,
     1_200_000 * UNITS_PER_US,
@@ -34,6 +35,8 @@ pub enum Work {
     Program(u32, Vec<u8>),
     /// A sector being erased.
     Erase(usize),
+    /// The option bytes being written.
+    Options(u32),
 }
 
 /// The block.
@@ -45,8 +48,12 @@ pub struct Flash {
     control: u32,
     /// Option bytes: brown-out level, write protection.
     pub options: u32,
+    option_keys: u32,
+    option_locked: bool,
     /// What it does, and until when.
     pub work: Option<(Work, u64)>,
+    /// It takes the longest times of the data sheet, not the typical ones.
+    slow: bool,
     /// Operations begun since power-up.
     pub operations: u32,
     /// A sector that was erased while the accelerator's data cache was on, and not emptied since.
@@ -60,14 +67,17 @@ impl Flash {
     }
 
     /// After a reset.
-    pub fn new(options: u32) -> Self {
+    pub fn new(options: u32, slow: bool) -> Self {
         Self {
             access: 0,
             keys: 0,
             status: 0,
             control: LOCK,
             options,
+            option_keys: 0,
+            option_locked: true,
             work: None,
+            slow,
             operations: 0,
             stale: None,
         }
@@ -96,7 +106,7 @@ impl Flash {
             0x00 => self.access,
             0x0c => self.status | u32::from(self.work.is_some()) << 16,
             0x10 => self.control,
-            0x14 => self.options,
+            0x14 => self.options & !1 | u32::from(self.option_locked),
             _ => return Err("is not modelled".into()),
         })
     }
@@ -116,7 +126,17 @@ impl Flash {
             }
             0x04 => self.unlock(w.ones())?,
             0x0c => self.status &= !w.over(0, 0x1f3)?,
+            0x08 => match (self.option_keys, w.ones()) {
+                (0, 0x0819_2a3b) => self.option_keys = 1,
+                (1, 0x4c5d_6e7f) if self.option_locked => self.option_locked = false,
+                (_, key) => {
+                    return Err(format!(
+                        "{key:#010x} is not the option bytes' key: locked until the next reset (3.6.2)"
+                    ));
+                }
+            },
             0x10 => self.control(w)?,
+            0x14 => self.write_options(w)?,
             _ => return Err("is not modelled".into()),
         }
         Ok(())
@@ -141,6 +161,32 @@ impl Flash {
         Ok(())
     }
 
+    /// FLASH_OPTCR: OPTLOCK, OPTSTRT, brown-out level, and what must stay as it is.
+    fn write_options(&mut self, w: Write) -> Access {
+        let new = w.over(self.options, !0)?;
+        if self.option_locked {
+            return Err("FLASH_OPTCR is written while locked".into());
+        }
+        if self.work.is_some() {
+            return Err("FLASH_OPTCR is written while the flash is busy (3.6.2)".into());
+        }
+        let level = 3 << 2;
+        if (new ^ self.options) & !(level | 3) != 0 {
+            return Err("of the option bytes more than the brown-out level is changed".into());
+        }
+        self.options = new & !3;
+        if new & 2 != 0 {
+            self.operations += 1;
+            let time = ERASE_TIME[0] << u32::from(self.slow);
+            self.work = Some((Work::Options(new & !3), w.now + time));
+        }
+        if new & 1 != 0 {
+            self.option_locked = true;
+            self.option_keys = 0;
+        }
+        Ok(())
+    }
+
     fn control(&mut self, w: Write) -> Access {
         let new = w.over(self.control, 0x8301_03ff & !0x80)?;
         if self.control & LOCK != 0 {
@@ -151,6 +197,11 @@ impl Flash {
         }
         if new & 4 != 0 || new & 0x0300_0000 != 0 {
             return Err("mass erase and interrupts of the flash are not modelled".into());
+        }
+        if new >> 8 & 3 == 3 && new & (1 | 1 << 16) != 0 {
+            return Err(
+                "64 bits at once want Vpp, which this board has not (3.5.2, table 7)".into(),
+            );
         }
         self.control = new & !(1 << 16);
         if new & LOCK != 0 {
@@ -173,7 +224,7 @@ impl Flash {
                 0x4000 => 0,
                 0x1_0000 => 1,
                 _ => 2,
-            }];
+            }] << u32::from(self.slow);
             self.operations += 1;
             self.work = Some((Work::Erase(sector), w.now + time));
         }
@@ -200,7 +251,10 @@ impl Flash {
             self.status |= WRPERR | OPERR;
         } else {
             self.operations += 1;
-            self.work = Some((Work::Program(offset, bytes.to_vec()), now + PROGRAM_TIME));
+            self.work = Some((
+                Work::Program(offset, bytes.to_vec()),
+                now + PROGRAM_TIME[usize::from(self.slow)],
+            ));
         }
         Ok(())
     }
@@ -249,7 +303,7 @@ mod tests {
 
     #[test]
     fn it_is_locked_wants_its_keys_and_its_width() {
-        let mut flash = Flash::new(0x0fff_aaed);
+        let mut flash = Flash::new(0x0fff_aaed, false);
         write(&mut flash, 0x10, 1).unwrap_err();
         write(&mut flash, 4, 0x4567_0123).unwrap();
         write(&mut flash, 4, 0xcdef_89ab).unwrap();
@@ -262,14 +316,31 @@ mod tests {
         flash.store(0x4000, &[0], 0).unwrap();
         assert_eq!(
             flash.work,
-            Some((Work::Program(0x4000, vec![0]), PROGRAM_TIME))
+            Some((Work::Program(0x4000, vec![0]), PROGRAM_TIME[0]))
         );
         write(&mut flash, 0x10, 0).unwrap_err();
     }
 
     #[test]
+    fn sixty_four_bits_at_once_are_refused_and_a_slow_flash_takes_the_longest() {
+        let mut flash = Flash::new(0x0fff_aaed, true);
+        write(&mut flash, 4, 0x4567_0123).unwrap();
+        write(&mut flash, 4, 0xcdef_89ab).unwrap();
+        write(&mut flash, 0x10, 3 << 8 | 2 | 1 << 3 | 1 << 16).unwrap_err();
+        write(&mut flash, 0x10, 3 << 8 | 1).unwrap_err();
+        write(&mut flash, 0x10, 2 | 1 << 3 | 1 << 16).unwrap();
+        let erased = 800_000 * UNITS_PER_US;
+        assert_eq!(flash.work, Some((Work::Erase(1), erased)));
+        flash.end();
+        write(&mut flash, 0x10, 1).unwrap();
+        flash.store(0x4000, &[0], 0).unwrap();
+        let written = 100 * UNITS_PER_US;
+        assert_eq!(flash.work, Some((Work::Program(0x4000, vec![0]), written)));
+    }
+
+    #[test]
     fn an_erased_sector_is_not_read_from_the_cache() {
-        let mut flash = Flash::new(0x0fff_aaed);
+        let mut flash = Flash::new(0x0fff_aaed, false);
         write(&mut flash, 0, DCEN | 5).unwrap();
         write(&mut flash, 4, 0x4567_0123).unwrap();
         write(&mut flash, 4, 0xcdef_89ab).unwrap();
@@ -285,7 +356,7 @@ mod tests {
 
     #[test]
     fn a_protected_sector_is_not_erased_and_too_few_wait_states_are_refused() {
-        let mut flash = Flash::new(0x0ffd_aaed);
+        let mut flash = Flash::new(0x0ffd_aaed, false);
         write(&mut flash, 4, 0x4567_0123).unwrap();
         write(&mut flash, 4, 0xcdef_89ab).unwrap();
         write(&mut flash, 0x10, 2 | 1 << 3 | 1 << 16).unwrap();

@@ -6,7 +6,7 @@ use super::{Access, Write};
 /// What is outside a pin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outside {
-    /// Nothing: the pin follows its pull.
+    /// Nothing: the pin follows its pull; without one it floats, and reads anything.
     #[default]
     Open,
     /// A resistor to ground that gives way to the pin's pull-up.
@@ -26,6 +26,8 @@ pub struct Gpio {
     pull: u32,
     output: u32,
     alternate: [u32; 2],
+    /// From what floating pins read.
+    noise: u32,
     /// By pin.
     pub outside: [Outside; 16],
 }
@@ -45,6 +47,7 @@ impl Gpio {
             pull,
             output: 0,
             alternate: [0; 2],
+            noise: 0x9e37_79b9u32.rotate_left(port as u32),
             outside,
         }
     }
@@ -70,23 +73,41 @@ impl Gpio {
         if let Some(driven) = self.driven(pin) {
             return driven;
         }
-        let up = self.pull >> (2 * pin) & 3 == 1;
+        // An analogue pin reads 0.
+        if self.mode(pin) == 3 {
+            return false;
+        }
+        let pull = self.pull >> (2 * pin) & 3;
         match self.outside[pin] {
             Outside::Low => false,
             Outside::High => true,
-            Outside::Open | Outside::Weak => up,
+            Outside::Open if pull == 0 => self.floating(pin),
+            Outside::Open | Outside::Weak => pull == 1,
         }
     }
 
     fn levels(&self) -> u32 {
-        // An analogue pin reads 0.
         (0..16)
-            .filter(|pin| self.mode(*pin) != 3 && self.level(*pin))
+            .filter(|pin| self.level(*pin))
             .fold(0, |all, pin| all | 1 << pin)
     }
 
+    /// A floating pin is high at one look in 16, by chance: low is the worse level of a contact that closes to ground, and no
+    /// level is steady.
+    fn floating(&self, pin: usize) -> bool {
+        self.noise.rotate_left(2 * pin as u32) >> 28 == 0
+    }
+
+    fn stir(&mut self) {
+        self.noise = self
+            .noise
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
+    }
+
     /// Reads.
-    pub fn read(&self, offset: u32) -> Access<u32> {
+    pub fn read(&mut self, offset: u32) -> Access<u32> {
+        self.stir();
         Ok(match offset {
             0x00 => self.mode,
             0x04 => self.kind,
@@ -102,6 +123,7 @@ impl Gpio {
 
     /// Writes.
     pub fn write(&mut self, w: Write) -> Access {
+        self.stir();
         match w.offset {
             0x00 => self.mode = w.over(self.mode, u32::MAX)?,
             0x04 => self.kind = w.over(self.kind, 0xffff)?,
@@ -145,6 +167,12 @@ mod tests {
         write(&mut gpio, 0x0c, 1 << 10).unwrap();
         assert!(gpio.level(5) && gpio.driven(5).is_none());
         write(&mut gpio, 0x0c, 3 << 10).unwrap_err();
+        // Without a pull it reads now this, now that.
+        write(&mut gpio, 0x0c, 0).unwrap();
+        let read: Vec<u32> = (0..256)
+            .map(|_| gpio.read(0x10).unwrap() >> 5 & 1)
+            .collect();
+        assert!(read.contains(&0) && read.contains(&1));
         gpio.outside[5] = Outside::Low;
         assert!(!gpio.level(5));
         write(&mut gpio, 0, 1 << 16).unwrap();

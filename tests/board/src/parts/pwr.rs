@@ -7,7 +7,23 @@ use super::{Access, UNITS_PER_US, Write};
 const OVERDRIVE_DELAY: u64 = 40 * UNITS_PER_US;
 const SWITCH_DELAY: u64 = 40 * UNITS_PER_US;
 
+/// Scale, over-drive and its switch.
+const VOS: u32 = 3 << 14;
+const ODEN: u32 = 1 << 16;
+const ODSWEN: u32 = 1 << 17;
+
 const CR_BITS: u32 = 0x003f_ebff;
+
+/// What of the clocks matters here.
+#[derive(Clone, Copy, Debug)]
+pub struct Running {
+    /// The PLL is on.
+    pub pll: bool,
+    /// The PLL is the system clock.
+    pub on_pll: bool,
+    /// Some peripheral has a clock.
+    pub peripherals: bool,
+}
 
 /// The block.
 #[derive(Clone, Debug)]
@@ -32,13 +48,30 @@ impl Pwr {
 
     /// The highest HCLK that scale and over-drive allow, Hz (RM0390, table 17).
     pub fn limit_hz(&self, now: u64) -> u64 {
-        let over = self.cr >> 16 & 3 == 3 && now >= self.switched_at;
+        let over = self.cr & (ODEN | ODSWEN) == ODEN | ODSWEN && now >= self.switched_at;
         match (self.cr >> 14 & 3, over) {
             (3, true) => 180_000_000,
             (3, false) | (2, true) => 168_000_000,
             (2, false) => 144_000_000,
             _ => 120_000_000,
         }
+    }
+
+    /// While the over-drive switches, no peripheral may have a clock, and the PLL may not be the system clock (5.1.4).
+    ///
+    /// # Errors
+    /// They have, or it is.
+    pub fn check_switching(&self, now: u64, running: Running) -> Access {
+        if now >= self.switched_at {
+            return Ok(());
+        }
+        if running.peripherals {
+            return Err("the over-drive switches while a peripheral has a clock (5.1.4)".into());
+        }
+        if running.on_pll {
+            return Err("the over-drive switches while the PLL is the system clock (5.1.4)".into());
+        }
+        Ok(())
     }
 
     /// Whether the supply is below the voltage detector's threshold (DS10693, table 22: falling edges).
@@ -65,24 +98,25 @@ impl Pwr {
     }
 
     /// Writes.
-    pub fn write(&mut self, w: Write) -> Access {
+    pub fn write(&mut self, w: Write, running: Running) -> Access {
         if w.offset != 0 {
             return Err("is not modelled".into());
         }
         let new = w.over(self.cr, CR_BITS)?;
-        let on = |bit: u32| {
-            new & !self.cr >> bit & 1 == 1 && new >> bit & 1 == 1 && self.cr >> bit & 1 == 0
-        };
-        if on(16) {
+        let changed = new ^ self.cr;
+        if changed & VOS != 0 && running.pll {
+            return Err("the regulator's scale is changed while the PLL is on (5.4.1)".into());
+        }
+        if changed & new & ODEN != 0 {
             self.overdrive_at = w.now + OVERDRIVE_DELAY;
         }
-        if on(17) {
-            if new >> 16 & 1 == 0 || w.now < self.overdrive_at {
-                return Err("ODSWEN before the over-drive is ready (5.1.4)".into());
-            }
+        if changed & new & ODSWEN != 0 && (new & ODEN == 0 || w.now < self.overdrive_at) {
+            return Err("ODSWEN before the over-drive is ready (5.1.4)".into());
+        }
+        if changed & ODSWEN != 0 {
             self.switched_at = w.now + SWITCH_DELAY;
         }
         self.cr = new;
-        Ok(())
+        self.check_switching(w.now, running)
     }
 }

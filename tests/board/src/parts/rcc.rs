@@ -4,6 +4,7 @@
 //! system, enables and resets of the peripherals, reset flags, LSI. Not: LSE, RTC, PLLI2S and PLLSAI, MCO, spread
 //! spectrum, the low-power enables' effect, interrupts of the clocks' readiness.
 
+use super::pwr::Running;
 use super::{Access, Clocks, NEVER, UNITS_PER_S, UNITS_PER_US, Write};
 
 /// Reset flags of RCC_CSR.
@@ -186,6 +187,26 @@ impl Rcc {
     /// Whether the clock of a bus's peripheral is on: bus 0 to 4 as AHB1, AHB2, AHB3, APB1, APB2.
     pub fn is_enabled(&self, bus: usize, bit: u32) -> bool {
         self.enables[bus] >> bit & 1 == 1
+    }
+
+    /// Whether it has a clock, and is not held in reset.
+    pub fn works(&self, (bus, bit): (usize, u32)) -> bool {
+        self.is_enabled(bus, bit) && !self.is_held(bus, bit)
+    }
+
+    /// What the over-drive wants to know; PWR's own clock does not count.
+    pub fn running(&self) -> Running {
+        let pwr = [0, 0, 0, 1 << 28, 0];
+        Running {
+            pll: self.cr & 1 << 24 != 0,
+            on_pll: self.switched == 2,
+            peripherals: (0..5).any(|bus| self.enables[bus] & !pwr[bus] != 0),
+        }
+    }
+
+    /// Whether the LSI is on by itself.
+    pub fn lsi_is_on(&self) -> bool {
+        self.csr & 1 == 1
     }
 
     /// Whether it is held in reset.

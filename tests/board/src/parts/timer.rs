@@ -7,6 +7,8 @@ use super::{Access, NEVER, Write};
 /// The block.
 #[derive(Clone, Debug)]
 pub struct Timer {
+    /// Whether its clock is on.
+    clocked: bool,
     basic: bool,
     /// The largest count.
     top: u32,
@@ -39,6 +41,7 @@ impl Timer {
     pub fn new(basic: bool, wide: bool) -> Self {
         let top = if wide { u32::MAX } else { 0xffff };
         Self {
+            clocked: false,
             basic,
             top,
             control: [0; 2],
@@ -56,7 +59,7 @@ impl Timer {
     }
 
     fn runs(&self) -> bool {
-        self.control[0] & 1 == 1 && self.active.1 != 0
+        self.clocked && self.control[0] & 1 == 1 && self.active.1 != 0
     }
 
     /// Units of time per count.
@@ -95,6 +98,14 @@ impl Timer {
         }
     }
 
+    /// Its clock goes on or off: without it the count stands.
+    pub fn gate(&mut self, clocked: bool, now: u64, clock: u32) {
+        if clocked != self.clocked {
+            self.settle(now, clock);
+            self.clocked = clocked;
+        }
+    }
+
     /// Stands still for a time.
     pub fn freeze(&mut self, by: u64) {
         self.since += by;
@@ -123,7 +134,7 @@ impl Timer {
 
     /// Duty cycle of channel 1 to 4 in PWM mode 1, 0 to 1; `None` if the channel is off.
     pub fn duty(&self, channel: usize) -> Option<f64> {
-        let on = self.outputs >> (4 * (channel - 1)) & 1 == 1 && self.control[0] & 1 == 1;
+        let on = self.outputs >> (4 * (channel - 1)) & 1 == 1 && self.runs();
         let pwm = self.modes[(channel - 1) / 2] >> (8 * ((channel - 1) % 2) + 4) & 7 == 6;
         let share = f64::from(self.compare[channel - 1]) / (f64::from(self.active.1) + 1.0);
         (on && pwm).then_some(share.min(1.0))
@@ -223,6 +234,7 @@ mod tests {
     #[test]
     fn it_overflows_at_its_rate() {
         let mut timer = Timer::new(false, true);
+        timer.gate(true, 0, 8);
         write(&mut timer, 0x2c, 4499, 0).unwrap();
         write(&mut timer, 0x04, 2 << 4, 0).unwrap();
         write(&mut timer, 0x0c, 1 << 8, 0).unwrap();

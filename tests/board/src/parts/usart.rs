@@ -1,11 +1,13 @@
 //! USART2 (RM0390, chapter 25): asynchronous, 8 bits, no parity, one stop bit, by DMA or the data register. Not
-//! modelled: everything else, noise, framing errors, and the idle frame that TE sends first.
+//! modelled: everything else, noise, and the idle frame that TE sends first. At another rate than the other end's a byte
+//! arrives as the bits at the receiver's own times, with a framing error where its stop bit is none; each byte by itself.
 
 use std::collections::VecDeque;
 
 use super::{Access, NEVER, Write};
 
 const RXNE: u32 = 1 << 5;
+const FE: u32 = 1 << 1;
 const ORE: u32 = 1 << 3;
 const TC: u32 = 1 << 6;
 const TXE: u32 = 1 << 7;
@@ -13,6 +15,8 @@ const TXE: u32 = 1 << 7;
 /// The block.
 #[derive(Clone, Debug)]
 pub struct Usart {
+    /// Whether its clock is on: without it nothing is sent or received.
+    pub clocked: bool,
     status: u32,
     rate: u32,
     control: [u32; 3],
@@ -34,6 +38,7 @@ impl Usart {
     /// After a reset.
     pub fn new(far_baud: u64) -> Self {
         Self {
+            clocked: false,
             status: TC | TXE,
             rate: 0,
             control: [0; 3],
@@ -55,7 +60,12 @@ impl Usart {
     }
 
     fn is_on(&self, bit: u32) -> bool {
-        self.control[0] >> 13 & 1 == 1 && self.control[0] >> bit & 1 == 1
+        self.clocked && self.control[0] >> 13 & 1 == 1 && self.control[0] >> bit & 1 == 1
+    }
+
+    /// Whether it sends, and whether it receives.
+    pub fn uses_pins(&self) -> (bool, bool) {
+        (self.is_on(3), self.is_on(2))
     }
 
     /// The other end sends bytes from `now` on.
@@ -76,14 +86,15 @@ impl Usart {
 
     /// When something changes by itself.
     pub fn next(&self) -> u64 {
-        self.incoming_at
-            .min(self.shifting.map_or(NEVER, |(_, at)| at))
+        let shifting = self.shifting.filter(|_| self.clocked);
+        self.incoming_at.min(shifting.map_or(NEVER, |(_, at)| at))
     }
 
     /// Goes on to `now`.
     pub fn run(&mut self, now: u64, cycle: u32) {
-        if let Some((byte, at)) = self.shifting.filter(|(_, at)| *at <= now) {
-            self.sent.push(byte);
+        if let Some((byte, at)) = self.shifting.filter(|(_, at)| self.clocked && *at <= now) {
+            let far = 10 * super::UNITS_PER_S / self.far_baud;
+            self.sent.push(heard(byte, self.byte_time(cycle), far).0);
             self.shifting = None;
             self.begin(at, cycle);
             if self.shifting.is_none() {
@@ -104,16 +115,15 @@ impl Usart {
         }
     }
 
-    /// A byte sent at another rate comes in as another.
     fn receive(&mut self, byte: u8, cycle: u32, time: u64) {
-        let own = self.byte_time(cycle);
-        if own.abs_diff(time) * 40 > time || self.status & RXNE != 0 {
+        if self.status & RXNE != 0 {
             self.lost += 1;
             self.status |= ORE;
             return;
         }
+        let (byte, whole) = heard(byte, time, self.byte_time(cycle));
         self.received = u32::from(byte);
-        self.status |= RXNE;
+        self.status |= RXNE | if whole { 0 } else { FE };
     }
 
     fn begin(&mut self, now: u64, cycle: u32) {
@@ -136,7 +146,7 @@ impl Usart {
         Ok(match offset {
             0x00 => self.status,
             0x04 => {
-                self.status &= !(RXNE | ORE);
+                self.status &= !(RXNE | ORE | FE);
                 self.received
             }
             0x08 => self.rate,
@@ -193,6 +203,21 @@ impl Usart {
     }
 }
 
+/// What is heard of a byte whose ten bits take `sent`, by one whose ten bits take `own`: the bits in the middle of its
+/// own times, an eighth too late or too early at worst, and whether the last is a stop bit.
+fn heard(byte: u8, sent: u64, own: u64) -> (u8, bool) {
+    // Start bit, data from the lowest, stop bit, and the idle level after it.
+    let wire = |i: u64| i > 8 || u64::from(byte) << 1 >> i & 1 == 1;
+    let eighths = match own.cmp(&sent) {
+        std::cmp::Ordering::Less => 3,
+        std::cmp::Ordering::Equal => 4,
+        std::cmp::Ordering::Greater => 5,
+    };
+    let at = |i: u64| wire((8 * i + eighths) * own / (8 * sent));
+    let byte = (0..8).fold(0, |all, i| all | u8::from(at(i + 1)) << i);
+    (byte, at(9))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,6 +225,7 @@ mod tests {
     #[test]
     fn a_byte_takes_ten_bits_and_two_in_a_row_are_lost_unread() {
         let mut usart = Usart::new(2_250_000);
+        usart.clocked = true;
         let write = |usart: &mut Usart, offset, value| {
             usart.write(
                 Write {
@@ -222,5 +248,16 @@ mod tests {
         usart.run(6400, 16);
         usart.run(9600, 16);
         assert_eq!((usart.lost, usart.read(4)), (1, Ok(1)));
+    }
+
+    #[test]
+    fn at_a_wrong_rate_other_bytes_are_heard() {
+        assert_eq!(heard(0x5a, 3200, 3200), (0x5a, true));
+        assert_eq!(heard(0x5a, 3200, 3300), (0x5a, true));
+        assert_eq!(heard(0x5a, 3200, 3360), (0x9a, true));
+        assert_eq!(heard(0, 3200, 3000), (0, false));
+        // Twice as fast: each bit is heard twice, and the stop bit is a data bit.
+        assert_eq!(heard(0x5a, 3200, 1600), (0b1001_1000, true));
+        assert_eq!(heard(0, 3200, 1600), (0, false));
     }
 }
