@@ -25,7 +25,15 @@ impl Progress {
     /// Starts counting to `total` steps of `what`, each of which takes about as long as the others.
     pub fn new(what: impl Into<String>, total: u64, quiet: bool) -> Self {
         let bar = hidden_unless_read(total, quiet);
-        let style = style("{msg} [{bar:30}] {pos}/{len}, {eta} left");
+        let style = style("{msg} [{bar:30}] {pos}/{len}, {left} left").with_key(
+            "left",
+            |state: &ProgressState, text: &mut dyn Write| {
+                let _ = match state.pos() {
+                    0 => write!(text, "unknown time"),
+                    _ => write!(text, "{:#}", HumanDuration(state.eta())),
+                };
+            },
+        );
         Self::start(bar, style, what.into(), Parts::new(0.0))
     }
 

@@ -16,7 +16,7 @@ use super::cart::Mounting;
 use super::plant::{Drive, Plant};
 use super::shaker::Path;
 use numerics::branch::{Branch, one_one_branches};
-use numerics::orbit::Orbit;
+use numerics::orbit::{Orbit, shoot};
 use numerics::pick::search::maximise;
 
 /// Ratios Ω/ω searched for the optimum.
@@ -25,6 +25,8 @@ const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 const TRIED: [f64; 8] = [0.91, 0.93, 0.95, 0.97, 0.99, 1.01, 1.03, 1.05];
 /// Where the search begins among them: most rigs' best is next to it.
 const BEGIN: usize = 4;
+/// Where the reference's optimum at another amplitude is searched, relative to the one known.
+const NEAR: (f64, f64) = (0.95, 1.05);
 /// Most drive periods settled before the cart's amplitude is measured and corrected, each time.
 const SETTLED: [u32; 3] = [40, 20, 30];
 /// Relative change of the force from one period to the next, [`STILL_PERIODS`] times in a row, at which it has settled.
@@ -59,8 +61,54 @@ pub fn prescribed(rig: &RigParams) -> Option<(Branch, Orbit)> {
 /// motion.
 pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option<Optimum> {
     let (branch, top) = prescribed(rig)?;
+    let orbit = |hz: f64| branch.at(rig, hz);
+    around(rig, drive, mounting, top.frequency_hz, orbit)
+}
+
+/// The optimum of [`two_bodies`] for `rig`, and for the same rig at `amplitude_m`, which should not be far from its own:
+/// the second reference's orbits are found from the first's.
+pub fn two_bodies_at(
+    rig: &RigParams,
+    amplitude_m: f64,
+    drive: &Drive,
+    mounting: &Mounting,
+) -> [Option<Optimum>; 2] {
+    let other = RigParams {
+        amplitude_m,
+        ..*rig
+    };
+    let Some((branch, top)) = prescribed(rig) else {
+        return [None, two_bodies(&other, drive, mounting)];
+    };
+    let own = |hz: f64| branch.at(rig, hz);
+    let first = around(rig, drive, mounting, top.frequency_hz, own);
+    let larger = amplitude_m / rig.amplitude_m;
+    let near = |hz: f64| {
+        let guess = own(hz)?.section.map(|x| larger * x);
+        shoot(&other, hz, guess).filter(Orbit::is_stable_one_one)
+    };
+    let (low, high) = (NEAR.0 * top.frequency_hz, NEAR.1 * top.frequency_hz);
+    let force = |hz: f64| near(hz).map(|orbit| (orbit.force_n, ()));
+    let second = match maximise(&branch, (low, high), force) {
+        // Not at an end of what was searched.
+        Some((hz, ())) if (1.001 * low..0.999 * high).contains(&hz) => {
+            around(&other, drive, mounting, hz, near)
+        }
+        _ => two_bodies(&other, drive, mounting),
+    };
+    [first, second]
+}
+
+/// The strongest near the reference's optimum at `top_hz`, each run started on the reference's `orbit` at its frequency.
+fn around(
+    rig: &RigParams,
+    drive: &Drive,
+    mounting: &Mounting,
+    top_hz: f64,
+    orbit: impl Fn(f64) -> Option<Orbit>,
+) -> Option<Optimum> {
     let at = |frequency_hz: f64| {
-        let section = branch.at(rig, frequency_hz)?.section;
+        let section = orbit(frequency_hz)?.section;
         let plant = Plant::mounted(rig, drive, mounting, TICK_S).ok()?;
         let force_n = held_force(plant, rig, frequency_hz, section)?;
         Some(Optimum {
@@ -72,7 +120,7 @@ pub fn two_bodies(rig: &RigParams, drive: &Drive, mounting: &Mounting) -> Option
     let mut force = |i: usize| -> Option<Optimum> {
         *known
             .get_mut(i)?
-            .get_or_insert_with(|| at(TRIED[i] * top.frequency_hz))
+            .get_or_insert_with(|| at(TRIED[i] * top_hz))
     };
     let i = climb(TRIED.len(), BEGIN, |i| force(i).map(|o| o.force_n))?;
     let best = force(i)?;

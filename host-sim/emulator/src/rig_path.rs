@@ -62,16 +62,16 @@ impl RigPath {
         }
     }
 
-    /// The mean optimum over the time that `counts`, by `optimum` of a rig; of the rig at the end if no time counts.
+    /// The mean optimum over the time that `counts`, by `optimum` of a moment; of the end if no time counts.
     pub fn mean(
         &self,
         counts: fn(&Moment) -> f64,
-        optimum: impl Fn(&RigParams) -> Option<Optimum>,
+        optimum: impl Fn(&Moment) -> Option<Optimum>,
     ) -> Option<Optimum> {
         let last = self.moments.len() - 1;
         let total_s: f64 = self.moments.iter().map(counts).sum();
         if last == 0 || total_s <= 0.0 {
-            return optimum(&self.moments[last].rig);
+            return optimum(&self.moments[last]);
         }
         let counted: Vec<usize> = (0..=last)
             .filter(|i| counts(&self.moments[*i]) > 0.0)
@@ -82,7 +82,7 @@ impl RigPath {
         let mut known: Vec<(usize, Optimum)> = Vec::new();
         for k in 0..knots {
             let at = from + k * (to - from) / steps;
-            known.push((at, optimum(&self.moments[at].rig)?));
+            known.push((at, optimum(&self.moments[at])?));
         }
         let (mut frequency, mut force) = (0.0, 0.0);
         for i in counted {
@@ -121,10 +121,10 @@ mod tests {
     }
 
     /// Linear in the gap, so that its mean over time is known.
-    fn linear(rig: &RigParams) -> Option<Optimum> {
+    fn linear(moment: &Moment) -> Option<Optimum> {
         Some(Optimum {
             frequency_hz: 4.0,
-            force_n: 100.0 - 1e4 * rig.gap_m,
+            force_n: 100.0 - 1e4 * moment.rig.gap_m,
         })
     }
 

@@ -3,6 +3,8 @@
 //! Each trial draws the true rig and the sensors' gains, starts the controller cold, and is judged by the plant's truth:
 //! how soon it held, and what share of the true optimum's force was there from then on.
 
+pub mod long;
+
 use numerics::progress::Progress;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -13,7 +15,7 @@ use shared::model::cart::CartDrive;
 use shared::model::params::preset;
 
 use crate::local::Local;
-use crate::optimum::two_bodies;
+use crate::optimum::two_bodies_at;
 use crate::run::run;
 use crate::scenario::{Scenario, parse};
 use crate::verdict::{Best, judge_by};
@@ -167,7 +169,11 @@ impl Trial {
         let scenario = self.scenario(duration_s)?;
         let mut control = Local::new(&scenario.settings)?;
         let summary = run(&scenario, &mut control, &mut ())?;
-        let best = two_bodies(&scenario.true_rig, &scenario.drive(), &scenario.mounting);
+        // The controller holds the amplitude that the cart's sensor reads.
+        let rig = &scenario.true_rig;
+        let as_read_m = rig.amplitude_m / (1.0 + 0.01 * self.cart_gain_percent);
+        let [best, best_as_read] =
+            two_bodies_at(rig, as_read_m, &scenario.drive(), &scenario.mounting);
         let verdict = judge_by(
             &scenario,
             &summary,
@@ -177,13 +183,7 @@ impl Trial {
                 prescribed: None,
             },
         );
-        // The controller holds the amplitude that the cart's sensor reads.
-        let mut as_read = scenario.true_rig;
-        as_read.amplitude_m /= 1.0 + 0.01 * self.cart_gain_percent;
-        let best_as_read = two_bodies(&as_read, &scenario.drive(), &scenario.mounting);
-        let held_n = verdict
-            .force_ratio_mean
-            .map(|ratio| ratio * scenario.true_rig.weight_n());
+        let held_n = verdict.force_ratio_mean.map(|ratio| ratio * rig.weight_n());
         let names = verdict.faults.iter().map(|fault| fault.name);
         Ok(Outcome {
             trial: self.clone(),
@@ -351,13 +351,26 @@ pub fn run_all(
     duration_s: f64,
     progress: &dyn Progress,
 ) -> Result<Vec<Outcome>, UserError> {
+    each(count, progress, |trial| {
+        Trial::draw(seed, trial, rigs).run(duration_s)
+    })
+}
+
+/// Runs trials 0 to `count`, as many at a time as there are threads; their outcomes in their order.
+fn each<T: Send>(
+    count: u32,
+    progress: &dyn Progress,
+    run: impl Fn(u32) -> Result<T, UserError> + Sync,
+) -> Result<Vec<T>, UserError> {
     (0..count)
         .into_par_iter()
+        // Trials differ in length: each by itself, so that no thread is left with the last of them.
+        .with_max_len(1)
         .map(|trial| {
             if progress.interrupted() {
                 return Err(numerics::Error::Interrupted.into());
             }
-            let outcome = Trial::draw(seed, trial, rigs).run(duration_s);
+            let outcome = run(trial);
             progress.advance(1);
             outcome
         })

@@ -139,9 +139,9 @@ fn best_of_run(scenario: &Scenario, summary: &Summary) -> Best {
         best
     };
     Best {
-        held: summary.rigs.mean(|m| m.held_s, full),
-        asked: summary.rigs.mean(|m| m.asked_s, full),
-        prescribed: summary.rigs.mean(|m| m.held_s, plain),
+        held: summary.rigs.mean(|m| m.held_s, |m| full(&m.rig)),
+        asked: summary.rigs.mean(|m| m.asked_s, |m| full(&m.rig)),
+        prescribed: summary.rigs.mean(|m| m.held_s, |m| plain(&m.rig)),
     }
 }
 

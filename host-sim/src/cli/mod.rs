@@ -116,7 +116,7 @@ enum Command {
     #[command(after_help = "Examples:\n  host-sim emulate\n  host-sim emulate field --out out")]
     Emulate(emulate::Args),
     /// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes
-    #[command(after_help = "Examples:\n  host-sim trials --count 20")]
+    #[command(after_help = "Examples:\n  host-sim trials --count 20\n  host-sim trials --long")]
     Trials(trials::Args),
     /// List the built-in scenarios, or print one as a TOML file to start from
     #[command(

@@ -1,11 +1,14 @@
 //! `host-sim trials`.
 
+mod long;
+
 use serde::Serialize;
 
 use super::arguments::output::OutputArgs;
 use crate::pictures::drawn;
 use crate::pictures::trials::figure;
 use crate::progress::Progress;
+use emulator::trials::long::LongTrial;
 use emulator::trials::{Believed, Distribution, Outcome, RIGS, Row, Trial, run_all};
 use files::words::count;
 use files::{UserError, rigfile};
@@ -18,13 +21,18 @@ const MOST: u32 = 100_000;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// How many trials, on the rigs in turn
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    count: u32,
+    /// How many trials, on the rigs in turn [default: 200; with --long 40]
+    #[arg(long, value_name = "N")]
+    count: Option<u32>,
 
-    /// Rig time of each, s
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
-    seconds: f64,
+    /// Rig time of each, s; with --long, after the start [default: 60; with --long 600]
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+
+    /// Long trials: over each the natural frequency drifts by 5 %, the hammer's or the cart's sensor or both come to be
+    /// 1 ms late, and each sensor's gain drifts by 1 % per minute
+    #[arg(long)]
+    long: bool,
 
     /// Seed of what is drawn
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -62,17 +70,17 @@ struct Answer<'a> {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
+    let (usual, usual_s) = if args.long { (40, 600.0) } else { (200, 60.0) };
+    let (trials, seconds) = (args.count.unwrap_or(usual), args.seconds.unwrap_or(usual_s));
     let (least, most) = DURATION_S;
-    if !(least..=most).contains(&args.seconds) {
-        let got = args.seconds;
+    if !(least..=most).contains(&seconds) {
         return Err(UserError::new(format!(
-            "--seconds is {got}, must be from {least} to {most}"
+            "--seconds is {seconds}, must be from {least} to {most}"
         )));
     }
-    if args.count == 0 || args.count > MOST {
-        let got = args.count;
+    if trials == 0 || trials > MOST {
         return Err(UserError::new(format!(
-            "--count is {got}, must be from 1 to {MOST}"
+            "--count is {trials}, must be from 1 to {MOST}"
         )));
     }
     let rigs: Vec<NamedRig> = match &args.rig {
@@ -81,29 +89,39 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     let believed: Vec<Believed> = rigs.iter().map(Believed::new).collect();
     if let Some(number) = args.show {
-        let trial = Trial::draw(args.seed, number, &believed);
-        super::terminal::print(&trial.to_toml(args.seconds));
+        let text = if args.long {
+            LongTrial::draw(args.seed, number, &believed).to_toml(seconds)
+        } else {
+            Trial::draw(args.seed, number, &believed).to_toml(seconds)
+        };
+        super::terminal::print(&text);
         return Ok(());
     }
     let output = &output.about(&rigs)?;
-    let progress = Progress::new("trials", u64::from(args.count), output.quiet);
-    let outcomes = run_all(args.seed, args.count, &believed, args.seconds, &progress)?;
+    let what = format!("trials of {seconds} s");
+    let progress = Progress::new(what, u64::from(trials), output.quiet);
+    if args.long {
+        return long::run(args.seed, trials, seconds, &believed, output, &progress);
+    }
+    let outcomes = run_all(args.seed, trials, &believed, seconds, &progress)?;
     progress.finish();
     let names: Vec<&str> = rigs.iter().map(|rig| &*rig.name).collect();
     let lines = lines(&names, &outcomes);
     let rows: Vec<Row> = outcomes.iter().map(Row::from).collect();
     let answer = Answer {
         seed: args.seed,
-        seconds_s: args.seconds,
+        seconds_s: seconds,
         distributions: &lines,
         trials: &rows,
     };
     if let Some(dir) = &output.out {
-        let mut contents = drawn(&output.name(""), &figure(&names, &outcomes, args.seconds))?;
+        let mut contents = drawn(&output.name(""), &figure(&names, &outcomes, seconds))?;
         contents.extend(output.tables(&output.name(""), &answer, &rows)?);
         output.write(dir, contents)?;
     }
-    output.emit(&answer, &rows, || text(args, &lines))
+    output.emit(&answer, &rows, || {
+        text(outcomes.len(), seconds, args.seed, &lines)
+    })
 }
 
 /// The presets, around which the trials are drawn.
@@ -130,13 +148,13 @@ fn lines(rigs: &[&str], outcomes: &[Outcome]) -> Vec<Line> {
     lines
 }
 
-fn text(args: &Args, lines: &[Line]) -> String {
+fn text(trials: usize, seconds: f64, seed: u64, lines: &[Line]) -> String {
     let mut text = format!(
         "{} of {} s, seed {}: Hold, s after the start, and force from Hold on over the true optimum's\n\n\
          {:<9} {:>6} {:>5} {:>6} {:>5}  {:>7} {:>7} {:>7}  {:>7} {:>7} {:>7}  {:>8} {:>8}\n",
-        count(args.count as usize, "trial"),
-        args.seconds,
-        args.seed,
+        count(trials, "trial"),
+        seconds,
+        seed,
         "rig",
         "trials",
         "held",

@@ -236,6 +236,38 @@ fn a_late_sensor_reads_what_was_so_many_ticks_before() {
 }
 
 #[test]
+fn a_delay_that_drifts_grows_from_none_by_its_rate() {
+    let settings = Settings::for_rig(&WIRES);
+    let mut plant = Plant::prescribed(&WIRES, TICK_S).unwrap();
+    let mut sensors = [0, 1].map(|_| noiseless(&settings, SensorParams::default()));
+    // 1 ms in half a second.
+    sensors[1].begin(Sensor::Cart, 7, Defect::DelayDrift(2e-3));
+    let hz = 2.0 * WIRES.natural_frequency_hz();
+    plant.set_state(on_the_sine(&WIRES, hz, rest(&WIRES), 0.0));
+    let mut seen = [Vec::new(), Vec::new()];
+    for k in 0..10_001 {
+        plant.tick(sine(&WIRES, hz, TICK_S, k), true);
+        for (sensors, seen) in sensors.iter_mut().zip(&mut seen) {
+            let code = sensors.read(&plant)[2];
+            seen.push(f64::from(settings.cart.value(code)));
+        }
+    }
+    let codes = 2.0 * f64::from(settings.cart.unit_per_code);
+    for k in 20..10_001_usize {
+        let late_ticks = 2e-3 * k as f64;
+        let want = seen[0][k - late_ticks.round() as usize];
+        // Half a tick at the largest speed, and the rounding of both codes.
+        let reach = 0.5 * TICK_S * WIRES.amplitude_m * std::f64::consts::TAU * hz + codes;
+        assert!(
+            (seen[1][k] - want).abs() < reach,
+            "{k}: {} {want}",
+            seen[1][k]
+        );
+    }
+    assert!((seen[1][9_900] - seen[0][9_900]).abs() > codes);
+}
+
+#[test]
 fn scenarios_name_sensors_alone_together_and_from_the_start() {
     use emulator::scenario::parse;
     let parsed = |more: &str| {

@@ -70,6 +70,8 @@ pub enum Fault {
     Dead,
     /// It reads `delay_ms` late.
     Delayed,
+    /// It reads later by `delay_ms_per_s`.
+    DelayDrift,
     /// Its wire and that of the other displacement are exchanged.
     Swapped,
     /// It is at an end (`at`) in so many `ticks` `of` so many.
@@ -104,6 +106,8 @@ pub struct SensorFault {
     pub noise_um: Option<f64>,
     /// How late it reads, ms.
     pub delay_ms: Option<f64>,
+    /// How fast its delay grows, ms/s.
+    pub delay_ms_per_s: Option<f64>,
     /// Ticks at an end.
     pub ticks: Option<u32>,
     /// Of so many.
@@ -133,6 +137,7 @@ impl SensorFault {
             noise_n: None,
             noise_um: None,
             delay_ms: None,
+            delay_ms_per_s: None,
             ticks: None,
             of: None,
             at: None,
@@ -154,6 +159,7 @@ impl SensorFault {
             (NOISE[0], self.noise_n, (0.0, REACH.1)),
             (NOISE[1], self.noise_um, (0.0, REACH.1)),
             ("delay_ms", self.delay_ms, (0.05, 10_000.0)),
+            ("delay_ms_per_s", self.delay_ms_per_s, (0.0, 100.0)),
             ("of", count(self.of), (1.0, 1e9)),
             ("ticks", count(self.ticks), (1.0, of)),
         ]
@@ -178,6 +184,7 @@ impl SensorFault {
             Fault::OffsetDrift => (units(DRIFT), true),
             Fault::Dead => (units(NOISE), false),
             Fault::Delayed => (vec!["delay_ms"], true),
+            Fault::DelayDrift => (vec!["delay_ms_per_s"], true),
             Fault::Intermittent => (vec!["ticks", "of"], true),
             Fault::Open
             | Fault::Saturated
@@ -251,6 +258,7 @@ impl SensorFault {
                 let ticks = 1e-3 * self.delay_ms.unwrap_or(0.0) / TICK_S;
                 Defect::Delayed(ticks.round() as u32)
             }
+            Fault::DelayDrift => Defect::DelayDrift(1e-3 * self.delay_ms_per_s.unwrap_or(0.0)),
             Fault::Intermittent => Defect::Intermittent {
                 at: self.at.unwrap_or_default(),
                 ticks: self.ticks.unwrap_or(1),
@@ -288,6 +296,9 @@ impl SensorFault {
             ),
             Fault::Dead => "is dead but noisy".to_owned(),
             Fault::Delayed => format!("is {} ms late", number(self.delay_ms)),
+            Fault::DelayDrift => {
+                format!("is {} ms later each second", number(self.delay_ms_per_s))
+            }
             Fault::Intermittent => {
                 let at = format!("{:?}", self.at.unwrap_or_default()).to_lowercase();
                 let (ticks, of) = (self.ticks.unwrap_or(1), self.of.unwrap_or(1));

@@ -60,6 +60,8 @@ pub enum Defect {
     Dead(Option<f64>),
     /// The value is read this many ticks late.
     Delayed(u32),
+    /// It is read later by so many seconds each second, from no delay on.
+    DelayDrift(f64),
     /// The wires of hammer and cart are exchanged.
     Swapped,
     /// A bad contact: so many ticks of each so many, the signal is at an end.
@@ -85,8 +87,8 @@ struct Active {
 }
 
 impl Active {
-    /// What the defect makes of a value; `age_s` is its age.
-    fn value(&mut self, value: f64, age_s: f64) -> f64 {
+    /// What the defect makes of a value; `age_s` is its age, and a tick lasts `tick_s`.
+    fn value(&mut self, value: f64, age_s: f64, tick_s: f64) -> f64 {
         match self.defect {
             Defect::Gain(times) => times * value,
             Defect::GainDrift(per_s) => (1.0 + per_s * age_s) * value,
@@ -102,8 +104,27 @@ impl Active {
                 }
                 late
             }
+            Defect::DelayDrift(per_s) => self.late_by(value, per_s * age_s / tick_s),
             _ => value,
         }
+    }
+}
+
+impl Active {
+    /// The value of `ticks` ago, between two ticks on the line through them. The delay never shrinks.
+    fn late_by(&mut self, value: f64, ticks: f64) -> f64 {
+        self.waiting.push_back(value);
+        let whole = ticks as usize;
+        while self.waiting.len() > whole + 2 {
+            self.waiting.pop_front();
+        }
+        // As old as what there is, at most.
+        let ago = |n: usize| {
+            let i = self.waiting.len().saturating_sub(1 + n);
+            self.waiting.get(i).copied().unwrap_or(value)
+        };
+        let (younger, older) = (ago(whole), ago(whole + 1));
+        younger + ticks.fract() * (older - younger)
     }
 }
 
@@ -167,7 +188,7 @@ impl Line {
         for active in &mut self.defects {
             let age = active.age;
             active.age += 1;
-            value = active.value(value, age as f64 * self.tick_s);
+            value = active.value(value, age as f64 * self.tick_s, self.tick_s);
             match active.defect {
                 Defect::Dead(Some(noise)) => deviation = noise,
                 Defect::Supply(times) => supply *= times,
