@@ -238,6 +238,7 @@ fn happens() -> impl Strategy<Value = Happens> {
         8 => command.prop_map(Act::Command),
         1 => Just(Act::Release),
         1 => Just(Act::SetSettings(Settings::for_rig(&WIRES))),
+        1 => Just(Act::SetBrownOut),
     ];
     // Not a recording: the stub's time goes on with every block taken.
     let mut looks = watching().to_vec();
@@ -302,7 +303,7 @@ proptest! {
                     if rules.holder == Some(program) {
                         rules.silent = 0;
                         match act {
-                            Act::Command(Acknowledge) | Act::SetSettings(_) => {}
+                            Act::Command(Acknowledge) | Act::SetSettings(_) | Act::SetBrownOut => {}
                             Act::Command(command) => expected.push(command),
                             Act::Release => rules.holder = None,
                         }
