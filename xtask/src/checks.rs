@@ -98,10 +98,27 @@ const FIRMWARE: &[Step] = &[
     ("image in the model of the board", || {
         silent(crate::board::run(crate::board::SHORT, &Build::Tested))
     }),
+    ("model's processor against Unicorn", oracle),
 ];
 
 fn silent(outcome: Outcome) -> Outcome<String> {
     outcome.map(|()| String::new())
+}
+
+/// A machine that cannot have Unicorn does without.
+fn oracle() -> Outcome<String> {
+    match crate::board::oracle() {
+        Ok(oracle) => silent(crate::board::compare(
+            crate::board::FEW_STATES,
+            &Build::Tested,
+            &oracle,
+        )),
+        Err(error) => {
+            let remark = format!("skipped: {error}");
+            println!("{remark}");
+            Ok(remark.lines().next().unwrap_or_default().into())
+        }
+    }
 }
 
 /// A machine for which no browser, nothing to drive it, or no Rust for it can be had does without.

@@ -65,10 +65,12 @@ cargo xtask COMMAND
                               run the firmware's image under QEMU in a closed loop with the emulator's plant,
                               and compare its every output with the desktop's, bit for bit
                               (default: the field scenario, once, as long as it is)
-  board [--short | --mutants] [--seconds S] [WORDS]
+  board [--short | --mutants | --oracle [STATES]] [--seconds S] [WORDS]
                               run the image for the NUCLEO-F446RE in a model of that board: boots, the closed loop with
                               the emulator's plant (60 s), faults, power cuts; only those with WORDS in their name;
-                              --mutants runs it with one mistake in its set-up after another: each must be caught
+                              --mutants runs it with one mistake in its set-up after another: each must be caught;
+                              --oracle compares the model's processor with Unicorn's, each instruction of the image in so
+                              many random states (default: 4; needs Python and the network once)
   python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
   dist [--check]              build what is handed out into target/dist: archive, Python wheel, page, checksums; try the
                               program in a bare root of an older Debian and the wheel in an environment of its own;

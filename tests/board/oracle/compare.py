@@ -1,10 +1,9 @@
 """Compares the model's processor with Unicorn's Cortex-M4, an instruction at a time, from random states.
 
-    python -m venv VENV; VENV/bin/pip install unicorn==2.1.4
-    VENV/bin/python tests/board/oracle/compare.py ONE-INSTRUCTION ELF [CASES [SEED]]
+    cargo xtask board --oracle [STATES]
 
-ONE-INSTRUCTION is the program of that name (`cargo build -p board`). The instructions are those of the ELF, each once with
-several states. Unicorn is under the GPL and is not part of this project: it is asked, not linked.
+gets Unicorn and runs this: compare.py ONE-INSTRUCTION ELF [STATES [SEED]]. The instructions are those of the ELF, each in so many
+states. Unicorn is under the GPL and is not part of this project: it is asked, not linked.
 """
 
 import random
@@ -20,6 +19,8 @@ AT = FLASH + 0x200
 PATTERN = bytes((i * 37 + 11) & 0xFF for i in range(SIZE))
 REGS = [getattr(__import__("unicorn.arm_const", fromlist=["x"]), f"UC_ARM_REG_{n}")
         for n in [f"R{i}" for i in range(13)] + ["SP", "LR"]]
+# Its place in an answer: after r0 to pc, the status, and s0 to s31.
+FPSCR = 49
 SINGLES = [getattr(__import__("unicorn.arm_const", fromlist=["x"]), f"UC_ARM_REG_S{i}") for i in range(32)]
 ODD = [0, 1, 2, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF]
 ODD_SINGLES = [0, 0x80000000, 0x3F800000, 0xBF800000, 0x7F800000, 0xFF800000, 0x7FC00001, 0x7F800001, 1, 0x00800000,
@@ -56,10 +57,30 @@ def skipped(first, second):
     return first & 0xEF00 == 0xEE00 and second & 0x0F10 == 0x0A10 and first & 0xE0 == 0xE0
 
 
+def is_odd(address):
+    """Unicorn has no bit-band, and faults at a store to flash, of which the part only notes an error."""
+    return 0x21F00000 <= address < 0x24100000 or 0x07F00000 <= address < 0x08100000
+
+
+def sum_of_two(first, second, regs):
+    """The address of a load or store that adds two registers; 0 for any other."""
+    if first >> 12 == 5:
+        return regs[first >> 3 & 7] + regs[first >> 6 & 7] & 0xFFFFFFFF
+    if first >> 9 == 0x7C and second & 0xFC0 == 0 and max(first & 15, second & 15) < 14:
+        return regs[first & 15] + (regs[second & 15] << (second >> 4 & 3)) & 0xFFFFFFFF
+    return 0
+
+
+def suitable(rng, first, second):
+    found = state(rng)
+    return suitable(rng, first, second) if is_odd(sum_of_two(first, second, found[0])) else found
+
+
 def state(rng):
     def word():
-        return rng.choice([rng.choice(ODD), rng.getrandbits(32), RAM + 4 * rng.randrange(0x1000, 0x6000),
-                           RAM + rng.randrange(0x4000, 0x18000)])
+        found = rng.choice([rng.choice(ODD), rng.getrandbits(32), RAM + 4 * rng.randrange(0x1000, 0x6000),
+                            RAM + rng.randrange(0x4000, 0x18000)])
+        return word() if is_odd(found) else found
 
     def single():
         return rng.choice([rng.choice(ODD_SINGLES), rng.getrandbits(32),
@@ -111,7 +132,7 @@ def main():
     cases = int(sys.argv[3]) if len(sys.argv) > 3 else 3
     rng = random.Random(int(sys.argv[4]) if len(sys.argv) > 4 else 1)
     code = [pair for pair in instructions(elf) if not skipped(*pair)]
-    todo = [(pair, state(rng)) for pair in code for _ in range(cases)]
+    todo = [(pair, suitable(rng, *pair)) for pair in code for _ in range(cases)]
     lines = []
     for (first, second), (regs, status, singles, fpscr) in todo:
         lines.append(" ".join(f"{w:x}" for w in [first, second, *regs, status, *singles, fpscr]))
@@ -124,12 +145,20 @@ def main():
             faults += 1
             if (expected is None) == (said[0] != "ok"):
                 continue
-            # Unicorn looks at the target of a branch at once, and takes multiple transfers at any address.
-            if said[0] == "ok" and not FLASH <= int(said[16], 16) < FLASH + 0x80000 or said[1:] == ["Unaligned"]:
+            # Unicorn looks at the target of a branch at once, takes multiple transfers at any address, and executes some of
+            # what the manual does not define, where the model stops (so it would stop a run of the image, too).
+            outside = said[0] == "ok" and not FLASH <= int(said[16], 16) < FLASH + 0x80000
+            if outside or said[1:] in (["Unaligned"], ["Undefined"]):
                 known += 1
                 continue
             expected = expected or ["fault"]
-        if said[1:] != expected:
+        ours = said[1:]
+        if ours == expected:
+            continue
+        # Now and then Unicorn loses the flags of FPSCR, which a move does not touch.
+        if expected[FPSCR:FPSCR + 1] == ["0"] and ours[:FPSCR] + ours[FPSCR + 1:] == expected[:FPSCR] + expected[FPSCR + 1:]:
+            known += 1
+        else:
             different += 1
             key = pair[0] >> 4
             if shown.setdefault(key, 0) < 2 and sum(shown.values()) < 40:

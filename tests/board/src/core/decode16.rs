@@ -66,6 +66,7 @@ pub fn decode(pc: u32, h: u32) -> Op {
             .imm((pc.wrapping_add(4) & !3).wrapping_add(imm8 * 4)),
         0b10101 => op(Kind::AddI).regs(r8, 13, 0).imm(imm8 * 4),
         0b10110 | 0b10111 => miscellaneous(pc, h),
+        0b11000 | 0b11001 if imm8 == 0 => undefined,
         0b11000 => op(Kind::StoreMany)
             .regs(0, r8, 0)
             .imm(imm8)
