@@ -381,7 +381,7 @@ fn each<T: Send>(
 mod tests {
     use super::*;
 
-    fn presets() -> Vec<Believed> {
+    pub(super) fn presets() -> Vec<Believed> {
         let rig = |name| NamedRig::preset(name).map(|rig| Believed::new(&rig));
         RIGS.into_iter().map(rig).collect::<Result<_, _>>().unwrap()
     }

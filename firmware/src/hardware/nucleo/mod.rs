@@ -61,7 +61,7 @@ pub use serial::Serial;
 pub use set_points::SetPoints;
 pub use stm32f4xx_hal::pac::{self, Peripherals};
 pub use supply::{dropped as supply_dropped, is_low as supply_is_low};
-pub use watchdog::{Watchdog, feed as feed_watchdog};
+pub use watchdog::feed as feed_watchdog;
 
 /// The board's name, as the link gives it.
 pub const NAME: &str = "NUCLEO-F446RE";
@@ -75,7 +75,7 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
     let mut rcc = device.RCC.constrain();
     let gpioa = device.GPIOA.split(&mut rcc);
     let enable = gpioa.pa8.into_push_pull_output_in_state(PinState::Low);
-    let mut watchdog = Watchdog::start(&device.IWDG, &device.DBGMCU);
+    watchdog::start(&device.IWDG, &device.DBGMCU);
     let gpiob = device.GPIOB.split(&mut rcc);
     let gpioc = device.GPIOC.split(&mut rcc);
     let chain = gpiob.pb5.into_pull_up_input();
@@ -92,7 +92,7 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
     let bench_asked = strap.is_low() || button.is_low();
 
     let (mut rcc, crystal) = clock::start(rcc);
-    watchdog.feed();
+    feed_watchdog();
     let mut exti = device.EXTI;
     let mut syscfg = device.SYSCFG.constrain(&mut rcc);
     // A debugger that halts the processor also halts the set-points.
@@ -131,7 +131,6 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
         bench_asked,
         wired,
         reports,
-        watchdog,
         unfit,
     })
 }

@@ -56,7 +56,6 @@ pub fn dropped() {
     pins::disable();
     acknowledge();
     if driving {
-        super::make_outputs_safe();
         report::unfit(Unfit::SUPPLY);
     }
 }

@@ -25,38 +25,27 @@ const RELOAD: u16 = 0xaaaa;
 /// Looks at the two values on their way to the LSI's side: five of its cycles, so 5,000 cycles of the power-up clock at most.
 const LOOKS: u32 = 20_000;
 
-/// The watchdog, running.
-pub struct Watchdog(());
-
-impl Watchdog {
-    /// Starts it; nothing but a reset stops it. It goes on while a debugger halts the processor: a board
-    /// that was left halted resets.
-    ///
-    /// The start switches the LSI on. Until the period has arrived on the LSI's side, it is that after a reset: 0.35 to 0.96 s.
-    /// (Were the period written first, with the LSI off it would not arrive before the start.)
-    pub fn start(iwdg: &pac::IWDG, debug: &pac::DBGMCU) -> Self {
-        debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().clear_bit());
-        let key = |key| {
-            // SAFETY: a key that RM0390 names.
-            iwdg.kr().write(|w| unsafe { w.key().bits(key) });
-        };
-        key(START);
-        key(UNLOCK);
-        // SAFETY: a divider that there is, and a count of 12 bits.
-        unsafe {
-            iwdg.pr().write(|w| w.pr().bits(BY_16));
-            iwdg.rlr().write(|w| w.rl().bits(2 * PERIOD_MS - 1));
-        }
-        let arrived = |_: &u32| iwdg.sr().read().bits() == 0;
-        let _ = (0..LOOKS).find(arrived);
-        key(RELOAD);
-        Self(())
+/// Starts it; nothing but a reset stops it. It goes on while a debugger halts the processor: a board
+/// that was left halted resets.
+///
+/// The start switches the LSI on. Until the period has arrived on the LSI's side, it is that after a reset: 0.35 to 0.96 s.
+/// (Were the period written first, with the LSI off it would not arrive before the start.)
+pub fn start(iwdg: &pac::IWDG, debug: &pac::DBGMCU) {
+    debug.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().clear_bit());
+    let key = |key| {
+        // SAFETY: a key that RM0390 names.
+        iwdg.kr().write(|w| unsafe { w.key().bits(key) });
+    };
+    key(START);
+    key(UNLOCK);
+    // SAFETY: a divider that there is, and a count of 12 bits.
+    unsafe {
+        iwdg.pr().write(|w| w.pr().bits(BY_16));
+        iwdg.rlr().write(|w| w.rl().bits(2 * PERIOD_MS - 1));
     }
-
-    /// Starts its period anew.
-    pub fn feed(&mut self) {
-        feed();
-    }
+    let arrived = |_: &u32| iwdg.sr().read().bits() == 0;
+    let _ = (0..LOOKS).find(arrived);
+    key(RELOAD);
 }
 
 /// Starts its period anew, from anywhere, so that the last lines of the log can be fetched before a reset.

@@ -93,7 +93,6 @@ impl Control {
         let tripped =
             self.chain.is_open() || drive::is_taken_away() || (against && self.enable.is_some());
         if self.sampler.reference_is_lost() && enabled {
-            board::make_outputs_safe();
             report::unfit(Unfit::REFERENCE);
         }
         let mut frames = [Frame::default(); BLOCK_TICKS];
@@ -125,7 +124,6 @@ impl Control {
         if let Some(enable) = &mut self.enable {
             let on = outputs.iter().all(|output| output.enable);
             if on && board::supply_is_low() {
-                board::make_outputs_safe();
                 report::unfit(Unfit::SUPPLY);
             }
             enable.apply(on, tripped);

@@ -12,7 +12,7 @@
 //! | `Serial`, `LinkTimer` | the link's wire, and its tick of 1 ms |
 //! | `BlockMonitor` | the tick of 1 ms above all tasks |
 //! | `Store` | the settings' flash |
-//! | `LedPin`, `ButtonPin`, `Watchdog` | |
+//! | `LedPin`, `ButtonPin` | |
 //! | `reset_flags`, `disable`, `make_outputs_safe`, `feed_watchdog`, `supply_is_low` | from anywhere |
 //! | `Registers`, `registers` | what the board's set-up has written, to be compared with later |
 //! | `report_panic`, `report_fault` | those of [`report`] |
@@ -66,8 +66,6 @@ pub struct Board {
     pub wired: bool,
     /// What the power stage and the enable's relay report.
     pub reports: board::Reports,
-    /// The watchdog, running.
-    pub watchdog: board::Watchdog,
     /// Why this board is not fit to drive a rig.
     pub unfit: Unfit,
 }

@@ -38,8 +38,9 @@ pub fn report_fault(fault: &ProcessorFault) -> ! {
     end()
 }
 
-/// Retains why the board is not fit to drive any more, logs it and ends this run; the outputs are safe.
+/// Makes the outputs safe, retains why the board is not fit to drive any more, logs it and ends this run.
 pub fn unfit(why: Unfit) -> ! {
+    board::make_outputs_safe();
     if !REPORTING.swap(true, Ordering::Relaxed) {
         retained::note_unfit(why);
         defmt::error!("not fit to drive, reasons {=u8}", why.bits());

@@ -83,6 +83,6 @@ pub fn start(mut core: cortex_m::Peripherals, device: board::Peripherals) -> Tas
         control,
         block_monitor,
         link,
-        supervisor: Supervisor::new(board.led, board.button, board.watchdog, bench, registers),
+        supervisor: Supervisor::new(board.led, board.button, bench, registers),
     }
 }

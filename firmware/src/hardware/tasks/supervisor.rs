@@ -28,7 +28,6 @@ pub struct Supervisor {
     pin: board::ButtonPin,
     button: Button,
     pattern: LedPattern,
-    watchdog: board::Watchdog,
     liveness: Liveness,
     bench: bool,
     steps: u32,
@@ -41,7 +40,6 @@ impl Supervisor {
     pub(super) fn new(
         led: board::LedPin,
         pin: board::ButtonPin,
-        watchdog: board::Watchdog,
         bench: bool,
         registers: board::Registers,
     ) -> Self {
@@ -50,7 +48,6 @@ impl Supervisor {
             button: Button::new(pin.is_pressed()),
             pin,
             pattern: LedPattern::default(),
-            watchdog,
             liveness: Liveness::default(),
             bench,
             steps: 0,
@@ -84,7 +81,7 @@ impl Supervisor {
             idles: forecasts::turns(),
         };
         if self.liveness.step(progress) {
-            self.watchdog.feed();
+            board::feed_watchdog();
         }
         while let Some(event) = shared.lock(|recorder| recorder.taking().take_event()) {
             log::event(&event.kind);
@@ -117,7 +114,6 @@ impl Supervisor {
             (settings, recorder.settings_sum())
         });
         if self.registers != board::registers() || store::sum(&settings) != sum {
-            board::make_outputs_safe();
             report::unfit(Unfit::CHANGED);
         }
     }

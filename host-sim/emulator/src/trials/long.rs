@@ -392,13 +392,7 @@ pub fn run_all(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trials::RIGS;
-    use numerics::NamedRig;
-
-    fn presets() -> Vec<Believed> {
-        let rig = |name| NamedRig::preset(name).map(|rig| Believed::new(&rig));
-        RIGS.into_iter().map(rig).collect::<Result<_, _>>().unwrap()
-    }
+    use crate::trials::tests::presets;
 
     #[test]
     fn every_direction_is_drawn_and_the_rigs_are_those_of_the_trials() {
