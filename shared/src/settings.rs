@@ -231,7 +231,7 @@ impl Settings {
             drive: DriveSettings {
                 kind: DriveKind::Shaker,
                 m_per_code: larger * 2.5e-3 / 2047.0,
-                frequency_slew_hz_per_s: 0.1 * natural_hz,
+                frequency_slew_hz_per_s: 0.2 * natural_hz,
                 amplitude_slew_m_per_s: amplitude_m,
             },
             limits: Limits {

@@ -7,6 +7,10 @@ use emulator::scenario::parse;
 use rayon::prelude::*;
 use shared::control::State;
 use shared::fault::{Fault, Origin};
+use shared::settings::TICK_S;
+
+/// When it is started, s.
+const START_S: f64 = 0.5;
 
 /// A blow, N: a contact is detected from 14 N on the wires, and from more on beams.
 const BLOW_N: f64 = 5.0;
@@ -23,6 +27,8 @@ struct Start {
     /// What was proven, in words.
     proven: Option<String>,
     state: State,
+    /// When it held first, s after the start.
+    hold_s: Option<f64>,
 }
 
 impl Observer for Start {
@@ -35,6 +41,10 @@ impl Observer for Start {
     fn block(&mut self, row: &BlockRow) {
         self.state = row.status.state;
         self.has_ramped |= self.state == State::Ramp;
+        if self.state == State::Hold {
+            let now_s = row.tick as f64 * TICK_S;
+            self.hold_s.get_or_insert(now_s - START_S);
+        }
     }
     fn event(&mut self, event: &Event) {
         match &event.what {
@@ -175,12 +185,17 @@ fn a_guide_with_friction_is_no_wrong_sensor() {
 
 #[test]
 fn a_hammer_that_swings_for_ever_is_proven_and_its_sensor_s_sign_still_found() {
-    // Pushed at 2 mm: it swings by 1.7 mm, about twice A0, and the self test gives up waiting after 40 windows.
+    // Pushed at 2 mm: it swings by 1.7 mm, about twice A0, and touches nothing.
     let push = "[[events]]\nat_s = 0.1\nkind = \"push\"\nspeed_m_per_s = -0.02\n";
-    let healthy = after(30.0, "wires", &format!("gap_mm = 2.0\n{push}"));
+    let noise = "[sensors]\nnoise_percent = 1.0\n";
+    let healthy = start("wires", &format!("gap_mm = 2.0\n{noise}{push}"));
     assert!(healthy.has_ramped && healthy.fault.is_none(), "{healthy:?}");
+    // At 1 mm by half of that, it holds as soon as one at rest.
+    let softly = push.replace("0.02", "0.01");
+    let near = after(10.5, "wires", &format!("gap_mm = 1.0\n{noise}{softly}"));
+    assert!(near.hold_s.is_some_and(|s| s < 10.0), "{near:?}");
     let reversed = format!("gap_mm = 2.0\n{}{push}", gain("hammer", -1.0));
-    let reversed = after(30.0, "wires", &reversed);
+    let reversed = start("wires", &reversed);
     let named = reversed.fault.map(|(fault, origin, _)| (fault, origin));
     assert_eq!(named, Some((Fault::SensorOutOfFamily, Origin::Hammer)));
     assert!(!reversed.has_ramped);
@@ -216,7 +231,7 @@ fn watches_work_during_the_motion() {
         ),
         ("kind = \"link-loss\"", Fault::LinkTimeout),
     ] {
-        // The motion is from 1.1 s to 2.7 s.
+        // The motion is from 1.6 s to 3.2 s.
         let (link, trips) = if fault == Fault::LinkTimeout {
             (
                 "[trips]\nlink_timeout_s = 0.7\n[[events]]\nat_s = 0.4\nkind = \"link\"\n",
@@ -227,7 +242,7 @@ fn watches_work_during_the_motion() {
         };
         let found = start(
             "wires",
-            &format!("{trips}{link}[[events]]\nat_s = 1.5\n{what}\n"),
+            &format!("{trips}{link}[[events]]\nat_s = 2.1\n{what}\n"),
         );
         assert_eq!(
             found.fault.map(|(fault, ..)| fault),
@@ -236,7 +251,7 @@ fn watches_work_during_the_motion() {
         );
         assert!(!found.has_ramped, "{found:?}");
     }
-    let stopped = start("wires", "[[events]]\nat_s = 1.9\nkind = \"stop\"\n");
+    let stopped = start("wires", "[[events]]\nat_s = 2.4\nkind = \"stop\"\n");
     assert!(!stopped.has_ramped && stopped.fault.is_none());
     assert_eq!(stopped.state, State::Idle, "{stopped:?}");
 }

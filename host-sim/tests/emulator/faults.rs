@@ -119,7 +119,7 @@ fn emergency_stop() {
 #[test]
 fn over_force() {
     trips("over-force", None);
-    // The blow of this push, at this phase of the drive, is 367 N; 386 N trip.
+    // The blow of this push, at this phase of the drive, is 360 N; 386 N trip.
     does_not_trip(
         "over-force",
         each(|act| {
@@ -134,7 +134,7 @@ fn over_force() {
 #[test]
 fn over_travel() {
     trips("over-travel", None);
-    // The hammer goes to 9.9 mm; 10 mm trip.
+    // The hammer goes to 9.4 mm; 10 mm trip.
     does_not_trip(
         "over-travel",
         each(|act| {

@@ -27,10 +27,10 @@ const LOWEST_ENTRY: f32 = 0.7;
 const RATE_WEIGHT: f32 = 0.125;
 /// Contacts per period above which the entry lies too low (chatter), and hence below which it lies too high.
 const CROWDED: f32 = 1.3;
-/// Largest phase error of a contact in Hold's reach, turns (3°).
-const NEAR_TURNS: f32 = 3.0 / 360.0;
+/// Largest phase error of a contact in Hold's reach, turns (5°, at which the impulse is 0.4 % below the strongest).
+const NEAR_TURNS: f32 = 5.0 / 360.0;
 /// Contacts in a row that near, or at a bound, after which the optimum is found.
-const FOUND_PERIODS: u8 = 6;
+const FOUND_PERIODS: u8 = 4;
 /// Drive periods from Hold to the first climb, and between two.
 const FIRST_CLIMB: u16 = 96;
 const CLIMB_EVERY: u16 = 1024;
@@ -278,7 +278,7 @@ impl Search {
             SearchLeg::Locked { .. } | SearchLeg::Entry { .. } => {}
         }
         let error = self.lock.error_turns(beat.phase_turns, offset);
-        let hz = PhaseLock::next_hz(frequency_hz, error);
+        let hz = self.lock.next_hz(frequency_hz, error);
         if hz.is_finite() {
             self.goal_hz = hz.max(self.floor_hz).min(self.ceiling_hz);
         }
