@@ -90,7 +90,9 @@ fn a_cart_that_recoils_is_asked_for_as_elsewhere_and_told() {
 #[test]
 fn where_all_strike_to_the_end_the_picture_shows_how_soon_they_repeat() {
     let folder = Folder::new();
-    folder.run(&format!("basins --ratio 2 --gap 0 {SMALL}")).well();
+    folder
+        .run(&format!("basins --ratio 2 --gap 0 {SMALL}"))
+        .well();
     let picture = folder.read_made("out/basins", ".svg");
     assert_svg_shows(&picture, &["cycle from which it repeats"]);
     assert!(!picture.contains("cycle of the last contact"));
