@@ -168,22 +168,23 @@ pub fn compute_ranges(rows: &mut [Sensitivity], count: usize, params: &RigParams
     let mut worst: Vec<_> = rows.iter_mut().collect();
     worst.sort_by(|a, b| b.force_open_percent().total_cmp(&a.force_open_percent()));
     worst.truncate(count);
+    worst
+        .into_par_iter()
+        .for_each(|row| row.force_range_percent = range(row, params, best));
+}
+
+/// Smallest and largest change of the force, %, over all that the parameter of `row` may be.
+fn range(row: &Sensitivity, params: &RigParams, best: &Orbit) -> Option<[f64; 2]> {
     let changes = changes(params);
-    worst.into_par_iter().for_each(|row| {
-        let change = changes.iter().find(|change| change.0 == row.parameter);
-        let range = || {
-            let (_, per, change) = change?;
-            let [low, high] = row.ends()?;
-            let forces = |steps| forces_to(params, (*per == PERCENT, steps), change, best);
-            let (below, above) = rayon::join(|| forces(low), || forces(high));
-            let all = below?.into_iter().chain(above?);
-            let least_and_most = all.fold([best.force_n; 2], |[least, most], force| {
-                [least.min(force), most.max(force)]
-            });
-            Some(least_and_most.map(|force| 100.0 * (force / best.force_n - 1.0)))
-        };
-        row.force_range_percent = range();
+    let (_, per, change) = changes.iter().find(|change| change.0 == row.parameter)?;
+    let [low, high] = row.ends()?;
+    let forces = |steps| forces_to(params, (*per == PERCENT, steps), change, best);
+    let (below, above) = rayon::join(|| forces(low), || forces(high));
+    let all = below?.into_iter().chain(above?);
+    let least_and_most = all.fold([best.force_n; 2], |[least, most], force| {
+        [least.min(force), most.max(force)]
     });
+    Some(least_and_most.map(|force| 100.0 * (force / best.force_n - 1.0)))
 }
 
 /// Forces of the best 1/1 on the way from `params` to it changed by so many steps, each followed from the one before.
