@@ -35,11 +35,11 @@ pub fn read(path: &Path, say: impl Fn(&str), advance: impl Fn(f64)) -> Result<Si
     Ok(signal)
 }
 
-/// From the text of a CSV in the plain form, called `name`.
+/// From the text of a CSV in the plain form, called `name`; `advance` as in [`read`].
 ///
 /// # Errors
 /// One line naming file, line and mend.
-fn parse(name: &str, text: &str, advance: impl Fn(f64)) -> Result<Signal, UserError> {
+pub fn parse(name: &str, text: &str, advance: impl Fn(f64)) -> Result<Signal, UserError> {
     let whole = text.len() as f64;
     let mut told = 0;
     let mut reader = csv::ReaderBuilder::new()
