@@ -90,6 +90,11 @@ impl Progress {
         self.bar.println(line);
     }
 
+    /// Does what writes on standard error, without the bar.
+    pub fn aside(&self, write: impl FnOnce()) {
+        self.bar.suspend(write);
+    }
+
     /// Steps finished so far.
     pub fn done(&self) -> u64 {
         self.bar.position()

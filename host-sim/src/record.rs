@@ -15,28 +15,33 @@ pub const COLUMNS: [&str; 3] = ["force_n", "displacement_mm", "cart_mm"];
 /// Largest value of a sensor, in N or mm, and latest time of a record, in s.
 const LARGEST: f64 = 1e9;
 
+/// Bytes of a CSV between two reports of how far the reading has come.
+const PORTION: u64 = 1 << 20;
+
 /// Reads `path`: a log if it ends in `.parquet`, else CSV. `say` is told how the file was understood, if it was not in the
-/// plain form.
+/// plain form; `advance` each further share of the file that has been read.
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn read(path: &Path, say: impl Fn(&str)) -> Result<Signal, UserError> {
+pub fn read(path: &Path, say: impl Fn(&str), advance: impl Fn(f64)) -> Result<Signal, UserError> {
     let parquet = path.extension().is_some_and(|e| e == "parquet");
     if parquet {
-        return from_log(path);
+        return from_log(path, advance);
     }
     let name = path.display().to_string();
     let Plain { text, said } = plain(&name, read_table(path)?)?;
-    let signal = parse(&name, &text)?;
+    let signal = parse(&name, &text, advance)?;
     said.iter().for_each(|line| say(line));
     Ok(signal)
 }
 
-/// From the text of a CSV in the plain form, called `name`.
+/// From the text of a CSV in the plain form, called `name`; `advance` as in [`read`].
 ///
 /// # Errors
 /// One line naming file, line and mend.
-pub fn parse(name: &str, text: &str) -> Result<Signal, UserError> {
+pub fn parse(name: &str, text: &str, advance: impl Fn(f64)) -> Result<Signal, UserError> {
+    let whole = text.len() as f64;
+    let mut told = 0;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
@@ -46,7 +51,14 @@ pub fn parse(name: &str, text: &str) -> Result<Signal, UserError> {
     loop {
         match reader.read_record(&mut record) {
             // The reader's position is after the record; none of these has a line break within.
-            Ok(true) => samples.push(&record, line_of(&reader, &record))?,
+            Ok(true) => {
+                samples.push(&record, line_of(&reader, &record))?;
+                let read = reader.position().byte();
+                if read - told >= PORTION {
+                    advance((read - told) as f64 / whole);
+                    told = read;
+                }
+            }
             Ok(false) => break,
             Err(e) => {
                 let line = e.position().map_or(0, csv::Position::line);
@@ -54,6 +66,7 @@ pub fn parse(name: &str, text: &str) -> Result<Signal, UserError> {
             }
         }
     }
+    advance((text.len() as u64 - told) as f64 / whole);
     samples.into_signal()
 }
 
@@ -174,9 +187,10 @@ impl<'a> Samples<'a> {
 }
 
 /// What the controller's sensors showed, by the calibration the log begins with.
-fn from_log(path: &Path) -> Result<Signal, UserError> {
+fn from_log(path: &Path, advance: impl Fn(f64)) -> Result<Signal, UserError> {
     let mut reader = Reader::open(path)?;
     let settings = reader.header().settings;
+    let whole = reader.ticks() as f64;
     let (mut times, mut force, mut hammer, mut cart) = (vec![], vec![], vec![], vec![]);
     while let Some(block) = reader.block()? {
         for (i, tick) in block.ticks.iter().enumerate() {
@@ -185,6 +199,7 @@ fn from_log(path: &Path) -> Result<Signal, UserError> {
             hammer.push(f64::from(settings.hammer.value(tick.frame.hammer)) * 1e3);
             cart.push(f64::from(settings.cart.value(tick.frame.cart)) * 1e3);
         }
+        advance(block.ticks.len() as f64 / whole);
     }
     if times.len() < FEWEST_SAMPLES {
         return Err(UserError::new(format!(
@@ -240,7 +255,7 @@ mod tests {
                 .map(|i| format!("x,{}, 0.{i:03}\n", i * 2))
                 .collect::<String>()
         );
-        let signal = parse("f", &text).unwrap();
+        let signal = parse("f", &text, |_| ()).unwrap();
         assert_eq!(signal.time_s[3], 0.003);
         assert_eq!(signal.force_n.as_ref().unwrap()[3], 6.0);
         assert_eq!(signal.displacement_mm, None);
@@ -250,9 +265,20 @@ mod tests {
     }
 
     #[test]
+    fn the_shares_read_of_a_long_record_come_one_by_one_and_are_the_whole() {
+        let text = format!("time_s,force_n\n{}", rows(300_000));
+        let shares = std::cell::RefCell::new(Vec::new());
+        parse("f.csv", &text, |share| shares.borrow_mut().push(share)).unwrap();
+        let shares = shares.into_inner();
+        let portions = (text.len() as u64 / PORTION) as usize;
+        assert!(shares.len() > 2 && shares.len().abs_diff(portions) < 2);
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn an_instant_that_stands_twice_counts_once() {
         let text = format!("time_s,force_n\n{}1,2\n1,3\n2,4\n", rows(20));
-        let signal = parse("f.csv", &text).unwrap();
+        let signal = parse("f.csv", &text, |_| ()).unwrap();
         let force = signal.force_n.unwrap();
         assert_eq!((signal.time_s.len(), force.len()), (22, 22));
         assert_eq!(force[20..], [3.0, 4.0]);
@@ -260,7 +286,7 @@ mod tests {
 
     #[test]
     fn a_bad_line_is_named() {
-        let complaint = |text: String| parse("f.csv", &text).unwrap_err().to_string();
+        let complaint = |text: String| parse("f.csv", &text, |_| ()).unwrap_err().to_string();
         let good = rows(20);
         assert!(
             complaint(format!("time,force_n\n{good}"))

@@ -79,9 +79,23 @@ fn a_cart_that_recoils_is_asked_for_as_elsewhere_and_told() {
     assert!(strongest(&recoiling) < strongest(&rigid));
     let folder = Folder::new();
     let text = folder.run(&format!("{asked} --cart recoil --quiet")).well();
+    let picture = folder.read_made("out/basins", ".svg");
+    assert!(!picture.contains("from which it repeats"));
     assert!(text.out.contains("beam-170, cart recoils"), "{}", text.out);
     let refused = folder.run("basins --chapter --cart recoil");
     assert_eq!(refused.code, Some(2), "{refused:?}");
+}
+
+/// A plain area of one colour shows nothing.
+#[test]
+fn where_all_strike_to_the_end_the_picture_shows_how_soon_they_repeat() {
+    let folder = Folder::new();
+    folder
+        .run(&format!("basins --ratio 2 --gap 0 {SMALL}"))
+        .well();
+    let picture = folder.read_made("out/basins", ".svg");
+    assert_svg_shows(&picture, &["cycle from which it repeats"]);
+    assert!(!picture.contains("cycle of the last contact"));
 }
 
 #[test]

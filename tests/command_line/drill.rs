@@ -58,7 +58,7 @@ fn more_gaps_give_a_map_and_a_row_each() {
     assert_eq!(folder.ends("out/drill"), ends);
     assert_svg_shows(
         &folder.read_made("out/drill", ".svg"),
-        &["rate of penetration, µm/s"],
+        &["rate of penetration, µm/s", "no force passes it"],
     );
     assert_svg_shows(
         &folder.read_made("out/drill", "-map.svg"),

@@ -46,12 +46,12 @@ impl<D: Fn(usize, usize) -> f64> Strobes<D> {
     /// Whether what `regime` calls the motion may pass: these strobes came `before` periods after the start.
     ///
     /// A motion that does not repeat may yet come to repeat. One that repeats after an even number of periods may be half
-    /// of that whose alternation dies out slowly, as it does beside a period doubling.
+    /// of that whose alternation dies out slowly, as it does beside a period doubling, or whose alternation has only begun.
     pub fn still_change(&self, regime: Regime, before: usize) -> bool {
         match regime {
             Regime::Aperiodic { .. } => self.may_repeat(before),
             Regime::Periodic { impacts, periods } if periods % 2 == 0 && impacts % 2 == 0 => {
-                self.alternation_dies(usize::from(periods) / 2)
+                self.alternation_changes(usize::from(periods) / 2)
             }
             _ => false,
         }
@@ -68,8 +68,8 @@ impl<D: Fn(usize, usize) -> f64> Strobes<D> {
 
     /// Whether the distance between strobes `n` periods apart falls far below what it is now if it goes on so: by the limit
     /// that Aitken's formula gives for its largest values in three parts of the record. At the doubling itself it falls as
-    /// 1/√k, of which the formula makes two thirds.
-    fn alternation_dies(&self, n: usize) -> bool {
+    /// 1/√k, of which the formula makes two thirds. Or whether it grows ever faster, so that there is no limit yet.
+    fn alternation_changes(&self, n: usize) -> bool {
         const FAR: f64 = 0.75;
         let part = self.count / 3;
         if part < 3 * n {
@@ -80,8 +80,10 @@ impl<D: Fn(usize, usize) -> f64> Strobes<D> {
             [0, 1, 2].map(|k| self.apart(begin + k * part..begin + (k + 1) * part, n));
         let (earlier, later) = (first - second, second - third);
         // What rounding alone moves says nothing.
-        let falls = earlier > later && later > 1e-2 * SECTION_TOLERANCE;
-        falls && third - later * later / (earlier - later) < FAR * third
+        let moves = later.abs() > 1e-2 * SECTION_TOLERANCE;
+        let falls = earlier > later && later > 0.0;
+        let dies = falls && third - later * later / (earlier - later) < FAR * third;
+        moves && (dies || later < earlier && earlier < 0.0)
     }
 }
 
@@ -113,9 +115,14 @@ mod tests {
     }
 
     #[test]
-    fn an_alternation_that_stays_grows_or_falls_to_what_stays_is_one() {
+    fn an_alternation_that_grows_ever_faster_has_not_settled() {
+        assert!(alternating(|k| 0.01 * 1.01_f64.powf(k)));
+        assert!(alternating(|k| 0.001 * 1.05_f64.powf(k)));
+    }
+
+    #[test]
+    fn an_alternation_that_stays_or_comes_to_what_stays_is_one() {
         assert!(!alternating(|_| 0.01));
-        assert!(!alternating(|k| 0.01 * 1.01_f64.powf(k)));
         assert!(!alternating(|k| 0.01 * (1.0 + 0.95_f64.powf(k))));
         assert!(!alternating(|k| 0.01 + 1e-9 * (k / 7.0).sin()));
         assert!(!alternating(|k| 0.02 - 0.01 * 0.97_f64.powf(k)));

@@ -10,6 +10,7 @@ use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
 use crate::pictures;
 use crate::pictures::drawn;
+use crate::progress::Progress;
 use crate::words::compare::Worded;
 use files::UserError;
 use numerics::NamedRig;
@@ -62,6 +63,11 @@ pub struct Args {
     pub output: OutputArgs,
 }
 
+/// What reading, comparing and writing a long record take of the time, %.
+const READING: f64 = 50.0;
+const COMPARING: f64 = 15.0;
+const WRITING: f64 = 35.0;
+
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
@@ -81,12 +87,17 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             return Err(UserError::new(format!("{option} is NaN, must be a number")));
         }
     }
-    let whole = crate::record::read(&args.file, |line| output.note(line))?;
+    let all = READING + COMPARING + output.out.as_ref().map_or(0.0, |_| WRITING);
+    let progress = Progress::in_parts("record", all, output.quiet);
+    let note = |line: &str| progress.aside(|| output.note(line));
+    let advance = |share: f64| progress.part_done(READING * share);
+    let whole = crate::record::read(&args.file, note, advance)?;
     let signal = whole.between(
         args.from_s.unwrap_or(f64::NEG_INFINITY),
         args.to_s.unwrap_or(f64::INFINITY),
     )?;
     let comparison = compare(&signal, &question)?;
+    progress.part_done(COMPARING);
     let answer = Worded::from(&comparison.errors);
     if let Some(dir) = &output.out {
         let title = format!(
@@ -99,8 +110,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         let figure = pictures::compare::figure(title, &comparison, args.frame);
         let mut contents = drawn(&output.name(""), &figure)?;
         contents.extend(output.tables(&output.name(""), &answer, &comparison.rows)?);
-        output.write(dir, contents)?;
+        let written = files::write::write_all(dir, &output.stamped(contents)?)?;
+        progress.finish();
+        output.note_written(&written);
     }
+    progress.finish();
     output.emit(&answer, &comparison.rows, || {
         text(&signal, &rig, &comparison, &answer.notes)
     })

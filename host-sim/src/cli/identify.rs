@@ -129,7 +129,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let rig = args.rig.load()?;
     output.doubt(&rig);
     let output = &output.about([&rig])?;
-    let signal = crate::record::read(file, |line| output.note(line))?;
+    let signal = crate::record::read(file, |line| output.note(line), |_| ())?;
     let settings = settings(args, &signal)?;
     let measured = measure(&signal, &settings)?;
     let misfits = args

@@ -142,7 +142,7 @@ fn unsettled(answer: &Answer) -> String {
         ),
         None => match answer.row.periods {
             Some(n) => format!(
-                "it nearly repeats after {n} drive periods, but what tells it from half as many dies out; give more --cycles"
+                "it nearly repeats after {n} drive periods, but what tells it from half as many still changes; give more --cycles"
             ),
             None => format!(
                 "it has not repeated in the {recorded} recorded drive periods, which is too early to call it aperiodic; give more --cycles"

@@ -1,7 +1,7 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
 use crate::pictures::regimes::regime_color;
-use numerics::basins::{Basins, ImpactAfter, Kind};
+use numerics::basins::{Basins, Fate, ImpactAfter, Kind};
 use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
@@ -122,28 +122,40 @@ pub fn caption(basins: &Basins) -> String {
 }
 
 /// The drive cycle of the last contact of each start. It shows how the share of impact depends on the number of cycles.
-pub fn last_contact_panel(basins: &Basins, title: impl Into<String>) -> Panel {
-    let window = &basins.query.window;
-    let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
-    let [v0, v1] = window.velocity_m_per_s;
-    let cycles = f64::from(basins.query.cycles);
+fn last_contact_panel(basins: &Basins) -> Panel {
+    let cycles = basins.query.cycles;
     // Those that have settled on contacts go on for ever, wherever their run was stopped.
     let last = basins.grid.iter().map(|fate| {
-        let cut = if fate.touches_after(basins.query.cycles) {
-            basins.query.cycles
+        let cut = if fate.touches_after(cycles) {
+            cycles
         } else {
             fate.last_contact.unwrap_or(0)
         };
         f64::from(cut)
     });
-    let bar = Bar::new("cycle of the last contact", 0.0, cycles);
-    let values: Vec<f64> = last.collect();
+    let bar = Bar::new("cycle of the last contact", 0.0, f64::from(cycles));
+    cycle_panel(basins, last.collect(), bar).titled("how long it strikes")
+}
+
+/// The drive cycle from which the motion of each start repeats; empty where it does not.
+fn settling_panel(basins: &Basins) -> Panel {
+    let settled = |fate: &Fate| fate.settled_after.map_or(f64::NAN, f64::from);
+    let values: Vec<f64> = basins.grid.iter().map(settled).collect();
+    let latest = values.iter().copied().fold(1.0, f64::max);
+    let bar = Bar::new("cycle from which it repeats", 0.0, latest);
+    cycle_panel(basins, values, bar).titled("every start strikes to the end: how soon it repeats")
+}
+
+/// A number of drive cycles for each start.
+fn cycle_panel(basins: &Basins, values: Vec<f64>, bar: Bar) -> Panel {
+    let window = &basins.query.window;
+    let [x0, x1] = window.displacement_m.map(|x| x * 1e3);
+    let [v0, v1] = window.velocity_m_per_s;
     let raster = Raster::values((x0, x1), (v0, v1), window.columns, &values, bar);
     Panel::new(
         Axis::new("displacement at the start, mm").fixed(x0, x1),
         Axis::new("velocity at the start, m/s").fixed(v0, v1),
     )
-    .titled(title)
     .item(Item::Raster(raster))
 }
 
@@ -167,10 +179,16 @@ fn looks_panel(basins: &Basins) -> Panel {
     .item(Item::dashed("", Color::GREY, line(|l| l.impact.high)))
 }
 
-/// Both pictures side by side; below, the cycle of the last contact of each start, and the share of impact over the number of
-/// cycles.
+/// Both pictures side by side; below, the cycle of the last contact of each start (how soon each repeats, if all strike to
+/// the end), and the share of impact over the number of cycles.
 pub fn figure(basins: &Basins) -> Figure {
     let query = &basins.query;
+    let strikes_on = |fate: &Fate| fate.touches_after(query.cycles);
+    let below = if basins.grid.iter().all(strikes_on) {
+        settling_panel(basins)
+    } else {
+        last_contact_panel(basins)
+    };
     let figure = Figure::new(format!("Basins of attraction, {}", query.rig.name))
         .subtitle(format!(
             "{}. Impact: a contact in the last {} of {} drive cycles. {} by {} starts.",
@@ -184,7 +202,7 @@ pub fn figure(basins: &Basins) -> Figure {
         .size(1400, 1300)
         .panel(impact_panel(basins, "impact / no impact"))
         .panel(attractor_panel(basins, "by attractor"))
-        .panel(last_contact_panel(basins, "how long it strikes"));
+        .panel(below);
     if basins.over_cycles.is_empty() {
         figure
     } else {

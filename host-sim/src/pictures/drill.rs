@@ -4,7 +4,7 @@
 use numerics::drill::published::DriftingRow;
 use numerics::drill::{DrillAnswer, DrillRow};
 use numerics::pick::CartModel;
-use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, edges};
+use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, Stroke, edges};
 
 /// Gaps drawn as curves at most; more are thinned out evenly.
 const MOST_CURVES: usize = 6;
@@ -20,12 +20,19 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer, fastest: &DrillRow) -> Fi
         drawn.extend(gaps.iter().filter(shown));
     }
     let best = &advice.best;
-    let panel = |label: &str, value: fn(&DrillRow) -> f64| {
+    // `under`: how much thicker each line is than the next, so that it is seen under it where both are the same.
+    let panel = |label: &str, under: f64, value: fn(&DrillRow) -> f64| {
         let mut panel = Panel::new(Axis::new("Ω/ω"), Axis::new(label).with_zero());
         for (i, gap) in drawn.iter().enumerate() {
             let points = gap.iter().map(|r| (r.frequency_ratio, value(r)));
             let name = format!("gap {:?} mm", gap[0].gap_mm);
-            panel = panel.item(Item::line(name, Color::series(i), points.collect()));
+            panel = panel.item(Item::Line {
+                points: points.collect(),
+                color: Color::series(i),
+                label: name,
+                width: 1.6 + under * (drawn.len() - 1 - i) as f64,
+                stroke: Stroke::Solid,
+            });
         }
         let panel = if fastest == best {
             panel.item(Item::mark_x("fastest of all", best.frequency_ratio))
@@ -73,13 +80,20 @@ pub fn curves(rows: &[DrillRow], advice: &DrillAnswer, fastest: &DrillRow) -> Fi
         of_all
     ))
     .size(1000, if forces { 1150 } else { 800 })
-    .panel(panel("rate of penetration, µm/s", |r| r.rate_of_penetration_um_per_s));
+    .panel(panel("rate of penetration, µm/s", 0.0, |r| r.rate_of_penetration_um_per_s));
     let figure = match forces {
-        true => figure.panel(panel("peak contact force, N", |r| r.force_n).without_legend()),
+        true => figure.panel(
+            panel("peak contact force, N", 1.4, |r| r.force_n)
+                .titled(format!(
+                    "The ground gives way at {:?} N, and no force passes it; where it is less, nothing is drilled",
+                    best.threshold_n
+                ))
+                .without_legend(),
+        ),
         false => figure,
     };
     figure.panel(
-        panel("energy per blow, mJ", |r| {
+        panel("energy per blow, mJ", 0.0, |r| {
             r.energy_per_blow_mj.unwrap_or(f64::NAN)
         })
         .without_legend(),

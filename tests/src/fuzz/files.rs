@@ -77,7 +77,7 @@ pub fn table(data: &[u8]) {
 pub fn signal(data: &[u8]) {
     let text = String::from_utf8_lossy(data).into_owned();
     let plain = files::table::plain("fuzz.csv", text);
-    match plain.and_then(|plain| host_sim::record::parse("fuzz.csv", &plain.text)) {
+    match plain.and_then(|plain| host_sim::record::parse("fuzz.csv", &plain.text, |_| ())) {
         Err(error) => one_line(&error),
         Ok(signal) => {
             assert!(signal.time_s.is_sorted_by(|a, b| a < b));

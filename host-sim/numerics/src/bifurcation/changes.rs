@@ -174,8 +174,9 @@ fn change(diagram: &Diagram, span: std::ops::Range<usize>, kind: Kind, lasting: 
 
 /// What counts as the same motion: p/n; all that does not repeat is one. Where an alternation dies out, it is half of p/n.
 fn label(station: &Station) -> Regime {
+    let dies = station.row.unsettled && !station.grows;
     match station.row.regime {
-        Regime::Periodic { impacts, periods } if station.row.unsettled => Regime::Periodic {
+        Regime::Periodic { impacts, periods } if dies => Regime::Periodic {
             impacts: impacts / 2,
             periods: periods / 2,
         },

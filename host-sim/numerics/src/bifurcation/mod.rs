@@ -71,6 +71,8 @@ pub struct Station {
     pub row: Row,
     /// Points of the section, oldest first: as many as the motion has periods; if it does not repeat, all recorded.
     pub points: Vec<Point>,
+    /// Whether the two halves of its repetition move apart over what is recorded.
+    pub grows: bool,
     /// Coordinate and rate it began from.
     pub start: [f64; 2],
     /// Coordinate and rate at the end.
@@ -279,6 +281,7 @@ fn ended(
         None => Ok(Station {
             row: Row::failed(rig_name, &cell.params, cell.frequency_hz),
             points: Vec::new(),
+            grows: false,
             start: cell.start,
             end: chain.rest,
         }),
@@ -297,6 +300,9 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
     };
     let repeats = outcome.regime.periods().map_or(usize::MAX, usize::from);
     let from = outcome.strobes.len().saturating_sub(repeats);
+    let alternation = |strobes: &[Strobe]| (strobes[0].q - strobes[repeats / 2].q).abs();
+    let grows = (2..=outcome.strobes.len()).contains(&repeats)
+        && alternation(&outcome.strobes[from..]) > alternation(&outcome.strobes);
     Ok(Station {
         row: Row {
             impacts: outcome.regime.impacts(),
@@ -309,6 +315,7 @@ fn station(rig_name: &str, cell: &Cell, outcome: &Outcome) -> Result<Station, Er
             ..Row::failed(rig_name, params, cell.frequency_hz)
         },
         points: outcome.strobes[from..].iter().map(point).collect(),
+        grows,
         start: cell.start,
         end: outcome.section,
     })

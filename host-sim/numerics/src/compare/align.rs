@@ -11,6 +11,9 @@ use crate::signal::Signal;
 /// Samples that are compared when a shift or a pitch is tried, at most.
 const TRIED_SAMPLES: usize = 2000;
 
+/// Of these in the shortest period looked for, at least.
+const TRIED_PER_PERIOD: f64 = 4.0;
+
 /// Samples of a force that are compared when a shift is tried, at most.
 const TRIED_FORCES: usize = 100_000;
 
@@ -75,20 +78,35 @@ fn contacts_per_second(signal: &Signal) -> Result<f64, Error> {
 
 /// The frequency (Hz, within `range`) of the sinusoid that explains most of `values`, and the share of their
 /// variance it explains.
-pub fn pitch(times: &[f64], values: &[f64], range: (f64, f64)) -> (f64, f64) {
-    let every = times.len().div_ceil(TRIED_SAMPLES);
-    let kept = |all: &[f64]| all.iter().step_by(every).copied().collect::<Vec<_>>();
-    let (few, values) = (kept(times), kept(values));
-    let share = |hz: f64| Swing::new(&few, &values, hz).explained;
-    let span = times.last().map_or(1.0, |t| t - times[0]);
-    let step = 0.2 / span;
-    let count = (((range.1 - range.0) / step) as usize).clamp(1, 20_000);
-    let tried = (0..=count).map(|i| range.0 + (range.1 - range.0) * i as f64 / count as f64);
-    let best = tried.max_by(|a, b| share(*a).total_cmp(&share(*b)));
-    let best = best.unwrap_or(range.0);
-    let near = ((best - step).max(range.0), (best + step).min(range.1));
-    let hz = maximum(share, near, 1e-6 * best, best);
-    (hz, share(hz))
+///
+/// The first part of a long record tells it coarsely, and ever longer parts finely: what is tried of the whole record
+/// stands too far apart to tell a frequency from a faster one.
+pub fn pitch(times: &[f64], values: &[f64], mut range: (f64, f64)) -> (f64, f64) {
+    let begin = times.first().unwrap_or(&0.0);
+    let mut part_s = TRIED_SAMPLES as f64 / (TRIED_PER_PERIOD * range.1);
+    loop {
+        let count = times.partition_point(|t| t - begin <= part_s);
+        let every = count.div_ceil(TRIED_SAMPLES).max(1);
+        let kept =
+            |all: &[f64]| -> Vec<f64> { all[..count].iter().step_by(every).copied().collect() };
+        let (few, values) = (kept(times), kept(values));
+        let share = |hz: f64| Swing::new(&few, &values, hz).explained;
+        let span = few.last().map_or(1.0, |t| t - begin);
+        let step = 0.2 / span;
+        let count_hz = (((range.1 - range.0) / step) as usize).clamp(1, 20_000);
+        let at = |i: usize| range.0 + (range.1 - range.0) * i as f64 / count_hz as f64;
+        let tried = (0..=count_hz).map(at);
+        let best = tried.max_by(|a, b| share(*a).total_cmp(&share(*b)));
+        let best = best.unwrap_or(range.0);
+        let near = ((best - step).max(range.0), (best + step).min(range.1));
+        let fine = (1e-6 * best).min(1e-3 / span);
+        let hz = maximum(share, near, fine, best);
+        if count == times.len() {
+            return (hz, share(hz));
+        }
+        range = near;
+        part_s *= 10.0;
+    }
 }
 
 /// The sinusoid c cos Ωt + s sin Ωt, about a mean, that is closest to a record by least squares.

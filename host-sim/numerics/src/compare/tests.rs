@@ -241,6 +241,21 @@ fn a_period_two_orbit_finds_its_drive_and_its_place() {
     assert!(seen.displacement_rms_percent.unwrap() < 2.0, "{seen:?}");
 }
 
+/// What is tried of a record of minutes stands so far apart that a faster motion looks the same.
+#[test]
+fn the_pitch_of_a_long_record_is_no_faster_one() {
+    let times: Vec<f64> = (0..434_000).map(|k| f64::from(k) * 5e-4).collect();
+    for hz in [2.73, 3.677, 6.9] {
+        let swing = |t: &f64| (std::f64::consts::TAU * hz * t).sin();
+        let values: Vec<f64> = times.iter().map(|t| 2.0 * swing(t)).collect();
+        let (found, explained) = pitch(&times, &values, (0.1365, 21.84));
+        assert!(
+            (found - hz).abs() < 1e-5 && explained > 0.999,
+            "{hz} {found}"
+        );
+    }
+}
+
 #[test]
 fn what_is_wrong_with_a_record_shows_in_the_errors() {
     let hz = 1.5 * 1.82;

@@ -24,6 +24,9 @@ pub struct LimitUse {
     pub limit: Option<f64>,
     /// Whether a larger force lies beyond it (or beyond it and another that decides).
     pub binds: bool,
+    /// Whether it does so only together with another: without it alone there is no more.
+    #[serde(skip)]
+    pub together: bool,
     /// Whether nobody stated it: it is that of a shaker assumed for a preset.
     #[serde(skip)]
     pub assumed: bool,
@@ -37,6 +40,7 @@ impl LimitUse {
             name: if kept.0 < kept.1 { RESERVE } else { NARROW },
             limit: None,
             binds: true,
+            together: false,
             assumed: false,
         }
     }

@@ -83,11 +83,13 @@ impl Limits {
             let found = sets.filter(|set| more(without(*set)));
             found.reduce(|all, set| all | set)
         };
-        let deciding = (1..=3).find_map(decide).unwrap_or(0);
+        let fewest = (1..=3).find_map(|count| Some((count, decide(count)?)));
+        let (count, deciding) = fewest.unwrap_or((0, 0));
         let used = given.into_iter().map(|(name, limit, bit)| LimitUse {
             name,
             limit,
             binds: deciding & bit != 0,
+            together: deciding & bit != 0 && count > 1,
             assumed: false,
         });
         used.collect()
@@ -347,6 +349,7 @@ impl Field<'_> {
             name: "the uncertainty",
             limit: None,
             binds: more(certain.best(free, limits)),
+            together: false,
             assumed: false,
         }];
         if more(self.best(robust, limits)) {

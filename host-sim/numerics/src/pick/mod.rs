@@ -49,6 +49,9 @@ pub use uncertainty::Uncertainty;
 pub const BAND_SHARE: f64 = 0.9;
 /// Points of the curve that is drawn, beside those the branch was followed by.
 const CURVE_POINTS: usize = 200;
+
+/// Parameters whose force is computed over all that they may be.
+const RANGES_COMPUTED: usize = 3;
 /// Ratios Ω/ω searched for 1/1.
 pub(crate) const SEARCH_RATIOS: (f64, f64) = (0.4, 5.0);
 
@@ -235,7 +238,10 @@ fn pick_at_amplitude(
         None => sensitivity,
         Some(u) => {
             let known = sensitivity.into_iter();
-            known.map(|row| row.known_to(u, &params.contact)).collect()
+            let known = known.map(|row| row.known_to(u, &params.contact));
+            let mut rows: Vec<_> = known.collect();
+            sensitivity::compute_ranges(&mut rows, RANGES_COMPUTED, params, &nominal);
+            rows
         }
     };
     let own = comparable(rig, &branch, limits, progress);

@@ -31,6 +31,9 @@ pub struct Sensitivity {
     pub frequency_over_uncertainty_percent: Option<f64>,
     /// How far the force there is uncertain because of it, % either way; where a parameter is known to a factor, % upwards.
     pub force_over_uncertainty_percent: Option<f64>,
+    /// Smallest and largest change of the force, %, over all that the parameter may be: computed, not by the slope. None
+    /// where this was not done ([`compute_ranges`]), or where the stable 1/1 does not reach the ends.
+    pub force_range_percent: Option<[f64; 2]>,
 }
 
 impl Sensitivity {
@@ -46,7 +49,28 @@ impl Sensitivity {
             uncertainty_factor: None,
             frequency_over_uncertainty_percent: None,
             force_over_uncertainty_percent: None,
+            force_range_percent: None,
         }
+    }
+
+    /// How far the force is open, %: by what is known best of it.
+    pub fn force_open_percent(&self) -> f64 {
+        let range = self.force_range_percent;
+        let farther = range.map(|[low, high]| low.abs().max(high.abs()));
+        farther
+            .or(self.force_over_uncertainty_percent)
+            .unwrap_or(0.0)
+    }
+
+    /// How many steps (of 1 % or 0.01 mm) it is to both ends of what the parameter may be.
+    fn ends(&self) -> Option<[f64; 2]> {
+        let about = |steps: f64| [-steps, steps];
+        let factor = self.uncertainty_factor;
+        let by_factor = factor.map(|x| [100.0 * (1.0 / x - 1.0), 100.0 * (x - 1.0)]);
+        by_factor
+            .or(self.uncertainty_mm.map(|mm| about(mm / GAP_STEP_MM)))
+            .or(self.uncertainty_percent.map(about))
+            .filter(|[_, high]| *high > 0.0)
     }
 
     /// The same row for a parameter known as well as `uncertainty` says. Where the damping ratio is known, the damping of the
@@ -112,6 +136,9 @@ const STIFFNESS_AND_DAMPING: &str = "contact stiffness (same restitution)";
 const CONTACT_DAMPING: &str = "contact_damping_n_s_per_m";
 const OTHER_CONTACT_DAMPING: &str = "contact damping";
 
+/// The step of everything else.
+const PERCENT: &str = "1 %";
+
 /// The step of the gap in the table, mm.
 const GAP_STEP_MM: f64 = 0.01;
 
@@ -136,6 +163,57 @@ pub fn table(params: &RigParams, best: &Orbit) -> Vec<Sensitivity> {
     rows
 }
 
+/// Computes the force over all that the `count` parameters may be that leave it most open to first order.
+pub fn compute_ranges(rows: &mut [Sensitivity], count: usize, params: &RigParams, best: &Orbit) {
+    let mut worst: Vec<_> = rows.iter_mut().collect();
+    worst.sort_by(|a, b| b.force_open_percent().total_cmp(&a.force_open_percent()));
+    worst.truncate(count);
+    worst
+        .into_par_iter()
+        .for_each(|row| row.force_range_percent = range(row, params, best));
+}
+
+/// Smallest and largest change of the force, %, over all that the parameter of `row` may be.
+fn range(row: &Sensitivity, params: &RigParams, best: &Orbit) -> Option<[f64; 2]> {
+    let changes = changes(params);
+    let (_, per, change) = changes.iter().find(|change| change.0 == row.parameter)?;
+    let [low, high] = row.ends()?;
+    let forces = |steps| forces_to(params, (*per == PERCENT, steps), change, best);
+    let (below, above) = rayon::join(|| forces(low), || forces(high));
+    let all = below?.into_iter().chain(above?);
+    let least_and_most = all.fold([best.force_n; 2], |[least, most], force| {
+        [least.min(force), most.max(force)]
+    });
+    Some(least_and_most.map(|force| 100.0 * (force / best.force_n - 1.0)))
+}
+
+/// Forces of the best 1/1 on the way from `params` to it changed by so many steps, each followed from the one before.
+fn forces_to(
+    params: &RigParams,
+    (of_percent, steps): (bool, f64),
+    change: &Change,
+    best: &Orbit,
+) -> Option<Vec<f64>> {
+    /// As far as the optimum is followed at once: 4 % of a parameter, 0.02 mm of gap.
+    const AT_ONCE: f64 = 0.04;
+    change(params, steps)?;
+    let whole = 1.0 + 0.01 * steps;
+    let length = if of_percent { whole.ln() } else { 0.02 * steps };
+    let stages = (length.abs() / AT_ONCE).ceil().max(1.0);
+    let mut orbit = best.clone();
+    let force = |stage: u32| {
+        let share = f64::from(stage) / stages;
+        let steps = if of_percent {
+            100.0 * (whole.powf(share) - 1.0)
+        } else {
+            share * steps
+        };
+        orbit = optimum(&change(params, steps)?, &orbit)?;
+        Some(orbit.force_n)
+    };
+    (1..=stages as u32).map(force).collect()
+}
+
 /// Each parameter as a function of (rig, steps of 1 % or 0.01 mm).
 fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
     fn relative(f: impl Fn(&mut RigParams, f64) + Sync + 'static) -> Change {
@@ -145,7 +223,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
             rig.check().is_ok().then_some(rig)
         })
     }
-    let percent = "1 %";
+    let percent = PERCENT;
     let mut rows = vec![
         (
             NATURAL_FREQUENCY,
@@ -319,7 +397,51 @@ fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pick::{Limits, pick};
+    use crate::row::NamedRig;
     use shared::model::params::WIRES;
+    use shared::model::rig::Rig;
+
+    /// The slope says -14 to +14 %.
+    #[test]
+    fn the_range_of_the_force_holds_that_of_the_rigs_in_it() {
+        let picked = |rig: RigParams| {
+            let rig = NamedRig::new("wires", rig);
+            pick(&rig, None, Limits::default(), &()).unwrap()
+        };
+        let nominal = picked(WIRES);
+        let hz = nominal.answer.operating_frequency_hz;
+        let scale = Rig::<f64>::new(&WIRES).unwrap().coordinate_scale();
+        let [q, v] = nominal.section;
+        let section = [q * scale, v * scale * std::f64::consts::TAU * hz];
+        let best = shoot(&WIRES, hz, section).unwrap();
+        let known = Uncertainty {
+            contact_damping_percent: 40.0,
+            ..Uncertainty::default()
+        };
+        let rows = nominal.answer.sensitivity.iter().cloned();
+        let mut rows: Vec<_> = rows.map(|r| r.known_to(&known, &WIRES.contact)).collect();
+        compute_ranges(&mut rows, 1, &WIRES, &best);
+        let computed: Vec<_> = rows
+            .iter()
+            .filter_map(|r| Some((r.parameter, r.force_range_percent?)))
+            .collect();
+        let [(CONTACT_DAMPING, [least, most])] = computed[..] else {
+            panic!("{computed:?}");
+        };
+        let change = |by: f64| {
+            let contact = scale_contact(&WIRES.contact, 1.0, by);
+            let there = picked(RigParams { contact, ..WIRES }).answer.force_n;
+            100.0 * (there / nominal.answer.force_n - 1.0)
+        };
+        let [low, middle, high] = [0.6, 0.88, 1.4].map(change);
+        assert!((most - low.max(high)).abs() < 1e-3, "{most} {low} {high}");
+        // Between the ends the force is smaller than at both.
+        assert!(
+            middle < -1.0 && (least - middle).abs() < 0.5,
+            "{least} {middle}"
+        );
+    }
 
     #[test]
     fn the_closed_form_gives_the_known_contact() {

@@ -93,7 +93,7 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
     }
     let _ = writeln!(
         text,
-        "settled    {}; still changing, so that the regime is not known, {}; flagged and run again {}",
+        "settled    {}; unsettled (still changing, so that the regime is not known) {}; flagged and run again {}",
         percent(summary.settled, summary.cells),
         percent(summary.unsettled, summary.cells),
         percent(summary.uncertain, summary.cells),
@@ -158,12 +158,14 @@ fn chart(map: &Map) -> String {
         .map_or(String::new(), |f| format!("{f:.2} Hz"));
     let space = columns.saturating_sub(first.len()).max(last.len() + 1);
     let _ = writeln!(text, "{:GUTTER$} {first}{last:>space$}", "");
-    text + "1: 1/1   2: 1/2   3: 1/3   d: 2/2   p: other p/n   ~: aperiodic   c: chatter   .: no contact   ?: not known\n"
+    text + "1: 1/1   2: 1/2   3: 1/3   d: 2/2   p: other p/n   ~: aperiodic   c: chatter   .: no contact   ?: unsettled   x: failed\n"
 }
 
 fn letter(cell: Outcome) -> char {
-    let Outcome::Regime(regime) = cell else {
-        return '?';
+    let regime = match cell {
+        Outcome::Regime(regime) => regime,
+        Outcome::Unsettled => return '?',
+        Outcome::Failed => return 'x',
     };
     match regime {
         Regime::None => '.',

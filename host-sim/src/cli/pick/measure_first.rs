@@ -5,9 +5,8 @@ use numerics::pick::sensitivity::Sensitivity;
 
 /// The parameters that leave the force most open, first.
 pub fn by_what_they_leave_open(a: &Answer) -> Vec<&Sensitivity> {
-    let open = |row: &&Sensitivity| row.force_over_uncertainty_percent.unwrap_or(0.0);
     let mut rows: Vec<_> = a.sensitivity.iter().collect();
-    rows.sort_by(|a, b| open(b).total_cmp(&open(a)));
+    rows.sort_by(|a, b| b.force_open_percent().total_cmp(&a.force_open_percent()));
     rows
 }
 
@@ -24,28 +23,33 @@ pub fn known_to(row: &Sensitivity) -> String {
     }
 }
 
-/// How far a parameter leaves frequency and force open, in %: "±13.2", or "-37.1 to +58.9" where it is known to a factor. `None`
+/// How far a parameter leaves frequency and force open, in %: "±13.2", or "-37.1 to +58.9" where the range was computed or it is known to a factor. `None`
 /// where nothing is said of it.
 pub fn left_open(row: &Sensitivity) -> Option<[String; 2]> {
     let shares = [
         row.frequency_over_uncertainty_percent?,
         row.force_over_uncertainty_percent?,
     ];
-    Some(shares.map(|up| match row.uncertainty_factor {
+    let [frequency, force] = shares.map(|up| match row.uncertainty_factor {
         Some(_) => format!("-{:.1} to +{up:.1}", 100.0 * up / (100.0 + up)),
         None => format!("±{up:.1}"),
-    }))
+    });
+    let range = row.force_range_percent;
+    let range = range.map(|[least, most]| format!("{least:+.1} to {most:+.1}"));
+    Some([frequency, range.unwrap_or(force)])
 }
 
 /// The table of slopes; with an uncertainty, what each parameter leaves open comes first.
 pub fn table(a: &Answer) -> String {
     let mut text = format!(
-        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open, to first order)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
+        "What to measure first (change of the nominal optimum; with what the parameter is known to, how far that leaves the force open: computed over all of it for the first three, to first order for the others)\n  {:<44} {:>8} {:>13} {:>9}  {:>9}  {:>14}\n",
         "parameter", "per", "frequency, %", "force, %", "known to", "force open, %"
     );
     for row in by_what_they_leave_open(a) {
         let known = known_to(row);
         let open = left_open(row).map_or("-".to_owned(), |[_, force]| force);
+        let guessed = row.force_range_percent.is_none() && row.uncertainty_factor.is_some();
+        let open = if guessed { format!("~{open}") } else { open };
         text += &format!(
             "  {:<44} {:>8} {:>+13.2} {:>+9.2}  {known:>9}  {open:>14}\n",
             row.parameter, row.per, row.frequency_percent, row.force_percent

@@ -36,6 +36,7 @@ use numerics::pick::uncertainty::Uncertainty;
 use numerics::pick::{Limits, Pick, pick_for_force, pick_on, steps};
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("gap", |gap| gap.help("Clearance at rest, mm [default: 0.0, whatever the rig's]")))]
 pub struct Args {
     /// All four rigs side by side
     #[arg(long, conflicts_with = "rig")]

@@ -414,19 +414,32 @@ fn assumed(limit: &LimitUse) -> bool {
     limit.assumed && !limit.binds
 }
 
+/// That a limit decides, and whether only with another of `all`.
+pub(super) fn decides(limit: &LimitUse, all: &[LimitUse]) -> String {
+    let others = all
+        .iter()
+        .filter(|l| l.together && l.name != limit.name)
+        .map(|l| l.name);
+    match others.collect::<Vec<_>>()[..] {
+        _ if !limit.together => "decides".to_owned(),
+        [other] => format!("decides, but only together with {other}"),
+        _ => "decides, but only together with others".to_owned(),
+    }
+}
+
 fn limits(a: &Answer) -> Lines {
     let line = |limit: &LimitUse| {
         let value = limit.limit.map_or(String::new(), |x| format!(" = {x}"));
         let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
         let beyond = limit.limit.is_some_and(|most| is_beyond(needed, most));
         let binds = if of_shaker(limit) && beyond {
-            "is not kept"
+            "is not kept".to_owned()
         } else if of_shaker(limit) && a.amplitude_lowered {
-            "decides, by the stroke"
+            "decides, by the stroke".to_owned()
         } else if limit.binds {
-            "decides"
+            decides(limit, &a.limits)
         } else {
-            "does not bind"
+            "does not bind".to_owned()
         };
         ("limit", format!("{}{value}: {binds}", limit.name))
     };

@@ -133,7 +133,7 @@ impl Dialogue<'_> {
             && answers.restitution.is_none()
             && answers.contact_time.is_none()
         {
-            let record = |text: &str| match crate::record::read(text.as_ref(), |_| ()) {
+            let record = |text: &str| match crate::record::read(text.as_ref(), |_| (), |_| ()) {
                 Ok(_) => Ok(PathBuf::from(text)),
                 Err(why) => Err(why.to_string()),
             };

@@ -95,7 +95,7 @@ fn identified(
     quiet: bool,
 ) -> Result<Contact, UserError> {
     let file = answers.drop_test.as_deref().unwrap_or(Path::new(""));
-    let signal = crate::record::read(file, |line| note(quiet, line))?;
+    let signal = crate::record::read(file, |line| note(quiet, line), |_| ())?;
     let settings = Settings {
         release_m: super::identify::release_mm(answers.release_mm, &signal)? * 1e-3,
         impacts: 6,

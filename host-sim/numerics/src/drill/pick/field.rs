@@ -79,6 +79,7 @@ impl Field<'_> {
                 name: "the uncertainty",
                 limit: None,
                 binds: more(certain.best(self.crowd.branch.range())),
+                together: false,
                 assumed: false,
             });
         }

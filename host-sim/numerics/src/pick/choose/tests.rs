@@ -338,7 +338,14 @@ fn two_limits_can_decide_together() {
         let uses = limits.which_decide(more).into_iter();
         uses.filter(|l| l.binds).map(|l| l.name).collect()
     };
+    let together = |more: &dyn Fn(Limits) -> bool| {
+        let uses = limits.which_decide(more).into_iter();
+        uses.map(|l| l.together).collect::<Vec<_>>()
+    };
     assert_eq!(binding(&free), ["max_force_n", "max_frequency_hz"]);
-    assert_eq!(binding(&|left| left.max_force_n.is_none()), ["max_force_n"]);
+    assert_eq!(together(&free), [true, true, false]);
+    let alone = |left: Limits| left.max_force_n.is_none();
+    assert_eq!(binding(&alone), ["max_force_n"]);
+    assert_eq!(together(&alone), [false; 3]);
     assert!(binding(&|_| false).is_empty());
 }

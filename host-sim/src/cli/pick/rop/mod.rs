@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use self::line::RopLine;
-use super::text::ending;
+use super::text::{decides, ending};
 use crate::cli::arguments::output::{Format, OutputArgs, to_json};
 use crate::pictures::drawn;
 use crate::pictures::rop::figure;
@@ -213,9 +213,9 @@ fn lines(pick: &RopPick) -> Vec<(&'static str, String)> {
             "{} ({})",
             limit.limit.map_or(String::new(), |x| significant(x, 4)),
             if limit.binds {
-                "decides"
+                decides(limit, &a.limits)
             } else {
-                "does not decide"
+                "does not decide".to_owned()
             }
         );
         lines.push((limit.name, what));
