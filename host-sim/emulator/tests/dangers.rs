@@ -308,6 +308,20 @@ fn a_surface_that_recedes_is_followed() {
     });
 }
 
+/// A rig that tilts moves the hammer's rest position and not the surface: on the wires by 1.96 mm, here at 98 µm/s.
+#[test]
+fn a_rig_that_tilts_is_followed() {
+    [1.5, -1.5].par_iter().for_each(|degrees| {
+        let tilt = event(
+            15.0,
+            &format!("kind = \"tilt\"\ndegrees = {degrees:?}\nover_s = 20.0"),
+        );
+        let truth = truth_of("wires", 65.0, &(start() + &tilt));
+        assert_eq!(faults(&truth), [], "{degrees}");
+        assert_eq!(truth.end, State::Hold, "{degrees}");
+    });
+}
+
 /// Between two runs the tool is fed back to where the settings have the surface, half the way, or not at all.
 #[test]
 fn after_a_surface_that_receded_the_next_start_finds_it_wherever_it_is() {

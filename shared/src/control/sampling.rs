@@ -115,8 +115,8 @@ impl Controller {
 
     fn pulse(&mut self, pulse: &Pulse) {
         self.seen.onset_turns = pulse.onset_turns;
-        if let Some(gap_m) = self.rig.identification.gap_m() {
-            self.plausibility.believe_gap(gap_m);
+        if let Some(surface_m) = self.rig.identification.surface_m() {
+            self.plausibility.believe_surface(surface_m);
         }
         self.rig.identification.pulse(pulse);
         if let Some(trip) = self.plausibility.pulse(pulse) {

@@ -68,7 +68,7 @@ pub const FAR_M: f32 = 1.5e-3;
 #[derive(Clone, Copy, Debug)]
 pub struct Plausibility {
     /// None: not known since the last start.
-    gap_m: Option<f32>,
+    surface_m: Option<f32>,
     gap_set_m: f32,
     travel_limit_m: f32,
     amplitude_m: f32,
@@ -88,7 +88,7 @@ impl Plausibility {
     /// For the rig of `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
-            gap_m: Some(settings.rig.gap_m as f32),
+            surface_m: Some(settings.rig.gap_m as f32),
             gap_set_m: settings.rig.gap_m as f32,
             travel_limit_m: settings.limits.travel_m,
             amplitude_m: settings.rig.amplitude_m as f32,
@@ -107,7 +107,7 @@ impl Plausibility {
     /// The drive starts anew. What was doubted remains so until the sensors show otherwise; where the surface is now, the first
     /// contacts tell.
     pub fn restart(&mut self) {
-        self.gap_m = None;
+        self.surface_m = None;
         self.far_pulses = 0;
         self.bad_zeros = 0;
         self.bad_targets = 0;
@@ -116,14 +116,15 @@ impl Plausibility {
         self.follow.restart();
     }
 
-    /// The gap as the last contacts have shown it, m: a surface that recedes slowly is followed.
-    pub fn believe_gap(&mut self, gap_m: f32) {
-        self.gap_m = Some(gap_m);
+    /// Where the last contacts have found the surface, m: one that recedes slowly is followed.
+    pub fn believe_surface(&mut self, surface_m: f32) {
+        self.surface_m = Some(surface_m);
     }
 
     /// A contact has ended.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<Trip> {
-        let far_m = (self.gap_m).map_or(0.0, |gap_m| libm::fabsf(pulse.relative_m - gap_m));
+        let far_m =
+            (self.surface_m).map_or(0.0, |surface_m| libm::fabsf(pulse.relative_m - surface_m));
         if run(&mut self.far_pulses, far_m > FAR_M, FAR_PULSES) {
             return trip(Origin::Force, far_m);
         }
@@ -193,7 +194,9 @@ impl Plausibility {
 
     /// How much too little the sensors may read.
     pub fn doubt(&self) -> Doubt {
-        let farther_m = self.gap_m.map_or(0.0, |gap_m| gap_m - self.gap_set_m);
+        let farther_m = self
+            .surface_m
+            .map_or(0.0, |surface_m| surface_m - self.gap_set_m);
         let farther = farther_m / self.travel_limit_m;
         Doubt::new(self.impulse_over_momentum, self.hammer_over_cart, farther)
     }

@@ -222,7 +222,7 @@ fn the_distance_is_from_the_gap_as_contacts_have_shown_it() {
     };
     let trips = |relative_m: f32| {
         let mut plausibility = plausibility();
-        plausibility.believe_gap(2e-3);
+        plausibility.believe_surface(2e-3);
         (0..10).any(|_| plausibility.pulse(&at(relative_m)).is_some())
     };
     assert!(!trips(2e-3) && !trips(0.6e-3) && !trips(3.4e-3));
@@ -237,10 +237,10 @@ fn after_a_start_the_first_contacts_tell_where_the_surface_is() {
         ..contact(1.0)
     };
     let mut plausibility = plausibility();
-    plausibility.believe_gap(2e-3);
+    plausibility.believe_surface(2e-3);
     plausibility.restart();
     assert!((0..10).all(|_| plausibility.pulse(&at(0.0)).is_none()));
-    plausibility.believe_gap(0.0);
+    plausibility.believe_surface(0.0);
     assert!((0..10).any(|_| plausibility.pulse(&at(2e-3)).is_some()));
 }
 
@@ -255,7 +255,7 @@ fn a_start_begins_every_count_anew() {
     // All but one of the periods or contacts that trip, for each check.
     let counts: [Count; 5] = [
         (2, |p, _, far| {
-            p.believe_gap(0.0);
+            p.believe_surface(0.0);
             p.pulse(far)
         }),
         (15, |p, _, _| p.pulse(&contact(1.4))),
@@ -393,6 +393,6 @@ fn a_surface_farther_out_than_set_makes_the_travel_doubted() {
     let mut plausibility = Plausibility::new(&settings);
     assert_eq!(plausibility.doubt().travel, 1.0);
     // A fifth of the travel limit of 9 mm, which may be passed by 7 %.
-    plausibility.believe_gap(2.3e-3);
+    plausibility.believe_surface(2.3e-3);
     assert!((plausibility.doubt().travel - 1.25 / 1.07).abs() < 1e-4);
 }

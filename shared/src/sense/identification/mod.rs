@@ -35,8 +35,8 @@
 //! [`SYSTEMATIC`] is never given. Only the spring-dashpot is identified.
 //!
 //! # Gap
-//! The observer's displacement at the onset, averaged. It is relative to the rest position found in the self
-//! test.
+//! The observer's displacement at the onset, averaged, less the rest position: that of the self test, until the flights' Δ₀
+//! lies further from it than [`REST_MOVED`]. A rig that tilts moves the rest position, and not the surface.
 
 pub mod contact;
 mod ratio;
@@ -63,6 +63,9 @@ const MOVING_CONTACTS: i8 = 5;
 const GAP_JUMP: f32 = 5.0;
 /// if so many contacts in a row agree.
 const MOVED_CONTACTS: u8 = 4;
+
+/// A rest position less far from that of the self test than this is the same, in units of A0.
+const REST_MOVED: f32 = 0.2;
 
 /// Least relative spread given for stiffness; half of it for damping.
 pub const SYSTEMATIC: f32 = 0.2;
@@ -306,7 +309,7 @@ impl Identification {
     fn compare(&mut self) {
         let newest = core::mem::take(&mut self.newest);
         let outliers = core::mem::take(&mut self.outliers);
-        if 2 * outliers > FEWEST_WINDOWS || self.line.differs_from(&newest) {
+        if 2 * outliers > FEWEST_WINDOWS || self.line.differs_from(&newest, self.grain) {
             self.line = newest;
         }
     }
@@ -340,9 +343,24 @@ impl Identification {
         self.duration.push(duration);
     }
 
-    /// The mean gap of the last contacts, m; none before there are enough.
-    pub fn gap_m(&self) -> Option<f32> {
+    /// Where the last contacts found the surface, from the rest position of the self test, m; none before there are enough.
+    pub fn surface_m(&self) -> Option<f32> {
         (self.gap.count >= FEWEST_CONTACTS).then_some(self.gap.mean)
+    }
+
+    /// The gap, m: the surface from where the hammer would rest now.
+    pub fn gap_m(&self) -> Option<f32> {
+        Some(self.surface_m()? - self.rest_m())
+    }
+
+    /// Where the hammer would rest, from where it rested in the self test, m.
+    fn rest_m(&self) -> f32 {
+        let Some((slope, _)) = self.straight() else {
+            return 0.0;
+        };
+        let rest_m = self.line.x - self.line.y / slope;
+        let moved = libm::fabsf(rest_m) > REST_MOVED * self.believed.amplitude_m;
+        if moved { rest_m } else { 0.0 }
     }
 
     /// Takes in the gap of a contact. Contacts that agree on another gap than those before begin the mean anew: the
@@ -379,8 +397,8 @@ impl Identification {
             stiffness,
             damping,
             natural_hz: self.natural(),
-            gap_m: (self.gap.count >= FEWEST_CONTACTS).then(|| Estimate {
-                value: self.gap.mean,
+            gap_m: self.gap_m().map(|value| Estimate {
+                value,
                 sigma: self.gap.sigma(),
                 samples: self.gap.count,
             }),
@@ -408,13 +426,16 @@ impl Identification {
         self.ratio.reset();
     }
 
-    fn natural(&self) -> Option<Estimate> {
+    /// Slope and mean square residual of a line that the points do lie on.
+    fn straight(&self) -> Option<(f32, f32)> {
         let (slope, square) = self.line.fit()?;
         // Contacts too weak to be detected, one per period, leave a scatter that no noise does.
         let straight = square < SCATTER * self.line.yy;
-        if slope <= 0.0 || !straight {
-            return None;
-        }
+        (slope > 0.0 && straight).then_some((slope, square))
+    }
+
+    fn natural(&self) -> Option<Estimate> {
+        let (slope, square) = self.straight()?;
         let omega = libm::sqrtf(slope);
         let value = omega * (1.0 / core::f32::consts::TAU);
         let count = self.line.count.min(MEMORY) as f32;

@@ -63,8 +63,8 @@ impl Line {
     }
 
     /// Whether `newest`, the last [`FEWEST`] points, lie on another line: F test of both its parameters, and a slope that
-    /// is off by more than [`SAME_SLOPE`].
-    pub fn differs_from(&self, newest: &Self) -> bool {
+    /// is off by more than [`SAME_SLOPE`] or a level that is off by more than the root of `grain`.
+    pub fn differs_from(&self, newest: &Self, grain: f32) -> bool {
         let (Some((slope, _)), Some((new_slope, square))) = (self.fit(), newest.fit()) else {
             return false;
         };
@@ -75,7 +75,7 @@ impl Line {
         // What their mean square residual about this line has more than that about their own.
         let more = turned * turned * newest.xx + off * off;
         let same = SAME_SLOPE * slope;
-        more > DIFFERENT * square && turned * turned > same * same
+        more > DIFFERENT * square && (turned * turned > same * same || off * off > grain)
     }
 
     /// Slope and mean square residual.
