@@ -304,23 +304,11 @@ fn locked() -> MutexGuard<'static, Vec<PathBuf>> {
 /// Removes the files that are staged and not committed and ends the program: for one that is to stop at once.
 /// No other file is staged meanwhile.
 pub fn end(code: i32) -> ! {
-    remove_all(&locked());
-    std::process::exit(code)
-}
-
-/// The same for a program that may have been stopped anywhere, even while it staged a file: then that file stays.
-/// Removes only; the caller ends the program.
-pub fn abandon() {
-    if let Ok(staged) = STAGED.try_lock() {
-        remove_all(&staged);
-    }
-}
-
-fn remove_all(staged: &[PathBuf]) {
-    for path in staged {
+    for path in locked().iter() {
         // What was committed is no longer there.
         let _ = fs::remove_file(path);
     }
+    std::process::exit(code)
 }
 
 fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
