@@ -6,7 +6,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use files::table::{to_csv, to_parquet};
+use files::table::to_csv;
 use host_sim::progress::Progress;
 use numerics::NamedRig;
 use numerics::lanes::CellPlan;
@@ -72,8 +72,8 @@ fn cycles(bencher: Bencher, cycles: u32) {
 }
 
 /// The whole table of a map thinned by four; items are rows.
-#[divan::bench(args = ["csv", "parquet"], sample_count = 5, sample_size = 1)]
-fn tables(bencher: Bencher, format: &str) {
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn table(bencher: Bencher) {
     let request = request(
         4,
         CellPlan {
@@ -87,9 +87,6 @@ fn tables(bencher: Bencher, format: &str) {
         .counter(ItemsCount::new(map.cells.len()))
         .bench_local(|| {
             let rows: Vec<_> = map.rows().collect();
-            match format {
-                "csv" => to_csv(&rows),
-                _ => to_parquet(&rows).expect("a table"),
-            }
+            to_csv(&rows)
         });
 }

@@ -1,7 +1,5 @@
 //! `host-sim`: the hammer on the desktop.
 
-mod memory;
-
 fn main() {
     std::process::exit(host_sim::cli::run(std::env::args_os()));
 }

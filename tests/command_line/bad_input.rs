@@ -37,7 +37,7 @@ fn commands_and_options_that_are_not_there() {
         ("simulate --ratio 1.5 --frequency 2", "cannot be used with"),
         (
             "simulate --ratio 1.5 --format xml",
-            "[possible values: text, json, csv, parquet]",
+            "[possible values: text, json, csv]",
         ),
         (
             "simulate --ratio 1.5 --engine magic",

@@ -34,40 +34,6 @@ fn an_interrupted_run_leaves_nothing() {
     assert_eq!(folder.names(), ["long.toml"]);
 }
 
-/// Killed, it cannot clear up; the next run into the same folder does.
-#[cfg(unix)]
-#[test]
-fn what_a_killed_run_left_is_removed_by_the_next() {
-    use std::process::Stdio;
-    use std::time::{Duration, Instant};
-
-    let long = STOPPED.replace("duration_s = 2.0", "duration_s = 20000.0");
-    let folder = Folder::new()
-        .with("long.toml", long)
-        .with("stopped.toml", STOPPED);
-    folder.run("emulate stopped.toml --out out").well();
-    let whole = folder.names();
-    let mut command = folder.command(&["emulate", "long.toml", "--out", "out"]);
-    let mut child = command
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let began = Instant::now();
-    while folder.names().len() < whole.len() + 2 {
-        assert!(began.elapsed() < Duration::from_secs(60), "no log is begun");
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    // While it lives, another run leaves its files alone.
-    folder.run("emulate stopped.toml --out out").well();
-    assert_eq!(folder.names().len(), whole.len() + 2);
-    child.kill().unwrap();
-    wait(child);
-    assert_eq!(folder.names().len(), whole.len() + 2);
-    folder.run("emulate stopped.toml --out out").well();
-    assert_eq!(folder.names(), whole);
-}
-
 /// A picture that is too much for the drawing library must not cost the verdict.
 #[test]
 fn ten_thousand_events_have_a_verdict_a_log_and_a_picture() {

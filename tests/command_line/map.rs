@@ -256,18 +256,6 @@ fn measured_points_are_laid_over() {
 }
 
 #[test]
-fn parquet_goes_to_a_pipe_and_into_the_folder() {
-    let folder = Folder::new();
-    let words = "map --gap 0:1:0.5 --ratio 2 --format parquet --out o --quiet";
-    let words: Vec<_> = words.split_whitespace().collect();
-    let ran = folder.command(&words).output().expect("the program runs");
-    assert!(ran.status.success());
-    let file = fs::read(folder.made("o/map-wires", ".parquet")).expect("a file");
-    assert_eq!(ran.stdout, file);
-    assert!(file.starts_with(b"PAR1") && file.ends_with(b"PAR1"));
-}
-
-#[test]
 fn one_gap_and_one_frequency_are_maps_too() {
     for grid in ["--gap 0", "--gap 0:1:0.5", "--ratio 1.5"] {
         let extra = match grid {

@@ -15,6 +15,7 @@
 //! cargo xtask bench-ticks   counts instructions per tick of the model and of a forecast
 //! cargo xtask size          holds flash, RAM, stack and instructions to their budgets
 //! cargo xtask first-answer  times a build from nothing and the first answer
+//! cargo xtask golden        compares the answers of a list of requests with those before
 //! cargo xtask msrv          checks the workspace with the oldest Rust it supports
 //! cargo xtask flash         puts the firmware on a NUCLEO-F446RE
 //! ```
@@ -30,6 +31,7 @@ mod firmware;
 mod first_answer;
 mod flash;
 mod forecast;
+mod golden;
 #[cfg(test)]
 mod layers;
 mod liveness;
@@ -88,6 +90,8 @@ cargo xtask COMMAND
   size                        flash, RAM, stack and instructions per tick against firmware/budgets.toml
   first-answer [--json FILE]  build host-sim from nothing and run `pick`: wall and processor time of both, and the
                               ten dearest crates
+  golden [--write]            ask a fixed list of requests and compare every table and JSON with the check sums in
+                              xtask/golden.txt: for a change that is to change no answer; --write writes them anew
   msrv [--version]            check the workspace with the oldest Rust it supports, if that is installed;
                               with --version only print which that is
   flash [--board BOARD]       build for the NUCLEO-F446RE (or another board), flash it and show its log
@@ -112,6 +116,8 @@ enum Job {
     BenchTicks,
     Size,
     FirstAnswer(first_answer::Plan),
+    /// Whether the check sums are written anew.
+    Golden(bool),
     Msrv,
     OldestRust,
     Flash(boards::Board),
@@ -141,6 +147,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         )),
         ["lab", words @ ..] => Ok(Job::Lab(words.iter().map(|&word| word.into()).collect())),
         ["first-answer", options @ ..] => first_answer::Plan::parse(options).map(Job::FirstAnswer),
+        ["golden"] => Ok(Job::Golden(false)),
+        ["golden", "--write"] => Ok(Job::Golden(true)),
         ["msrv"] => Ok(Job::Msrv),
         ["msrv", "--version"] => Ok(Job::OldestRust),
         ["flash"] => named(boards::NUCLEO).map(Job::Flash),
@@ -188,6 +196,7 @@ fn run(job: Job) -> Outcome {
             web::lab(&words)?;
         }
         Job::FirstAnswer(plan) => first_answer::run(&plan)?,
+        Job::Golden(write) => golden::run(write)?,
         Job::Msrv => drop(msrv::run()?),
         Job::OldestRust => println!("{}", msrv::OLDEST),
         Job::Flash(board) => flash::run(&board)?,
@@ -243,6 +252,7 @@ mod tests {
             "bench-ticks",
             "size",
             "first-answer",
+            "golden",
             "msrv",
             "flash",
         ] {

@@ -1,8 +1,7 @@
 //! Writing files whole or not at all.
 //!
 //! A file is written under a temporary name beside its final place and then renamed, so a reader never meets half of
-//! it and a failure leaves the old one untouched. What a program that was killed had begun is removed by the next one
-//! that writes into the same folder.
+//! it and a failure leaves the old one untouched. A program that is killed leaves its temporary files.
 
 use std::fmt;
 use std::fs;
@@ -14,11 +13,8 @@ use tempfile::NamedTempFile;
 
 use crate::UserError;
 
-mod leftovers;
 #[cfg(test)]
 mod tests;
-
-use leftovers::sweep;
 
 /// Files that have their names.
 #[derive(Debug)]
@@ -190,7 +186,6 @@ pub fn check_folder(dir: &Path) -> Result<(), WriteError> {
     if !there.is_dir() {
         return Err(failed(there, io::ErrorKind::NotADirectory.into()));
     }
-    sweep(dir);
     let _staged = locked();
     let tried = temporary_file(there);
     tried.map(drop).map_err(|source| failed(dir, source))
@@ -229,7 +224,6 @@ impl Staged {
             }
             _ => {}
         }
-        sweep(dir);
         // Locked before the file is there, so that `end` misses none.
         let mut staged = locked();
         let file = temporary_file(dir).map_err(|source| failed(path, source))?;
@@ -304,23 +298,11 @@ fn locked() -> MutexGuard<'static, Vec<PathBuf>> {
 /// Removes the files that are staged and not committed and ends the program: for one that is to stop at once.
 /// No other file is staged meanwhile.
 pub fn end(code: i32) -> ! {
-    remove_all(&locked());
-    std::process::exit(code)
-}
-
-/// The same for a program that may have been stopped anywhere, even while it staged a file: then that file stays.
-/// Removes only; the caller ends the program.
-pub fn abandon() {
-    if let Ok(staged) = STAGED.try_lock() {
-        remove_all(&staged);
-    }
-}
-
-fn remove_all(staged: &[PathBuf]) {
-    for path in staged {
+    for path in locked().iter() {
         // What was committed is no longer there.
         let _ = fs::remove_file(path);
     }
+    std::process::exit(code)
 }
 
 fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
@@ -335,7 +317,7 @@ fn prepare(path: &Path, bytes: &[u8]) -> Result<Staged, WriteError> {
 /// How the temporary names of files begin that are not whole yet.
 pub const TEMPORARY: &str = ".writing-";
 
-/// A new file that this program holds locked for as long as it works on it: by that the next program knows a leftover.
+/// A new file under a temporary name.
 fn temporary_file(dir: &Path) -> io::Result<NamedTempFile> {
     step()?;
     let mut builder = tempfile::Builder::new();
@@ -345,15 +327,7 @@ fn temporary_file(dir: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    loop {
-        let file = builder.tempfile_in(dir).map_err(without_path)?;
-        // Where there are no locks, there are no leftovers to be told by them.
-        let locked = file.as_file().lock().is_ok();
-        // Between its making and its locking another program may have taken it for a leftover.
-        if !locked || file.path().exists() {
-            return Ok(file);
-        }
-    }
+    builder.tempfile_in(dir).map_err(without_path)
 }
 
 /// The system's error alone: the temporary name around it is nothing that a person gave.

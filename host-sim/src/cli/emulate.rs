@@ -6,7 +6,7 @@ use serde::Serialize;
 use shared::control::BootInfo;
 use shared::settings::TICK_RATE_HZ;
 
-use super::arguments::output::{Format, OutputArgs, to_json};
+use super::arguments::output::{OutputArgs, to_json};
 use super::terminal::{print, say};
 #[cfg(unix)]
 use crate::link::live::Live;
@@ -221,10 +221,6 @@ fn write(
         format!("{name}-timeline.csv"),
         to_csv(&lines(&watch.timeline)),
     ));
-    if output.format == Format::Parquet {
-        let bytes = output.parquet(&lines(&watch.timeline))?;
-        contents.push((format!("{name}-timeline.parquet"), bytes));
-    }
     let mut staged = match watch.logs.take() {
         Some(logs) => logs.close()?,
         None => Vec::new(),

@@ -4,7 +4,6 @@ mod arguments;
 mod basins;
 mod bifurcation;
 mod chapter;
-mod closed;
 mod compare;
 mod contact;
 mod coverage;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::arguments::output::{Format, check_format, emit};
+use super::arguments::output::{Format, emit};
 use crate::progress::Progress;
 use crate::replay::{Replayed, replay};
 use emulator::log::{Reader, TICK_US};
@@ -47,7 +47,6 @@ struct Answer {
 }
 
 pub fn run(args: &Args) -> Result<i32, UserError> {
-    check_format(args.format, false)?;
     let mut log = Reader::open(&args.log)?;
     let progress = Progress::new("ticks", log.ticks(), args.quiet);
     let done = replay(&mut log, &progress);

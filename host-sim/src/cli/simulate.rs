@@ -90,7 +90,7 @@ fn tables(
     recorder: &Recorder,
     section: &[SectionRow],
 ) -> Result<Contents, UserError> {
-    let mut contents = vec![
+    Ok(vec![
         (output.name(".json"), to_json(answer)?.into_bytes()),
         (output.name("-history.csv"), to_csv(&recorder.samples)),
         (output.name("-section.csv"), to_csv(section)),
@@ -98,14 +98,7 @@ fn tables(
             output.name("-contacts.csv"),
             to_csv_or_header(&contact_rows(recorder), ContactRow::default()),
         ),
-    ];
-    if output.format == Format::Parquet {
-        let row = std::slice::from_ref(&answer.row);
-        contents.push((output.name(".parquet"), output.parquet(row)?));
-        let history = output.parquet(&recorder.samples)?;
-        contents.push((output.name("-history.parquet"), history));
-    }
-    Ok(contents)
+    ])
 }
 
 /// The samples of the last few periods, with time from their start.

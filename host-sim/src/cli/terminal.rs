@@ -3,8 +3,6 @@
 
 use std::io::{ErrorKind, Write};
 
-use super::closed;
-
 /// Writes a line on standard error; a reader that has gone away is no error.
 pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
@@ -64,10 +62,6 @@ pub fn print_if_read(text: &str) -> bool {
 }
 
 fn is_read(bytes: &[u8]) -> bool {
-    if closed::standard_output() {
-        complain("error: standard output is closed; redirect it to a file, or to /dev/null");
-        files::write::end(2);
-    }
     let mut out = std::io::stdout().lock();
     match out.write_all(bytes).and_then(|()| out.flush()) {
         Ok(()) => true,

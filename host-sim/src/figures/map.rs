@@ -5,15 +5,14 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 
 use super::map_force::by_force;
-use super::{Effort, Page, made_from, stem};
+use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::words;
 use crate::words::map::percent;
 use files::UserError;
-use files::made_from::pair;
-use files::table::{parquet_with, to_csv};
+use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Setting;
 use numerics::lanes::CellPlan;
@@ -48,7 +47,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         chapter: "3.3.6: red (z = 1/1) and green (z = 1/2) areas; \"for a gap condition higher than 1.5\" between them various motions that depend on the start. 209,916 simulations took around 120 hours.",
         found: format!("{} {} {}", areas(&map), shares(&map), unrest(&map)),
         command: "host-sim map --rig wires --cart prescribed --out out".to_owned(),
-        files: with_cells("3.24", effort, &pictures::map::regimes(&map), &map)?,
+        files: with_cells("3.24", &pictures::map::regimes(&map), &map)?,
     };
     Ok(vec![
         first,
@@ -81,7 +80,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         let fine = detail_map(rig, effort, progress)?;
         let named = basins.map(|(ratio, gap)| (ratio, gap, format!("basin {ratio:.2}, {gap:.2}")));
         let detail = pictures::map::detail(&fine, DETAIL.0, DETAIL.1, &named);
-        let mut files = with_cells(regimes, effort, &pictures::map::regimes(&map), &map)?;
+        let mut files = with_cells(regimes, &pictures::map::regimes(&map), &map)?;
         files.extend(drawn(&format!("{}-detail", stem(regimes)), &detail)?);
         let command = format!("host-sim map --rig {rig} --cart prescribed --out out");
         pages.push(Page {
@@ -238,7 +237,6 @@ fn counts(map: &Map) -> Vec<Count> {
 /// The picture, the number of cells of each regime, and every cell.
 fn with_cells(
     figure: &str,
-    effort: Effort,
     picture: &Figure,
     map: &Map,
 ) -> Result<Vec<(String, Vec<u8>)>, UserError> {
@@ -246,8 +244,7 @@ fn with_cells(
     let mut files = drawn(&stem, picture)?;
     files.push((format!("{stem}-regimes.csv"), to_csv(&counts(map))));
     let rows: Vec<_> = map.rows().collect();
-    let pairs = vec![pair(&made_from(figure, effort))];
-    files.push((format!("{stem}-cells.parquet"), parquet_with(&rows, pairs)?));
+    files.push((format!("{stem}-cells.csv"), to_csv(&rows)));
     Ok(files)
 }
 

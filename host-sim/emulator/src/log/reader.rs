@@ -198,7 +198,7 @@ impl Rows {
             return Cell::Null;
         };
         let cell = match cursor.column.values() {
-            Values::Flag(_) | Values::Double(_) => None,
+            Values::Flag(_) => None,
             Values::Int(all) => all.get(at).map(|v| Cell::Int(i64::from(*v))),
             Values::Long(all) => all.get(at).map(|v| Cell::Int(*v)),
             Values::Float(all) => all.get(at).map(|v| Cell::Float(*v)),

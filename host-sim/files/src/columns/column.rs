@@ -18,8 +18,6 @@ pub enum Values {
     Long(Vec<i64>),
     /// [`Kind::Float`].
     Float(Vec<f32>),
-    /// [`Kind::Double`].
-    Double(Vec<f64>),
     /// [`Kind::Text`] and [`Kind::Bytes`].
     Bytes(Vec<ByteArray>),
 }
@@ -32,7 +30,6 @@ macro_rules! each {
             Values::Int($all) => $done,
             Values::Long($all) => $done,
             Values::Float($all) => $done,
-            Values::Double($all) => $done,
             Values::Bytes($all) => $done,
         }
     };
@@ -45,7 +42,6 @@ impl Values {
             Kind::Int => Self::Int(Vec::new()),
             Kind::Long => Self::Long(Vec::new()),
             Kind::Float => Self::Float(Vec::new()),
-            Kind::Double => Self::Double(Vec::new()),
             Kind::Text | Kind::Bytes => Self::Bytes(Vec::new()),
         }
     }
@@ -72,8 +68,6 @@ pub enum Value<'a> {
     Long(i64),
     /// For [`Kind::Float`].
     Float(f32),
-    /// For [`Kind::Double`].
-    Double(f64),
     /// For [`Kind::Text`].
     Text(&'a str),
     /// For [`Kind::Bytes`].
@@ -88,7 +82,6 @@ impl Value<'_> {
             Self::Int(_) => Kind::Int,
             Self::Long(_) => Kind::Long,
             Self::Float(_) => Kind::Float,
-            Self::Double(_) => Kind::Double,
             Self::Text(_) => Kind::Text,
             Self::Bytes(_) => Kind::Bytes,
         }
@@ -112,14 +105,10 @@ pub struct Column {
 impl Column {
     /// A column of `field` without rows.
     pub fn new(field: &Field) -> Self {
-        Self::of(field.kind, field.optional)
-    }
-
-    pub(crate) fn of(kind: Kind, optional: bool) -> Self {
         Self {
-            kind,
-            optional,
-            values: Values::new(kind),
+            kind: field.kind,
+            optional: field.optional,
+            values: Values::new(field.kind),
             present: Vec::new(),
         }
     }
@@ -149,12 +138,6 @@ impl Column {
         self.present.get(row).is_some_and(|level| *level > 0)
     }
 
-    #[cfg(feature = "disk")]
-    /// From now on rows may lack a value.
-    pub(crate) fn make_optional(&mut self) {
-        self.optional = true;
-    }
-
     /// Appends a row.
     ///
     /// # Errors
@@ -171,7 +154,6 @@ impl Column {
             (Values::Int(all), Value::Int(one)) => all.push(one),
             (Values::Long(all), Value::Long(one)) => all.push(one),
             (Values::Float(all), Value::Float(one)) => all.push(one),
-            (Values::Double(all), Value::Double(one)) => all.push(one),
             (Values::Bytes(all), Value::Text(one)) => push_bytes(all, one.as_bytes()),
             (Values::Bytes(all), Value::Bytes(one)) => push_bytes(all, one),
             _ => return Err(WrongKind),
@@ -206,7 +188,6 @@ impl Column {
             (W::Int32ColumnWriter(w), Values::Int(all)) => w.write_batch(all, levels, None),
             (W::Int64ColumnWriter(w), Values::Long(all)) => w.write_batch(all, levels, None),
             (W::FloatColumnWriter(w), Values::Float(all)) => w.write_batch(all, levels, None),
-            (W::DoubleColumnWriter(w), Values::Double(all)) => w.write_batch(all, levels, None),
             (W::ByteArrayColumnWriter(w), Values::Bytes(all)) => w.write_batch(all, levels, None),
             _ => return Err(ParquetError::General("a column of another kind".into())),
         }
@@ -230,7 +211,6 @@ impl Column {
             (R::Int32ColumnReader(r), Values::Int(v)) => all!(r, v),
             (R::Int64ColumnReader(r), Values::Long(v)) => all!(r, v),
             (R::FloatColumnReader(r), Values::Float(v)) => all!(r, v),
-            (R::DoubleColumnReader(r), Values::Double(v)) => all!(r, v),
             (R::ByteArrayColumnReader(r), Values::Bytes(v)) => all!(r, v),
             _ => return Err(ParquetError::General("a column of another kind".into())),
         };

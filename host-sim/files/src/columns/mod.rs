@@ -1,4 +1,4 @@
-//! Columns of values as a Parquet file: what the tables of an answer and the log of a run both stand on.
+//! Columns of values as a Parquet file: what the log of a run stands on.
 //!
 //! A [`Field`] is the name, kind and packing of a column; a [`Column`] holds its values for the rows of one row
 //! group. [`Writer`] writes row groups one after another, so a file may be larger than the memory; [`Reader`] gives
@@ -33,8 +33,6 @@ pub enum Kind {
     Long,
     /// FLOAT.
     Float,
-    /// DOUBLE.
-    Double,
     /// BYTE_ARRAY that is UTF-8.
     Text,
     /// BYTE_ARRAY.

@@ -19,7 +19,6 @@ fn fields() -> Vec<Field> {
         field("int", K::Int, false, P::Differences),
         field("long", K::Long, true, P::Differences),
         field("float", K::Float, true, P::Split),
-        field("double", K::Double, false, P::Split),
         field("text", K::Text, true, P::Dictionary),
         field("bytes", K::Bytes, false, P::Dictionary),
     ]
@@ -36,7 +35,6 @@ fn group(from: i32, to: i32) -> Vec<Column> {
             Some(Value::Int(-i)),
             there.then_some(Value::Long(i64::from(i) << 40)),
             there.then_some(Value::Float(i as f32 / 7.0)),
-            Some(Value::Double(f64::from(i) / 7.0)),
             there.then_some(Value::Text(&text)),
             Some(Value::Bytes(&[0, 255, i as u8])),
         ];

@@ -76,7 +76,6 @@ pub(super) fn physical(kind: Kind) -> Physical {
         Kind::Int => Physical::INT32,
         Kind::Long => Physical::INT64,
         Kind::Float => Physical::FLOAT,
-        Kind::Double => Physical::DOUBLE,
         Kind::Text | Kind::Bytes => Physical::BYTE_ARRAY,
     }
 }

@@ -1,17 +1,11 @@
-//! Tables: rows of any kind as CSV or Parquet, and back from CSV.
+//! Tables: rows of any kind as CSV, and back.
 
 mod dialect;
-#[cfg(feature = "disk")]
-mod parquet;
 mod read;
-#[cfg(feature = "disk")]
-mod rows;
 
 use serde::Serialize;
 
 pub use self::dialect::{Plain, plain};
-#[cfg(feature = "disk")]
-pub use self::parquet::{parquet_with, to_parquet};
 pub use self::read::{Line, Measurements};
 
 /// Rows as CSV with a header line; none at all leave it empty.

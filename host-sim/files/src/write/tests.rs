@@ -254,19 +254,3 @@ fn a_disk_that_fails_at_any_step_leaves_the_old_file_and_nothing_else() {
         file.finish().map_err(refused)?.commit().map(drop)
     });
 }
-
-#[test]
-fn what_a_killed_program_left_is_removed_and_what_a_live_one_works_on_is_not() {
-    let dir = tempfile::tempdir().unwrap();
-    // There, and nobody holds its lock.
-    fs::write(dir.path().join(".writing-abc123"), "half a log").unwrap();
-    fs::write(dir.path().join("writing-mine"), "somebody's").unwrap();
-    let live = Staged::new(dir.path().join("log.parquet")).unwrap();
-    // Swept when the first file was begun; the live one stays however often that is done.
-    let before = names(dir.path());
-    assert_eq!(before.len(), 2, "{before:?}");
-    leftovers::sweep_now(dir.path());
-    assert_eq!(names(dir.path()), before);
-    live.commit().unwrap();
-    assert_eq!(names(dir.path()), ["log.parquet", "writing-mine"]);
-}

@@ -1,6 +1,5 @@
 //! `--format`, `--out` and `--quiet`: how every command answers, on standard output and as files.
 
-use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
@@ -9,7 +8,7 @@ use serde::Serialize;
 use super::request::Request;
 use crate::cli::terminal::{print, print_bytes, say};
 use files::made_from::{self, MadeFrom, file_name, refuse_others};
-use files::table::{parquet_with, to_csv};
+use files::table::to_csv;
 use files::write::Written;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -25,8 +24,6 @@ pub enum Format {
     Json,
     /// For a spreadsheet
     Csv,
-    /// For large tables: columns with their types, packed
-    Parquet,
 }
 
 /// Files by name.
@@ -161,12 +158,11 @@ impl OutputArgs {
         }
     }
 
-    /// Refuses an output folder that cannot be written to, and Parquet on a terminal, before any work is done.
+    /// Refuses an output folder that cannot be written to, before any work is done.
     ///
     /// # Errors
     /// If the answer could not be written.
     pub fn check(&self) -> Result<(), UserError> {
-        check_format(self.format, self.out.is_some())?;
         match &self.out {
             Some(dir) => check_folder(dir),
             None => Ok(()),
@@ -250,32 +246,20 @@ impl OutputArgs {
         emit(self.format, Some(self.made_from()), answer, rows, text)
     }
 
-    /// The files of an answer: `NAME.csv`, `NAME.json`, and with `--format parquet` also `NAME.parquet`.
+    /// The files of an answer: `NAME.csv` and `NAME.json`.
     ///
     /// # Errors
-    /// If the answer has no form as JSON or Parquet.
+    /// If the answer has no form as JSON.
     pub fn tables<A: Serialize + ?Sized, T: Serialize>(
         &self,
         name: &str,
         answer: &A,
         rows: &[T],
     ) -> Result<Contents, UserError> {
-        let mut files = vec![
+        Ok(vec![
             (format!("{name}.csv"), to_csv(rows)),
             (format!("{name}.json"), to_json(answer)?.into_bytes()),
-        ];
-        if self.format == Format::Parquet {
-            files.push((format!("{name}.parquet"), self.parquet(rows)?));
-        }
-        Ok(files)
-    }
-
-    /// Rows as a Parquet file that says what it was made from.
-    ///
-    /// # Errors
-    /// If they are no table.
-    pub fn parquet<T: Serialize>(&self, rows: &[T]) -> Result<Vec<u8>, UserError> {
-        parquet_with(rows, vec![made_from::pair(self.made_from())])
+        ])
     }
 }
 
@@ -291,9 +275,8 @@ pub fn note(quiet: bool, text: &str) {
     }
 }
 
-/// Writes the answer on standard output: `text` for a person, `answer` as JSON, or `rows` as CSV or Parquet; JSON and
-/// Parquet say what they were made from. Parquet goes to a file or a program only, never to a terminal
-/// ([`check_format`] has refused that unless there is a folder to write into).
+/// Writes the answer on standard output: `text` for a person, `answer` as JSON, or `rows` as CSV; JSON says what it
+/// was made from.
 ///
 /// # Errors
 /// If the answer has no form in this format.
@@ -314,24 +297,6 @@ pub fn emit<A: Serialize + ?Sized, T: Serialize>(
             });
         }
         Format::Csv => print_bytes(&to_csv(rows)),
-        Format::Parquet if stdout().is_terminal() => {}
-        Format::Parquet => {
-            let pairs = made.into_iter().map(made_from::pair).collect();
-            print_bytes(&parquet_with(rows, pairs)?);
-        }
-    }
-    Ok(())
-}
-
-/// Refuses Parquet on a terminal when there is no folder for it, before any work is done.
-///
-/// # Errors
-/// If that is what was asked for.
-pub fn check_format(format: Format, has_folder: bool) -> Result<(), UserError> {
-    if format == Format::Parquet && !has_folder && stdout().is_terminal() {
-        return Err(UserError::new(
-            "Parquet is not for a terminal; add --out DIR, or redirect: > FILE.parquet",
-        ));
     }
     Ok(())
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use shared::settings::TICK_RATE_HZ;
 
-use super::super::arguments::output::check_format;
 use super::What;
 use super::sweep::frequencies;
 use files::UserError;
@@ -54,7 +53,6 @@ pub fn check(what: &What) -> Result<(), UserError> {
             between("--rate", *rate, 1e-3, f64::from(TICK_RATE_HZ))?;
             given("--for", *duration_s)
         }
-        What::Forecast { format } => check_format(*format, false),
         _ => Ok(()),
     }
 }

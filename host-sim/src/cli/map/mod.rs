@@ -178,8 +178,7 @@ fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
             "--tiles and --merge need a folder for the tiles; add --out DIR",
         ));
     }
-    let table = matches!(output.format, Format::Csv | Format::Parquet);
-    if table && requests.len() > 1 && output.out.is_none() {
+    if output.format == Format::Csv && requests.len() > 1 && output.out.is_none() {
         return Err(UserError::new(
             "several maps do not fit into one table; add --out DIR for a table each, or use --format json",
         ));
@@ -230,7 +229,7 @@ fn make(
             print_bytes(json.as_bytes());
             Ok(())
         }
-        Format::Csv | Format::Parquet if !alone => Ok(()),
+        Format::Csv if !alone => Ok(()),
         format => output.emit(&(), &rows(format, &maps[0]), || text::text(&answer, &maps)),
     }
 }
@@ -269,7 +268,7 @@ fn merge_error(error: Error, store: &Store) -> UserError {
 /// The rows that a format needs.
 fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
     match format {
-        Format::Csv | Format::Parquet => map.rows().collect(),
+        Format::Csv => map.rows().collect(),
         Format::Text | Format::Json => Vec::new(),
     }
 }

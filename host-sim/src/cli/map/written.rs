@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::answer::Answer;
 use super::requests;
-use crate::cli::arguments::output::{Contents, Format, OutputArgs};
+use crate::cli::arguments::output::{Contents, OutputArgs};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::words;
@@ -53,9 +53,6 @@ fn tabled(output: &OutputArgs, answer: &Answer) -> Result<Contents, UserError> {
         let name = file_name(output, request);
         let rows: Vec<_> = map.rows().collect();
         files.push((format!("{name}.csv"), to_csv(&rows)));
-        if output.format == Format::Parquet {
-            files.push((format!("{name}.parquet"), output.parquet(&rows)?));
-        }
     }
     let first = file_name(output, &answer.requests[0]);
     files.push((format!("{first}.json"), answer.to_json()?.into_bytes()));

@@ -17,7 +17,7 @@ use shared::model::params::PRESETS;
 
 use super::arguments::choice::{Objective, choice};
 use super::arguments::ground::GroundArgs;
-use super::arguments::output::{Format, OutputArgs, replaced, to_json};
+use super::arguments::output::{OutputArgs, replaced, to_json};
 use super::arguments::over::{Over, parse_over};
 use super::arguments::request::object;
 use super::arguments::rig::{CartArg, RigArgs};
@@ -342,11 +342,6 @@ fn write(output: &OutputArgs, dir: &Path, picks: &[Pick]) -> Result<(), UserErro
     contents.push((format!("{name}.json"), to_json(&json(picks)?)?.into_bytes()));
     let rows: Vec<_> = picks.iter().flat_map(curve_rows).collect();
     contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
-    if output.format == Format::Parquet {
-        let lines: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
-        contents.push((format!("{name}.parquet"), output.parquet(&lines)?));
-        contents.push((format!("{name}-curve.parquet"), output.parquet(&rows)?));
-    }
     output.write(dir, contents)
 }
 

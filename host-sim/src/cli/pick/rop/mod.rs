@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use self::line::RopLine;
 use super::text::{decides, ending};
-use crate::cli::arguments::output::{Format, OutputArgs, to_json};
+use crate::cli::arguments::output::{OutputArgs, to_json};
 use crate::pictures::drawn;
 use crate::pictures::rop::figure;
 use crate::progress::Progress;
@@ -69,11 +69,6 @@ fn write(output: &OutputArgs, dir: &Path, pick: &RopPick, value: &Worded) -> Res
     };
     let rows: Vec<_> = pick.curve.iter().map(row).collect();
     contents.push((format!("{name}-curve.csv"), to_csv(&rows)));
-    if output.format == Format::Parquet {
-        let line = [RopLine::from(pick)];
-        contents.push((format!("{name}.parquet"), output.parquet(&line)?));
-        contents.push((format!("{name}-curve.parquet"), output.parquet(&rows)?));
-    }
     output.write(dir, contents)
 }
 
