@@ -43,6 +43,10 @@ const DISTURBANCE: f32 = 0.4;
 /// Restitution guessed right after a contact (Table 3.1: 0.317).
 const RESTITUTION: f32 = 0.3;
 
+/// By how much the hammer's sensor may be late, s: after a contact it still comes closer for as long, and where it is must not
+/// be taken for how fast it leaves.
+const LATE_S: f32 = 1e-3;
+
 /// The observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
@@ -234,7 +238,7 @@ impl Observer {
         let approach = self.state.y - self.acceleration * ago_s;
         self.state.x -= self.state.y * ago_s;
         self.state.y = -RESTITUTION * approach;
-        let slip = approach * 2.0 * self.tick_s;
+        let slip = approach * LATE_S;
         self.covariance.m11 += slip * slip;
         self.covariance.m22 += approach * approach + 0.01 * self.rate_scale * self.rate_scale;
         self.innovation = 0.0;
