@@ -36,7 +36,7 @@
 //!
 //! # Gap
 //! The observer's displacement at the onset, averaged, less the rest position: that of the self test, until the flights' Δ₀
-//! lies further from it than [`REST_MOVED`]. A rig that tilts moves the rest position, and not the surface.
+//! lies further from it than a fifth of A0. A rig that tilts moves the rest position, and not the surface.
 
 pub mod contact;
 mod ratio;
