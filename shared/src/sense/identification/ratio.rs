@@ -23,8 +23,8 @@ const MEMORY: u32 = 48;
 /// Windows in which the lag would be learnt if H and C explained nothing of D. They explain all but a hundredth of its
 /// square, so it takes minutes; noise of 2 % of A0 moves the lag by a tenth of a millisecond.
 const LAG_MEMORY: f32 = 32.0;
-/// Largest lag, either way, ticks (1 ms): one that is learnt wrongly errs by no more than one that is not learnt.
-const LARGEST_LAG: f32 = 20.0;
+/// Largest lag that is learnt, either way, ticks (0.6 ms): a gain that has just changed is taken for one at first, by as much.
+const LARGEST_LAG: f32 = 12.0;
 /// Windows before the plane says anything.
 const FEWEST: u32 = 32;
 /// Least spread of the part of H, and of C, that the other does not explain, in units of A0. A hammer that swings
