@@ -1,0 +1,155 @@
+//! Sensors that lie, and wires and rails that come and go.
+
+use super::*;
+
+#[test]
+fn a_cart_s_sensor_that_reads_less_does_not_make_the_loop_drive_harder() {
+    // Row 1: with 0.64 it was 130 N, and no fault.
+    for times in [0.64, 0.8, 0.4] {
+        let truth = truth(40.0, &(start() + &gain(25.0, "cart", times)));
+        assert_eq!(faults(&truth), [Fault::SensorOutOfFamily], "{times}");
+        assert!(truth.faults[0].1 < 27.0, "{:?}", truth.faults);
+        assert!(truth.force_n < 110.0 && truth.cart_mm < 1.1);
+    }
+    // A step of 0.85 trips.
+    let twin = truth(40.0, &(start() + &gain(25.0, "cart", 0.89)));
+    assert_eq!(faults(&twin), []);
+    assert!(twin.force_n < 115.0);
+}
+
+#[test]
+fn sensors_of_reversed_polarity_are_found() {
+    // Row 6: both were held without a fault.
+    for sensor in ["hammer", "cart", "force"] {
+        let truth = truth(30.0, &(start() + &gain(0.1, sensor, -1.0)));
+        assert_eq!(faults(&truth), [Fault::SensorOutOfFamily], "{sensor}");
+        assert!(truth.faults[0].1 < 12.0, "{:?}", truth.faults);
+    }
+}
+
+#[test]
+fn gains_of_force_and_hammer_that_are_far_off_are_found_and_moderate_ones_are_not() {
+    for (sensor, times, found) in [
+        ("force", 0.6, true),
+        ("force", 1.6, true),
+        ("hammer", 0.5, true),
+        ("hammer", 1.6, true),
+        ("force", 0.79, false),
+        ("force", 1.25, false),
+    ] {
+        let truth = truth(40.0, &(start() + &gain(20.0, sensor, times)));
+        let expected = if found {
+            vec![Fault::SensorOutOfFamily]
+        } else {
+            vec![]
+        };
+        assert_eq!(faults(&truth), expected, "{sensor} {times}");
+    }
+}
+
+#[test]
+fn two_sensors_that_lie_alike_are_found() {
+    // Row 7, and what the impulse alone does not show.
+    for (pair, times, found) in [
+        (["force", "hammer"], 0.5, true),
+        (["force", "hammer"], 0.75, true),
+        (["force", "hammer"], 1.35, true),
+        (["hammer", "cart"], 0.5, true),
+        (["force", "cart"], 0.75, true),
+        (["force", "hammer"], 0.88, false),
+        (["force", "hammer"], 1.15, false),
+    ] {
+        let lies = pair.map(|sensor| gain(0.1, sensor, times)).concat();
+        let truth = truth(40.0, &(start() + &lies));
+        let expected = if found {
+            vec![Fault::SensorOutOfFamily]
+        } else {
+            vec![]
+        };
+        assert_eq!(faults(&truth), expected, "{pair:?} {times}");
+        assert!(truth.force_n < 1.1 * 120.0 && truth.cart_mm < 1.1 * 1.335);
+    }
+}
+
+#[test]
+fn sensors_that_are_off_by_five_percent_trip_nothing() {
+    // Either sign for each sensor, every rig, gaps to 1 mm, natural frequencies 8 % off, 2 % noise.
+    let rigs = ["wires", "beam-170", "beam-150", "beam-135"];
+    let cases: Vec<(usize, u32)> = (0..4)
+        .flat_map(|rig| (0..8).map(move |k| (rig, k)))
+        .collect();
+    let wrong: Vec<String> = cases
+        .par_iter()
+        .filter_map(|&(rig, k)| {
+            let sign = |bit: u32| if k >> bit & 1 == 1 { 5.0 } else { -5.0 };
+            let text = format!(
+                "duration_s = 60.0\nseed = {k}\n[true_rig]\npreset = \"{}\"\ngap_mm = {:?}\nnatural_frequency_percent = {:?}\n[sensors]\nnoise_percent = 2.0\nforce_gain_percent = {:?}\nhammer_gain_percent = {:?}\ncart_gain_percent = {:?}\n{}",
+                rigs[rig],
+                f64::from(k % 3) * 0.5,
+                f64::from(k % 5) * 4.0 - 8.0,
+                sign(0),
+                sign(1),
+                sign(2),
+                start()
+            );
+            let scenario = parse("honest", &text, "honest").unwrap();
+            let mut truth = Truth::default();
+            run(&scenario, &mut Local::new(&scenario.settings).unwrap(), &mut truth).unwrap();
+            (!truth.faults.is_empty()).then(|| format!("{} {k}: {:?}", rigs[rig], truth.faults))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn a_zero_of_the_force_that_drifts_is_found_before_it_matters() {
+    for n_per_s in [-1.0, 1.0] {
+        let drift = lie(
+            20.0,
+            "force",
+            &format!("fault = \"offset-drift\"\ndrift_n_per_s = {n_per_s:?}"),
+        );
+        let found = truth(60.0, &(start() + &drift));
+        assert_eq!(faults(&found), [Fault::SensorOutOfFamily]);
+        // 12 N trip.
+        assert!(
+            (30.0..36.0).contains(&found.faults[0].1),
+            "{:?}",
+            found.faults
+        );
+    }
+    let twin = lie(20.0, "force", "fault = \"offset\"\noffset_n = -3.0");
+    assert_eq!(faults(&truth(40.0, &(start() + &twin))), []);
+}
+
+#[test]
+fn wires_and_rails_that_come_and_go_are_found() {
+    // Rows 14 and 18.
+    let comes_and_goes = |ticks: u32, of: u32, at: &str| {
+        format!("fault = \"intermittent\"\nticks = {ticks}\nof = {of}\nat = \"{at}\"")
+    };
+    for (sensor, ticks, of, at, fault) in [
+        ("cart", 2, 3, "open", Fault::SensorOpen),
+        ("force", 2, 9, "open", Fault::SensorOpen),
+        ("force", 19, 20, "low", Fault::SensorSaturated),
+    ] {
+        let truth = truth(
+            25.0,
+            &(start() + &lie(20.0, sensor, &comes_and_goes(ticks, of, at))),
+        );
+        assert_eq!(truth.faults[0].0, fault, "{sensor} {ticks} {of}");
+        assert!(truth.faults[0].1 < 20.01, "{:?}", truth.faults);
+    }
+    let twin = lie(20.0, "cart", &comes_and_goes(1, 5, "open"));
+    assert_eq!(faults(&truth(25.0, &(start() + &twin))), []);
+}
+
+#[test]
+fn a_dead_force_sensor_is_found_by_hand_as_well() {
+    // Row 5: 130 N for ever.
+    let dead = |times: f64| by_hand() + &set_point(4.0, 3.66, 0.89) + &gain(20.0, "force", times);
+    let found = truth(40.0, &dead(0.0));
+    assert_eq!(faults(&found), [Fault::NoContact]);
+    assert!(found.faults[0].1 < 26.0, "{:?}", found.faults);
+    assert_eq!(faults(&truth(40.0, &dead(1.0))), []);
+}

@@ -1,0 +1,145 @@
+//! Limits at set-points by hand, on the way there, with a dead sensor, and of a surface that rings.
+
+use super::*;
+
+#[test]
+fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
+    for (limit_n, on_the_way) in [(40.0, (2.2, 4.5)), (60.0, (2.3, 3.7))] {
+        let limits = format!("[limits]\nforce_n = {limit_n:?}\n");
+        let (from_hz, to_hz) = on_the_way;
+        let far = by_hand() + &set_point(4.0, from_hz, 0.89) + &set_point(20.0, to_hz, 0.89);
+        let truth = truth(60.0, &(limits + &far));
+        assert_eq!(faults(&truth), []);
+        assert!(
+            truth.force_n < 1.05 * limit_n,
+            "{limit_n}: {:.0?}",
+            truth.forces_n
+        );
+        assert!(truth.limits.contains(ActiveLimits::FORCE));
+    }
+}
+
+/// A first set-point comes before there is a forecast.
+#[test]
+fn the_force_limit_holds_at_a_first_set_point_by_hand() {
+    // 36, 47, 57 and 68 N of the limits.
+    [(30.0, 4.6), (40.0, 4.5), (50.0, 4.4), (60.0, 4.0)]
+        .par_iter()
+        .for_each(|&(limit_n, hz)| {
+            let limits = format!("[limits]\nforce_n = {limit_n:?}\n");
+            let truth = truth(60.0, &(limits + &by_hand() + &set_point(4.0, hz, 0.89)));
+            assert_eq!(faults(&truth), []);
+            let largest = truth.force_n / limit_n;
+            assert!(largest < 1.05, "{limit_n} {hz}: {:.0?}", truth.forces_n);
+            assert!(truth.limits.contains(ActiveLimits::FORCE));
+        });
+}
+
+/// What the limit took is not given back to a force sensor that shows nothing, or a seventh of the truth.
+#[test]
+fn a_limit_that_acts_holds_when_the_force_sensor_dies() {
+    let cases = [
+        ("wires", 29.0),
+        ("wires", 45.0),
+        ("beam-170", 75.0),
+        ("beam-135", 120.0),
+    ];
+    let each = cases
+        .iter()
+        .flat_map(|case| [0.0, 0.15].map(|times| (case, times)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|&(&(rig, limit_n), times)| {
+        let trip_n = 1.5 * limit_n;
+        let limits = format!("[limits]\nforce_n = {limit_n:?}\n[trips]\nforce_n = {trip_n:?}\n");
+        let truth = truth_of(
+            rig,
+            60.0,
+            &(limits + &start() + &gain(20.0, "force", times)),
+        );
+        let later = truth
+            .forces_n
+            .iter()
+            .skip(19)
+            .fold(0.0_f64, |m, n| m.max(*n));
+        println!(
+            "{rig} {limit_n} x{times}: {later:.1} N, {:.0?} {:?}",
+            truth.forces_n, truth.faults
+        );
+        assert!(
+            later < 1.1 * limit_n,
+            "{rig} {limit_n} {times}: {later} {:.0?}",
+            truth.forces_n
+        );
+    });
+}
+
+#[test]
+fn the_force_limit_holds_while_the_set_point_never_rests() {
+    // Row 16: 87 N for 35 s.
+    let mut tables = "[limits]\nforce_n = 50.0\n".to_owned() + &by_hand();
+    for k in 0..64 {
+        let hz = if k % 2 == 0 { 3.3 } else { 3.9 };
+        tables += &set_point(4.0 + 0.5 * f64::from(k), hz, 0.89);
+    }
+    let truth = truth(36.0, &tables);
+    assert_eq!(faults(&truth), []);
+    let seconds: Vec<_> = truth.forces_n.iter().filter(|n| **n > 55.0).collect();
+    assert!(seconds.len() <= 3, "{:.0?}", truth.forces_n);
+}
+
+#[test]
+fn a_shaker_with_a_resonance_at_the_entry_is_met_without_a_trip() {
+    // Row 9: over-travel within a second.
+    for (loop_hz, ratio) in [(3.7, 0.1), (3.7, 0.05), (4.0, 0.1), (3.5, 0.2)] {
+        let shaker = format!(
+            "[shaker]\nloop_hz = {loop_hz:?}\nloop_damping_ratio = {ratio:?}\nfeed_forward = 0.0\n"
+        );
+        let truth = truth(30.0, &(shaker + &start()));
+        assert_eq!(faults(&truth), [], "{loop_hz} {ratio}");
+        assert!(truth.cart_mm < 1.9, "{loop_hz} {ratio}");
+    }
+}
+
+#[test]
+fn limit_and_force_wanted_are_of_the_true_peak_whatever_the_surface_rings_like() {
+    // The largest sample alone made 174 N of a limit of 150 N and 68 N of 60 N wanted, with ringing of 10 to 30 %.
+    let rigs = [("wires", 70.0), ("beam-135", 260.0)];
+    let ringing = [
+        (1.0, 30.0),
+        (3.0, 20.0),
+        (3.0, 55.0),
+        (5.0, 12.0),
+        (6.0, 40.0),
+    ];
+    let cases = rigs
+        .iter()
+        .flat_map(|rig| ringing.map(|ringing| (*rig, ringing)));
+    let cases: Vec<_> = cases.collect();
+    cases
+        .par_iter()
+        .for_each(|((rig, force_n), (khz, percent))| {
+            let sensors = format!(
+                "ringing_hz = {:?}\nringing_percent = {percent:?}\n",
+                1e3 * khz
+            );
+            let asked = [
+                format!(
+                    "[limits]\nforce_n = {force_n:?}\n[trips]\nforce_n = {:?}\n",
+                    1.1 * force_n
+                ),
+                format!("[aim]\nforce_n = {force_n:?}\n"),
+            ];
+            for (asked, (least, most)) in asked.iter().zip([(0.96, 1.01), (0.98, 1.025)]) {
+                let truth = truth_of(rig, 60.0, &format!("{sensors}{asked}{}", start()));
+                assert_eq!((faults(&truth), truth.end), (vec![], State::Hold));
+                let last = &truth.forces_n[40..];
+                let mean = last.iter().sum::<f64>() / last.len() as f64 / force_n;
+                let largest = truth.force_n / force_n;
+                println!("{rig} {khz} kHz {percent} % {asked}: {mean} {largest}");
+                assert!(
+                    mean > least && largest < most,
+                    "{rig} {khz} {percent} {asked}: {mean} {largest}"
+                );
+            }
+        });
+}

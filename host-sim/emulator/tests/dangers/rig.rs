@@ -1,0 +1,113 @@
+//! A drive that does not obey, and a surface or a rig that moves.
+
+use super::*;
+
+/// Stopped at any instant at speed, a cart that obeys coasts to rest: the emergency stop is the only fault.
+#[test]
+fn a_drive_that_obeys_is_not_told_to_run_on() {
+    let each = RIGS.iter().flat_map(|rig| (0..8).map(move |k| (rig, k)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, k)| {
+        let at_s = 13.0 + 0.053 * f64::from(*k);
+        let stop = event(at_s, "kind = \"emergency-stop\"\nfor_s = 0.1");
+        let truth = truth_of(rig, at_s + 4.0, &format!("{}{stop}", start()));
+        assert_eq!(faults(&truth), [Fault::EmergencyStop], "{rig} {at_s}");
+        assert!(truth.hold_s.is_some(), "{rig}");
+    });
+}
+
+/// One that runs on is found within 1.2 s.
+#[test]
+fn a_drive_that_runs_on_is_found_soon() {
+    RIGS.par_iter().for_each(|rig| {
+        let stuck = event(13.0, "kind = \"stuck-drive\"");
+        let stop = event(13.0003, "kind = \"emergency-stop\"\nfor_s = 0.1");
+        let truth = truth_of(rig, 16.0, &format!("{}{stuck}{stop}", start()));
+        let found = truth
+            .faults
+            .iter()
+            .find(|(fault, _)| *fault == Fault::NotOff);
+        let after_s = found.expect("not-off").1 - 13.0;
+        assert!(after_s < 1.2, "{rig}: {after_s}");
+    });
+}
+
+/// It is not forgotten by a reset, whatever the reset calls itself: cleared by hand and started while the cart still runs on, nothing
+/// drives.
+#[test]
+fn a_drive_that_runs_on_starts_nothing_after_a_reset() {
+    let causes = ["while-driving", "watchdog", "power-on"];
+    let each = RIGS
+        .iter()
+        .flat_map(|rig| causes.map(|cause| (*rig, cause)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, cause)| {
+        let mut tables = start()
+            + &event(13.0, "kind = \"stuck-drive\"")
+            + &event(13.0003, "kind = \"emergency-stop\"\nfor_s = 0.1")
+            + &event(15.0, &format!("kind = \"reset\"\ncause = \"{cause}\""));
+        for k in 0..20 {
+            let at_s = 15.05 + 0.25 * f64::from(k);
+            tables += &event(at_s, "kind = \"clear-fault\"");
+            tables += &event(at_s + 0.01, "kind = \"start\"");
+        }
+        let truth = truth_of(rig, 21.0, &tables);
+        assert!(truth.last_on_s < 13.1, "{rig} {cause}: {truth:?}");
+        assert_eq!(truth.end, State::Fault, "{rig} {cause}");
+        assert!(faults(&truth).contains(&Fault::NotOff), "{rig} {cause}");
+    });
+}
+
+/// Receding is what drilling is: at any rate and as far as the hammer strikes, the surface is followed.
+#[test]
+fn a_surface_that_recedes_is_followed() {
+    let ways = [(0.02, 3.0), (0.07, 2.2), (0.1, 3.0)];
+    let each = RIGS.iter().flat_map(|rig| ways.map(|way| (rig, way)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, (mm_per_s, far_mm))| {
+        let recede = event(
+            15.0,
+            &format!("kind = \"recede\"\nmm_per_s = {mm_per_s:?}\nup_to_mm = {far_mm:?}"),
+        );
+        let end_s = 15.0 + far_mm / mm_per_s + 30.0;
+        let truth = truth_of(rig, end_s, &(start() + &recede));
+        assert_eq!(faults(&truth), [], "{rig} {mm_per_s} {far_mm}");
+        assert_eq!(truth.end, State::Hold, "{rig} {mm_per_s} {far_mm}");
+    });
+}
+
+/// A rig that tilts moves the hammer's rest position and not the surface: on the wires by 1.96 mm, here at 98 µm/s.
+#[test]
+fn a_rig_that_tilts_is_followed() {
+    [1.5, -1.5].par_iter().for_each(|degrees| {
+        let tilt = event(
+            15.0,
+            &format!("kind = \"tilt\"\ndegrees = {degrees:?}\nover_s = 20.0"),
+        );
+        let truth = truth_of("wires", 65.0, &(start() + &tilt));
+        assert_eq!(faults(&truth), [], "{degrees}");
+        assert_eq!(truth.end, State::Hold, "{degrees}");
+    });
+}
+
+/// Between two runs the tool is fed back to where the settings have the surface, half the way, or not at all.
+#[test]
+fn after_a_surface_that_receded_the_next_start_finds_it_wherever_it_is() {
+    let each = RIGS
+        .iter()
+        .flat_map(|rig| [1.7, 0.9, 0.0].map(|back_mm| (rig, back_mm)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, back_mm)| {
+        let mut tables = start();
+        tables += &event(15.0, "kind = \"drift\"\ngap_offset_mm = 1.7\nover_s = 34.0");
+        tables += &event(60.0, "kind = \"stop\"");
+        if *back_mm > 0.0 {
+            let feed = format!("kind = \"drift\"\ngap_offset_mm = -{back_mm:?}\nover_s = 1.0");
+            tables += &event(63.0, &feed);
+        }
+        tables += &event(66.0, "kind = \"start\"");
+        let truth = truth_of(rig, 110.0, &tables);
+        assert_eq!(faults(&truth), [], "{rig} {back_mm}");
+        assert_eq!(truth.end, State::Hold, "{rig} {back_mm}");
+    });
+}
