@@ -137,9 +137,9 @@ impl Controller {
     pub(super) fn go_by_the_worse(&mut self) {
         let doubt = self.doubt();
         let rest = (self.sense.force_zero_n(), self.sense.rest_relative_m());
-        let peak_over_reading = self.sense.ringing().peak_over_reading();
+        let peak_over_two = self.sense.ringing().peak_over_two();
         self.guard
-            .set_levels(&self.settings.trips, &doubt, peak_over_reading, rest);
+            .set_levels(&self.settings.trips, &doubt, peak_over_two, rest);
         self.trim.set_limits(&self.settings.limits, &doubt);
     }
 

@@ -93,6 +93,8 @@ pub struct Ringing {
     contacts: u8,
     read: Contact,
     found: Contact,
+    /// Mean of the largest force that two samples in a row of such a contact reach, N.
+    two_n: f32,
     /// The contact under way as it is read, and without ringing, once known.
     reading: Contact,
     own: Option<Contact>,
@@ -129,6 +131,7 @@ impl Ringing {
             contacts: 0,
             read: Contact::NONE,
             found: Contact::NONE,
+            two_n: 0.0,
             reading: Contact::NONE,
             own: None,
             open: false,
@@ -148,6 +151,11 @@ impl Ringing {
     /// True peak over the largest sample, mean of the last contacts; 1 while nothing is known.
     pub fn peak_over_reading(&self) -> f32 {
         ratio(self.found.peak_n, self.read.peak_n)
+    }
+
+    /// True peak over the largest force that two samples in a row reach, mean of the last contacts; 1 while nothing is known.
+    pub fn peak_over_two(&self) -> f32 {
+        ratio(self.found.peak_n, self.two_n)
     }
 
     /// How many times what it seems to be the peak may still be.
@@ -232,6 +240,10 @@ impl Ringing {
             sum_n: samples.iter().take(length).sum(),
         };
         let read = measure(&self.samples);
+        let pairs = self.samples.windows(2).take(length - 1);
+        let two_n = pairs.fold(0.0, |most: f32, pair| {
+            most.max(pair.iter().copied().fold(f32::INFINITY, f32::min))
+        });
         for (lag, sum) in (1..).zip(&mut self.correlation) {
             let products = tail().take(TAIL - LAGS).zip(tail().skip(lag));
             let new: f32 = products.map(|(a, b)| a * b).sum();
@@ -256,6 +268,7 @@ impl Ringing {
             mean.peak_n += weight * (new.peak_n - mean.peak_n);
             mean.sum_n += weight * (new.sum_n - mean.sum_n);
         }
+        self.two_n += weight * (two_n - self.two_n);
     }
 }
 
