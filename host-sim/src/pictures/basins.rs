@@ -41,6 +41,7 @@ fn styles(basins: &Basins) -> Vec<(String, Color)> {
         let own = match attractor.name.kind {
             Kind::Failed => Some(Color::PAPER),
             Kind::NoImpact => Some(STILL),
+            Kind::Unsettled => Some(regime_color("unsettled")),
             Kind::Aperiodic => Some(regime_color("aperiodic")),
             Kind::Chatter { .. } => Some(regime_color("chatter")),
             Kind::Periodic { impacts, periods } => {

@@ -20,6 +20,8 @@ pub enum Kind {
     Failed,
     /// No contact.
     NoImpact,
+    /// None yet: nothing repeats, and the motion still changes.
+    Unsettled,
     /// Nothing repeats, whatever the number of contacts and whether or not there was chatter.
     Aperiodic,
     /// z = p/n with chatter.
@@ -52,7 +54,7 @@ impl From<Regime> for Kind {
     }
 }
 
-/// What an attractor is called: "p/n", "chatter p/n", "no impact" or "aperiodic", with a letter if several are of one kind.
+/// What an attractor is called: "p/n", "chatter p/n", "no impact", "aperiodic" or "unsettled", with a letter if several are of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name {
     /// The kind of motion.
@@ -66,6 +68,7 @@ impl fmt::Display for Kind {
         match self {
             Self::Failed => f.write_str("failed"),
             Self::NoImpact => f.write_str("no impact"),
+            Self::Unsettled => f.write_str("unsettled"),
             Self::Aperiodic => f.write_str("aperiodic"),
             Self::Chatter { impacts, periods } => write!(f, "chatter {impacts}/{periods}"),
             Self::Periodic { impacts, periods } => write!(f, "{impacts}/{periods}"),
@@ -110,10 +113,10 @@ pub struct Attractor {
 pub fn tell_apart(fates: &[Fate]) -> (Vec<Attractor>, Vec<u16>) {
     let mut by_kind: Vec<(Kind, Vec<usize>)> = Vec::new();
     for (i, fate) in fates.iter().enumerate() {
-        let kind = if fate.failed {
-            Kind::Failed
-        } else {
-            Kind::from(fate.regime)
+        let kind = match Kind::from(fate.regime) {
+            _ if fate.failed => Kind::Failed,
+            _ if fate.unsettled => Kind::Unsettled,
+            kind => kind,
         };
         match by_kind.iter_mut().find(|(other, _)| *other == kind) {
             Some((_, members)) => members.push(i),
@@ -215,6 +218,7 @@ mod tests {
             settled_after: middle.map(|_| 10),
             last_contact: None,
             uncertain: false,
+            unsettled: false,
             failed: false,
         }
     }
@@ -236,6 +240,18 @@ mod tests {
         assert_eq!(names, [("1/1 a".into(), 3), ("1/1 b".into(), 1)]);
         assert_eq!(which, [0, 1, 0, 0]);
         assert_eq!(tell_apart(&fates[2..]).0[0].name.to_string(), "1/1");
+    }
+
+    #[test]
+    fn what_still_changes_is_not_aperiodic() {
+        let changes = |unsettled| Fate {
+            unsettled,
+            ..fate(Regime::Aperiodic { impacts: 3 }, None)
+        };
+        let (attractors, which) = tell_apart(&[changes(false), changes(true), changes(true)]);
+        let names: Vec<_> = attractors.iter().map(|a| a.name.to_string()).collect();
+        assert_eq!(names, ["unsettled", "aperiodic"]);
+        assert_eq!(which, [1, 0, 0]);
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub struct CellRow {
     pub phase_turns: f64,
     /// Whether it has a contact in the recorded cycles.
     pub impact: bool,
-    /// "p/n", "none", "aperiodic", "chatter" or "failed".
+    /// "p/n", "none", "aperiodic", "chatter", "unsettled" or "failed".
     pub regime: Outcome,
     /// p; none if the run failed.
     pub impacts: Option<u16>,
@@ -48,10 +48,7 @@ pub fn rows(basins: &Basins) -> Vec<CellRow> {
             velocity_m_per_s: fate.start[1],
             phase_turns: basins.query.phase,
             impact: fate.impacts(),
-            regime: match fate.failed {
-                true => Outcome::Failed,
-                false => Outcome::Regime(fate.regime),
-            },
+            regime: Outcome::new(fate.regime, fate.unsettled, fate.failed),
             impacts: (!fate.failed).then(|| fate.regime.impacts()),
             periods: fate.regime.periods(),
             attractor: basins.attractors[usize::from(*which)].name,

@@ -109,6 +109,8 @@ pub struct Fate {
     pub last_contact: Option<u32>,
     /// Whether the fast engine handed the cell to the reference.
     pub uncertain: bool,
+    /// Whether nothing repeats and the motion still changes at the end.
+    pub unsettled: bool,
     /// Whether the hammer could not be followed: nothing else is then known.
     pub failed: bool,
 }
@@ -133,6 +135,7 @@ impl Fate {
             settled_after: outcome.settled_after,
             last_contact: outcome.last_contact,
             uncertain: outcome.uncertain,
+            unsettled: outcome.unsettled && periods.is_none(),
             failed: false,
         }
     }
@@ -146,6 +149,7 @@ impl Fate {
             settled_after: None,
             last_contact: None,
             uncertain: false,
+            unsettled: false,
             failed: true,
         }
     }
