@@ -93,8 +93,8 @@ pub struct Ringing {
     contacts: u8,
     read: Contact,
     found: Contact,
-    /// Mean of the largest force that two samples in a row of such a contact reach, N.
-    two_n: f32,
+    /// The most that two samples in a row of such a contact reach of its true peak.
+    two_share: f32,
     /// The contact under way as it is read, and without ringing, once known.
     reading: Contact,
     own: Option<Contact>,
@@ -131,7 +131,7 @@ impl Ringing {
             contacts: 0,
             read: Contact::NONE,
             found: Contact::NONE,
-            two_n: 0.0,
+            two_share: 0.0,
             reading: Contact::NONE,
             own: None,
             open: false,
@@ -153,9 +153,9 @@ impl Ringing {
         ratio(self.found.peak_n, self.read.peak_n)
     }
 
-    /// True peak over the largest force that two samples in a row reach, mean of the last contacts; 1 while nothing is known.
+    /// True peak over what two samples in a row reach in the last contacts, at most; 1 while nothing is known.
     pub fn peak_over_two(&self) -> f32 {
-        ratio(self.found.peak_n, self.two_n)
+        ratio(1.0, self.two_share)
     }
 
     /// How many times what it seems to be the peak may still be.
@@ -268,7 +268,8 @@ impl Ringing {
             mean.peak_n += weight * (new.peak_n - mean.peak_n);
             mean.sum_n += weight * (new.sum_n - mean.sum_n);
         }
-        self.two_n += weight * (two_n - self.two_n);
+        let share = two_n / found.peak_n;
+        self.two_share = share.max(self.two_share + weight * (share - self.two_share));
     }
 }
 

@@ -84,8 +84,11 @@ impl Momentum {
 
     /// A contact has ended; the ratio of the sums if it trips.
     pub fn pulse(&mut self, pulse: &Pulse) -> Option<f32> {
-        // The next contact came before the speed after this one was known.
-        let weak = pulse.approach_m_per_s < self.weak_m_per_s && pulse.approach_m_per_s > 0.0;
+        // Weak by both sensors: a hammer's that is dead makes hard contacts slow. A surface gives back less than all speed.
+        let weak = pulse.approach_m_per_s < self.weak_m_per_s
+            && pulse.approach_m_per_s > 0.0
+            && pulse.impulse_n_s < 2.0 * self.mass_kg * self.weak_m_per_s;
+        // Without a speed after it, the next contact came before that was known.
         if pulse.rebound_m_per_s == 0.0 || weak {
             return None;
         }
