@@ -11,6 +11,13 @@ use crate::support::{finish, wait};
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_nothing() {
+    for signal in ["-INT", "-QUIT"] {
+        interrupted(signal);
+    }
+}
+
+#[cfg(unix)]
+fn interrupted(signal: &str) {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
@@ -28,7 +35,7 @@ fn an_interrupted_run_leaves_nothing() {
         std::thread::sleep(Duration::from_millis(20));
     }
     let mut interrupt = Command::new("kill");
-    interrupt.args(["-INT", &child.id().to_string()]);
+    interrupt.args([signal, &child.id().to_string()]);
     assert_eq!(finish(interrupt).code, Some(0));
     assert_eq!(wait(child).code(), Some(130));
     assert_eq!(folder.names(), ["long.toml"]);

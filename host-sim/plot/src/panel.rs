@@ -220,7 +220,11 @@ fn ticks(axis: &Axis, (lo, hi): (f64, f64), most: usize) -> Ticks {
     if axis.log {
         Ticks::logarithmic(lo, hi, most)
     } else {
-        let wholes = if axis.whole { (hi - lo) as usize } else { most };
+        let wholes = if axis.whole {
+            (hi - lo).ceil() as usize
+        } else {
+            most
+        };
         Ticks::new(lo, hi, most.min(wholes))
     }
 }
@@ -235,4 +239,17 @@ fn widest(ticks: &Ticks) -> f64 {
 /// About how many labels of `each` px fit on `length` px.
 fn tick_count(length: f64, each: f64) -> usize {
     ((length / each) as usize).clamp(2, 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The axis ends a little beyond its data.
+    #[test]
+    fn an_axis_that_counts_writes_every_whole_number() {
+        let axis = Axis::new("bending modes").whole();
+        assert_eq!(ticks(&axis, (0.92, 3.08), 10).values, [1.0, 2.0, 3.0]);
+        assert_eq!(ticks(&axis, (1.0, 3.0), 10).values, [1.0, 2.0, 3.0]);
+    }
 }

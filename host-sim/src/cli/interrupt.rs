@@ -1,4 +1,4 @@
-//! What an interrupt (Ctrl-C, SIGTERM, SIGHUP) does: it ends the program at once with code 130 and leaves no half
+//! What an interrupt (Ctrl-C, SIGQUIT, SIGTERM, SIGHUP) does: it ends the program at once with code 130 and leaves no half
 //! files. A command that has something to finish first asks for it with [`finish_first`].
 
 use std::sync::Mutex;
@@ -19,17 +19,23 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Catches interrupts from now on.
 pub fn install() {
     // Without a handler an interrupt still ends the program, only with no clearing up.
-    let _ = ctrlc::set_handler(|| {
-        if FINISHES.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
-            return;
-        }
-        if let Ok(words) = PARTING.lock()
-            && let Some(words) = words.as_deref()
-        {
-            say(words);
-        }
-        files::write::end(CODE)
-    });
+    let _ = ctrlc::set_handler(came);
+    #[cfg(unix)]
+    if let Ok(mut quits) = signal_hook::iterator::Signals::new([signal_hook::consts::SIGQUIT]) {
+        std::thread::spawn(move || quits.forever().for_each(|_| came()));
+    }
+}
+
+fn came() {
+    if FINISHES.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
+        return;
+    }
+    if let Ok(words) = PARTING.lock()
+        && let Some(words) = words.as_deref()
+    {
+        say(words);
+    }
+    files::write::end(CODE)
 }
 
 /// Has the program say `words` if it is interrupted.

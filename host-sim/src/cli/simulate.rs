@@ -122,6 +122,7 @@ fn last_contact(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
     let margin_ms = 0.1 * contact.duration_ms;
     let mut points = vec![(-margin_ms, 0.0), (0.0, 0.0)];
     points.extend(inside);
+    points.push((contact.duration_ms, 0.0));
     points.push((contact.duration_ms + margin_ms, 0.0));
     Some(points)
 }

@@ -1,6 +1,6 @@
 //! Simulation (blue) and measurement (red) in the same panels, as the chapter draws them.
 
-use numerics::compare::{Comparison, Frame, Row};
+use numerics::compare::{At, Comparison, Frame, Row};
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Drive periods shown.
@@ -27,7 +27,9 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
             Frame::Fixed => "displacement, mm",
             Frame::Relative => "displacement relative to the cart, mm",
         };
-        let model = shown.iter().map(|r| (at(r), r.simulated_displacement_mm));
+        let model = modelled(comparison, &shown, frame, |s, at| {
+            (s - begin, at.displacement_mm)
+        });
         figure = figure.panel(
             Panel::new(time(), Axis::new(label))
                 .titled("Displacement")
@@ -36,12 +38,12 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
                     Color::RED,
                     measured(&shown, |r| Some((at(r), r.measured_displacement_mm?))),
                 ))
-                .item(Item::dashed("simulation", Color::BLUE, model.collect())),
+                .item(Item::dashed("simulation", Color::BLUE, model)),
         );
         figure = figure.panel(plane(comparison, &shown, label, frame));
     }
     if shown.iter().any(|r| r.measured_force_n.is_some()) {
-        let model = shown.iter().map(|r| (at(r), r.simulated_force_n));
+        let model = modelled(comparison, &shown, frame, |s, at| (s - begin, at.force_n));
         let force = || Axis::new("contact force, N").with_zero();
         figure = figure.panel(
             Panel::new(time(), force())
@@ -51,12 +53,14 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
                     Color::RED,
                     measured(&shown, |r| Some((at(r), r.measured_force_n?))),
                 ))
-                .item(Item::dashed("simulation", Color::BLUE, model.collect())),
+                .item(Item::dashed("simulation", Color::BLUE, model)),
         );
         if let Some(near) = strongest(&comparison.rows) {
             let begin = near.first().map_or(0.0, |r| r.time_s);
             let at = |r: &Row| (r.time_s - begin) * 1e3;
-            let model = near.iter().map(|r| (at(r), r.simulated_force_n));
+            let model = modelled(comparison, &near, frame, |s, at| {
+                ((s - begin) * 1e3, at.force_n)
+            });
             let time = Axis::new(format!("time from {begin:.4} s of the record, ms"));
             figure = figure.panel(
                 Panel::new(time, force())
@@ -66,7 +70,7 @@ pub fn figure(title: String, comparison: &Comparison, frame: Frame) -> Figure {
                         Color::RED,
                         measured(&near, |r| Some((at(r), r.measured_force_n?))),
                     ))
-                    .item(Item::dashed("simulation", Color::BLUE, model.collect())),
+                    .item(Item::dashed("simulation", Color::BLUE, model)),
             );
         }
     }
@@ -99,14 +103,31 @@ fn subtitle(comparison: &Comparison) -> String {
     text
 }
 
+/// The simulation over the time of `rows`, at its own instants: `point` of each and of the record's time, s.
+fn modelled(
+    comparison: &Comparison,
+    rows: &[&Row],
+    frame: Frame,
+    point: impl Fn(f64, &At) -> (f64, f64),
+) -> Vec<(f64, f64)> {
+    let shift_s = comparison.errors.shift_s;
+    let ends = |row: Option<&&Row>| row.map_or(0.0, |row| row.time_s + shift_s);
+    let between = (ends(rows.first()), ends(rows.last()));
+    let motion = comparison.simulated.between(between, frame);
+    motion
+        .iter()
+        .map(|(time_s, at)| point(time_s - shift_s, at))
+        .collect()
+}
+
 fn measured(rows: &[&Row], f: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
     rows.iter().filter_map(|r| f(r)).collect()
 }
 
 fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> Panel {
-    let model = shown
-        .iter()
-        .map(|r| (r.simulated_displacement_mm, r.simulated_velocity_m_per_s));
+    let model = modelled(comparison, shown, frame, |_, at| {
+        (at.displacement_mm, at.velocity_m_per_s)
+    });
     Panel::new(Axis::new(label), Axis::new("velocity, m/s"))
         .titled("Phase plane; dots: drive phase 0")
         .item(Item::line(
@@ -116,7 +137,7 @@ fn plane(comparison: &Comparison, shown: &[&Row], label: &str, frame: Frame) -> 
                 Some((r.measured_displacement_mm?, r.measured_velocity_m_per_s?))
             }),
         ))
-        .item(Item::dashed("simulation", Color::BLUE, model.collect()))
+        .item(Item::dashed("simulation", Color::BLUE, model))
         .item(Item::points(
             "section, measured",
             Color::ORANGE,

@@ -129,7 +129,7 @@ fn newtons(row: &OverRow, force_ratio: Option<f64>) -> Option<f64> {
 }
 
 /// A key of rig files as the label of an axis: "contact_stiffness_n_per_m" is "contact stiffness, N/m".
-fn axis_label(key: &str) -> String {
+pub fn axis_label(key: &str) -> String {
     const UNITS: [(&str, &str); 9] = [
         ("_n_per_m3", "N/m³"),
         ("_n_s_per_m", "N·s/m"),

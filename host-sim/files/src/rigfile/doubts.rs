@@ -14,7 +14,7 @@ const SHORT_WIRE_MM: f64 = 2.0;
 /// A gap narrower than this, mm, but not 0, was probably measured in metres.
 const NARROW_GAP_MM: f64 = 5e-3;
 /// A contact softer than this, N/m, was probably measured in N/mm.
-const SOFT_CONTACT_N_PER_M: f64 = 5e4;
+const SOFT_CONTACT_N_PER_M: f64 = 5e3;
 /// Beams damped more than this were probably given in percent.
 const DAMPED: f64 = 0.2;
 

@@ -13,7 +13,7 @@ use crate::error::{Error, RecordError};
 use crate::identify::{EVERY_CONTACT, Measured, measure};
 use crate::signal::Signal;
 pub use align::pitch;
-pub use simulated::Simulated;
+pub use simulated::{At, Simulated};
 
 /// In which frame the measured displacement is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -147,6 +147,28 @@ impl Simulated {
         }
     }
 
+    /// The motion at its own instants from `from_s` to `to_s`, s, each with its instant: no contact is missed in between.
+    pub fn between(&self, (from_s, to_s): (f64, f64), frame: Frame) -> Vec<(f64, At)> {
+        let span = self.span_s();
+        let turns = (from_s / span).floor() as i64..=(to_s / span).floor() as i64;
+        let all = turns.flat_map(|turn| {
+            let samples = self.samples.iter();
+            samples.map(move |sample| (turn as f64 * span + sample.time_s, sample))
+        });
+        all.filter(|(time_s, _)| (from_s..=to_s).contains(time_s))
+            .map(|(time_s, sample)| {
+                let (displacement_mm, velocity_m_per_s) = frame.of(sample);
+                let force_n = sample.force_n;
+                let at = At {
+                    displacement_mm,
+                    velocity_m_per_s,
+                    force_n,
+                };
+                (time_s, at)
+            })
+            .collect()
+    }
+
     /// How long the force is over `threshold_n` in a contact, mean of the contacts that reach twice as much, s; none if
     /// none does.
     pub fn contact_time_s(&self, threshold_n: f64) -> Option<f64> {

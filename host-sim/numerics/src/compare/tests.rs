@@ -195,6 +195,26 @@ fn by_its_force_alone_a_record_finds_its_place() {
     }
 }
 
+/// Between two samples of a coarse record may lie a whole contact.
+#[test]
+fn a_simulation_at_its_own_instants_has_every_contact() {
+    let hz = 1.8 * 1.82;
+    let simulated = compare(&made(&WIRES, hz, 0.0, |_| 0.0), &question(Some(hz)));
+    let simulated = simulated.unwrap().simulated;
+    let period_s = 1.0 / hz;
+    for k in [-3.0, 0.0, 4.5] {
+        let between = (k * period_s, (k + 1.0) * period_s);
+        let motion = simulated.between(between, Frame::Relative);
+        assert!(motion.is_sorted_by(|a, b| a.0 <= b.0));
+        let largest = motion.iter().map(|(_, at)| at.force_n).fold(0.0, f64::max);
+        // The peak itself is between two of its samples.
+        assert!(
+            (largest / simulated.force_n - 1.0).abs() < 1e-3,
+            "{largest}"
+        );
+    }
+}
+
 /// Recorded finely where its own contacts are, and coarsely where those of another rig would be.
 #[test]
 fn the_simulated_contact_time_does_not_depend_on_the_records_instants() {

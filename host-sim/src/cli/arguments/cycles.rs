@@ -52,6 +52,14 @@ pub fn usual_recorded(cycles: u32) -> u32 {
 pub fn parse_start(text: &str) -> Result<Start, String> {
     let moving = || {
         let (displacement_mm, velocity) = text.split_once(',')?;
+        let whole = |text: &str| {
+            text.trim_start_matches('-')
+                .bytes()
+                .all(|b| b.is_ascii_digit())
+        };
+        if whole(displacement_mm) && whole(velocity) && velocity != "0" {
+            return None;
+        }
         let displacement_m = parse_finite(displacement_mm)? * 1e-3;
         Some(Start::Moving(displacement_m, parse_finite(velocity)?))
     };
@@ -59,7 +67,7 @@ pub fn parse_start(text: &str) -> Result<Start, String> {
         "rest" => Ok(Start::Rest),
         "fixed" => Ok(Start::FixedFrameRest),
         _ => moving().ok_or_else(|| {
-            "write rest, fixed (at rest in the fixed frame), or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart".to_owned()
+            "write rest, fixed (at rest in the fixed frame), or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart, with decimal points: -2.5,0.1 or 2.0,1.0".to_owned()
         }),
     }
 }
@@ -72,6 +80,8 @@ mod tests {
     fn starts_are_read() {
         assert_eq!(parse_start("rest"), Ok(Start::Rest));
         assert_eq!(parse_start("-2.5,0.1"), Ok(Start::Moving(-2.5e-3, 0.1)));
+        assert!(parse_start("-2,5").is_err(), "-2.5 mm or 5 m/s");
+        assert_eq!(parse_start("80,0"), Ok(Start::Moving(80e-3, 0.0)));
         assert!(parse_start("up").is_err() && parse_start("1,nan").is_err());
     }
 }

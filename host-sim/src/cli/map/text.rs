@@ -93,7 +93,7 @@ fn one(request: &MapRequest, map: &Map, summary: &Summary) -> String {
     }
     let _ = writeln!(
         text,
-        "settled    {}; unsettled (still changing, so that the regime is not known) {}; flagged and run again {}",
+        "periodic   {}; unsettled (still changing, so that the regime is not known) {}; flagged and run again {}",
         percent(summary.settled, summary.cells),
         percent(summary.unsettled, summary.cells),
         percent(summary.uncertain, summary.cells),

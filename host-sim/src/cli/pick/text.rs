@@ -93,10 +93,14 @@ pub fn head(a: &Answer) -> String {
         None if a.amplitude_lowered => format!("lower the stroke to {mm} mm and "),
         None => String::new(),
     };
+    let enough = enough(a);
+    let cannot = enough.as_deref().and_then(|why| why.strip_prefix("no: "));
+    let cannot = cannot.map_or(String::new(), |why| format!("; the shaker cannot: {why}"));
     format!(
-        "{}, gap {:?} mm: {stroke}run it at {} Hz ({:.*} times the natural frequency)",
+        "{}, gap {:?} mm, {}: {stroke}run it at {} Hz ({:.*} times the natural frequency){cannot}",
         a.rig,
         a.gap_mm,
+        a.cart.words(),
         Digits::of(a).run_at(a),
         Digits::of(a).ratio,
         a.frequency_ratio

@@ -6,6 +6,7 @@ use super::{Args, why_failed};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::over::Over;
 use crate::pictures::drawn;
+use crate::pictures::over::axis_label;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
 use crate::progress::Progress;
@@ -131,7 +132,11 @@ fn heading(rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
         (None, Some(ratio)) => format!(", {} times the natural frequency", significant(ratio, 5)),
         (None, None) => String::new(),
     };
-    format!("{}{gap}, {cart}{drive}: force over {}", rig.name, asked.key)
+    format!(
+        "{}{gap}, {cart}{drive}: force over {}",
+        rig.name,
+        axis_label(&asked.key)
+    )
 }
 
 fn text(output: &OutputArgs, rig: &NamedRig, asked: &Over, rows: &[OverRow<'_>]) -> String {
@@ -194,7 +199,7 @@ fn figure(rig: &NamedRig, direction: Direction, asked: &Over, rows: &[OverRow<'_
         Direction::Up => "state carried from value to value, upwards",
         Direction::Down => "state carried from value to value, downwards",
     };
-    let axis = Axis::new(asked.key.clone());
+    let axis = Axis::new(axis_label(&asked.key));
     let axis = if asked.values.log { axis.log() } else { axis };
     let curve = rows.iter().map(|r| (r.value, r.row.force_n)).collect();
     let mut panel = Panel::new(axis, Axis::new("contact force, N").with_zero())

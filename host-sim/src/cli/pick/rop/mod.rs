@@ -123,9 +123,10 @@ pub fn why(pick: &RopPick) -> String {
 fn text(pick: &RopPick) -> String {
     let (a, g) = (&pick.answer, &pick.ground);
     let mut text = format!(
-        "{}, gap {:?} mm, ground that gives way at {:?} N: run it at {} Hz ({:.2} times the natural frequency)\n{}\n\n",
+        "{}, gap {:?} mm, {}, ground that gives way at {:?} N: run it at {} Hz ({:.2} times the natural frequency)\n{}\n\n",
         a.rig,
         a.gap_mm,
+        a.cart.words(),
         g.threshold_n,
         hz(pick, a.operating_frequency_hz),
         a.frequency_ratio,
