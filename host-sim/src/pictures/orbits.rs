@@ -93,12 +93,12 @@ fn mark(special: Special) -> (Mark, Color, f64) {
     }
 }
 
-/// Colours of further branches of a regime that has one already.
+/// Colours of further branches of a regime that has one already: far from those of 1/1, 2/2 and 1/2.
 const BRANCHES: [Color; 4] = [
     Color(0x5C, 0x4B, 0x00),
-    Color(0x00, 0x8C, 0x8C),
-    Color(0xA0, 0x3C, 0x78),
-    Color(0x50, 0x50, 0xC8),
+    Color(0xC8, 0x10, 0x2E),
+    Color(0xD8, 0x5C, 0xC8),
+    Color(0x58, 0x58, 0x58),
 ];
 
 /// Displacement and force of every curve over the parameter, over the points of simulations.
