@@ -93,9 +93,7 @@ pub fn head(a: &Answer) -> String {
         None if a.amplitude_lowered => format!("lower the stroke to {mm} mm and "),
         None => String::new(),
     };
-    let enough = enough(a);
-    let cannot = enough.as_deref().and_then(|why| why.strip_prefix("no: "));
-    let cannot = cannot.map_or(String::new(), |why| format!("; the shaker cannot: {why}"));
+    let cannot = beyond(a).map_or(String::new(), |why| format!("; the shaker cannot: {why}"));
     format!(
         "{}, gap {:?} mm, {}: {stroke}run it at {} Hz ({:.*} times the natural frequency){cannot}",
         a.rig,
@@ -369,18 +367,30 @@ fn shaker(a: &Answer) -> Lines {
     lines
 }
 
-/// Whether the shaker that was asked for is strong enough, and if not, what gave way.
-fn enough(a: &Answer) -> Option<String> {
+/// The limit of the shaker that was asked for.
+fn shaker_limit(a: &Answer) -> Option<&LimitUse> {
     let told =
         |limit: &&LimitUse| of_shaker(limit) && (a.wanted_force_n.is_some() || !assumed(limit));
-    let limit = a.limits.iter().find(told)?;
+    a.limits.iter().find(told)
+}
+
+/// What the shaker would have to give, if it is more than it can.
+fn beyond(a: &Answer) -> Option<String> {
+    let most = shaker_limit(a)?.limit?;
+    let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
+    let here = Digits::of(a).other(needed);
+    is_beyond(needed, most).then(|| format!("it needs {here} N and can give {most} N"))
+}
+
+/// Whether the shaker that was asked for is strong enough, and if not, what gave way.
+fn enough(a: &Answer) -> Option<String> {
+    let limit = shaker_limit(a)?;
     let (most, digits) = (limit.limit?, Digits::of(a));
     let here = digits.other(a.shaker.loop_force_n.unwrap_or(a.shaker.force_n));
     let at_best = digits.other(a.shaker_force_at_optimum_n?);
     let best_hz = digits.hz(a.nominal_optimum_hz);
-    let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
-    Some(if is_beyond(needed, most) {
-        format!("no: it needs {here} N and can give {most} N")
+    Some(if let Some(why) = beyond(a) {
+        format!("no: {why}")
     } else if a.wanted_force_n.is_some() && assumed(limit) {
         format!(
             "it needs {here} N; {most} N are assumed, measure what yours can give (shaker_max_force_n)"
