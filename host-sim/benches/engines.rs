@@ -6,10 +6,11 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use host_sim::progress::Progress;
+use numerics::Limits;
 use numerics::NamedRig;
 use numerics::engine::{Engine, Machine, Plan, Recorder, Start, machine, observe};
 use numerics::orbit::shoot;
-use numerics::pick::{Limits, pick};
+use numerics::pick::pick;
 use shared::Real;
 use shared::model::drive::Drive;
 use shared::model::params::{RigParams, WIRES};

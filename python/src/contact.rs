@@ -1,13 +1,14 @@
 //! The contact itself: its laws, drop tests, and contact parameters from a record.
 
 use files::words::identify::Worded;
-use numerics::contact_law::{four_laws, law_name, rows};
+use numerics::contact_law::{four_laws, rows};
 use numerics::drop_test::{DropTest, record as record_of};
 use numerics::identify::{Family, Fit, Misfit, Settings, fit, free_cart_percent, measure};
 use numerics::row::tidy;
 use numerics::signal::Signal;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use shared::model::params::law_name;
 
 use crate::arguments;
 use crate::error::wrong;

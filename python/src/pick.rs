@@ -2,8 +2,9 @@
 
 use files::rigfile::WIDTHS;
 use files::words::pick::Worded;
-use numerics::pick::uncertainty::Stated;
-use numerics::pick::{Limits, Springs, pick_on, steps};
+use numerics::Limits;
+use numerics::pick::{Springs, pick_on, steps};
+use numerics::uncertainty::Stated;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

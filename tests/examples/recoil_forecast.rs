@@ -3,8 +3,9 @@
 //!
 //!     cargo run -p tests --example recoil_forecast
 
+use numerics::Limits;
 use numerics::NamedRig;
-use numerics::pick::{Limits, pick};
+use numerics::pick::pick;
 use shared::forecast::{ForecastRequest, Forecaster, Target};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{PRESETS, RigParams};

@@ -1,9 +1,10 @@
 //! The microcontroller's forecast (f32, long steps) against the reference (f64, located events).
 
+use numerics::Limits;
 use numerics::NamedRig;
 use numerics::engine::{Engine, Plan, Recorder, Start, machine, observe};
 use numerics::orbit::{Multipliers, on_course, shoot_at};
-use numerics::pick::{Answer, Limits, pick};
+use numerics::pick::{Answer, pick};
 use shared::forecast::march::ForecastModel;
 use shared::forecast::shoot::{Progress, Shoot, Solution};
 use shared::forecast::{Forecast, ForecastRequest, Forecaster, Target};

@@ -10,6 +10,7 @@ mod rest;
 
 use std::f64::consts::TAU;
 
+use numerics::root::narrowed;
 use shared::model::params::{GRAVITY_M_PER_S2, ParamError, RigParams};
 use shared::model::rig::{Kinematics, Mode, Rig};
 
@@ -389,14 +390,6 @@ impl Plant {
 /// The first place in 0 … `h` at which `beyond` holds, given that it holds at `h` and has not before; never
 /// nearer than [`SHORTEST_S`] to 0, so that every step gets on.
 fn bisect(h: f64, beyond: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, h);
-    while high - low > TIME_TOLERANCE_S {
-        let middle = 0.5 * (low + high);
-        if beyond(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high.max(SHORTEST_S.min(h))
+    let (_, first) = narrowed((0.0, h), TIME_TOLERANCE_S, beyond);
+    first.max(SHORTEST_S.min(h))
 }

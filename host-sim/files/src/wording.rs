@@ -3,12 +3,12 @@
 
 use std::ops::Range;
 
+use numerics::Limits;
 use numerics::engine::RATIOS;
 use numerics::error::{
     BasinsError, DropTestError, Error, MapError, ModesError, MotionError, PickError, RecordError,
     Side, StartError,
 };
-use numerics::pick::Limits;
 use numerics::row::tidy;
 
 use crate::UserError;

@@ -382,9 +382,9 @@ pub enum PickError {
         /// Where a stable 1/1 is, Hz.
         range_hz: (f64, f64),
         /// The limits.
-        limits: crate::pick::Limits,
+        limits: crate::limits::Limits,
         /// What those of them that cannot be kept would have to be at least.
-        feasible: Box<crate::pick::Limits>,
+        feasible: Box<crate::limits::Limits>,
     },
 }
 

@@ -31,11 +31,11 @@ pub mod engine;
 pub mod error;
 #[cfg(test)]
 mod fingerprint;
-pub mod golden;
 #[cfg(not(target_family = "wasm"))]
 pub mod identify;
 pub mod knob;
 pub mod lanes;
+pub mod limits;
 pub mod low_pass;
 pub mod lyapunov;
 pub mod map;
@@ -46,9 +46,14 @@ pub mod pick;
 pub mod poincare;
 pub mod progress;
 pub mod reference;
+
+pub mod root;
 pub mod row;
 pub mod signal;
 pub mod sweep;
+pub mod uncertainty;
 
 pub use error::Error;
-pub use row::NamedRig;
+pub use limits::Limits;
+pub use row::{CartModel, NamedRig};
+pub use uncertainty::Uncertainty;

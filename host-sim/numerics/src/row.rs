@@ -9,8 +9,36 @@ use shared::model::regime::Regime;
 
 use crate::engine::Observation;
 use crate::error::{Error, MotionError, PickError};
-use crate::pick::CartModel;
-use crate::pick::uncertainty::Stated;
+use crate::uncertainty::Stated;
+
+/// How the cart is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CartModel {
+    /// As prescribed: the chapter's model.
+    Prescribed,
+    /// By a shaker, recoiling from the contacts.
+    Recoil,
+}
+
+impl CartModel {
+    /// That of `params`.
+    pub fn of(params: &RigParams) -> Self {
+        if params.cart.recoils() {
+            Self::Recoil
+        } else {
+            Self::Prescribed
+        }
+    }
+
+    /// What a heading says of it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Prescribed => "cart prescribed",
+            Self::Recoil => "cart recoils",
+        }
+    }
+}
 
 /// A rig and its name.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,10 +13,10 @@ use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::words::compare::Worded;
 use files::UserError;
+use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::compare::{Comparison, ComparisonRequest, Errors, Frame, compare};
 use numerics::engine::Start;
-use numerics::pick::CartModel;
 use numerics::signal::Signal;
 use plot::chart::Chart;
 

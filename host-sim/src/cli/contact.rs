@@ -7,8 +7,9 @@ use crate::pictures::contact_law::{blows, grid, over_speed};
 use crate::pictures::drawn;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, law_name, rows};
+use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
 use shared::model::contact::Law;
+use shared::model::params::law_name;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Which {

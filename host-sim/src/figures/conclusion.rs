@@ -9,12 +9,13 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use files::words::pick::{jumping_at, why};
+use numerics::Limits;
 use numerics::basins::{BasinsRequest, explore};
 use numerics::branch::End;
 use numerics::engine::Engine;
-use numerics::pick::uncertainty::Uncertainty;
-use numerics::pick::{Limits, Pick, pick};
+use numerics::pick::{Pick, pick};
 use numerics::row::regime_as_text;
+use numerics::uncertainty::Uncertainty;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 

@@ -6,9 +6,9 @@ use shared::model::rig::Rig;
 use super::Effort;
 use crate::progress::Progress;
 use files::UserError;
+use numerics::CartModel;
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan, Outcome};
-use numerics::pick::CartModel;
 use numerics::row::{Row, tidy};
 use numerics::sweep::spread;
 

@@ -8,9 +8,11 @@ use crate::words::gaps::GapTable;
 use files::UserError;
 use files::rigfile;
 use files::table::to_csv;
-use numerics::pick::CartModel;
+use numerics::CartModel;
+use numerics::Limits;
+use numerics::Uncertainty;
+use numerics::pick::Springs;
 use numerics::pick::gaps::advise;
-use numerics::pick::{Limits, Springs, Uncertainty};
 
 /// The one part.
 pub const PART: Part = Part::new("gap advice", &["gap advice"], 325.0, pages);

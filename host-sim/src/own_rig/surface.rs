@@ -113,6 +113,17 @@ pub type Named = &'static Surface;
 #[derive(Clone, Copy, Debug)]
 pub struct Choice(pub Named);
 
+impl Choice {
+    /// The surface of this name, or the only one whose name has `text` in it: "rubber".
+    pub fn meant(text: &str) -> Option<Self> {
+        let text = text.to_lowercase();
+        let named = SURFACES.iter().find(|surface| surface.name == text);
+        let mut having = SURFACES.iter().filter(|s| s.name.contains(&text));
+        let only = having.next().filter(|_| having.next().is_none());
+        named.or(only).map(Self)
+    }
+}
+
 impl ValueEnum for Choice {
     fn value_variants<'a>() -> &'a [Self] {
         const ALL: [Choice; 8] = {
@@ -156,6 +167,17 @@ mod tests {
         let [low, high] = of("hard-rubber", 1.7);
         assert!((low / 1.85e4 - 1.0).abs() < 0.05, "{low}");
         assert!((high / 1.28e6 - 1.0).abs() < 0.05, "{high}");
+    }
+
+    #[test]
+    fn a_part_of_one_name_alone_means_it() {
+        let of = |text| Choice::meant(text).map(|choice| choice.0.name);
+        assert_eq!(of("Rubber"), Some("hard-rubber"));
+        assert_eq!(of("steel"), Some("steel"));
+        assert_eq!(of("hardened"), Some("hardened-steel"));
+        for unclear in ["", "r", "rope"] {
+            assert_eq!(of(unclear), None, "{unclear}");
+        }
     }
 
     /// The table of the page is what is computed, to the two digits that it has.

@@ -1,8 +1,8 @@
 //! Pictures of basins: impact / no impact in the chapter's colours, and by attractor.
 
 use crate::pictures::regimes::regime_color;
+use numerics::CartModel;
 use numerics::basins::{Basins, Fate, ImpactAfter, Kind};
-use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster};
 
 /// The chapter's colours.

@@ -1,8 +1,8 @@
 //! Pictures of bifurcation diagrams.
 
+use numerics::CartModel;
 use numerics::bifurcation::measured::Measured;
 use numerics::bifurcation::{Diagram, Kind, Point};
-use numerics::pick::CartModel;
 use numerics::sweep::Direction;
 use plot::{Axis, Color, Figure, Item, Mark, Panel};
 

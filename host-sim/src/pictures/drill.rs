@@ -1,9 +1,9 @@
 //! Pictures of drilling: rate of penetration, force and energy over frequency; progress over gap and frequency; the
 //! published oscillator's bifurcation diagram.
 
+use numerics::CartModel;
 use numerics::drill::published::DriftingRow;
 use numerics::drill::{DrillAnswer, DrillRow};
-use numerics::pick::CartModel;
 use plot::{Axis, Bar, Color, Figure, Item, Panel, Raster, Stroke, edges};
 
 /// Gaps drawn as curves at most; more are thinned out evenly.

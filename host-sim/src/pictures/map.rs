@@ -4,8 +4,8 @@ use shared::model::regime::Regime;
 
 use crate::pictures::regimes::{regime_color, regime_group, regime_raster};
 use files::words::count;
+use numerics::CartModel;
 use numerics::map::Map;
-use numerics::pick::CartModel;
 use numerics::row::Outcome;
 use plot::{Axis, Bar, Color, Figure, Item, Mark, Panel, Raster, edges};
 

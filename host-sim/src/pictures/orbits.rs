@@ -8,6 +8,7 @@ use shared::model::rig::Rig;
 
 use crate::pictures::regimes::regime_color;
 use files::UserError;
+use numerics::CartModel;
 use numerics::continuation::curves::Line;
 use numerics::continuation::family::Node;
 use numerics::continuation::table::{motion_at, names, stretches};
@@ -15,7 +16,6 @@ use numerics::continuation::{Along, Diagram, Family, Special};
 use numerics::engine::Start;
 use numerics::lanes::{self, Cell, CellPlan};
 use numerics::orbit::Stability;
-use numerics::pick::CartModel;
 use plot::{Axis, Color, Figure, Item, Mark, Panel, Stroke};
 
 /// Values of simulations at drive phase 0: (parameter, value).

@@ -3,7 +3,8 @@
 use crate::pictures::regimes::{OTHER_PERIODIC, regime_points, regime_rings};
 use files::words::digits::Digits;
 use files::words::pick::{other_cart, why};
-use numerics::pick::{CartModel, Pick};
+use numerics::CartModel;
+use numerics::pick::Pick;
 use numerics::row::{Outcome, Row};
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;

@@ -1,9 +1,9 @@
 //! Pictures of Poincaré sections.
 
 use crate::pictures::regimes::regime_color;
+use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::engine::Sample;
-use numerics::pick::CartModel;
 use numerics::poincare::against::Against;
 use numerics::poincare::{Portrait, SectionPoint, SectionRequest, TRAJECTORY_PERIODS};
 use plot::{Axis, Color, Figure, Item, Panel};

@@ -1,7 +1,7 @@
 //! The picture of a pick for the largest rate of penetration.
 
+use numerics::CartModel;
 use numerics::drill::pick::RopPick;
-use numerics::pick::CartModel;
 use plot::{Axis, Color, Figure, Item, Panel};
 
 /// Rate of the stable 1/1 over frequency, with the safe band and the choice.

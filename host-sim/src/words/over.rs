@@ -2,9 +2,10 @@
 
 use files::UserError;
 use files::words::digits::{decimals, significant};
+use numerics::CartModel;
 use numerics::Error;
 use numerics::NamedRig;
-use numerics::pick::{Answer, CartModel};
+use numerics::pick::Answer;
 use numerics::row::tidy;
 use serde::{Deserialize, Serialize};
 
@@ -244,7 +245,8 @@ fn common_band(rows: &[OverRow]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use numerics::pick::{Limits, pick};
+    use numerics::Limits;
+    use numerics::pick::pick;
     use shared::model::params::{RigParams, WIRES};
 
     fn row(value: f64, amplitude_m: f64, gap_m: f64) -> OverRow {

@@ -1,6 +1,7 @@
 //! The parameters of a rig, in SI units, and the presets of Tables 3.1 to 3.3.
 
 use core::f64::consts::TAU;
+use core::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 
@@ -173,6 +174,13 @@ pub const LAWS: [(&str, Law<f64>); 4] = [
         },
     ),
 ];
+
+/// The name of a contact law: that of its kind in [`LAWS`].
+pub fn law_name(law: &Law<f64>) -> &'static str {
+    let same = |known: &Law<f64>| discriminant(known) == discriminant(law);
+    let found = LAWS.iter().find(|(_, known)| same(known));
+    found.map_or("", |(name, _)| name)
+}
 
 /// The preset called `name`.
 pub fn preset(name: &str) -> Option<RigParams> {

@@ -1,8 +1,9 @@
 //! The recommendation.
 
 use files::words::pick::Worded;
+use numerics::Limits;
 use numerics::pick::outline::outline;
-use numerics::pick::{Answer, Limits, Springs, pick_on};
+use numerics::pick::{Answer, Springs, pick_on};
 use serde::{Deserialize, Serialize};
 
 use super::rig;

@@ -1,5 +1,6 @@
 //! Where hammer and cart rest, on a level rig and on a tilted one.
 
+use numerics::root::halved;
 use shared::model::params::{RigParams, SupportParams};
 use shared::model::rig::Rig;
 
@@ -37,15 +38,8 @@ pub(super) fn rest(rig: &Rig<f64>, shaker: &Loop, params: &RigParams, along: f64
         };
         rig.acceleration(&at, 0.0, along, force)
     };
-    let (mut low, mut high) = (rig.coordinate_at(-0.05), rig.coordinate_at(0.05));
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if pulled(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let ends = (rig.coordinate_at(-0.05), rig.coordinate_at(0.05));
+    let (low, high) = halved(ends, 200, |q| pulled(q) <= 0.0);
     state.q = 0.5 * (low + high);
     if let Loop::Force(gains) = shaker {
         let cart_n = along * (params.cart_mass_kg + params.mass_kg);

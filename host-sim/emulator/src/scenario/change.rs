@@ -7,6 +7,7 @@ use shared::model::params::RigParams;
 use super::complaint::out_of_range;
 use files::UserError;
 use numerics::pick::sensitivity::{contact_damping_ratio, restitution};
+use numerics::root::halved;
 
 /// A change of a rig: what the true one has more than its keys state, or what it drifts to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -115,17 +116,9 @@ fn set_restitution(rig: &mut RigParams, wanted: f64) {
     match &mut rig.contact {
         Law::LankaraniNikravesh { restitution, .. } => *restitution = wanted,
         Law::SpringDashpot { stiffness, damping } => {
-            // Falls with the damping ratio: by bisection.
-            let (mut low, mut high) = (1e-9, 1.0 - 1e-9);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if restitution(middle) > wanted {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            *damping = 2.0 * high * (*stiffness * rig.mass_kg).sqrt();
+            // Falls with the damping ratio.
+            let (_, ratio) = halved((1e-9, 1.0 - 1e-9), 60, |zeta| restitution(zeta) <= wanted);
+            *damping = 2.0 * ratio * (*stiffness * rig.mass_kg).sqrt();
         }
         _ => {}
     }

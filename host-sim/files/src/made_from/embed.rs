@@ -1,9 +1,9 @@
 //! Where each kind of file carries what it was made from.
 
-use super::{KEY, MadeFrom};
+use super::{KEY, MadeFrom, RigUsed};
 
 /// The bytes of the file `name` with `made`, where its kind has a place for it: JSON, SVG and PNG. (Parquet takes it
-/// when it is written, see [`pair`]; a CSV has no such place, and the JSON beside it carries it.)
+/// when it is written, see [`pair`]; a CSV has no such place, and the JSON beside it carries it, but see [`into_csv`].)
 pub fn stamped(name: &str, bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
     match name.rsplit_once('.').map(|(_, end)| end) {
         Some("json") => match String::from_utf8(bytes) {
@@ -15,6 +15,7 @@ pub fn stamped(name: &str, bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
             Err(error) => error.into_bytes(),
         },
         Some("png") => into_png(bytes, made),
+        Some("csv") => into_csv(bytes, made),
         _ => bytes,
     }
 }
@@ -72,6 +73,38 @@ pub fn into_svg(text: &str, made: &MadeFrom) -> String {
         .replace('>', "&gt;");
     let (head, tail) = text.split_at(at);
     format!("{head}<metadata id=\"{KEY}\">{json}</metadata>{tail}")
+}
+
+/// A table whose last column says how the cart is moved, where the command has `--cart` and the table does not say it
+/// yet. A table over time is a record that other programs read, and stays as it is.
+pub fn into_csv(table: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(table.as_slice());
+    let mut rows = reader.records().map_while(Result::ok);
+    let Some(header) = rows.next() else {
+        return table;
+    };
+    let has = |name: &str| header.iter().position(|column| column == name);
+    let says = has("cart").is_some() || has("time_s").is_some();
+    if says || !made.has_cart || made.rigs.is_empty() {
+        return table;
+    }
+    let named = has("rig");
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut write = |row: &csv::StringRecord, last: &str| {
+        let row = row.iter().chain([last]);
+        writer
+            .write_record(row)
+            .expect("writing to memory cannot fail");
+    };
+    write(&header, "cart");
+    for row in rows {
+        let of_row = |rig: &&RigUsed| named.and_then(|at| row.get(at)) == Some(&rig.name);
+        let rig = made.rigs.iter().find(of_row).unwrap_or(&made.rigs[0]);
+        write(&row, &rig.cart);
+    }
+    writer.into_inner().expect("writing to memory cannot fail")
 }
 
 /// A PDF with a comment before the last line but two that holds `made` as JSON.

@@ -15,7 +15,7 @@ use crate::rigfile;
 use numerics::NamedRig;
 use shared::model::cart::CartDrive;
 
-pub use embed::{into_json, into_pdf, into_png, into_svg, pair, stamped};
+pub use embed::{into_csv, into_json, into_pdf, into_png, into_svg, pair, stamped};
 pub use names::{file_name, in_name};
 pub use owner::{refuse_others, says};
 
@@ -42,6 +42,9 @@ pub struct MadeFrom {
     pub rigs: Vec<RigUsed>,
     /// The files that were read.
     pub inputs: Vec<Input>,
+    /// Whether the command has `--cart`: its tables say how the cart is moved.
+    #[serde(skip)]
+    pub has_cart: bool,
 }
 
 /// A rig as it was computed with.

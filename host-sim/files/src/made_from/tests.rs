@@ -118,3 +118,28 @@ fn an_svg_stays_well_formed() {
     assert!(with.starts_with("<svg xmlns=\"x\"><metadata id=\"made_from\">{"));
     assert!(with.contains("'a &lt;b&gt; &amp; c'") && with.ends_with("</metadata><g/></svg>\n"));
 }
+
+#[test]
+fn a_table_says_how_the_cart_is_moved_where_the_command_has_the_option() {
+    let mut asked = made();
+    let said = |table: &str, made: &MadeFrom| {
+        String::from_utf8(into_csv(table.as_bytes().to_vec(), made)).unwrap()
+    };
+    let table = "rig,gap_mm\nwires,0.0\n";
+    assert_eq!(said(table, &asked), table);
+    asked.has_cart = true;
+    assert_eq!(
+        said(table, &asked),
+        "rig,gap_mm,cart\nwires,0.0,prescribed\n"
+    );
+    for whole in ["", "cart,rig\nrecoil,wires\n", "time_s,force_n\n0.0,1.0\n"] {
+        assert_eq!(said(whole, &asked), whole);
+    }
+    // Two rigs, each with its own.
+    let mut other = asked.rigs[0].clone();
+    (other.name, other.cart) = ("mine, the second".into(), "recoil".into());
+    asked.rigs.push(other);
+    let table = "rig,gap_mm\nwires,0.0\n\"mine, the second\",1.0\n";
+    let with = "rig,gap_mm,cart\nwires,0.0,prescribed\n\"mine, the second\",1.0,recoil\n";
+    assert_eq!(said(table, &asked), with);
+}

@@ -10,7 +10,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use numerics::NamedRig;
-use numerics::pick::uncertainty::Stated;
+use numerics::uncertainty::Stated;
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::params::{PRESETS, RigParams, preset};
 use toml::Value;

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
 use shared::model::contact::Law;
-use shared::model::params::{LAWS, ParamError, RigParams, SupportParams, Torque};
+use shared::model::params::{LAWS, ParamError, RigParams, SupportParams, Torque, WIRES, law_name};
 use toml::Value;
+
+use numerics::knob::Knob;
 
 use crate::decimal::comma;
 
@@ -44,7 +46,8 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
         })?;
         if base.get("contact_law").and_then(Value::as_str) != Some(law) {
             base.retain(|key, _| !key.starts_with("contact_"));
-            law_to_table(preset, base);
+            let with = to_table(&of_contact(preset)).into_iter();
+            base.extend(with.filter(|(key, _)| key.starts_with("contact_")));
         }
     }
     // On wires, length, gravity and frequency follow from each other: what is given decides, and the length gives way first.
@@ -61,92 +64,29 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
 
 /// Every parameter of a rig.
 pub(super) fn to_table(params: &RigParams) -> Table {
-    let mut table = Table::new();
-    let mut put = |key: &str, value: f64| {
-        table.insert(key.to_owned(), Value::Float(value));
+    let numbers =
+        Knob::all().filter_map(|knob| Some((knob.name(), Value::Float(knob.of(params)?))));
+    let word = |text: &str| Value::String(text.into());
+    let support = match params.support {
+        SupportParams::Wires { .. } => "wires",
+        SupportParams::Beams { .. } => "beams",
     };
-    put("mass_kg", params.mass_kg);
-    put("cart_mass_kg", params.cart_mass_kg);
-    put("amplitude_mm", to_mm(params.amplitude_m));
-    put("gap_mm", to_mm(params.gap_m));
-    put("natural_frequency_hz", params.natural_frequency_hz());
-    match params.support {
-        SupportParams::Wires {
-            length_m,
-            gravity_m_per_s2,
-            torque,
-            ..
-        } => {
-            put("wire_length_mm", to_mm(length_m));
-            put("gravity_m_per_s2", gravity_m_per_s2);
-            let torque = match torque {
-                Torque::Literal => "literal",
-                Torque::Cosine => "cosine",
-            };
-            table.insert("torque".into(), Value::String(torque.into()));
-            table.insert("support".into(), Value::String("wires".into()));
-        }
-        SupportParams::Beams {
-            damping_ratio,
-            cubic_stiffness_n_per_m3,
-            ..
-        } => {
-            put("damping_ratio", damping_ratio);
-            if let Some(cubic) = cubic_stiffness_n_per_m3 {
-                put("cubic_stiffness_n_per_m3", cubic);
-            }
-            table.insert("support".into(), Value::String("beams".into()));
-        }
-    }
-    let mut put = |key: &str, value: f64| {
-        table.insert(key.to_owned(), Value::Float(value));
+    let torque = match params.support {
+        SupportParams::Wires { torque, .. } => Some(torque),
+        SupportParams::Beams { .. } => None,
     };
-    if let CartDrive::Loop(held) = params.cart {
-        put("shaker_loop_hz", held.frequency_hz);
-        put("shaker_damping_ratio", held.damping_ratio);
-        put("shaker_feed_forward", held.feed_forward);
-        if held.max_force_n < UNLIMITED_N {
-            put("shaker_max_force_n", held.max_force_n);
-        }
-    }
-    law_to_table(&params.contact, &mut table);
-    table
-}
-
-fn law_to_table(law: &Law<f64>, table: &mut Table) {
-    let mut put = |key: &str, value: f64| {
-        table.insert(key.to_owned(), Value::Float(value));
-    };
-    put("contact_stiffness_n_per_m", law.stiffness());
-    let name = match *law {
-        Law::SpringDashpot { damping, .. } => {
-            put("contact_damping_n_s_per_m", damping);
-            "spring-dashpot"
-        }
-        Law::Hertz { exponent, .. } => {
-            put("contact_exponent", exponent);
-            "hertz"
-        }
-        Law::HuntCrossley {
-            exponent,
-            damping_ratio,
-            ..
-        } => {
-            put("contact_exponent", exponent);
-            put("contact_damping_ratio_s_per_m", damping_ratio);
-            "hunt-crossley"
-        }
-        Law::LankaraniNikravesh {
-            exponent,
-            restitution,
-            ..
-        } => {
-            put("contact_exponent", exponent);
-            put("contact_restitution", restitution);
-            "lankarani-nikravesh"
-        }
-    };
-    table.insert("contact_law".into(), Value::String(name.into()));
+    let torque = torque.map(|torque| match torque {
+        Torque::Literal => word("literal"),
+        Torque::Cosine => word("cosine"),
+    });
+    let words = [
+        Some(("support", word(support))),
+        Some(("contact_law", word(law_name(&params.contact)))),
+        torque.map(|torque| ("torque", torque)),
+    ];
+    let words = words.into_iter().flatten();
+    let owned = |(key, value): (&str, Value)| (key.to_owned(), value);
+    numbers.chain(words).map(owned).collect()
 }
 
 /// The rig that a table with every parameter describes.
@@ -269,33 +209,27 @@ fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
 }
 
 fn law_from(table: &mut Table) -> Result<Law<f64>, NoRig> {
-    let law = text(table, "contact_law")?.to_owned();
+    let name = text(table, "contact_law")?.to_owned();
     table.remove("contact_law");
-    let stiffness = take(table, "contact_stiffness_n_per_m")?;
-    match law.as_str() {
-        "spring-dashpot" => Ok(Law::SpringDashpot {
-            stiffness,
-            damping: take(table, "contact_damping_n_s_per_m")?,
-        }),
-        "hertz" => Ok(Law::Hertz {
-            stiffness,
-            exponent: take(table, "contact_exponent")?,
-        }),
-        "hunt-crossley" => Ok(Law::HuntCrossley {
-            stiffness,
-            exponent: take(table, "contact_exponent")?,
-            damping_ratio: take(table, "contact_damping_ratio_s_per_m")?,
-        }),
-        "lankarani-nikravesh" => Ok(Law::LankaraniNikravesh {
-            stiffness,
-            exponent: take(table, "contact_exponent")?,
-            restitution: take(table, "contact_restitution")?,
-        }),
-        other => Err(NoRig::new(
-            "contact_law",
-            format!("contact_law is '{other}', which is not known"),
-        )),
+    let law = LAWS.iter().find(|(known, _)| *known == name);
+    let (_, preset) = law.ok_or_else(|| {
+        let line = format!("contact_law is '{name}', which is not known");
+        NoRig::new("contact_law", line)
+    })?;
+    let mut rig = of_contact(preset);
+    for knob in Knob::all().filter(|knob| knob.name().starts_with("contact_")) {
+        if knob.of(&rig).is_some() {
+            let value = take(table, knob.name())?;
+            rig = knob.set(&rig, value).unwrap_or(rig);
+        }
     }
+    Ok(rig.contact)
+}
+
+/// A rig with this contact.
+fn of_contact(contact: &Law<f64>) -> RigParams {
+    let contact = *contact;
+    RigParams { contact, ..WIRES }
 }
 
 fn text<'a>(table: &'a Table, key: &str) -> Result<&'a str, NoRig> {
@@ -331,15 +265,4 @@ pub fn as_number(value: &Value) -> Option<f64> {
 fn missing(key: &str) -> NoRig {
     let line = format!("{key} is missing; give it, or begin with preset = \"wires\"");
     NoRig::new(key, line)
-}
-
-/// Millimetres, without the last-digit noise of a multiplication.
-fn to_mm(metres: f64) -> f64 {
-    let mm = metres * 1e3;
-    let tidy = (mm * 1e9).round() / 1e9;
-    if (tidy - mm).abs() <= 1e-12 * mm.abs() {
-        tidy
-    } else {
-        mm
-    }
 }

@@ -1,6 +1,6 @@
 //! The table `[uncertainty]` of a rig file: how well each measured parameter is known.
 
-use numerics::pick::uncertainty::Stated;
+use numerics::uncertainty::Stated;
 use toml::Value;
 
 use super::keys::{NoRig, nearest};

@@ -1,7 +1,8 @@
 //! Why this frequency, in one sentence.
 
 use super::digits::{Digits, significant};
-use numerics::pick::{Answer, CartModel};
+use numerics::CartModel;
+use numerics::pick::Answer;
 use serde::Serialize;
 
 /// An answer with its sentence, as JSON has it.

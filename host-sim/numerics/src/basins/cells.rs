@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Basins, Name};
-use crate::pick::CartModel;
+use crate::row::CartModel;
 use crate::row::Outcome;
 
 /// One start of the grid and what became of it.

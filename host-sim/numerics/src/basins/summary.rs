@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::entropy::{self, Entropy, Uncertainty};
 use super::{Basins, ImpactAfter, Name, Share};
-use crate::pick::CartModel;
+use crate::row::CartModel;
 
 /// What the basins come to, with units in the names. Shares are from 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]

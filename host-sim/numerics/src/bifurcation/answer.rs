@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::changes;
 use super::measured::{Distance, Measured};
 use super::{Change, Diagram, DiagramRequest, Twofold};
-use crate::pick::CartModel;
+use crate::row::CartModel;
 use crate::sweep::Direction;
 
 /// The answer as JSON.

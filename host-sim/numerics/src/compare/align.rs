@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::{ComparisonRequest, Frame, FrequencySource, Simulated};
 use crate::error::{Error, RecordError};
-use crate::golden::maximum;
 use crate::identify::{EVERY_CONTACT, measure};
+use crate::root::maximum;
 use crate::signal::Signal;
 
 /// Samples that are compared when a shift or a pitch is tried, at most.

@@ -172,15 +172,5 @@ pub fn four_laws(own: Law<f64>) -> Vec<(&'static str, Law<f64>)> {
     LAWS.iter().map(pick).collect()
 }
 
-/// The name of a law's kind.
-pub fn law_name(law: &Law<f64>) -> &'static str {
-    match law {
-        Law::Hertz { .. } => "hertz",
-        Law::SpringDashpot { .. } => "spring-dashpot",
-        Law::HuntCrossley { .. } => "hunt-crossley",
-        Law::LankaraniNikravesh { .. } => "lankarani-nikravesh",
-    }
-}
-
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ use shared::model::rig::{Mode, Rig};
 use super::undriven::Course;
 use crate::reference::Point;
 use crate::reference::flow::Field;
+use crate::root::halved;
 
 /// A contact that lasts to δ = 0 instead of ending at F = 0.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,17 +66,9 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
             enter(&mut pull, &point);
             continue;
         }
-        let (mut a, mut b) = (0.0, h);
-        for _ in 0..60 {
-            let middle = 0.5 * (a + b);
-            let there = field.step(&point, middle, (1.0, 1.0)).end;
-            if delta(&there) > 0.0 {
-                a = middle;
-            } else {
-                b = middle;
-            }
-        }
-        point = field.step(&point, a, (1.0, 1.0)).end;
+        let left = |s| delta(&field.step(&point, s, (1.0, 1.0)).end) <= 0.0;
+        let (last, _) = halved((0.0, h), 60, left);
+        point = field.step(&point, last, (1.0, 1.0)).end;
         enter(&mut pull, &point);
         pull.share = point.t / (contact.duration_s + point.t);
         pull.restitution = -rig.kinematics(point.q, point.v).rate / approach;

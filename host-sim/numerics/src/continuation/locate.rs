@@ -3,6 +3,7 @@
 use super::Special;
 use super::family::{Family, Node, between as part, dot, minus};
 use crate::orbit::Orbit;
+use crate::root::false_position;
 
 /// Special points are located to this far along the curve, in units of [`super::family::Place`]: in Ω/ω or gap/A0,
 /// to no more than this.
@@ -30,48 +31,20 @@ pub fn between(family: &Family, a: &Node, b: &Node) -> Vec<Node> {
     found
 }
 
-/// The orbit between `a` and `b` at which `test` passes 0, if it does, by false position (the Illinois variant:
-/// M. Dowell and P. Jarratt, BIT 11 (1971) 168–174).
+/// The orbit between `a` and `b` at which `test` passes 0, if it does.
 fn root(family: &Family, a: &Node, b: &Node, test: Test) -> Option<Node> {
-    let (mut low, mut high) = ((0.0, test(&a.orbit)), (1.0, test(&b.orbit)));
-    if low.1.signum() == high.1.signum() {
-        return None;
-    }
-    let moved = minus(b.place, a.place);
-    let length = dot(moved, moved).sqrt();
-    let mut best: Option<Node> = None;
-    let mut side = 0;
-    for _ in 0..60 {
-        let secant = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
-        let s = if secant > low.0 && secant < high.0 {
-            secant
-        } else {
-            0.5 * (low.0 + high.0)
-        };
+    let apart = |a: &Node, b: &Node| {
+        let d = minus(b.place, a.place);
+        dot(d, d).sqrt()
+    };
+    let at = |s| {
         // A point of the chord lies in the plane normal to a's tangent in which its orbit is sought.
         let node = family.correct(part(a.place, b.place, s), a.tangent)?;
         let value = test(&node.orbit);
-        let step = best.as_ref().map_or(f64::INFINITY, |n| {
-            let d = minus(n.place, node.place);
-            dot(d, d).sqrt()
-        });
-        best = Some(node);
-        if value == 0.0 || step < 0.1 * TOLERANCE || (high.0 - low.0) * length < TOLERANCE {
-            break;
-        }
-        if value.signum() == low.1.signum() {
-            low = (s, value);
-            if side == -1 {
-                high.1 *= 0.5;
-            }
-            side = -1;
-        } else {
-            high = (s, value);
-            if side == 1 {
-                low.1 *= 0.5;
-            }
-            side = 1;
-        }
-    }
-    best
+        Some((node, value))
+    };
+    let whole = apart(a, b);
+    false_position([test(&a.orbit), test(&b.orbit)], at, |last, node, left| {
+        left * whole < TOLERANCE || last.is_some_and(|last| apart(last, node) < 0.1 * TOLERANCE)
+    })
 }

@@ -10,7 +10,7 @@ use super::curves::Line;
 use super::family::Node;
 use super::{Along, Curve, Diagram, End, Origin, Seen, Special};
 use crate::orbit::Stability;
-use crate::pick::CartModel;
+use crate::row::CartModel;
 use crate::row::tidy;
 
 /// What a curve or a line is called. As text: "1/1", from the second curve of a regime on "1/1 b", and "fold 1".

@@ -7,8 +7,8 @@ use super::blow::Blow;
 use super::exits::Exit;
 use super::flow::{Point, Step};
 use super::march::Drill;
-use crate::golden::maximum;
 use crate::reference::Scalar;
+use crate::root::maximum;
 
 /// A hammer that strikes the bit again this soon after they parted still strikes the same blow, s: the bit comes back from
 /// the ground to a hammer that has hardly moved.

@@ -4,9 +4,9 @@ use shared::model::slider::Touch;
 
 use super::body::Place;
 use super::flow::{Acting, Field, Point};
-use crate::golden::maximum;
 use crate::reference::Scalar;
 use crate::reference::switching::Arc;
+use crate::root::maximum;
 
 /// Interior points per step at which the ends are looked for.
 const SAMPLES: usize = 8;

@@ -12,8 +12,8 @@ use super::march::Drill;
 use crate::engine::check_frequency;
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
-use crate::pick::CartModel;
 use crate::progress::{Progress, step};
+use crate::row::CartModel;
 use crate::row::{NamedRig, regime_as_text, tidy};
 
 /// A section repeats well enough to stop settling when it moves by less than this share of A0 and A0 Ω.

@@ -9,9 +9,11 @@ use super::blow::Feed;
 use super::orbit;
 use super::run::{DrillPlan, DrillRow, DrillSetting, run};
 use crate::error::Error;
-use crate::golden::maximum;
-use crate::pick::{CartModel, Limits, pick};
+use crate::limits::Limits;
+use crate::pick::pick;
 use crate::progress::{Progress, WithinStep, check};
+use crate::root::maximum;
+use crate::row::CartModel;
 use crate::row::{NamedRig, regime_as_text, tidy};
 use crate::sweep::spread;
 

@@ -18,7 +18,7 @@ pub use self::request::{MapRequest, Runner};
 pub use self::run::{Tiles, merge, run, run_tiles};
 pub use self::summary::{Share, Strongest, Summary};
 use crate::lanes::Outcome;
-use crate::pick::CartModel;
+use crate::row::CartModel;
 use crate::row::{self, NamedRig, tidy};
 use crate::sweep::Direction;
 

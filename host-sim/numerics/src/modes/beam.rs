@@ -14,6 +14,7 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use crate::error::{Error, ModesError};
+use crate::root::halved;
 
 /// How the hammer holds the beam's end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -117,16 +118,10 @@ impl Beam {
         }
     }
 
-    fn root_between(&self, mut low: f64, mut high: f64) -> f64 {
+    fn root_between(&self, low: f64, high: f64) -> f64 {
         let sign = self.equation(low);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if self.equation(middle) * sign > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let passed = |root| self.equation(root) * sign <= 0.0;
+        let (low, high) = halved((low, high), 60, passed);
         0.5 * (low + high)
     }
 }

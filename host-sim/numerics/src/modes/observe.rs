@@ -12,9 +12,9 @@ use super::linear::{Follower, Motion};
 use super::{Beam, MAX_MODES, ModalRig, PerMode, State, Tip};
 use crate::engine::Plan as Cycles;
 use crate::error::{Error, ModesError};
-use crate::pick::CartModel;
 use crate::progress::{Progress, step};
 use crate::reference::flow::Totals;
+use crate::row::CartModel;
 use crate::row::NamedRig;
 use crate::row::{regime_as_text, tidy};
 

@@ -3,6 +3,7 @@
 use shared::model::rig::Mode;
 
 use crate::reference::{Contact, Observer, Segment};
+use crate::root::halved;
 
 /// What happened along a trajectory.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -86,16 +87,11 @@ impl Watch {
             return;
         }
         // The top of the flight within this piece, where δ̇ passes 0.
-        let (mut before, mut after) = (segment.start.t, segment.end.t);
-        for _ in 0..50 {
-            let middle = 0.5 * (before + after);
-            let (q, v) = segment.at(middle);
-            if at(q, v).rate > 0.0 {
-                before = middle;
-            } else {
-                after = middle;
-            }
-        }
+        let falls = |t| {
+            let (q, v) = segment.at(t);
+            at(q, v).rate <= 0.0
+        };
+        let (before, _) = halved((segment.start.t, segment.end.t), 50, falls);
         let (q, v) = segment.at(before);
         let clearance = -at(q, v).delta;
         if self.near_miss_m.is_none_or(|m| clearance < m) {

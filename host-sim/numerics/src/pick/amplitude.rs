@@ -1,8 +1,9 @@
 //! Another amplitude: a lower one where the shaker cannot give the rig's, or the one that gives the force wanted.
 
 use super::answer::shaker_force;
-use super::choose::{Field, Limits};
+use super::choose::Field;
 use super::{best_branch, range};
+use crate::limits::Limits;
 use crate::orbit::Orbit;
 use crate::progress::Progress;
 use crate::row::NamedRig;

@@ -9,57 +9,12 @@ use shared::model::regime::Regime;
 
 use super::bending::Bending;
 use super::sensitivity::Sensitivity;
-use super::uncertainty::Uncertainty;
 use crate::branch::End;
+use crate::limits::LimitUse;
 use crate::orbit::{Orbit, loop_force_n};
 use crate::row::NamedRig;
-use crate::row::{regime_as_text, tidy};
-
-/// A limit, and whether it decided the choice.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LimitUse {
-    /// Its name, with its unit.
-    pub name: &'static str,
-    /// The limit; for the uncertainty, the band it leaves is `robust_band_hz`.
-    pub limit: Option<f64>,
-    /// Whether a larger force lies beyond it (or beyond it and another that decides).
-    pub binds: bool,
-    /// Whether it does so only together with another: without it alone there is no more.
-    #[serde(skip)]
-    pub together: bool,
-    /// Whether nobody stated it: it is that of a shaker assumed for a preset.
-    #[serde(skip)]
-    pub assumed: bool,
-}
-
-impl LimitUse {
-    /// The reserve that the frequency keeps from the ends of the robust range, where it decided.
-    /// `kept`, Hz, is what it leaves of the range: one frequency where the range is too narrow for it.
-    pub fn reserve(kept: (f64, f64)) -> Self {
-        Self {
-            name: if kept.0 < kept.1 { RESERVE } else { NARROW },
-            limit: None,
-            binds: true,
-            together: false,
-            assumed: false,
-        }
-    }
-
-    /// Whether it is that reserve, and whole.
-    pub fn is_reserve(&self) -> bool {
-        self.name == RESERVE
-    }
-
-    /// Whether it is that reserve where the range is too narrow for it.
-    pub fn is_narrow_reserve(&self) -> bool {
-        self.name == NARROW
-    }
-}
-
-/// The name of the reserve.
-const RESERVE: &str = "the reserve of 1 %";
-/// Its name where there is less of it.
-const NARROW: &str = "a reserve of less than 1 %";
+use crate::row::{CartModel, regime_as_text, tidy};
+use crate::uncertainty::Uncertainty;
 
 /// What the shaker must give at the operating point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -83,35 +38,6 @@ pub struct Shaker {
     /// Largest force of the shaker's position loop over a period, N, the recoil from the contacts included. None with a
     /// prescribed cart.
     pub loop_force_n: Option<f64>,
-}
-
-/// How the cart is moved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CartModel {
-    /// As prescribed: the chapter's model.
-    Prescribed,
-    /// By a shaker, recoiling from the contacts.
-    Recoil,
-}
-
-impl CartModel {
-    /// That of `params`.
-    pub fn of(params: &RigParams) -> Self {
-        if params.cart.recoils() {
-            Self::Recoil
-        } else {
-            Self::Prescribed
-        }
-    }
-
-    /// What a heading says of it.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Prescribed => "cart prescribed",
-            Self::Recoil => "cart recoils",
-        }
-    }
 }
 
 /// Where the hammer is strongest, and how strong.

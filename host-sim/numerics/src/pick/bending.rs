@@ -13,12 +13,12 @@ use serde::Serialize;
 use shared::model::params::{RigParams, SupportParams};
 
 use super::BAND_SHARE;
-use super::uncertainty::Member;
 use crate::error::Error;
 use crate::modes::linear::{ModalOrbit, Motion};
 use crate::modes::{Beam, Tip};
 use crate::progress::{Progress, check};
 use crate::sweep::spread;
+use crate::uncertainty::Member;
 
 /// Modes that the force is compared with: a sixth to an eighth change it by less than 0.1 %.
 const MOST_MODES: usize = 5;
@@ -423,7 +423,7 @@ impl Over {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pick::uncertainty::Uncertainty;
+    use crate::uncertainty::Uncertainty;
     use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
     use shared::model::params::{BEAM_170, WIRES};
 

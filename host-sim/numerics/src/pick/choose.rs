@@ -1,100 +1,15 @@
 //! The choice on the robust range, within the limits asked for.
 
-use super::answer::{LimitUse, drive_force, shaker_force};
+use super::answer::{drive_force, shaker_force};
 use super::robust::with_reserve;
 use super::search::{Spread, interval_where, maximise, spread_of_members};
-use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
+use crate::limits::{LimitUse, Limits};
 use crate::orbit::Orbit;
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
-use shared::model::cart::{CartDrive, UNLIMITED_N};
-use shared::model::params::RigParams;
-
-/// What the operating point must respect.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits {
-    /// Largest contact force allowed, N, for every member of the uncertainty.
-    pub max_force_n: Option<f64>,
-    /// Largest drive frequency allowed, Hz.
-    pub max_frequency_hz: Option<f64>,
-    /// Largest force of the shaker, N: with a cart that recoils the largest of its position loop, the recoil included; with a
-    /// prescribed one what moves M + m. It takes the place of the rig's own.
-    pub max_shaker_force_n: Option<f64>,
-    /// The same as the rig has it, where its cart recoils.
-    pub rig_shaker_force_n: Option<f64>,
-}
-
-impl Limits {
-    /// These limits and the one of the shaker of `params`, if its cart recoils.
-    #[must_use]
-    pub fn with_shaker_of(self, params: &RigParams) -> Self {
-        let rig_shaker_force_n = match params.cart {
-            CartDrive::Loop(held) if self.max_shaker_force_n.is_none() => {
-                Some(held.max_force_n).filter(|most| *most < UNLIMITED_N)
-            }
-            _ => None,
-        };
-        Self {
-            rig_shaker_force_n,
-            ..self
-        }
-    }
-
-    /// The largest force of the shaker of `params`, N.
-    pub fn shaker_force_n(&self, params: &RigParams) -> Option<f64> {
-        let of_rig = self.rig_shaker_force_n.filter(|_| params.cart.recoils());
-        self.max_shaker_force_n.or(of_rig)
-    }
-
-    /// The others of these limits.
-    #[must_use]
-    pub fn without_the_shaker(self) -> Self {
-        Self {
-            max_shaker_force_n: None,
-            rig_shaker_force_n: None,
-            ..self
-        }
-    }
-
-    /// Which of them decide: `more` says whether those that are left allow more. Where no limit does so alone, two do together:
-    /// the fewest whose end gives more.
-    pub fn which_decide(self, more: impl Fn(Self) -> bool) -> Vec<LimitUse> {
-        let all = [
-            ("max_force_n", self.max_force_n, 1),
-            ("max_frequency_hz", self.max_frequency_hz, 2),
-            ("max_shaker_force_n", self.max_shaker_force_n, 4),
-            ("shaker_max_force_n", self.rig_shaker_force_n, 4),
-        ];
-        let given: Vec<_> = all.into_iter().filter(|l| l.1.is_some()).collect();
-        let without = |ended: u32| {
-            let mut left = match ended & 4 {
-                0 => self,
-                _ => self.without_the_shaker(),
-            };
-            left.max_force_n = left.max_force_n.filter(|_| ended & 1 == 0);
-            left.max_frequency_hz = left.max_frequency_hz.filter(|_| ended & 2 == 0);
-            left
-        };
-        let there = given.iter().fold(0, |all, (.., bit)| all | bit);
-        let decide = |count: u32| {
-            let sets = (1..8_u32).filter(move |set| set & !there == 0 && set.count_ones() == count);
-            let found = sets.filter(|set| more(without(*set)));
-            found.reduce(|all, set| all | set)
-        };
-        let fewest = (1..=3).find_map(|count| Some((count, decide(count)?)));
-        let (count, deciding) = fewest.unwrap_or((0, 0));
-        let used = given.into_iter().map(|(name, limit, bit)| LimitUse {
-            name,
-            limit,
-            binds: deciding & bit != 0,
-            together: deciding & bit != 0 && count > 1,
-            assumed: false,
-        });
-        used.collect()
-    }
-}
+use crate::uncertainty::Member;
 
 /// The orbit chosen.
 pub struct Choice {

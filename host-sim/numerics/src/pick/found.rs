@@ -1,15 +1,16 @@
 //! What was found, as the answer for tables and text.
 
-use super::answer::{Answer, CartModel, Strongest, impact_power, shaker, shaker_force};
+use super::answer::{Answer, Strongest, impact_power, shaker, shaker_force};
 use super::bending::{Bending, on_beams};
 use super::choose::Choice;
 use super::range;
 use super::runs::Runs;
 use super::sensitivity::Sensitivity;
-use super::uncertainty::Uncertainty;
 use crate::branch::{Branch, End};
 use crate::orbit::Orbit;
+use crate::row::CartModel;
 use crate::row::{NamedRig, tidy};
+use crate::uncertainty::Uncertainty;
 
 /// The part of the band that uncertainty and limits allow.
 pub(super) struct SafeBand {

@@ -3,14 +3,16 @@
 
 use shared::model::regime::Regime;
 
-use super::{Limits, Pick, Springs, Uncertainty, pick_on, steps};
+use super::{Pick, Springs, pick_on, steps};
 use crate::basins::start::{self, Drive, Fate, Window};
 use crate::basins::{BasinsRequest, Share};
 use crate::engine::Engine;
 use crate::error::Error;
+use crate::limits::Limits;
 use crate::progress::Progress;
 use crate::row::NamedRig;
 use crate::row::tidy;
+use crate::uncertainty::Uncertainty;
 
 /// A run ends on the orbit picked when the middle of its section is this near to the orbit's, in A0 and A0 Ω.
 const ON_ORBIT: f64 = 0.05;

@@ -17,7 +17,6 @@ mod robust;
 mod runs;
 pub mod search;
 pub mod sensitivity;
-pub mod uncertainty;
 
 use rayon::prelude::*;
 use shared::model::params::RigParams;
@@ -25,16 +24,18 @@ use shared::model::rig::Rig;
 
 use crate::branch::{Branch, one_one_branches};
 use crate::error::{Error, PickError};
+use crate::limits::Limits;
 use crate::orbit::Orbit;
 use crate::progress::{Progress, WithinStep, check, step};
+use crate::root::halved;
 use crate::row::{NamedRig, Row};
 use crate::sweep::spread;
+use crate::uncertainty::Uncertainty;
 use amplitude::{lowered, strongest};
-pub use answer::{Answer, CartModel, Strongest};
+pub use answer::{Answer, Strongest};
 use answer::{impact_power, shaker_force};
 pub use bending::Springs;
 use choose::Field;
-pub use choose::Limits;
 use found::{Found, SafeBand};
 pub(crate) use robust::largest_share;
 use robust::robust_range;
@@ -42,8 +43,6 @@ pub(crate) use robust::with_reserve;
 pub(crate) use runs::{JUMP_POINTS, JUMP_SHARE};
 use runs::{Jumps, Runs};
 use search::{interval_where, maximise};
-
-pub use uncertainty::Uncertainty;
 
 /// Force, as a share of the best, down to which the band reaches.
 pub const BAND_SHARE: f64 = 0.9;
@@ -389,7 +388,7 @@ fn no_one_one(rig: &NamedRig) -> Error {
 
 /// A gap with a stable 1/1 between 0 and that of `params`, near the largest such. None if there is none at 0.
 fn nearest_gap_m(params: &RigParams) -> Option<f64> {
-    const HALVINGS: usize = 6;
+    const HALVINGS: u32 = 6;
     let has = |gap_m: f64| {
         let rig = RigParams { gap_m, ..*params };
         !one_one_branches(&rig, SEARCH_RATIOS).is_empty()
@@ -397,14 +396,5 @@ fn nearest_gap_m(params: &RigParams) -> Option<f64> {
     if params.gap_m == 0.0 || !has(0.0) {
         return None;
     }
-    let (mut with, mut without) = (0.0, params.gap_m);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (with + without);
-        if has(middle) {
-            with = middle;
-        } else {
-            without = middle;
-        }
-    }
-    Some(with)
+    Some(halved((0.0, params.gap_m), HALVINGS, |gap_m| !has(gap_m)).0)
 }

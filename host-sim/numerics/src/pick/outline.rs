@@ -59,7 +59,8 @@ pub fn outline(rig: &NamedRig) -> Result<Outline, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pick::{Limits, pick};
+    use crate::limits::Limits;
+    use crate::pick::pick;
 
     #[test]
     fn the_outline_is_the_nominal_pick_s() {

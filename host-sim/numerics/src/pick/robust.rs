@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::range;
 use super::search::own_branch;
-use super::uncertainty::Member;
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::orbit::Orbit;
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::NamedRig;
+use crate::uncertainty::Member;
 
 /// The largest share of `members` with which every one of them has a stable 1/1 at a common frequency, in hundredths.
 fn robust_share(

@@ -5,7 +5,6 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
 use super::range;
-use super::uncertainty::{Member, Uncertainty};
 use crate::branch::{Branch, End};
 use crate::engine::{Engine, Plan, Start, machine, within_reach};
 use crate::error::Error;
@@ -13,6 +12,7 @@ use crate::orbit::Orbit;
 use crate::progress::Progress;
 use crate::row::{NamedRig, Row};
 use crate::sweep::{Direction, jumps, single, spread, sweep};
+use crate::uncertainty::{Member, Uncertainty};
 
 /// Up and down sweeps that differ by less than this share of force do not jump.
 pub(crate) const JUMP_SHARE: f64 = 0.02;

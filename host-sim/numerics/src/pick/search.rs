@@ -4,10 +4,10 @@
 use rayon::prelude::*;
 use shared::model::params::RigParams;
 
-use super::uncertainty::Member;
 use crate::branch::Branch;
-use crate::golden::maximum;
 use crate::orbit::{Orbit, shoot_at};
+use crate::root::{maximum, narrowed};
+use crate::uncertainty::Member;
 
 /// Frequencies are found to this share of themselves.
 pub const FREQUENCY_TOLERANCE: f64 = 1e-7;
@@ -171,16 +171,7 @@ pub fn interval_where(
         let mut last = from_hz;
         for hz in nodes {
             if !holds(hz) {
-                let (mut inside, mut outside) = (last, hz);
-                while (outside - inside).abs() > FREQUENCY_TOLERANCE * from_hz {
-                    let middle = 0.5 * (inside + outside);
-                    if holds(middle) {
-                        inside = middle;
-                    } else {
-                        outside = middle;
-                    }
-                }
-                return inside;
+                return narrowed((last, hz), FREQUENCY_TOLERANCE * from_hz, |hz| !holds(hz)).0;
             }
             last = hz;
         }
@@ -200,7 +191,7 @@ mod tests {
     use super::*;
     use crate::branch::one_one_branches;
     use crate::orbit::shoot;
-    use crate::pick::uncertainty::Uncertainty;
+    use crate::uncertainty::Uncertainty;
     use shared::model::params::WIRES;
 
     #[test]

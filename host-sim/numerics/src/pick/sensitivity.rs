@@ -6,9 +6,10 @@ use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
-use super::uncertainty::{Uncertainty, scale_contact};
 use crate::branch::Branch;
 use crate::orbit::{Orbit, shoot};
+use crate::root::halved;
+use crate::uncertainty::{Uncertainty, scale_contact};
 
 /// Change of the nominal optimum with one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -343,20 +344,12 @@ pub fn contact_time_s(zeta: f64, omega: f64) -> f64 {
 /// The damping ratio of a contact with this restitution: [`restitution`] inverted by bisection. `None` unless it lies between
 /// what no damping and critical damping give.
 pub fn damping_ratio_of_restitution(wanted: f64) -> Option<f64> {
-    let (mut a, mut b) = (1e-9, 1.0 - 1e-9);
+    let (a, b) = (1e-9, 1.0 - 1e-9);
     if !(restitution(b)..restitution(a)).contains(&wanted) {
         return None;
     }
-    for _ in 0..80 {
-        let middle = 0.5 * (a + b);
-        // Restitution falls with damping.
-        if restitution(middle) > wanted {
-            a = middle;
-        } else {
-            b = middle;
-        }
-    }
-    Some(a)
+    // Restitution falls with damping.
+    Some(halved((a, b), 80, |zeta| restitution(zeta) <= wanted).0)
 }
 
 /// Damping ratio of the contact, ci/(2√(ki m)).
@@ -397,7 +390,8 @@ fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pick::{Limits, pick};
+    use crate::limits::Limits;
+    use crate::pick::pick;
     use crate::row::NamedRig;
     use shared::model::params::WIRES;
     use shared::model::rig::Rig;

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Portrait, SectionRequest};
 use crate::lyapunov::Exponents;
-use crate::pick::CartModel;
+use crate::row::CartModel;
 use crate::row::{Outcome, tidy};
 
 /// What a section showed. Units are in the names.

@@ -9,10 +9,12 @@ use crate::basins::{self, BasinsRequest};
 use crate::bifurcation;
 use crate::engine::{self, Engine};
 use crate::lanes;
+use crate::limits::Limits;
 use crate::map::{self, Grid, Runner};
-use crate::pick::{self, Limits, Uncertainty};
+use crate::pick;
 use crate::row::NamedRig;
 use crate::sweep::{Direction, spread, sweep};
+use crate::uncertainty::Uncertainty;
 
 /// Asks the work to stop after so many steps, and counts all of them.
 struct StopAfter {

@@ -7,7 +7,7 @@
 use shared::model::rig::Mode;
 
 use super::flow::{Field, Point, Scalar};
-use crate::golden::maximum;
+use crate::root::{halved, maximum};
 
 /// Interior points per step at which the indicator is computed.
 const SAMPLES: usize = 8;
@@ -182,19 +182,7 @@ fn root<R: Scalar>(
     units: (f64, f64),
     sign: f64,
 ) -> f64 {
-    let bisect = |f: &dyn Fn(f64) -> f64, rounds: usize| {
-        let (mut a, mut b) = (low, high);
-        for _ in 0..rounds {
-            let middle = 0.5 * (a + b);
-            if f(middle) > 0.0 {
-                b = middle;
-            } else {
-                a = middle;
-            }
-        }
-        b
-    };
-    let mut s = bisect(&|s| guess(s), 40);
+    let (_, mut s) = halved((low, high), 40, |s| guess(s) > 0.0);
     for _ in 0..8 {
         let step = field.step(from, R::from_f64(s * h), units);
         let g = sign * field.indicator(&step.end).to_f64();
@@ -212,7 +200,7 @@ fn root<R: Scalar>(
             return s;
         }
     }
-    bisect(&|s| exact(s), 60)
+    halved((low, high), 60, |s| exact(s) > 0.0).1
 }
 
 /// When (s after phase 0) and how large the force is at its largest between two points in contact, N.

@@ -14,7 +14,7 @@ const USUAL_TICK_US: f64 = 50.0;
 enum EngineName {
     /// Located events, f64: the reference; in map, basins and bifurcation the fast engine, which runs many motions at once
     Event,
-    /// The microcontroller's switch model, corrected stepper, fixed tick
+    /// The microcontroller's switch model, corrected stepper, fixed tick; with --cart prescribed only
     Switch,
 }
 

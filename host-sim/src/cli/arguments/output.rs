@@ -12,7 +12,7 @@ use files::table::to_csv;
 use files::write::Written;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
-use numerics::pick::uncertainty::Stated;
+use numerics::uncertainty::Stated;
 use serde_json::{Map, Value};
 
 /// How to answer on standard output.
@@ -296,7 +296,10 @@ pub fn emit<A: Serialize + ?Sized, T: Serialize>(
                 None => json,
             });
         }
-        Format::Csv => print_bytes(&to_csv(rows)),
+        Format::Csv => print_bytes(&match made {
+            Some(made) => made_from::into_csv(to_csv(rows), made),
+            None => to_csv(rows),
+        }),
     }
     Ok(())
 }

@@ -55,6 +55,7 @@ impl Request {
         });
         for arg in ours {
             let id = arg.get_id().as_str();
+            self.made_from.has_cart |= id == "cart";
             let Some(values) = values(matches, id) else {
                 continue;
             };

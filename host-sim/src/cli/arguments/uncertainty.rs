@@ -3,7 +3,7 @@
 use files::UserError;
 use files::rigfile::WIDTHS;
 use numerics::NamedRig;
-use numerics::pick::uncertainty::{Stated, Uncertainty};
+use numerics::uncertainty::{Stated, Uncertainty};
 
 /// Random rigs at most.
 const MOST_SAMPLES: u32 = 100_000;

@@ -14,12 +14,12 @@ use crate::pictures::drill::{curves, map};
 use crate::progress::Progress;
 use files::UserError;
 use files::ground::{BitWords, FEEDS, feed, feed_name};
+use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::drill::{
     Among, DrillAnswer, DrillPlan, DrillRow, DrillSetting, Feed, GroundUncertainty, advise, grid,
     refined,
 };
-use numerics::pick::CartModel;
 use numerics::sweep::spread;
 
 /// Ω/ω without `--ratio` and `--frequency`.

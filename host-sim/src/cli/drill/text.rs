@@ -1,8 +1,8 @@
 //! What `drill` says on a terminal.
 
 use super::Answer;
+use numerics::CartModel;
 use numerics::drill::{Corner, DrillAnswer, DrillRow};
-use numerics::pick::CartModel;
 use plot::chart::Chart;
 
 pub fn text(answer: &Answer) -> String {

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::requests;
 use files::UserError;
+use numerics::CartModel;
 use numerics::map::measured::Hits;
 use numerics::map::{Agreement, Map, MapCell, MapRequest, Similarity, Summary};
-use numerics::pick::CartModel;
 
 /// Everything that was found.
 pub struct Answer<'a> {

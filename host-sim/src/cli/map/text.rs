@@ -8,8 +8,8 @@ use super::answer::Answer;
 use crate::words;
 use crate::words::map::percent;
 use files::words::count;
+use numerics::CartModel;
 use numerics::map::{Map, MapRequest, Strongest, Summary};
-use numerics::pick::CartModel;
 use numerics::row::Outcome;
 use plot::chart::terminal_width;
 

@@ -8,10 +8,10 @@ use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
+use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::continuation::table::{SpecialRow, line_rows};
 use numerics::continuation::{Special, curves};
-use numerics::pick::CartModel;
 use plot::chart::Chart;
 
 /// Finds the lines.

@@ -9,9 +9,12 @@ use crate::progress::Progress;
 use crate::words::gaps::{GapRow, GapTable};
 use files::UserError;
 use files::words::digits::decimals;
+use numerics::CartModel;
+use numerics::Limits;
 use numerics::NamedRig;
+use numerics::Uncertainty;
+use numerics::pick::Springs;
 use numerics::pick::gaps::{advise, gap_steps};
-use numerics::pick::{CartModel, Limits, Springs, Uncertainty};
 use numerics::row::tidy;
 use plot::chart::Chart;
 

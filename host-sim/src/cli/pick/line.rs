@@ -1,6 +1,7 @@
 //! The answer as lines of a table: one for each pick, and one for each point of its curve.
 
-use numerics::pick::{Answer, CartModel, Pick};
+use numerics::CartModel;
+use numerics::pick::{Answer, Pick};
 use numerics::row::regime_as_text;
 use serde::Serialize;
 use shared::model::regime::Regime;

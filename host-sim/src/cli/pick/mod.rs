@@ -30,10 +30,11 @@ use files::decimal::comma;
 use files::table::to_csv;
 use files::words::pick::Worded;
 use line::{Line, curve_rows};
+use numerics::Limits;
 use numerics::NamedRig;
 use numerics::drill::pick::Request;
-use numerics::pick::uncertainty::Uncertainty;
-use numerics::pick::{Limits, Pick, pick_for_force, pick_on, steps};
+use numerics::pick::{Pick, pick_for_force, pick_on, steps};
+use numerics::uncertainty::Uncertainty;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("gap", |gap| gap.help("Clearance at rest, mm [default: 0.0, whatever the rig's]")))]

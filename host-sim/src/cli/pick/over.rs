@@ -11,7 +11,9 @@ use crate::progress::Progress;
 use crate::words::over::{OverRow, of_rig, summary};
 use files::words::digits::{decimals, significant};
 use files::{UserError, rigfile};
-use numerics::pick::{Limits, Springs, Uncertainty, pick_on, steps};
+use numerics::Limits;
+use numerics::Uncertainty;
+use numerics::pick::{Springs, pick_on, steps};
 use numerics::{Error, NamedRig};
 use plot::chart::Chart;
 

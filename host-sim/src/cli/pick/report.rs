@@ -10,8 +10,9 @@ use files::made_from::{self, MadeFrom, into_pdf, into_svg};
 use files::words::digits::significant;
 use files::words::pick::why;
 use files::{UserError, rigfile};
+use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::pick::{CartModel, Pick};
+use numerics::pick::Pick;
 use plot::{Block, PictureError, render_pdf, render_svg};
 
 /// Parameters named under "what to measure first".

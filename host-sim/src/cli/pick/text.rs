@@ -3,9 +3,10 @@
 use super::{bending, measure_first};
 use files::words::digits::Digits;
 use files::words::pick::{jumping_at, other_cart, why};
+use numerics::CartModel;
 use numerics::branch::End;
-use numerics::pick::answer::LimitUse;
-use numerics::pick::{Answer, CartModel, Pick};
+use numerics::limits::LimitUse;
+use numerics::pick::{Answer, Pick};
 use plot::chart::Chart;
 
 /// One answer in full, several side by side.

@@ -39,14 +39,18 @@ pub fn ask(
             let read = |text: &str| {
                 Support::from_str(text, true).map_err(|_| "write wires or beams".to_owned())
             };
-            dialogue.needed("What does the hammer hang on: wires or beams", read)?
+            dialogue.needed(
+                "What does the hammer hang on: wires or beams",
+                "wires",
+                read,
+            )?
         }
     };
     answers.support = Some(support);
     check_frequency(answers, support)?;
     if answers.mass.is_none() {
-        answers.mass =
-            Some(dialogue.measured("Weight of the hammer, g or kg", |text| MASS.read(text))?);
+        let question = "Weight of the hammer, g or kg";
+        answers.mass = Some(dialogue.measured(question, "298g", |text| MASS.read(text))?);
     }
     dialogue.frequency(answers, support)?;
     if support == Support::Beams && answers.ring_down.is_none() && answers.damping_ratio.is_none() {
@@ -55,11 +59,12 @@ pub fn ask(
     }
     if answers.stroke.is_none() {
         let question = "Stroke of the cart from end to end, mm";
-        answers.stroke = Some(dialogue.measured(question, |text| STROKE.read_in("mm", text))?);
+        answers.stroke =
+            Some(dialogue.measured(question, "1.8mm", |text| STROKE.read_in("mm", text))?);
     }
     if answers.cart_mass.is_none() {
         let question = "Weight of the cart without the hammer, g or kg";
-        answers.cart_mass = Some(dialogue.measured(question, |text| MASS.read(text))?);
+        answers.cart_mass = Some(dialogue.measured(question, "5.4kg", |text| MASS.read(text))?);
     }
     if answers.shaker_loop.is_none() {
         let question = "Natural frequency of the shaker's position loop, Hz";
@@ -112,7 +117,7 @@ impl Dialogue<'_> {
         answers.swings = if answers.wire_length.is_some() {
             self.open(question, count)?
         } else {
-            Some(self.needed(question, count)?)
+            Some(self.needed(question, "20", count)?)
         };
         if let Some(swings) = answers.swings {
             let time = |text: &str| {
@@ -120,7 +125,7 @@ impl Dialogue<'_> {
                 natural_frequency(support, swung(swings, &time))?;
                 Ok(time)
             };
-            answers.swing_time = Some(self.measured("Their time, s", time)?);
+            answers.swing_time = Some(self.measured("Their time, s", "10.99s", time)?);
         }
         Ok(())
     }
@@ -159,11 +164,10 @@ impl Dialogue<'_> {
         let measured = answers.contact_time.is_some() && answers.restitution.is_some();
         if !measured && answers.surface.is_none() {
             let names = SURFACES.each_ref().map(|surface| surface.name()).join(", ");
-            let read = |text: &str| {
-                Choice::from_str(text, true).map_err(|_| format!("write one of {names}"))
-            };
+            let read =
+                |text: &str| Choice::meant(text).ok_or_else(|| format!("write one of {names}"));
             let question = format!("What does the hammer strike: {names}");
-            answers.surface = Some(self.needed(&question, read)?);
+            answers.surface = Some(self.needed(&question, SURFACES[0].name(), read)?);
         }
         Ok(())
     }
@@ -172,9 +176,10 @@ impl Dialogue<'_> {
     fn measured(
         &mut self,
         question: &str,
+        example: &str,
         read: impl Fn(&str) -> Result<Reading, String>,
     ) -> Result<Reading, UserError> {
-        let reading = self.needed(question, &read)?;
+        let reading = self.needed(question, example, &read)?;
         self.doubted(reading, read)
     }
 
@@ -225,11 +230,12 @@ impl Dialogue<'_> {
     fn needed<T>(
         &mut self,
         question: &str,
+        example: &str,
         read: impl Fn(&str) -> Result<T, String>,
     ) -> Result<T, UserError> {
         loop {
             match self.line(question)?.trim() {
-                "" => self.say("  this one is needed")?,
+                "" => self.say(&format!("  this one is needed; for example {example}"))?,
                 text => match read(text) {
                     Ok(answer) => return Ok(answer),
                     Err(why) => self.say(&format!("  {why}"))?,
@@ -268,7 +274,7 @@ mod tests {
     #[test]
     fn what_is_open_is_asked_and_a_mistake_is_asked_again() {
         let typed = "rope\nwires\nheavy\n1,7kg\n298\n298g\n0.04mm\n\n20\n0.2s\n10.99s 20s\n10.99 11.02 s\n\
-                     1800mm\n1.78mm\n\n5.38kg\n50Hz\n60N\n\nmissing.csv\n\n\n0.32+-0.02\nrope\nhard-rubber\n";
+                     1800mm\n1.78mm\n\n5.38kg\n50Hz\n60N\n\nmissing.csv\n\n\n0.32+-0.02\nrope\nRubber\n";
         let (done, answers, out) = asked(typed, Answers::default());
         done.unwrap();
         let text = |reading: &Option<Reading>| reading.clone().map(|reading| reading.text);
@@ -292,7 +298,7 @@ mod tests {
             "20 swings in 0.2s are 100.0000 Hz",
             "the readings differ by 82 %",
             "1800mm is out of range",
-            "this one is needed",
+            "this one is needed; for example 5.4kg",
             "missing.csv",
             "write one of steel, hardened-steel",
         ] {

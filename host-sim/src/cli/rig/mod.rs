@@ -15,10 +15,11 @@ use answers::Answers;
 use describe::{Described, describe};
 use files::words::identify::Worded;
 use files::{UserError, rigfile};
+use numerics::Limits;
 use numerics::NamedRig;
 use numerics::identify::{Family, Fit, Misfit, Settings, fit, measure};
-use numerics::pick::uncertainty::Stated;
-use numerics::pick::{Limits, pick};
+use numerics::pick::pick;
+use numerics::uncertainty::Stated;
 use shared::model::params::RigParams;
 
 #[derive(Debug, clap::Args)]

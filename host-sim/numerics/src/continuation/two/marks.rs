@@ -2,6 +2,7 @@
 
 use super::follow::mark_of;
 use super::{Codimension, Condition, Curve, Point, System, ahead, dot, length, minus};
+use crate::root::false_position;
 
 /// A mark is located to this far along the curve.
 const TOLERANCE: f64 = 1e-9;
@@ -53,37 +54,17 @@ fn shift(point: &Point) -> Vec<f64> {
     point.tangent[n - 2..].to_vec()
 }
 
-/// The point between `a` and `b` at which `test` passes 0, if it does, by false position (the Illinois variant).
+/// The point between `a` and `b` at which `test` passes 0, if it does.
 fn root(system: &System, a: &Point, b: &Point, test: &Test) -> Option<Point> {
-    let (mut low, mut high) = ((0.0, test(a)), (1.0, test(b)));
-    if low.1.signum() == high.1.signum() {
-        return None;
-    }
     let chord = minus(&b.x, &a.x);
-    let (mut best, mut side): (Option<Point>, i32) = (None, 0);
-    for _ in 0..60 {
-        let s = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
+    let at = |s| {
         let point = system.correct(&ahead(&a.x, s, &chord), &a.tangent)?;
         let value = test(&point);
-        let moved = best
-            .as_ref()
-            .map_or(f64::INFINITY, |p| length(&minus(&p.x, &point.x)));
-        best = Some(point);
-        if value == 0.0 || moved < 0.1 * TOLERANCE {
-            break;
-        }
-        let (end, other, own) = if value.signum() == low.1.signum() {
-            (&mut low, &mut high, -1)
-        } else {
-            (&mut high, &mut low, 1)
-        };
-        *end = (s, value);
-        if side == own {
-            other.1 *= 0.5;
-        }
-        side = own;
-    }
-    best
+        Some((point, value))
+    };
+    false_position([test(a), test(b)], at, |last, point, _| {
+        last.is_some_and(|last| length(&minus(&last.x, &point.x)) < 0.1 * TOLERANCE)
+    })
 }
 
 /// Marks the first and the last point, where what ends the curve there is a second condition.

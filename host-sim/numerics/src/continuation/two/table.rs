@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Codimension, Condition, Curve, Plane, Point};
 use crate::continuation::End;
-use crate::pick::CartModel;
+use crate::row::CartModel;
 use crate::row::tidy;
 
 /// A point of a curve. Units are in the names, or in the name of the parameter beside a value.

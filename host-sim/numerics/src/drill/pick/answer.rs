@@ -7,7 +7,7 @@ use shared::model::cart::CartDrive;
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
 use super::branch::Case;
-use crate::pick::Uncertainty;
+use crate::uncertainty::Uncertainty;
 
 /// The answer about the ground. Units are in the names.
 #[derive(Clone, Debug, Serialize)]

@@ -8,8 +8,8 @@ use super::super::orbit::{DrillOrbit, shoot};
 use super::super::run::{observe, settle};
 use super::observe::on;
 use crate::branch::{Edge, End};
-use crate::golden::maximum;
 use crate::orbit::Section;
+use crate::root::maximum;
 
 /// Steps along the branch, as a share of the natural frequency.
 const STEP: f64 = 0.02;

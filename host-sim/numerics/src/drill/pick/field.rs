@@ -3,8 +3,9 @@
 use super::super::orbit::DrillOrbit;
 use super::members::Crowd;
 use super::observe;
-use crate::pick::Limits;
-use crate::pick::answer::{LimitUse, drive_force};
+use crate::limits::LimitUse;
+use crate::limits::Limits;
+use crate::pick::answer::drive_force;
 
 /// What is chosen from.
 pub struct Field<'a> {

@@ -8,7 +8,7 @@ use shared::model::slider::Slider;
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
 use super::branch::{Case, GroundBranch, edge};
-use crate::pick::uncertainty::{Member, Uncertainty};
+use crate::uncertainty::{Member, Uncertainty};
 
 /// Steps in which the deviations grow where the orbit is not found at once.
 const STEPS: u32 = 4;

@@ -26,15 +26,16 @@ use super::orbit::DrillOrbit;
 use super::search::GroundUncertainty;
 use crate::branch::End;
 use crate::error::{Error, PickError};
+use crate::limits::Limits;
 use crate::pick::amplitude::lower_until;
 use crate::pick::bending::{Bending, on_beams};
 use crate::pick::with_reserve;
-use crate::pick::{
-    Answer, BAND_SHARE, CartModel, Limits, SEARCH_RATIOS, Uncertainty, largest_share, pick,
-};
+use crate::pick::{Answer, BAND_SHARE, SEARCH_RATIOS, largest_share, pick};
 use crate::progress::{Progress, WithinStep, check, step};
+use crate::row::CartModel;
 use crate::row::{NamedRig, tidy};
 use crate::sweep::spread;
+use crate::uncertainty::Uncertainty;
 
 /// Points of the curve that is drawn, beside those the branch was followed by.
 const CURVE_POINTS: usize = 100;

@@ -16,10 +16,11 @@ use crate::drill::search::{Among, GroundUncertainty};
 use crate::error::{Error, MotionError};
 use crate::orbit::Section;
 use crate::pick::answer::{Shaker, drive_force};
-use crate::pick::{JUMP_POINTS, JUMP_SHARE, Uncertainty};
+use crate::pick::{JUMP_POINTS, JUMP_SHARE};
 use crate::progress::Progress;
 use crate::row::{NamedRig, tidy};
 use crate::sweep::spread;
+use crate::uncertainty::Uncertainty;
 
 /// Ratios Ω/ω of the runs from rest among which the best 1/1 is where the branch begins, and how many.
 const SEED_RATIOS: (f64, f64, usize) = (0.9, 4.0, 32);

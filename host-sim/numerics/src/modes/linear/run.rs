@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::Motion;
 use crate::modes::dense::{Square, dot};
+use crate::root::halved;
 
 /// Halvings of a step in which a switch is located.
 const HALVINGS: u32 = 44;
@@ -130,7 +131,7 @@ impl Motion {
             if !turns {
                 return None;
             }
-            let inside = bisect(h, 30, |t| {
+            let (_, inside) = halved((0.0, h), 30, |t| {
                 let there = slope(&phase.a.exponential_of(t, z));
                 if touching { there > 0.0 } else { there < 0.0 }
             });
@@ -147,9 +148,8 @@ impl Motion {
                 return Some(1e-6 * h);
             }
         }
-        Some(bisect(high, HALVINGS, |t| {
-            switched(&phase.a.exponential_of(t, z))
-        }))
+        let switched_at = |t| switched(&phase.a.exponential_of(t, z));
+        Some(halved((0.0, high), HALVINGS, switched_at).1)
     }
 
     /// The largest force within `h` from `z` on, in contact.
@@ -163,7 +163,7 @@ impl Motion {
         let end = a.exponential_of(h, z);
         let ends = dot(&self.force, z).max(dot(&self.force, &end));
         if slope(z) > 0.0 && slope(&end) < 0.0 {
-            let top = bisect(h, 30, |t| slope(&a.exponential_of(t, z)) < 0.0);
+            let (_, top) = halved((0.0, h), 30, |t| slope(&a.exponential_of(t, z)) < 0.0);
             return ends.max(dot(&self.force, &a.exponential_of(top, z)));
         }
         ends
@@ -210,18 +210,4 @@ impl Motion {
         }
         Some(at)
     }
-}
-
-/// The first time up to `h` at which `after` holds, if it holds from there to `h`.
-fn bisect(h: f64, halvings: u32, after: impl Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, h);
-    for _ in 0..halvings {
-        let middle = 0.5 * (low + high);
-        if after(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high
 }

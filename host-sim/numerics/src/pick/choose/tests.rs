@@ -3,7 +3,7 @@
 use super::*;
 
 use crate::branch::one_one_branches;
-use crate::pick::uncertainty::Uncertainty;
+use crate::uncertainty::Uncertainty;
 use shared::model::params::WIRES;
 
 struct Made {

@@ -1,7 +1,7 @@
 //! `pick --objective rop` as a line of a table.
 
+use numerics::CartModel;
 use numerics::drill::pick::RopPick;
-use numerics::pick::CartModel;
 use serde::Serialize;
 
 /// The answer as one CSV line. What every pick has, has the name that it has there.

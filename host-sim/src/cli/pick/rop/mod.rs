@@ -15,9 +15,9 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use files::words::digits::{decimals, significant};
+use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::drill::pick::{Request, RopPick, STEPS, pick_rop};
-use numerics::pick::CartModel;
 use plot::chart::Chart;
 
 /// Picks and answers.

@@ -58,7 +58,17 @@ impl Described {
             (None, None) => return Err(stiffness_unknown("--restitution")),
         };
         let of_damping = format!("{of_restitution}, with that stiffness");
-        self.contact(&contact, [&source, &of_damping], [&source, &of_restitution]);
+        let wide = contact.widths[0].0 == "contact_stiffness_factor";
+        let of_stiffness = if wide {
+            format!("the middle, in logarithms, of {source}")
+        } else {
+            source.clone()
+        };
+        self.contact(
+            &contact,
+            [&of_stiffness, &of_damping],
+            [&source, &of_restitution],
+        );
         Ok(())
     }
 

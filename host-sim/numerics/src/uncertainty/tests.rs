@@ -3,9 +3,10 @@ use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, WIRES, preset};
 
+use crate::limits::Limits;
 use crate::orbit::Orbit;
 use crate::pick::search::follow_member;
-use crate::pick::{Limits, best_branch, pick};
+use crate::pick::{best_branch, pick};
 use crate::row::NamedRig;
 
 #[test]

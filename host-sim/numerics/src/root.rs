@@ -1,0 +1,130 @@
+//! Roots and largest values of a function of one number.
+
+/// Halves the interval `rounds` times about where `beyond` becomes true, which it is at the second end and not at the
+/// first; the first may be the larger. Gives the ends that are left, in the order given.
+pub fn halved(
+    (mut before, mut after): (f64, f64),
+    rounds: u32,
+    mut beyond: impl FnMut(f64) -> bool,
+) -> (f64, f64) {
+    for _ in 0..rounds {
+        let middle = 0.5 * (before + after);
+        if beyond(middle) {
+            after = middle;
+        } else {
+            before = middle;
+        }
+    }
+    (before, after)
+}
+
+/// [`halved`] until the interval is no longer than `width`.
+pub fn narrowed(ends: (f64, f64), width: f64, beyond: impl FnMut(f64) -> bool) -> (f64, f64) {
+    let halvings = ((ends.1 - ends.0).abs() / width).log2().ceil().max(0.0);
+    halved(ends, halvings as u32, beyond)
+}
+
+/// What lies where the value between both ends passes 0, by false position (the Illinois variant: M. Dowell and
+/// P. Jarratt, BIT 11 (1971) 168–174). `values` are those at the ends, `at` gives what lies at a share of the way and
+/// its value, `near` says of the last two, and of the share of the way that is left, whether they are near enough. None
+/// if the value does not change its sign, or cannot be had.
+pub fn false_position<T>(
+    values: [f64; 2],
+    mut at: impl FnMut(f64) -> Option<(T, f64)>,
+    near: impl Fn(Option<&T>, &T, f64) -> bool,
+) -> Option<T> {
+    let (mut low, mut high) = ((0.0, values[0]), (1.0, values[1]));
+    if low.1.signum() == high.1.signum() {
+        return None;
+    }
+    let (mut best, mut side): (Option<T>, i32) = (None, 0);
+    for _ in 0..60 {
+        let secant = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
+        let s = if secant > low.0 && secant < high.0 {
+            secant
+        } else {
+            0.5 * (low.0 + high.0)
+        };
+        let (found, value) = at(s)?;
+        let enough = value == 0.0 || near(best.as_ref(), &found, high.0 - low.0);
+        best = Some(found);
+        if enough {
+            break;
+        }
+        let (end, other, own) = if value.signum() == low.1.signum() {
+            (&mut low, &mut high, -1)
+        } else {
+            (&mut high, &mut low, 1)
+        };
+        *end = (s, value);
+        if side == own {
+            other.1 *= 0.5;
+        }
+        side = own;
+    }
+    best
+}
+
+/// Narrows [a, b] by golden sections to within `tolerance` about where `f` is largest, assumed to rise and then fall, and
+/// returns the middle. Where `f` says nothing (equal values, as −∞ for "not allowed" at both inner points),
+/// the side of `anchor` is kept.
+pub fn maximum(
+    mut f: impl FnMut(f64) -> f64,
+    (mut a, mut b): (f64, f64),
+    tolerance: f64,
+    anchor: f64,
+) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut fx, mut fy) = (f(x), f(y));
+    while b - a > tolerance {
+        let left = if fx == fy { anchor < y } else { fx > fy };
+        if left {
+            (b, y, fy) = (y, x, fx);
+            x = b - GOLDEN * (b - a);
+            fx = f(x);
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + GOLDEN * (b - a);
+            fy = f(y);
+        }
+    }
+    0.5 * (a + b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ends_about_a_change_keep_their_order() {
+        let beyond = |x: f64| x > 0.7;
+        let (before, after) = halved((0.0, 1.0), 20, beyond);
+        assert!(before <= 0.7 && after > 0.7 && after - before < 1e-6);
+        let (before, after) = narrowed((1.0, 0.0), 1e-6, |x| !beyond(x));
+        assert!(after <= 0.7 && before > 0.7 && before - after <= 1e-6);
+        assert_eq!(narrowed((0.0, 1.0), 2.0, beyond), (0.0, 1.0));
+    }
+
+    /// cos x = x at 0.739085133215160641655.
+    #[test]
+    fn false_position_meets_a_known_root_and_refuses_no_change_of_sign() {
+        let value = |x: f64| x.cos() - x;
+        let root = |to: f64| {
+            let at = |s| Some((s * to, value(s * to)));
+            let near = |last: Option<&f64>, x: &f64, _| last.is_some_and(|l| (l - x).abs() < 1e-12);
+            false_position([value(0.0), value(to)], at, near)
+        };
+        assert!((root(2.0).unwrap() - 0.739_085_133_215_160_6).abs() < 1e-12);
+        assert_eq!(root(0.5), None);
+    }
+
+    #[test]
+    fn the_top_of_a_parabola_and_the_edge_of_what_is_allowed() {
+        let top = maximum(|x| -(x - 0.3).powi(2), (0.0, 1.0), 1e-7, 0.5);
+        assert!((top - 0.3).abs() < 1e-6, "{top}");
+        let allowed = |x: f64| if x < 0.2 { x } else { f64::NEG_INFINITY };
+        let edge = maximum(allowed, (0.0, 1.0), 1e-9, 0.0);
+        assert!((edge - 0.2).abs() < 1e-8, "{edge}");
+    }
+}
