@@ -29,8 +29,6 @@ pub mod drop_test;
 pub mod dual;
 pub mod engine;
 pub mod error;
-#[cfg(test)]
-mod fingerprint;
 pub mod golden;
 #[cfg(not(target_family = "wasm"))]
 pub mod identify;
