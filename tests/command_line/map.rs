@@ -10,7 +10,7 @@ use crate::support::{
 };
 
 /// A map in which much happens, in a moment.
-pub const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
+const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
 
 const COLUMNS: [&str; 14] = [
     "gap_mm",
@@ -40,7 +40,7 @@ fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-pub fn run(folder: &Folder, line: &str) -> String {
+fn run(folder: &Folder, line: &str) -> String {
     folder.run(line).well().out
 }
 
