@@ -136,7 +136,10 @@ chmod 755 "$tree/usr/bin/say"
         assert_eq!(packages, "wanted: say\nsay=1:2.0+b3\n");
         let link = |name: &str| fs::read_link(made(name)).unwrap();
         assert_eq!(fs::read_to_string(made("usr/lib/two")).unwrap(), "inside\n");
-        assert_eq!(link("usr/lib/two"), Path::new("../../usr/lib/x-linux-gnu/one"));
+        assert_eq!(
+            link("usr/lib/two"),
+            Path::new("../../usr/lib/x-linux-gnu/one")
+        );
         assert_eq!(link("three"), Path::new("./usr/lib"));
         assert_eq!(link("usr/lib/four"), Path::new("/nowhere/else"));
         // It may be moved.
@@ -144,6 +147,9 @@ chmod 755 "$tree/usr/bin/say"
         let mut say = Command::new(path("moved/starters/say"));
         let said = command::output(say.env_remove("LD_LIBRARY_PATH").arg("on")).unwrap();
         let moved = fs::canonicalize(path("moved")).unwrap();
-        assert_eq!(said, format!("{}/usr/lib/x-linux-gnu on\n", moved.display()));
+        assert_eq!(
+            said,
+            format!("{}/usr/lib/x-linux-gnu on\n", moved.display())
+        );
     }
 }
