@@ -40,7 +40,7 @@ fn timed(bencher: Bencher, request: &MapRequest, threads: usize, items: usize) {
     let pool = pool.build().expect("threads");
     let quiet = Progress::new("", 1, true);
     bencher.counter(ItemsCount::new(items)).bench_local(|| {
-        pool.install(|| run(black_box(request), None, &quiet).expect("the chapter's map"))
+        pool.install(|| run(black_box(request), &quiet).expect("the chapter's map"))
     });
 }
 
@@ -82,7 +82,7 @@ fn table(bencher: Bencher) {
             ..CellPlan::CHAPTER
         },
     );
-    let map = run(&request, None, &Progress::new("", 1, true)).expect("the chapter's map");
+    let map = run(&request, &Progress::new("", 1, true)).expect("the chapter's map");
     bencher
         .counter(ItemsCount::new(map.cells.len()))
         .bench_local(|| {

@@ -29,5 +29,4 @@ pub mod pictures;
 pub mod progress;
 pub mod record;
 pub mod replay;
-pub mod tiles;
 pub mod words;

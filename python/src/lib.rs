@@ -31,9 +31,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(pick::pick, module)?)?;
     module.add_function(wrap_pyfunction!(map::map, module)?)?;
-    module.add_function(wrap_pyfunction!(map::map_tile, module)?)?;
-    module.add_function(wrap_pyfunction!(map::map_tiles, module)?)?;
-    module.add_function(wrap_pyfunction!(map::map_merge, module)?)?;
     module.add_function(wrap_pyfunction!(basins::basins, module)?)?;
     module.add_function(wrap_pyfunction!(bifurcation::bifurcation, module)?)?;
     module.add_function(wrap_pyfunction!(orbits::orbits, module)?)?;

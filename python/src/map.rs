@@ -1,21 +1,16 @@
-//! The Peterka map: whole, or tile by tile for a cluster.
+//! The Peterka map.
 
-use std::sync::Mutex;
-
-use numerics::Error;
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
-use numerics::map::{
-    Grid, Map, MapCell, MapRequest, Runner, Summary, Tiles, merge, run, run_tiles,
-};
+use numerics::map::{Grid, Map, MapCell, MapRequest, Runner, Summary, run};
 use numerics::row::tidy;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::PyDict;
 
 use crate::arguments;
-use crate::error::{from_numerics, wrong};
+use crate::error::from_numerics;
 use crate::rig::Rig;
 use crate::values::object;
 use crate::work::How;
@@ -91,104 +86,8 @@ pub fn map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let request = asked.request(rig)?;
     let how = How { threads, progress };
-    let made = how.run(py, request.grid.len() as u64, |watch| {
-        run(&request, None, watch)
-    })?;
+    let made = how.run(py, request.grid.len() as u64, |watch| run(&request, watch))?;
     arrays(py, &request, &made)
-}
-
-/// How many tiles the map has.
-#[pyfunction]
-pub fn map_tiles(rig: &Rig, asked: Asked) -> PyResult<usize> {
-    Ok(asked.request(rig)?.tiles())
-}
-
-/// The cells of one tile, as bytes that [`map_merge`] reads.
-#[pyfunction]
-#[pyo3(signature = (rig, asked, index, threads, progress))]
-pub fn map_tile<'py>(
-    py: Python<'py>,
-    rig: &Rig,
-    asked: Asked,
-    index: usize,
-    threads: Option<usize>,
-    progress: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyBytes>> {
-    let request = asked.request(rig)?;
-    let kept = Kept::new(request.tiles());
-    let range = index..index.saturating_add(1);
-    request.check_tiles(&range).map_err(from_numerics)?;
-    let how = How { threads, progress };
-    how.run(py, request.tile(index).len() as u64, |watch| {
-        run_tiles(&request, range, &kept, watch)
-    })?;
-    let cells = kept.tiles.into_inner().unwrap_or_else(|e| e.into_inner());
-    let cells = cells.into_iter().nth(index).flatten().unwrap_or_default();
-    let bytes = postcard::to_stdvec(&cells).map_err(|e| wrong(e.to_string()))?;
-    Ok(PyBytes::new(py, &bytes))
-}
-
-/// The map whose tiles are these, in order.
-#[pyfunction]
-pub fn map_merge<'py>(
-    py: Python<'py>,
-    rig: &Rig,
-    asked: Asked,
-    tiles: Vec<Vec<u8>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let request = asked.request(rig)?;
-    if tiles.len() != request.tiles() {
-        return Err(wrong(format!(
-            "there are {} tiles, must be {}",
-            tiles.len(),
-            request.tiles()
-        )));
-    }
-    let kept = Kept::new(tiles.len());
-    for (i, bytes) in tiles.iter().enumerate() {
-        let cells: Vec<MapCell> = postcard::from_bytes(bytes)
-            .map_err(|e| wrong(format!("tile {i} cannot be read: {e}; compute it again")))?;
-        kept.write(i, &cells).map_err(from_numerics)?;
-    }
-    let made = merge(&request, &kept).map_err(from_numerics)?;
-    arrays(py, &request, &made)
-}
-
-/// Tiles in memory.
-struct Kept {
-    tiles: Mutex<Vec<Option<Vec<MapCell>>>>,
-}
-
-impl Kept {
-    fn new(count: usize) -> Self {
-        Self {
-            tiles: Mutex::new(vec![None; count]),
-        }
-    }
-
-    fn with<T>(&self, act: impl FnOnce(&mut Vec<Option<Vec<MapCell>>>) -> T) -> T {
-        act(&mut self.tiles.lock().unwrap_or_else(|e| e.into_inner()))
-    }
-}
-
-impl Tiles for Kept {
-    fn begin(&self) -> Result<(), Error> {
-        Ok(())
-    }
-
-    fn read(&self, index: usize, cells: usize) -> Option<Vec<MapCell>> {
-        let tile = self.with(|tiles| tiles.get(index).cloned().flatten());
-        tile.filter(|tile| tile.len() == cells)
-    }
-
-    fn write(&self, index: usize, cells: &[MapCell]) -> Result<(), Error> {
-        self.with(|tiles| {
-            if let Some(tile) = tiles.get_mut(index) {
-                *tile = Some(cells.to_vec());
-            }
-        });
-        Ok(())
-    }
 }
 
 /// Axes, layers (row by row: every frequency of the first gap, then of the second) and summary.

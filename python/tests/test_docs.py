@@ -19,7 +19,6 @@ def test_the_examples_of_the_page_run_one_after_the_other(capsys):
         exec(compile(block, "docs/python.md", "exec"), names)
     printed = capsys.readouterr().out
     assert printed.startswith("3.68 Hz, 30 times the weight\n(61, 161)\n"), printed
-    assert (names["whole"].regime == vi.map(names["rig"], **names["asked"]).regime).all()
     # The package's own page shows the same answer; its fields are there.
     short = (ROOT / "python/README.md").read_text()
     fields = re.findall(r"answer\.(\w+)", short)

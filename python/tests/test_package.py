@@ -133,20 +133,6 @@ def test_the_numbers_do_not_depend_on_threads():
     assert all(one[layer].tobytes() == many[layer].tobytes() for layer in one.layers)
 
 
-def test_tiles_by_other_workers_give_the_same_bytes():
-    keywords = dict(gap_mm=np.linspace(0, 2, 30), ratio=np.linspace(1, 4, 150))
-    whole = vi.map(WIRES, **keywords)
-    count = vi.map_tiles(WIRES, **keywords)
-    assert count > 1
-    tiles = [vi.map_tile(WIRES, i, threads=1, **keywords) for i in reversed(range(count))]
-    merged = vi.merge_map(WIRES, reversed(tiles), **keywords)
-    assert all(whole[layer].tobytes() == merged[layer].tobytes() for layer in whole.layers)
-    with pytest.raises(ValueError, match="must be"):
-        vi.merge_map(WIRES, tiles[1:], **keywords)
-    with pytest.raises(ValueError, match="tile 0"):
-        vi.merge_map(WIRES, [b"\xff\xff", *tiles[1:]], **keywords)
-
-
 def test_records_travel_and_print():
     found = vi.map(WIRES, gap_mm=[0.0, 0.5], ratio=[1.9, 2.0, 2.1])
     again = pickle.loads(pickle.dumps(found))

@@ -8,7 +8,7 @@ use crate::support::{Folder, assert_refused};
 
 /// The cheapest form of each. `chapter` has its test in `chapter.rs`, as it takes long.
 const WRITE: &[&str] = &[
-    "pick --samples 0 --cart prescribed --rig mine.toml --report mine.html --report mine.pdf",
+    "pick --samples 0 --cart prescribed --rig mine.toml --report mine.html",
     "pick --samples 0 --cart prescribed --rig mine.toml --gaps 0:0:1 --starts 1",
     "pick --samples 0 --cart prescribed --rig mine.toml --over gap_mm=0",
     "pick --nominal --cart prescribed --rig mine.toml --beside wires",

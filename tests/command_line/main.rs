@@ -22,7 +22,6 @@ mod figures;
 mod link;
 mod made_from;
 mod map;
-mod map_tiles;
 mod modes;
 mod orbits;
 #[cfg(unix)]

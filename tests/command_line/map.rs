@@ -10,7 +10,7 @@ use crate::support::{
 };
 
 /// A map in which much happens, in a moment.
-pub const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
+const SMALL: &str = "map --gap 0:3:1 --ratio 0.9:3.9:0.5 --cycles 120";
 
 const COLUMNS: [&str; 14] = [
     "gap_mm",
@@ -29,10 +29,9 @@ const COLUMNS: [&str; 14] = [
     "cart",
 ];
 
-/// The files of a folder and what they hold, tiles left out.
-pub fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
+/// The files of a folder and what they hold.
+fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
     let names = folder.names().into_iter();
-    let names = names.filter(|name| !name.contains(".tiles/"));
     names
         .map(|name| {
             let bytes = fs::read(folder.path(&name)).expect("a readable file");
@@ -41,12 +40,7 @@ pub fn outputs(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-pub fn tiles(folder: &Folder) -> usize {
-    let names = folder.names();
-    names.iter().filter(|name| name.ends_with(".bin")).count()
-}
-
-pub fn run(folder: &Folder, line: &str) -> String {
+fn run(folder: &Folder, line: &str) -> String {
     folder.run(line).well().out
 }
 
@@ -78,7 +72,21 @@ fn cells_are_what_single_runs_find() {
 }
 
 #[test]
-fn out_holds_pictures_and_tables_that_agree_and_no_tiles() {
+fn threads_change_no_byte() {
+    // The reference has small tiles: 6 × 50 cells are three.
+    let line = "map --gap 0:2.5:0.5 --ratio 1:3.45:0.05 --cycles 20 --reference --out o --quiet";
+    let by = |threads: u32| {
+        let folder = Folder::new();
+        run(&folder, &format!("{line} --threads {threads}"));
+        outputs(&folder)
+    };
+    let one = by(1);
+    assert_eq!(one.len(), 6);
+    assert_eq!(by(2), one);
+}
+
+#[test]
+fn out_holds_pictures_and_tables_that_agree() {
     let folder = Folder::new();
     let line = format!("{SMALL} --format json --out o --quiet");
     let json = run(&folder, &line);
@@ -315,15 +323,7 @@ fn what_cannot_be_is_refused_in_one_line_and_leaves_nothing() {
             ("--beside wires", "two rigs are called wires"),
             ("--beams --rig wires", "cannot be used with"),
             ("--beams --format csv", "do not fit into one table"),
-            ("--tiles 1..1", "contains no tile"),
-            ("--tiles 0/4", "from 1 to the number of shares"),
-            ("--tiles 1..2 --format csv", "add --out DIR"),
-            ("--tiles 0..1 --merge", "cannot be used with"),
-            ("--tiles 0..1 --audit 3", "cannot be used with"),
-            ("--tiles 0..1 --measured odd.csv", "cannot be used with"),
             ("--gap 0 --ratio 2 --audit 2", "the map has 1 cell"),
-            ("--gap 0 --ratio 2 --tiles 0..9", "tiles 0..1"),
-            ("--gap 0 --ratio 2 --merge", "1 of 1 tiles missing"),
             ("--threads 0", "from 1 to 1024"),
             (
                 "--reference --engine switch",

@@ -112,7 +112,7 @@ fn what_cannot_be_is_refused_in_one_line() {
                 "--gaps cannot be used with --objective rop",
             ),
             (
-                "pick --objective rop --threshold-n 25 --report r.pdf",
+                "pick --objective rop --threshold-n 25 --report r.html",
                 "--report cannot be used with --objective rop",
             ),
             (

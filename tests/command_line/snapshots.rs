@@ -145,7 +145,6 @@ const REFUSED: &[&str] = &[
     "sweep --ratio 1:2:0",
     "sweep --ratio 1.5 --measured column.csv",
     "map --gap 0:1:0.5 --ratio 1:2:0.5 --recorded 0",
-    "map --gap 0 --ratio 1.5 --tiles 0..99 --out o",
     "map --gap 0 --ratio 1.5 --beside wires --out o",
     "orbits --gaps 0:1",
     "rig new mine.toml --support wires --mass 298g",

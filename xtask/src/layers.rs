@@ -13,7 +13,7 @@ const EDGE: &[&str] = &[
     "serialport",
     "csv",
     "toml",
-    "ctrlc",
+    "signal-hook",
     "tempfile",
 ];
 

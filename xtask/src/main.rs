@@ -75,8 +75,8 @@ cargo xtask COMMAND
                               many random states (default: 4; needs Python and the network once)
   python [WORDS]              build the Python package into target/python, and run its tests; WORDS go to pytest
   dist [--check]              build what is handed out into target/dist: archive, Python wheel, page, checksums; try the
-                              program in a bare root of an older Debian and the wheel in an environment of its own;
-                              with --check only pack the program of the tests, twice, and look at the archive
+                              wheel in an environment of its own; with --check only pack the program of the tests,
+                              twice, and look at the archive
   site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
                               documentation of the crates and of the Python package, the page; with --check the
                               pages alone

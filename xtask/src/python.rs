@@ -15,13 +15,14 @@ use crate::{
 /// What builds the wheel and runs its tests, beside the package's own `numpy`.
 const PACKAGES: &[&str] = &["maturin>=1.9,<2", "numpy", "pandas", "xarray", "pytest"];
 
-/// What runs the notebooks, and the map that a Dask cluster shares. Without them those tests are left out.
+/// What runs the notebooks, and the map that a Dask cluster makes. Without them those tests are left out.
 const NOTEBOOKS: &[&str] = &[
     "matplotlib",
     "nbclient",
     "nbformat",
     "ipykernel",
     "distributed",
+    "zarr",
 ];
 
 /// Builds the package into `target/python`, and runs its tests with the words given.

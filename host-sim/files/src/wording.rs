@@ -1,8 +1,6 @@
 //! The errors of the analyses in one line each: what is wrong, and the option that mends it. They stand here and not
 //! with the command line because a conversion into [`UserError`] must stand in the package of one of the two types.
 
-use std::ops::Range;
-
 use numerics::Limits;
 use numerics::engine::RATIOS;
 use numerics::error::{
@@ -175,17 +173,7 @@ fn map(error: &MapError) -> String {
         MapError::Settle { settle, cycles } => {
             format!("--settle is {settle}, must be more than the {cycles} drive cycles of a run (--cycles)")
         }
-        MapError::Tiles { range, count } => format!(
-            "--tiles {}..{}: the map has tiles 0..{count}",
-            range.start, range.end
-        ),
-        MapError::MissingTiles { missing, count } => format!(
-            "{} of {count} tiles missing: {}; run these with --tiles, or leave --merge out",
-            missing.len(),
-            ranges(missing)
-        ),
         MapError::AuditCarried => "--audit runs cells alone, and with --direction up or down each begins where its neighbour ended; leave one of the two out".to_owned(),
-        MapError::Store(words) => words.clone(),
     }
 }
 
@@ -402,19 +390,4 @@ fn named(limits: Limits) -> Vec<String> {
     .into_iter()
     .flatten()
     .collect()
-}
-
-/// "0..3, 7..8" of rising numbers; the first few.
-fn ranges(numbers: &[usize]) -> String {
-    const MOST: usize = 5;
-    let mut found: Vec<Range<usize>> = Vec::new();
-    for n in numbers {
-        match found.last_mut() {
-            Some(last) if last.end == *n => last.end += 1,
-            _ => found.push(*n..n + 1),
-        }
-    }
-    let shown: Vec<_> = found.iter().take(MOST).map(|r| format!("{r:?}")).collect();
-    let more = if found.len() > MOST { ", ..." } else { "" };
-    shown.join(", ") + more
 }

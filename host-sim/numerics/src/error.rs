@@ -173,24 +173,8 @@ pub enum MapError {
         /// Cycles all run to.
         cycles: u32,
     },
-    /// Tiles that the map does not have.
-    Tiles {
-        /// From which, and up to which.
-        range: std::ops::Range<usize>,
-        /// How many there are.
-        count: usize,
-    },
-    /// Tiles to put together are not there.
-    MissingTiles {
-        /// Their numbers, rising.
-        missing: Vec<usize>,
-        /// How many the map has.
-        count: usize,
-    },
     /// Single cells cannot be audited where each begins as its neighbour ended.
     AuditCarried,
-    /// The tiles could not be kept; the words are those of whoever keeps them.
-    Store(String),
 }
 
 /// Why basins cannot be computed.

@@ -29,8 +29,6 @@ pub mod drop_test;
 pub mod dual;
 pub mod engine;
 pub mod error;
-#[cfg(test)]
-mod fingerprint;
 #[cfg(not(target_family = "wasm"))]
 pub mod identify;
 pub mod knob;

@@ -68,7 +68,6 @@ mod raster;
 mod render;
 mod series;
 mod shape;
-mod sheet;
 mod svg;
 #[cfg(test)]
 mod tests;
@@ -78,7 +77,6 @@ pub use item::Item;
 pub use palette::{Color, Mark, Stroke, Style};
 pub use raster::{Bar, Raster, edges};
 pub use render::{PNG_SCALE, render_png, render_svg};
-pub use sheet::{Block, render_pdf};
 
 /// A point in data coordinates: `(x, y)` in the units of the two axes.
 pub type Point = (f64, f64);

@@ -16,13 +16,30 @@ static FINISHES: AtomicBool = AtomicBool::new(false);
 /// An interrupt came, and the command is finishing.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Catches interrupts from now on.
+/// Catches interrupts from now on. Without a handler one still ends the program, only with no clearing up.
+#[cfg(unix)]
 pub fn install() {
-    // Without a handler an interrupt still ends the program, only with no clearing up.
-    let _ = ctrlc::set_handler(came);
-    #[cfg(unix)]
-    if let Ok(mut quits) = signal_hook::iterator::Signals::new([signal_hook::consts::SIGQUIT]) {
-        std::thread::spawn(move || quits.forever().for_each(|_| came()));
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+    let signals = [SIGHUP, SIGINT, SIGQUIT, SIGTERM];
+    if let Ok(mut signals) = signal_hook::iterator::Signals::new(signals) {
+        std::thread::spawn(move || signals.forever().for_each(|_| came()));
+    }
+}
+
+/// Catches Ctrl-C from now on, where a signal can set a flag and no more.
+#[cfg(not(unix))]
+pub fn install() {
+    let flag = std::sync::Arc::new(AtomicBool::new(false));
+    let caught = signal_hook::flag::register(signal_hook::consts::SIGINT, flag.clone());
+    if caught.is_ok() {
+        std::thread::spawn(move || {
+            loop {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+                if flag.swap(false, Ordering::SeqCst) {
+                    came();
+                }
+            }
+        });
     }
 }
 

@@ -63,7 +63,7 @@ struct Cli {
 enum Command {
     /// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
     #[command(
-        after_help = "Examples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.pdf\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gaps 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
+        after_help = "Examples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.html\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gaps 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
     )]
     Pick(pick::Args),
     /// Run at one frequency: time history, phase plane, section, regime and force

@@ -121,7 +121,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     };
     let by = |runner| {
         let request = request(rig.clone(), grid.clone(), plan, runner);
-        run(&request, None, progress)
+        run(&request, progress)
     };
     let exact = by(Runner::Reference)?;
     let switch = by(Runner::Switch(Setting::corrected_f32(5e-5)))?;
@@ -189,11 +189,7 @@ fn map_of(name: &str, step: usize, plan: CellPlan, progress: &Progress) -> Resul
         gaps_mm: gaps.into_iter().step_by(step).collect(),
         frequencies_hz: hz.into_iter().step_by(step).collect(),
     };
-    Ok(run(
-        &request(rig, grid, plan, Runner::Lanes),
-        None,
-        progress,
-    )?)
+    Ok(run(&request(rig, grid, plan, Runner::Lanes), progress)?)
 }
 
 fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, UserError> {
@@ -209,11 +205,7 @@ fn detail_map(name: &str, effort: Effort, progress: &Progress) -> Result<Map, Us
         gaps_mm: spread(low * amplitude_mm, high * amplitude_mm, rows),
         frequencies_hz: spread(from * natural_hz, to * natural_hz, columns),
     };
-    Ok(run(
-        &request(rig, grid, plan, Runner::Lanes),
-        None,
-        progress,
-    )?)
+    Ok(run(&request(rig, grid, plan, Runner::Lanes), progress)?)
 }
 
 /// How many cells show a regime.

@@ -24,9 +24,6 @@ from ._analyses import (
     identify,
     lyapunov,
     map,
-    map_tile,
-    map_tiles,
-    merge_map,
     orbits,
     pick,
     poincare,
@@ -36,6 +33,7 @@ from ._analyses import (
 )
 from ._native import Rig, __version__, presets
 from ._records import Grid, Record, Table
+from ._store import map_to_zarr
 
 __all__ = [
     "Basins",
@@ -54,9 +52,7 @@ __all__ = [
     "identify",
     "lyapunov",
     "map",
-    "map_tile",
-    "map_tiles",
-    "merge_map",
+    "map_to_zarr",
     "orbits",
     "pick",
     "poincare",

@@ -318,24 +318,6 @@ def map(  # noqa: A001
     return Map(_native.map(rig, asked, threads, progress))
 
 
-def map_tiles(rig: Rig, **keywords: Any) -> int:
-    """How many tiles the map of :func:`map` with the same arguments has. Tiles are what a cluster shares."""
-    return _native.map_tiles(rig, _asked(**keywords))
-
-
-def map_tile(rig: Rig, index: int, *, threads: int | None = None, **keywords: Any) -> bytes:
-    """One tile of the map, as bytes for :func:`merge_map`; a task for Dask or any other pool of workers.
-
-    ``index`` is from 0 to below :func:`map_tiles`. ``threads=1`` leaves the sharing of processors to the workers.
-    """
-    return _native.map_tile(rig, _asked(**keywords), index, threads, None)
-
-
-def merge_map(rig: Rig, tiles: Iterable[bytes], **keywords: Any) -> Map:
-    """The map whose tiles these are, in order; the same bytes as :func:`map` with the same arguments."""
-    return Map(_native.map_merge(rig, _asked(**keywords), list(tiles)))
-
-
 class Basins(Grid):
     """Basins of attraction. Layers have the shape (velocities, displacements).
 

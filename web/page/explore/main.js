@@ -34,7 +34,7 @@ export async function start(container) {
   const times = {};
 
   const madeFrom = () => ({
-    program: "vibro-impact hammer, page", version: facts.version, kernel_fingerprint: facts.kernel_fingerprint, address: toFragment(state),
+    program: "vibro-impact hammer, page", version: facts.version, address: toFragment(state),
     rig: { name: facts.name, parameters: facts.parameters, cart: state.cart }, gap_mm: state.gap_mm, frequency_ratio: state.ratio, start_a0: state.start,
     options: { map: { cycles: 300, recorded: 100, start: "rest" }, pick: { samples: 256, seed: 1, ...state.limits }, orbit: { cycles: 600, transient: 480 } },
   });

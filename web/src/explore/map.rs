@@ -55,7 +55,7 @@ pub fn map(argument: &[u8]) -> Result<Vec<u8>, String> {
         settle: None,
         from: Direction::Rest,
     };
-    let map = run(&request, None, &()).map_err(|e| files::UserError::from(e).to_string())?;
+    let map = run(&request, &()).map_err(|e| files::UserError::from(e).to_string())?;
     let mut rows = map.cells.chunks(columns);
     let row = |possible: bool| match possible.then(|| rows.next()).flatten() {
         Some(row) => row.to_vec(),

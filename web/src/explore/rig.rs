@@ -77,7 +77,6 @@ struct Whole {
     weight_n: f64,
     amplitude_mm: f64,
     version: &'static str,
-    kernel_fingerprint: &'static str,
 }
 
 /// Everything of a rig that the page shows.
@@ -102,7 +101,6 @@ pub fn rig(argument: &[u8]) -> Result<Vec<u8>, String> {
         amplitude_mm: rig.params.amplitude_m * 1e3,
         name: rig.name,
         version: env!("CARGO_PKG_VERSION"),
-        kernel_fingerprint: numerics::map::KERNEL_FINGERPRINT,
     })
 }
 

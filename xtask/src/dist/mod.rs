@@ -6,7 +6,6 @@ mod build;
 mod expression;
 mod glibc;
 mod licences;
-mod old_debian;
 
 use std::{
     fs,
@@ -16,7 +15,6 @@ use std::{
 
 use archive::Files;
 use build::Linking;
-use serde_json::Value;
 
 use crate::{
     Outcome,
@@ -88,7 +86,6 @@ fn whole() -> Outcome {
     )?;
 
     println!("\n{}", about(&program)?);
-    println!("{}", tried(&program)?);
     println!("{}", wheel_tried(&handed_out)?);
     fs::rename(&part, &place)?;
     for file in fs::read_dir(&place)? {
@@ -167,53 +164,7 @@ fn about(program: &Path) -> Outcome<String> {
     Ok(format!("the program {}", needs(program)?))
 }
 
-/// How far answers may differ from one system to another: the last digits of a sine are the C library's, a search stops within
-/// 1e-7 of its frequency, and a sensitivity is the difference of two searches over a step of about 1 %.
-const SAME: f64 = 1e-4;
-
-/// The program's first answer in a bare root of an older Debian, against the one it gives here.
-fn tried(program: &Path) -> Outcome<String> {
-    let words = ["pick", "--format", "json"];
-    let here = command::output(Command::new(program).args(words).current_dir("/"))?;
-    let there = match old_debian::run(program, &words)? {
-        Ok(there) => there,
-        Err(why) => return Ok(why),
-    };
-    let apart = difference(
-        &serde_json::from_str(&here)?,
-        &serde_json::from_str(&there)?,
-    );
-    let place = old_debian::name();
-    match apart {
-        Some(apart) if apart <= SAME => Ok(format!(
-            "in {place} `pick` gives the same answer as here, its numbers within {apart:.0e}"
-        )),
-        Some(apart) => Err(format!("in {place} numbers of `pick` are {apart:.0e} apart").into()),
-        None => Err(format!("in {place} `pick` gives another answer than here").into()),
-    }
-}
-
-/// The largest relative difference of two answers' numbers; none if anything else in them differs.
-fn difference(one: &Value, other: &Value) -> Option<f64> {
-    match (one, other) {
-        (Value::Number(a), Value::Number(b)) => {
-            let (a, b) = (a.as_f64()?, b.as_f64()?);
-            // What is zero but for rounding is compared with 1.
-            Some((a - b).abs() / a.abs().max(b.abs()).max(1.0))
-        }
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
-            let mut each = a.iter().zip(b).map(|(a, b)| difference(a, b));
-            each.try_fold(0.0, |largest: f64, each| Some(largest.max(each?)))
-        }
-        (Value::Object(a), Value::Object(b)) if a.len() == b.len() => {
-            let mut each = a.iter().map(|(key, a)| difference(a, b.get(key)?));
-            each.try_fold(0.0, |largest: f64, each| Some(largest.max(each?)))
-        }
-        (a, b) => (a == b).then_some(0.0),
-    }
-}
-
-/// The wheel in an environment with nothing else in it, and in a bare root of an older Debian.
+/// The wheel in an environment with nothing else in it.
 fn wheel_tried(files: &[PathBuf]) -> Outcome<String> {
     let wheel = files
         .iter()
@@ -228,23 +179,9 @@ fn wheel_tried(files: &[PathBuf]) -> Outcome<String> {
     let script = "import vibroimpact as vi; print(vi.pick(vi.Rig('wires')).operating_frequency_hz)";
     let mut python = Command::new(place.join("bin/python"));
     let answer = command::output(python.args(["-c", script]).current_dir("/"))?;
-    let old = match old_debian::run_python(python::pip(&place), wheel, script)? {
-        Err(why) => why,
-        Ok(old) => {
-            let [here, there]: [f64; 2] = [answer.trim().parse()?, old.trim().parse()?];
-            if (here - there).abs() > SAME * here {
-                return Err(format!(
-                    "the wheel's pick gives {here} Hz here, {there} Hz in {}",
-                    old_debian::name()
-                )
-                .into());
-            }
-            format!("in {} with its Python {there} Hz", old_debian::name())
-        }
-    };
     fs::remove_dir_all(&place)?;
     Ok(format!(
-        "the wheel, in an environment of its own: pick gives {} Hz; {old}",
+        "the wheel, in an environment of its own: pick gives {} Hz",
         answer.trim()
     ))
 }
@@ -301,23 +238,5 @@ mod tests {
         assert_eq!(Plan::parse(&[]), Ok(Plan::Whole));
         assert_eq!(Plan::parse(&["--check"]), Ok(Plan::Check));
         assert!(Plan::parse(&["--chek"]).unwrap_err().contains("--chek"));
-    }
-
-    #[test]
-    fn answers_are_compared_number_by_number() {
-        let apart = |a: &str, b: &str| {
-            difference(
-                &serde_json::from_str(a).unwrap(),
-                &serde_json::from_str(b).unwrap(),
-            )
-        };
-        assert_eq!(
-            apart("{\"a\": [1, 200]}", "{\"a\": [1, 201]}"),
-            Some(1.0 / 201.0)
-        );
-        assert_eq!(apart("[1e-17, \"x\"]", "[0, \"x\"]"), Some(1e-17));
-        for other in ["[1, \"y\"]", "[1]", "[1, null]", "{}"] {
-            assert_eq!(apart("[1, \"x\"]", other), None, "{other}");
-        }
     }
 }

@@ -1,12 +1,9 @@
 //! The programs that checks and builds need beside the Rust in use. Each is taken from the path where it is there; on
 //! Debian it is unpacked below `target/tools` where it is not; elsewhere the error is the line to type.
 
-mod apt;
 pub mod debian;
 pub mod flip_link;
-pub mod old;
 pub mod toolchain;
-mod tree;
 
 use std::{path::PathBuf, process::Command};
 

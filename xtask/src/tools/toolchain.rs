@@ -158,46 +158,37 @@ impl Toolchain {
     /// `cargo SUBCOMMAND` for the target, to be run in the root of the project,
     /// with a target folder of its own.
     pub fn cargo(&self, subcommand: &str) -> Command {
+        self.cargo_for(TARGET, subcommand, "core", "target/thumb")
+    }
+
+    /// The same for a browser. The module needs 128-bit vectors, which every browser since 2023 has.
+    pub fn wasm_cargo(&self, subcommand: &str) -> Command {
+        let mut command = self.cargo_for(WASM, subcommand, "std,panic_abort", "target/wasm");
+        command.env(
+            "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
+            "-Ctarget-feature=+simd128",
+        );
+        command
+    }
+
+    fn cargo_for(&self, target: &str, subcommand: &str, std: &str, folder: &str) -> Command {
         let mut command = match self {
             Self::InUse(_) => {
                 let mut command = command::cargo();
                 command.arg(subcommand);
                 command
             }
-            Self::Debian { bin, .. } => debian_cargo(bin, subcommand, "core"),
+            Self::Debian { bin, .. } => debian_cargo(bin, subcommand, std),
         };
         if let Some(linker) = self.linker() {
-            command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
+            let name = target.to_uppercase().replace('-', "_");
+            command.env(format!("CARGO_TARGET_{name}_LINKER"), linker);
         }
         // Flags in the environment are the host's (a `target-cpu`, say).
         command
             .env_remove("RUSTFLAGS")
             .env_remove("CARGO_ENCODED_RUSTFLAGS");
-        command.args(["--target", TARGET, "--target-dir", "target/thumb"]);
-        command
-    }
-
-    /// The same for a browser. The module needs 128-bit vectors, which every browser since 2023 has.
-    pub fn wasm_cargo(&self, subcommand: &str) -> Command {
-        let mut command = match self {
-            Self::InUse(_) => {
-                let mut command = command::cargo();
-                command.arg(subcommand);
-                command
-            }
-            Self::Debian { bin, .. } => debian_cargo(bin, subcommand, "std,panic_abort"),
-        };
-        if let Some(linker) = self.linker() {
-            command.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", linker);
-        }
-        command
-            .env_remove("RUSTFLAGS")
-            .env_remove("CARGO_ENCODED_RUSTFLAGS")
-            .env(
-                "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
-                "-Ctarget-feature=+simd128",
-            );
-        command.args(["--target", WASM, "--target-dir", "target/wasm"]);
+        command.args(["--target", target, "--target-dir", folder]);
         command
     }
 

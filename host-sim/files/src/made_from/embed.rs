@@ -107,18 +107,6 @@ pub fn into_csv(table: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
     writer.into_inner().expect("writing to memory cannot fail")
 }
 
-/// A PDF with a comment before the last line but two that holds `made` as JSON.
-pub fn into_pdf(mut bytes: Vec<u8>, made: &MadeFrom) -> Vec<u8> {
-    const END: &[u8] = b"startxref";
-    let Some(at) = bytes.windows(END.len()).rposition(|w| w == END) else {
-        return bytes;
-    };
-    // What stands before keeps its place, to which the table of the file points.
-    let comment = format!("%{KEY} {}\n", compact(made));
-    bytes.splice(at..at, comment.into_bytes());
-    bytes
-}
-
 /// Bytes before the first chunk after the header: the signature (8) and IHDR (12 + 13).
 const PNG_HEAD: usize = 33;
 

@@ -15,7 +15,7 @@ use crate::rigfile;
 use numerics::NamedRig;
 use shared::model::cart::CartDrive;
 
-pub use embed::{into_csv, into_json, into_pdf, into_png, into_svg, pair, stamped};
+pub use embed::{into_csv, into_json, into_png, into_svg, pair, stamped};
 pub use names::{file_name, in_name};
 pub use owner::{refuse_others, says};
 

@@ -9,10 +9,10 @@ use crate::read::read_bytes;
 /// An answer has some megabytes; a file larger than this is none.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Whether the JSON, SVG, PNG, HTML or PDF file at `path` says what it was made from.
+/// Whether the JSON, SVG, PNG or HTML file at `path` says what it was made from.
 pub fn says(path: &Path) -> bool {
     let bytes = read_bytes(path, MOST_BYTES).unwrap_or_default();
-    let ways = ["\"KEY\":", "id=\"KEY\"", "KEY\0", "\n%KEY "];
+    let ways = ["\"KEY\":", "id=\"KEY\"", "KEY\0"];
     let ways = ways.map(|way| way.replace("KEY", KEY));
     let has = |way: &String| bytes.windows(way.len()).any(|w| w == way.as_bytes());
     ways.iter().any(has)

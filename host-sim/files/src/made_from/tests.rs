@@ -103,13 +103,7 @@ fn answers_may_be_replaced_and_nothing_else() {
     assert_eq!(line.lines().count(), 1);
     let png = [b"\x89PNG".as_slice(), &[0; 40]].concat();
     put("b.png", &into_png(png, &made()));
-    let pdf = b"%PDF\nstartxref\n0\n%%EOF\n".to_vec();
-    put("b.pdf", &into_pdf(pdf, &made()));
-    assert!(
-        ["b.png", "b.pdf"]
-            .iter()
-            .all(|name| says(&dir.path().join(name)))
-    );
+    assert!(says(&dir.path().join("b.png")));
 }
 
 #[test]

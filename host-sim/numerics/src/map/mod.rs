@@ -10,20 +10,17 @@ pub mod request;
 mod run;
 pub mod summary;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use shared::model::regime::Regime;
 
 pub use self::agree::{Agreement, Similarity, audit, similarity};
 pub use self::request::{MapRequest, Runner};
-pub use self::run::{Tiles, merge, run, run_tiles};
+pub use self::run::run;
 pub use self::summary::{Share, Strongest, Summary};
 use crate::lanes::Outcome;
 use crate::row::CartModel;
 use crate::row::{self, NamedRig, tidy};
 use crate::sweep::Direction;
-
-/// Stands for the sources that decide what a cell shows. Cells computed by builds with different fingerprints may differ.
-pub const KERNEL_FINGERPRINT: &str = env!("KERNEL_FINGERPRINT");
 
 /// The points of a map.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +56,7 @@ impl Grid {
 }
 
 /// The part of a cell's [`Outcome`] that a map keeps: it has the same size for every cell, and no strobes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapCell {
     /// z = p/n over the recorded cycles.
     pub regime: Regime,

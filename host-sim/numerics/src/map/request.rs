@@ -1,4 +1,4 @@
-//! What is asked of a map, and how it is cut into tiles.
+//! What is asked of a map, and how it is cut into tiles for threads.
 
 use std::ops::Range;
 
@@ -51,10 +51,10 @@ pub struct MapRequest {
     pub from: Direction,
 }
 
-/// Cells of a tile, from rest: some tenths of a second of work for the fast engine, some kilobytes on disk.
+/// Cells of a tile, from rest: some tenths of a second of work for the fast engine.
 const TILE_CELLS: usize = 2048;
 
-/// The same for the slow engines: what an interruption can cost stays below some tens of seconds.
+/// For the slow engines: some tens of seconds of work.
 const SLOW_TILE_CELLS: usize = 128;
 
 /// Gaps of a tile when the state is carried: the gaps run side by side, each along its frequencies.
@@ -63,7 +63,7 @@ const SLOW_TILE_GAPS: usize = 1;
 
 impl MapRequest {
     /// Cells of every tile but the last, which may have fewer. It depends on the request alone.
-    pub fn tile_cells(&self) -> usize {
+    fn tile_cells(&self) -> usize {
         let slow = self.runner != Runner::Lanes;
         match (self.from, slow) {
             (Direction::Rest, false) => TILE_CELLS,
@@ -74,12 +74,12 @@ impl MapRequest {
     }
 
     /// How many tiles there are.
-    pub fn tiles(&self) -> usize {
+    pub(super) fn tiles(&self) -> usize {
         self.grid.len().div_ceil(self.tile_cells().max(1))
     }
 
     /// The cells of a tile: consecutive, row by row.
-    pub fn tile(&self, index: usize) -> Range<usize> {
+    pub(super) fn tile(&self, index: usize) -> Range<usize> {
         let from = index * self.tile_cells();
         from..(from + self.tile_cells()).min(self.grid.len())
     }
@@ -121,24 +121,6 @@ impl MapRequest {
             Some(settle) if settle <= cycles => Err(MapError::Settle { settle, cycles }.into()),
             _ => Ok(()),
         }
-    }
-}
-
-impl MapRequest {
-    /// Refuses tiles that are not there.
-    ///
-    /// # Errors
-    /// If the range ends beyond the last tile.
-    pub fn check_tiles(&self, range: &Range<usize>) -> Result<(), Error> {
-        let count = self.tiles();
-        if range.end <= count {
-            return Ok(());
-        }
-        Err(MapError::Tiles {
-            range: range.clone(),
-            count,
-        }
-        .into())
     }
 }
 

@@ -88,9 +88,7 @@ fn a_map_ends_from_rest_and_carried() {
             from,
         };
         let steps = request.grid.len() as u64;
-        ends_when_asked((steps, at_once), |progress| {
-            map::run(&request, None, progress)
-        });
+        ends_when_asked((steps, at_once), |progress| map::run(&request, progress));
     }
 }
 

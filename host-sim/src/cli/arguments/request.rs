@@ -5,10 +5,10 @@ use clap::{Arg, ArgAction, ArgMatches};
 use files::made_from::{Input, MadeFrom};
 use serde_json::{Map, Value};
 
-/// Options that only say where and how to answer, or how to share out the work: they change no number.
-const ASIDE: [&str; 13] = [
-    "help", "version", "format", "out", "quiet", "threads", "tiles", "merge", "only", "no_log",
-    "show", "csv", "report",
+/// Options that only say where and how to answer, and with how many threads: they change no number.
+const ASIDE: [&str; 11] = [
+    "help", "version", "format", "out", "quiet", "threads", "only", "no_log", "show", "csv",
+    "report",
 ];
 
 /// What a command line asks for.

@@ -5,7 +5,6 @@ mod requests;
 mod text;
 mod written;
 
-use std::ops::Range;
 use std::path::PathBuf;
 
 use answer::Answer;
@@ -16,21 +15,18 @@ use super::arguments::drive::{Drives, chapters};
 use super::arguments::engine::EngineArgs;
 use super::arguments::output::{Format, OutputArgs};
 use super::arguments::rig::{CartArg, RigAtGaps};
-use super::interrupt;
 use super::terminal::print_bytes;
 use crate::progress::Progress;
-use crate::tiles::Store;
 use files::UserError;
 use files::made_from::into_json;
 use files::words::count;
 use numerics::NamedRig;
-use numerics::error::{Error, MapError};
 use numerics::map::{
     self, Map, MapRequest, Summary, agree, measured, measured::Measured, similarity,
 };
 use numerics::sweep::Direction;
 
-/// Exit code: 0; 2 the map could not be made; 130 interrupted, and the finished tiles are kept.
+/// Exit code: 0; 2 the map could not be made; 130 interrupted.
 #[derive(Clone, Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("frequency", chapters))]
 pub struct Args {
@@ -84,14 +80,6 @@ pub struct Args {
     /// Seed of the audit's random cells
     #[arg(long, value_name = "N", default_value_t = 1, requires = "audit")]
     seed: u64,
-
-    /// Compute only tiles A to B − 1 (A..B), or the I-th of N equal shares (I/N), and store them in the output folder
-    #[arg(long, value_name = "A..B|I/N", value_parser = requests::parse_tiles, conflicts_with_all = ["merge", "audit", "measured"])]
-    tiles: Option<requests::Tiles>,
-
-    /// Assemble the map from tiles that are already computed
-    #[arg(long)]
-    merge: bool,
 
     /// Threads [default: one for each processor]
     #[arg(long, value_name = "N")]
@@ -154,9 +142,6 @@ fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
     let output = &args.output;
     for request in requests {
         request.check()?;
-        if let Some(tiles) = args.tiles {
-            request.check_tiles(&tiles.range(request.tiles()))?;
-        }
     }
     if args.audit.is_some() {
         agree::check_audit(&requests[0])?;
@@ -173,11 +158,6 @@ fn check(args: &Args, requests: &[MapRequest]) -> Result<(), UserError> {
     if args.threads.is_some_and(|n| !(1..=1024).contains(&n)) {
         return Err(UserError::new("--threads must be from 1 to 1024"));
     }
-    if output.out.is_none() && (args.tiles.is_some() || args.merge) {
-        return Err(UserError::new(
-            "--tiles and --merge need a folder for the tiles; add --out DIR",
-        ));
-    }
     if output.format == Format::Csv && requests.len() > 1 && output.out.is_none() {
         return Err(UserError::new(
             "several maps do not fit into one table; add --out DIR for a table each, or use --format json",
@@ -192,18 +172,9 @@ fn make(
     points: Option<&[Measured]>,
 ) -> Result<(), UserError> {
     let output = &args.output;
-    let stores = stores(args, requests)?;
     let progress = progress(args, requests);
-    if let Some(tiles) = args.tiles {
-        return share(args, tiles, requests, &stores, &progress);
-    }
-    let maps = match maps(args, requests, &stores, &progress) {
-        Ok(maps) => maps,
-        Err(error) => {
-            stores.into_iter().for_each(Store::remove_if_empty);
-            return Err(error);
-        }
-    };
+    let maps = requests.iter().map(|request| map::run(request, &progress));
+    let maps: Vec<Map> = maps.collect::<Result<_, _>>()?;
     let answer = answer(args, requests, &maps, points, &progress)?;
     progress.finish();
     for (map, summary) in maps.iter().zip(&answer.summaries) {
@@ -219,9 +190,6 @@ fn make(
     if let Some(dir) = &output.out {
         write(output, dir, &answer, points)?;
     }
-    for store in stores {
-        store.remove();
-    }
     let alone = maps.len() == 1;
     match output.format {
         Format::Json => {
@@ -234,37 +202,6 @@ fn make(
     }
 }
 
-fn maps(
-    args: &Args,
-    requests: &[MapRequest],
-    stores: &[Store],
-    progress: &Progress,
-) -> Result<Vec<Map>, UserError> {
-    let one = |(i, request): (usize, &MapRequest)| -> Result<Map, UserError> {
-        let store: Option<&Store> = stores.get(i);
-        match store {
-            Some(store) if args.merge => {
-                map::merge(request, store).map_err(|error| merge_error(error, store))
-            }
-            _ => {
-                let tiles = store.map(|store| store as &dyn map::Tiles);
-                Ok(map::run(request, tiles, progress)?)
-            }
-        }
-    };
-    requests.iter().enumerate().map(one).collect()
-}
-
-/// Adds the folder to the error about missing tiles.
-fn merge_error(error: Error, store: &Store) -> UserError {
-    match error {
-        Error::Map(MapError::MissingTiles { .. }) => {
-            UserError::from(error).at(store.dir().display())
-        }
-        other => other.into(),
-    }
-}
-
 /// The rows that a format needs.
 fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
     match format {
@@ -273,75 +210,10 @@ fn rows(format: Format, map: &Map) -> Vec<map::CellRow> {
     }
 }
 
-/// A folder of tiles in the output folder for each map; none without an output folder.
-fn stores(args: &Args, requests: &[MapRequest]) -> Result<Vec<Store>, UserError> {
-    let Some(dir) = &args.output.out else {
-        return Ok(Vec::new());
-    };
-    let open = |request: &MapRequest| -> Result<Store, UserError> {
-        let dir = dir.join(format!("{}.tiles", file_name(&args.output, request)));
-        let (store, another) = Store::open(&dir, request)?;
-        match another {
-            // Others may have computed them for hours.
-            Some(what) if args.tiles.is_some() || args.merge => Err(UserError::new(format!(
-                "{what}; finish that one, remove the folder, or choose another --out"
-            ))),
-            Some(what) => {
-                args.output
-                    .note(&format!("note: {what}; this map is begun anew"));
-                Ok(store)
-            }
-            None => Ok(store),
-        }
-    };
-    let stores = requests.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-    if !args.output.quiet {
-        interrupt::say_then(format!(
-            "interrupted; the finished tiles are kept in {}: the same command goes on from there",
-            dir.display()
-        ));
-    }
-    Ok(stores)
-}
-
 fn progress(args: &Args, requests: &[MapRequest]) -> Progress {
-    let cells = |request: &MapRequest| match args.tiles {
-        Some(tiles) => {
-            let tiles = tiles.range(request.tiles());
-            tiles.map(|t| request.tile(t).len()).sum::<usize>()
-        }
-        None => request.grid.len(),
-    };
-    let total: usize = requests.iter().map(cells).sum();
+    let total: usize = requests.iter().map(|request| request.grid.len()).sum();
     let total = total + args.audit.unwrap_or(0);
     Progress::new("cells", total as u64, args.output.quiet)
-}
-
-/// Computes some tiles and nothing else.
-fn share(
-    args: &Args,
-    tiles: requests::Tiles,
-    requests: &[MapRequest],
-    stores: &[Store],
-    progress: &Progress,
-) -> Result<(), UserError> {
-    for (request, store) in requests.iter().zip(stores) {
-        let range: Range<usize> = tiles.range(request.tiles());
-        if range.is_empty() {
-            args.output
-                .note("there are more shares than tiles; this share has none");
-            continue;
-        }
-        map::run_tiles(request, range.clone(), store, progress)?;
-        args.output.note(&format!(
-            "tiles {}..{} of {} are in {}; when all are there, the same command with --merge in place of --tiles writes the map",
-            range.start,
-            range.end,
-            request.tiles(),
-            store.dir().display()
-        ));
-    }
-    Ok(())
 }
 
 fn answer<'a>(

@@ -1,7 +1,5 @@
 //! The maps that a command line asks for.
 
-use std::ops::Range;
-
 use clap::ValueEnum;
 
 use super::Args;
@@ -29,52 +27,6 @@ pub enum Against {
     Up,
     /// The state carried down
     Down,
-}
-
-/// Some of a map's tiles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tiles {
-    /// From the first number to before the second.
-    Range(usize, usize),
-    /// The first number counts shares from 1, the second says how many there are.
-    Share(usize, usize),
-}
-
-impl Tiles {
-    /// Of `count` tiles.
-    pub fn range(self, count: usize) -> Range<usize> {
-        match self {
-            Self::Range(from, to) => from..to,
-            Self::Share(i, n) => (i - 1) * count / n..i * count / n,
-        }
-    }
-}
-
-/// `A..B` or `I/N`.
-pub fn parse_tiles(text: &str) -> Result<Tiles, String> {
-    let wrong = || "write A..B, for example 0..10, or I/N, for example 1/20".to_owned();
-    let numbers = |pair: Option<(&str, &str)>| {
-        let (a, b) = pair?;
-        Some((
-            a.trim().parse::<usize>().ok()?,
-            b.trim().parse::<usize>().ok()?,
-        ))
-    };
-    if let Some((from, to)) = numbers(text.split_once("..")) {
-        if from < to {
-            return Ok(Tiles::Range(from, to));
-        }
-        return Err(format!(
-            "{from}..{to} contains no tile; the second number is not included"
-        ));
-    }
-    let (i, n) = numbers(text.split_once('/')).ok_or_else(wrong)?;
-    if 1 <= i && i <= n && n <= 1_000_000 {
-        return Ok(Tiles::Share(i, n));
-    }
-    Err(format!(
-        "{i}/{n}: the share must be from 1 to the number of shares"
-    ))
 }
 
 /// The maps to make: the rig's, those beside it, and the one to compare with last.
@@ -220,24 +172,4 @@ pub fn name(request: &MapRequest) -> String {
         "map-{}{from}{runner}",
         files::made_from::in_name(&request.rig.name)
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_are_read_and_shares_cover_every_tile_once() {
-        assert_eq!(parse_tiles("3..7"), Ok(Tiles::Range(3, 7)));
-        assert_eq!(parse_tiles("2/20"), Ok(Tiles::Share(2, 20)));
-        for bad in ["", "3", "7..3", "3..3", "0/4", "5/4", "-1..2", "a/b", "1/0"] {
-            assert!(parse_tiles(bad).is_err(), "{bad}");
-        }
-        for (tiles, shares) in [(103, 20), (3, 5), (1, 1), (0, 2)] {
-            let all: Vec<usize> = (1..=shares)
-                .flat_map(|i| Tiles::Share(i, shares).range(tiles))
-                .collect();
-            assert_eq!(all, (0..tiles).collect::<Vec<_>>());
-        }
-    }
 }

@@ -47,9 +47,9 @@ pub struct Args {
     #[arg(long, value_name = "RIG[,KEY=VALUE]", conflicts_with_all = ["all", "gaps"])]
     beside: Vec<String>,
 
-    /// Also write a report of one page: answer, picture, assumptions, what to measure first; may be given for both
-    #[arg(long, value_name = "FILE.html|FILE.pdf", conflicts_with_all = ["all", "gaps", "beside"], help_heading = "Output")]
-    report: Vec<PathBuf>,
+    /// Also write a report of one page, to print: answer, picture, assumptions, what to measure first
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["all", "gaps", "beside"], help_heading = "Output")]
+    report: Option<PathBuf>,
 
     /// Pick at each of these gaps (mm), and advise at which to run
     #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, conflicts_with_all = ["all", "gap"])]
@@ -130,7 +130,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let limits = limits(args)?;
     let springs = args.springs.springs()?;
     args.uncertainty.check()?;
-    report::check(&args.report)?;
+    args.report.as_deref().map_or(Ok(()), report::check)?;
     if args.objective == Objective::Rop {
         return for_progress(args, output, limits);
     }
@@ -181,11 +181,9 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     if let Some(dir) = &output.out {
         write(output, dir, &picks)?;
     }
-    if let ([rig], [pick]) = (rigs.as_slice(), picks.as_slice()) {
-        for file in &args.report {
-            let before = report::write(file, rig, pick, output.made_from())?;
-            output.note(&format!("wrote {}{}", file.display(), replaced(before)));
-        }
+    if let (Some(file), [rig], [pick]) = (&args.report, rigs.as_slice(), picks.as_slice()) {
+        let before = report::write(file, rig, pick, output.made_from())?;
+        output.note(&format!("wrote {}{}", file.display(), replaced(before)));
     }
     let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
     output.emit(&json(&picks)?, &rows, || {
@@ -204,7 +202,7 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
         ("--beside", !args.beside.is_empty()),
         ("--gaps", args.gaps.is_some()),
         ("--over", args.over.is_some()),
-        ("--report", !args.report.is_empty()),
+        ("--report", args.report.is_some()),
         ("--want-force-n", args.want_force_n.is_some()),
     ];
     if let Some((option, _)) = others.iter().find(|(_, given)| *given) {

@@ -1,58 +1,46 @@
-//! `pick --report`: the answer on one page, as HTML or PDF.
+//! `pick --report`: the answer on one page of HTML, which prints on one sheet.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::measure_first::{by_what_they_leave_open, known_to, left_open};
 use super::text::{force, head, lines};
 use crate::pictures::pick::{MARKS, figure};
-use files::made_from::{self, MadeFrom, into_pdf, into_svg};
+use files::made_from::{self, MadeFrom, into_svg};
 use files::words::digits::significant;
 use files::words::pick::why;
 use files::{UserError, rigfile};
 use numerics::CartModel;
 use numerics::NamedRig;
 use numerics::pick::Pick;
-use plot::{Block, PictureError, render_pdf, render_svg};
+use plot::render_svg;
 
 /// Parameters named under "what to measure first".
 const MOST_MEASURED: usize = 6;
-/// Refuses a report whose kind is not known, one that could not be written, and a file that is no report of this
-/// program, before any work is done.
+
+/// Refuses a report of another kind, one that could not be written, and a file that is no report of this program, before
+/// any work is done.
 ///
 /// # Errors
-/// If there is one.
-pub fn check(reports: &[PathBuf]) -> Result<(), UserError> {
-    for file in reports {
-        kind(file)?;
-        let dir = file.parent().filter(|dir| !dir.as_os_str().is_empty());
-        files::write::check_folder(dir.unwrap_or(Path::new(".")))?;
-        let there = file.symlink_metadata();
-        if there.is_ok_and(|there| !there.is_symlink()) && !made_from::says(file) {
-            return Err(UserError::new(format!(
-                "--report {}: what is there is no report of this program; choose another name",
-                file.display()
-            )));
-        }
+/// If it is one.
+pub fn check(file: &Path) -> Result<(), UserError> {
+    let ending = file.extension().and_then(|e| e.to_str());
+    let ending = ending.map(str::to_ascii_lowercase);
+    if !matches!(ending.as_deref(), Some("html" | "htm")) {
+        return Err(UserError::new(format!(
+            "--report {}: a report is FILE.html, which a browser prints as PDF",
+            file.display()
+        )));
+    }
+    let dir = file.parent().filter(|dir| !dir.as_os_str().is_empty());
+    files::write::check_folder(dir.unwrap_or(Path::new(".")))?;
+    let there = file.symlink_metadata();
+    if there.is_ok_and(|there| !there.is_symlink()) && !made_from::says(file) {
+        return Err(UserError::new(format!(
+            "--report {}: what is there is no report of this program; choose another name",
+            file.display()
+        )));
     }
     Ok(())
-}
-
-enum Kind {
-    Html,
-    Pdf,
-}
-
-fn kind(file: &Path) -> Result<Kind, UserError> {
-    let ending = file.extension().and_then(|e| e.to_str());
-    match ending.map(str::to_ascii_lowercase).as_deref() {
-        Some("html" | "htm") => Ok(Kind::Html),
-        Some("pdf") => Ok(Kind::Pdf),
-        _ => Err(UserError::new(format!(
-            "--report {}: a report is FILE.html or FILE.pdf",
-            file.display()
-        ))),
-    }
 }
 
 /// Writes the report of `pick` into `file`. Returns whether it replaced one.
@@ -60,38 +48,53 @@ fn kind(file: &Path) -> Result<Kind, UserError> {
 /// # Errors
 /// If it cannot be drawn or written.
 pub fn write(file: &Path, rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Result<bool, UserError> {
-    let title = format!("{}, {}", head(&pick.answer), force(&pick.answer));
-    let blocks = blocks(rig, pick, made);
-    let refused = |error: PictureError| UserError::new(error.to_string());
-    let bytes = match kind(file)? {
-        Kind::Html => html(&title, &blocks, made).map_err(refused)?.into_bytes(),
-        Kind::Pdf => into_pdf(render_pdf(&title, &blocks).map_err(refused)?, made),
-    };
-    Ok(files::write::write(file, bytes)?)
+    let answer = &pick.answer;
+    // The page has the sentence already.
+    let picture = figure(std::slice::from_ref(pick)).subtitle(MARKS);
+    let picture = render_svg(&picture).map_err(|e| UserError::new(e.to_string()))?;
+    let assumptions = [
+        ("rig", parameters(rig, pick)),
+        ("uncertainty", uncertainty(pick)),
+        (
+            "made by",
+            format!(
+                "host-sim {}, from the model alone: no result of this program has been compared with a measurement",
+                env!("CARGO_PKG_VERSION")
+            ),
+        ),
+        ("command", made.command.clone()),
+        ("date and name", "_".repeat(40)),
+    ];
+    let page = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <title>{0}</title>\n<style>{STYLE}</style></head><body>\n<h1>{0}</h1>\n\
+         <p>{1}</p>\n<figure>{2}</figure>\n{3}{4}{5}</body></html>\n",
+        escaped(&format!("{}, {}", head(answer), force(answer))),
+        escaped(&why(answer)),
+        into_svg(&picture, made),
+        section("The answer", lines(answer)),
+        section("What to measure first", measure_first(pick)),
+        section("Assumptions", assumptions),
+    );
+    Ok(files::write::write(file, page)?)
 }
 
-/// What the page says, in order.
-fn blocks(rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Vec<Block> {
-    let answer = &pick.answer;
-    let heading = |text: &str| Block::Heading(text.to_owned());
-    let row = |name: &str, text: String| Block::Row(name.to_owned(), text);
-    let mut blocks = vec![
-        Block::Paragraph(why(answer)),
-        // The page has the sentence already.
-        Block::Picture(figure(std::slice::from_ref(pick)).subtitle(MARKS)),
-        heading("The answer"),
-    ];
-    blocks.extend(
-        lines(answer)
-            .into_iter()
-            .map(|(name, text)| row(name, text)),
-    );
-    blocks.push(heading("What to measure first"));
-    for slope in by_what_they_leave_open(answer)
-        .into_iter()
-        .take(MOST_MEASURED)
-    {
-        let force = slope.force_percent;
+/// A heading and rows of a name and what is said of it.
+fn section<'a>(heading: &str, rows: impl IntoIterator<Item = (&'a str, String)>) -> String {
+    let rows = rows.into_iter();
+    let rows =
+        rows.map(|(name, text)| format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(&text)));
+    format!(
+        "<h2>{heading}</h2>\n<dl>\n{}</dl>\n",
+        rows.collect::<String>()
+    )
+}
+
+/// Parameters, with what each leaves open.
+fn measure_first(pick: &Pick) -> impl Iterator<Item = (&str, String)> {
+    let slopes = by_what_they_leave_open(&pick.answer).into_iter();
+    slopes.take(MOST_MEASURED).map(|slope| {
         let open = match left_open(slope) {
             Some([_, open]) => format!(
                 "known to {}, which leaves the force open by {open} %; ",
@@ -99,22 +102,12 @@ fn blocks(rig: &NamedRig, pick: &Pick, made: &MadeFrom) -> Vec<Block> {
             ),
             None => String::new(),
         };
-        let what = format!("{open}{force:+.2} % of force per {}", slope.per);
-        blocks.push(row(slope.parameter, what));
-    }
-    blocks.push(heading("Assumptions"));
-    blocks.push(row("rig", parameters(rig, pick)));
-    blocks.push(row("uncertainty", uncertainty(pick)));
-    blocks.push(row(
-        "made by",
-        format!(
-            "host-sim {}, from the model alone: no result of this program has been compared with a measurement",
-            env!("CARGO_PKG_VERSION")
-        ),
-    ));
-    blocks.push(row("command", made.command.clone()));
-    blocks.push(row("date and name", "_".repeat(40)));
-    blocks
+        let what = format!(
+            "{open}{:+.2} % of force per {}",
+            slope.force_percent, slope.per
+        );
+        (slope.parameter, what)
+    })
 }
 
 /// Every parameter, as a rig file has it; the amplitude is the answer's, which may be lower or chosen.
@@ -180,41 +173,9 @@ svg{max-width:100%;height:auto}figure{margin:.8rem 0}\
 dl{display:grid;grid-template-columns:12rem 1fr;gap:.25rem 1rem;margin:0}\
 dt{font-weight:600;color:#555}dd{margin:0}\
 @media(max-width:600px){dl{grid-template-columns:1fr}}\
-@media print{body{font-size:9.5pt;padding:0}}";
-
-/// A page that needs no other file.
-fn html(title: &str, blocks: &[Block], made: &MadeFrom) -> Result<String, PictureError> {
-    let mut out = format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-         <title>{0}</title>\n<style>{STYLE}</style></head><body>\n<h1>{0}</h1>\n",
-        escaped(title)
-    );
-    let mut listing = false;
-    for block in blocks {
-        let row = matches!(block, Block::Row(..));
-        if row != listing {
-            out += if row { "<dl>\n" } else { "</dl>\n" };
-            listing = row;
-        }
-        // Writing to a string cannot fail.
-        let _ = match block {
-            Block::Heading(text) => writeln!(out, "<h2>{}</h2>", escaped(text)),
-            Block::Paragraph(text) => writeln!(out, "<p>{}</p>", escaped(text)),
-            Block::Row(name, text) => {
-                writeln!(out, "<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(text))
-            }
-            Block::Picture(figure) => {
-                let svg = into_svg(&render_svg(figure)?, made);
-                writeln!(out, "<figure>{svg}</figure>")
-            }
-        };
-    }
-    if listing {
-        out += "</dl>\n";
-    }
-    Ok(out + "</body></html>\n")
-}
+@page{size:A4;margin:12mm}\
+@media print{body{font-size:8pt;line-height:1.3;max-width:none;padding:0}h1{font-size:12pt}h2{font-size:9.5pt;margin:2mm 0 1mm}\
+p{margin:1mm 0}figure{margin:1mm 0;text-align:center}svg{max-height:95mm}dl{grid-template-columns:38mm 1fr;gap:.4mm 4mm}}";
 
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")

@@ -1,10 +1,13 @@
 //! What a long run costs: interrupts, masks, stack, losses, and the bounds of a block's cycles.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use host_sim::progress::Progress;
 use shared::link::ToBoard;
+use signal_hook::consts::TERM_SIGNALS;
+use signal_hook::flag;
 
 use super::session::Bench;
 use super::{Found, Setup, must};
@@ -19,20 +22,16 @@ const PAINT: [u8; 4] = [0xcc; 4];
 const DEADLINE: u64 = 88_380;
 const BLOCK: u64 = 90_000;
 
-/// The benchmark runs, and an interrupt (Ctrl-C, SIGTERM) ends it early.
-static RUNS: AtomicBool = AtomicBool::new(false);
-/// An interrupt has come.
-static ENDS: AtomicBool = AtomicBool::new(false);
-
-/// The first interrupt ends the benchmark, which then says what it has found so far; any other ends the program.
-fn end_at_an_interrupt() {
-    RUNS.store(true, Ordering::SeqCst);
-    // Without a handler an interrupt ends the program at once.
-    let _ = ctrlc::set_handler(|| {
-        if !RUNS.load(Ordering::SeqCst) || ENDS.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
-        }
-    });
+/// True once an interrupt (Ctrl-C, SIGTERM) has come: the first ends the benchmark, which then says what it has found so far;
+/// any after it ends the program.
+fn interrupted() -> Arc<AtomicBool> {
+    let came = Arc::new(AtomicBool::new(false));
+    for signal in TERM_SIGNALS {
+        // Without a handler an interrupt ends the program at once.
+        let _ = flag::register_conditional_shutdown(*signal, 130, came.clone());
+        let _ = flag::register(*signal, came.clone());
+    }
+    came
 }
 
 /// The field scenario from the first pulse on, streaming at full rate.
@@ -55,15 +54,15 @@ pub fn benchmark(setup: &Setup) -> Found {
     let end = from + (setup.seconds * UNITS_PER_S as f64) as u64;
     let mut streamed = 0u64;
     let progress = Progress::new("seconds of rig time", setup.seconds as u64, false);
-    end_at_an_interrupt();
-    while bench.now() < end && !ENDS.load(Ordering::SeqCst) {
+    let ends = interrupted();
+    while bench.now() < end && !ends.load(Ordering::SeqCst) {
         bench.rig.borrow_mut().forget_changes();
         progress.inc(((bench.now() - from) / UNITS_PER_S).saturating_sub(progress.done()));
         streamed += u64::from(bench.client.streamed(Duration::from_millis(1))?.is_some());
     }
     let seconds = (bench.now() - from) as f64 / UNITS_PER_S as f64;
     progress.finish();
-    RUNS.store(false, Ordering::SeqCst);
+    ends.store(true, Ordering::SeqCst);
     let took_s = began.elapsed().as_secs_f64();
     let lost = bench.client.lost();
     bench.client.tell(ToBoard::StreamFrames { on: false })?;
