@@ -37,12 +37,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let all = statements(effort, &hidden)?;
     progress.inc(AREAS);
     progress.finish();
-    if let Some(dir) = &output.out {
-        let mut contents = output.tables(&output.name(""), &all, &all)?;
-        contents.push((output.name(".md"), text(&all).into_bytes()));
-        output.write(dir, contents)?;
-    }
-    output.emit(&all, &all, || text(&all))
+    let page = || Ok(vec![(output.name(".md"), text(&all).into_bytes())]);
+    output.answer(&all, &all, page, || text(&all))
 }
 
 /// The page as Markdown.

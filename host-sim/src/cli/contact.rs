@@ -4,7 +4,6 @@ use super::arguments::output::OutputArgs;
 use super::arguments::range::range_or_value;
 use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
-use crate::pictures::drawn;
 use files::UserError;
 use numerics::NamedRig;
 use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
@@ -59,13 +58,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     for (name, law) in &case.laws {
         all.extend(rows(name, *law, case.mass_kg, &case.speeds)?);
     }
-    if let Some(dir) = &output.out {
-        let figure = figure(&case, &all)?;
-        let mut contents = drawn(&output.name(""), &figure)?;
-        contents.extend(output.tables(&output.name(""), &all, &all)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&all, &all, || text(&case, &all))
+    let picture = || output.picture(&figure(&case, &all)?);
+    output.answer(&all, &all, picture, || text(&case, &all))
 }
 
 fn case(args: &Args) -> Result<Case, UserError> {

@@ -82,10 +82,7 @@ impl CoverageArgs {
             seed: self.seed,
             rows: &rows,
         };
-        if let Some(dir) = &output.out {
-            output.write(dir, output.tables(&output.name(""), &answer, &rows)?)?;
-        }
-        output.emit(&answer, &rows, || self.text(&rows))
+        output.answer(&answer, &rows, || Ok(Vec::new()), || self.text(&rows))
     }
 
     fn text(&self, rows: &[Row]) -> String {

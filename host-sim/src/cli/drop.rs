@@ -3,7 +3,6 @@
 use super::arguments::choice::{Choice, choice};
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::RigArgs;
-use crate::pictures::drawn;
 use files::UserError;
 use numerics::drop_test::{Converter, DropTest, Row, record};
 use plot::chart::Chart;
@@ -158,12 +157,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &output.about([&rig])?;
     let test = test(args)?;
     let rows = record(&rig.params, &test)?;
-    if let Some(dir) = &output.out {
-        let mut contents = drawn(&output.name(""), &figure(&rig.name, &test, &rows))?;
-        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&rows, &rows, || text(&rig.name, &test, &rows))
+    let picture = || output.picture(&figure(&rig.name, &test, &rows));
+    output.answer(&rows, &rows, picture, || text(&rig.name, &test, &rows))
 }
 
 /// The value of an option if it is in its range.

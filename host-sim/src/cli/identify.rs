@@ -10,7 +10,6 @@ use super::arguments::rig::RigArgs;
 use super::coverage::CoverageArgs;
 use super::drop::within;
 use crate::pictures;
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
@@ -165,15 +164,13 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     };
     refuse(&answer, args.all_laws)?;
     let rows = rows(&fits);
-    if let Some(dir) = &output.out {
-        let mut contents = drawn(&output.name(""), &figure(&rig, &measured, &fits, &settings))?;
-        contents.extend(output.tables(&output.name(""), &answer, &rows)?);
-        if let Some(fit) = fits.first() {
-            contents.push((output.name("-impacts.csv"), to_csv(&fit.impacts)));
-        }
-        output.write(dir, contents)?;
-    }
-    output.emit(&answer, &rows, || text(&answer))
+    let files = || {
+        let mut files = output.picture(&figure(&rig, &measured, &fits, &settings))?;
+        let impacts = |fit: &Fit| (output.name("-impacts.csv"), to_csv(&fit.impacts));
+        files.extend(fits.first().map(impacts));
+        Ok(files)
+    };
+    output.answer(&answer, &rows, files, || text(&answer))
 }
 
 /// An error if none of the laws fits: there is no answer then.

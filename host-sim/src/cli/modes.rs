@@ -7,7 +7,6 @@ use super::arguments::cycles::CycleArgs;
 use super::arguments::drive::Drives;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, Row, Tip};
@@ -115,12 +114,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         modes: &modes,
         rows: &rows,
     };
-    if let Some(dir) = &output.out {
-        let mut files = drawn(&output.name(""), &figure(&rows, &args.modes))?;
-        files.extend(output.tables(&output.name(""), &answer, &rows)?);
-        output.write(dir, files)?;
-    }
-    output.emit(&answer, &rows, || text(&modes, &rows, &args.modes))
+    let picture = || output.picture(&figure(&rows, &args.modes));
+    output.answer(&answer, &rows, picture, || text(&modes, &rows, &args.modes))
 }
 
 /// What is computed, for text and picture.

@@ -4,7 +4,6 @@ use super::arguments::cycles::parse_start;
 use super::arguments::drive::Drive;
 use super::arguments::output::OutputArgs;
 use super::arguments::rig::{CartArg, RigArgs};
-use crate::pictures::drawn;
 use crate::pictures::poincare::{against_figure, figure};
 use crate::progress::Progress;
 use files::UserError;
@@ -144,12 +143,8 @@ fn run_section(
     progress.finish();
     let rows: Vec<SectionPoint> = portrait.sections.iter().flatten().copied().collect();
     let answer = Answer::new(&rig.name, request, &portrait, exponents);
-    if let Some(dir) = &output.out {
-        let mut contents = output.tables(&output.name(""), &answer, &rows)?;
-        contents.extend(drawn(&output.name(""), &figure(rig, request, &portrait))?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&answer, &rows, || text(&answer, &portrait))
+    let picture = || output.picture(&figure(rig, request, &portrait));
+    output.answer(&answer, &rows, picture, || text(&answer, &portrait))
 }
 
 fn exponents(request: &SectionRequest) -> Result<Exponents, UserError> {
@@ -241,13 +236,8 @@ fn run_against(
     let found = against::against(request, widths, &progress)?;
     progress.finish();
     let rows = found.rows();
-    if let Some(dir) = &output.out {
-        let mut contents = output.tables(&output.name(""), &rows, &rows)?;
-        let figure = against_figure(rig, request, &found);
-        contents.extend(drawn(&output.name(""), &figure)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&rows, &rows, || {
+    let picture = || output.picture(&against_figure(rig, request, &found));
+    output.answer(&rows, &rows, picture, || {
         heading(rig, request) + &against_text(&found, &rows)
     })
 }

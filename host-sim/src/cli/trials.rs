@@ -5,7 +5,6 @@ mod long;
 use serde::Serialize;
 
 use super::arguments::output::OutputArgs;
-use crate::pictures::drawn;
 use crate::pictures::trials::figure;
 use crate::progress::Progress;
 use emulator::trials::long::LongTrial;
@@ -114,12 +113,8 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         distributions: &lines,
         trials: &rows,
     };
-    if let Some(dir) = &output.out {
-        let mut contents = drawn(&output.name(""), &figure(&names, &outcomes, seconds))?;
-        contents.extend(output.tables(&output.name(""), &answer, &rows)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&answer, &rows, || {
+    let picture = || output.picture(&figure(&names, &outcomes, seconds));
+    output.answer(&answer, &rows, picture, || {
         text(outcomes.len(), seconds, args.seed, &lines)
     })
 }

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use plot::Figure;
 use serde::Serialize;
 
 use super::request::Request;
 use crate::cli::terminal::{print, print_bytes, say};
+use crate::pictures::drawn;
 use files::made_from::{self, MadeFrom, file_name, refuse_others};
 use files::table::to_csv;
 use files::write::Written;
@@ -244,6 +246,34 @@ impl OutputArgs {
         text: impl FnOnce() -> String,
     ) -> Result<(), UserError> {
         emit(self.format, Some(self.made_from()), answer, rows, text)
+    }
+
+    /// The whole answer: where a folder was asked for, the files of `pictures`, `NAME.csv` and `NAME.json`; then what
+    /// [`emit`] writes.
+    ///
+    /// # Errors
+    /// If a picture cannot be made, a file not be written, or the answer has no form in this format.
+    pub fn answer<A: Serialize + ?Sized, T: Serialize>(
+        &self,
+        answer: &A,
+        rows: &[T],
+        pictures: impl FnOnce() -> Result<Contents, UserError>,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), UserError> {
+        if let Some(dir) = &self.out {
+            let mut contents = pictures()?;
+            contents.extend(self.tables(&self.name(""), answer, rows)?);
+            self.write(dir, contents)?;
+        }
+        self.emit(answer, rows, text)
+    }
+
+    /// The files of the answer's picture.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn picture(&self, figure: &Figure) -> Result<Contents, UserError> {
+        drawn(&self.name(""), figure)
     }
 
     /// The files of an answer: `NAME.csv` and `NAME.json`.

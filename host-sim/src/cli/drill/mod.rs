@@ -94,18 +94,15 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     let answer = answer(args, &rig, output)?;
-    if let Some(dir) = &output.out {
-        let mut files = drawn(
-            &output.name(""),
-            &curves(&answer.rows, &answer.advice, &answer.fastest_of_all),
-        )?;
+    let pictures = || {
+        let curves = curves(&answer.rows, &answer.advice, &answer.fastest_of_all);
+        let mut files = output.picture(&curves)?;
         if answer.gaps.len() > 1 {
             files.extend(drawn(&output.name("-map"), &map(&answer.rows))?);
         }
-        files.extend(output.tables(&output.name(""), &answer, &answer.rows)?);
-        output.write(dir, files)?;
-    }
-    output.emit(&answer, &answer.rows, || text::text(&answer))
+        Ok(files)
+    };
+    output.answer(&answer, &answer.rows, pictures, || text::text(&answer))
 }
 
 fn answer(args: &Args, rig: &NamedRig, output: &OutputArgs) -> Result<Answer, UserError> {

@@ -4,7 +4,6 @@ use serde::Serialize;
 
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::parse_range;
-use crate::pictures::drawn;
 use crate::pictures::drill::drifting;
 use crate::progress::Progress;
 use files::UserError;
@@ -124,14 +123,12 @@ pub fn run(args: &Oscillator, settle: u32, output: &OutputArgs) -> Result<(), Us
         stretches: &stretches,
         rows: &rows,
     };
-    if let Some(dir) = &output.out {
-        let mut files = drawn(&output.name(""), &drifting(&rows))?;
-        files.extend(output.tables(&output.name(""), &answer, &rows)?);
-        let points = points(&rows);
-        files.push((output.name("-points.csv"), to_csv(&points)));
-        output.write(dir, files)?;
-    }
-    output.emit(&answer, &rows, || text(&stretches, &rows))
+    let files = || {
+        let mut files = output.picture(&drifting(&rows))?;
+        files.push((output.name("-points.csv"), to_csv(&points(&rows))));
+        Ok(files)
+    };
+    output.answer(&answer, &rows, files, || text(&stretches, &rows))
 }
 
 fn check(option: &str, value: f64, low: f64, high: f64) -> Result<(), UserError> {

@@ -4,7 +4,6 @@ use super::{Args, Axis, end_words, ends, ratios};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::{parse_finite, rising};
 use crate::pictures;
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::{UserError, rigfile};
 use numerics::NamedRig;
@@ -93,13 +92,8 @@ pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserE
             answer.not_followed + found.seeds.len()
         ));
     }
-    if let Some(dir) = &output.out {
-        let figure = pictures::two::figure(&rig.name, &plane, &answer);
-        let mut contents = drawn(&output.name(""), &figure)?;
-        contents.extend(output.tables(&output.name(""), &answer, &answer.points)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&answer, &answer.points, || text(&answer))
+    let picture = || output.picture(&pictures::two::figure(&rig.name, &plane, &answer));
+    output.answer(&answer, &answer.points, picture, || text(&answer))
 }
 
 /// The plane asked for: what the command varies and the one `--curve`, or the two.

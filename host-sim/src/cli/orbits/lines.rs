@@ -5,7 +5,6 @@ use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::parse_range;
 use crate::cli::arguments::rig::at_gap;
 use crate::pictures;
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use numerics::CartModel;
@@ -40,13 +39,9 @@ pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserE
     let lines = curves::lines(&rig.params, &gaps_m, ratios, starts, &progress)?;
     progress.finish();
     let rows = line_rows(&rig.params, &lines);
-    if let Some(dir) = &output.out {
-        let figure = pictures::orbits::lines_figure(&rig.name, &rig.params, &lines);
-        let mut contents = drawn(&output.name(""), &figure)?;
-        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&rows, &rows, || curves_text(rig, &rows))
+    let figure = || pictures::orbits::lines_figure(&rig.name, &rig.params, &lines);
+    let picture = || output.picture(&figure());
+    output.answer(&rows, &rows, picture, || curves_text(rig, &rows))
 }
 
 fn curves_text(rig: &NamedRig, rows: &[SpecialRow]) -> String {

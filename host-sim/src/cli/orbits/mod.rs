@@ -11,7 +11,6 @@ use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::rising;
 use crate::cli::arguments::rig::{CartArg, RigArgs, at_gap};
 use crate::pictures;
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use files::decimal::hint;
@@ -116,14 +115,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             answer.failed_simulations, answer.simulations
         ));
     }
-    if let Some(dir) = &output.out {
+    let picture = || {
         let behind = pictures::orbits::simulated(&found, usize::from(args.behind))?;
-        let figure = pictures::orbits::figure(&rig.name, &found, &behind);
-        let mut contents = drawn(&output.name(""), &figure)?;
-        contents.extend(output.tables(&output.name(""), &answer, &answer.orbits)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&answer, &answer.orbits, || text(&answer))
+        output.picture(&pictures::orbits::figure(&rig.name, &found, &behind))
+    };
+    output.answer(&answer, &answer.orbits, picture, || text(&answer))
 }
 
 fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {

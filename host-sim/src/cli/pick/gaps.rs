@@ -3,7 +3,6 @@
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::parse_range;
 use crate::cli::arguments::rig::at_gap;
-use crate::pictures::drawn;
 use crate::pictures::gaps::figure;
 use crate::progress::Progress;
 use crate::words::gaps::{GapRow, GapTable};
@@ -69,13 +68,8 @@ pub fn run(
     let advice = GapTable::from(&advice);
     let cart = CartModel::of(&rig.params).words();
     progress.finish();
-    if let Some(dir) = &output.out {
-        let name = output.name("");
-        let mut contents = drawn(&name, &figure(&advice, cart))?;
-        contents.extend(output.tables(&name, &advice, &advice.gaps)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&advice, &advice.gaps, || {
+    let picture = || output.picture(&figure(&advice, cart));
+    output.answer(&advice, &advice.gaps, picture, || {
         format!("{}, {cart}: {}", rig.name, describe(&advice, uncertainty))
     })
 }

@@ -6,7 +6,6 @@ use crate::cli::arguments::over::Over;
 use crate::cli::interrupt;
 use crate::kept::Kept;
 use crate::pictures;
-use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::words::over::{OverRow, of_rig, summary};
 use files::words::digits::{decimals, significant};
@@ -39,18 +38,15 @@ pub fn run(args: &Args, asked: &Over, springs: Springs, limits: Limits) -> Resul
         rig.params.check().map_err(|error| asked.at(error.into()))?;
     }
     let rows = rows(args, asked, output, (&base, &rigs), (springs, limits))?;
-    if let Some(dir) = &output.out {
-        let figure = pictures::over::Over {
+    let picture = || {
+        let over = pictures::over::Over {
             rows: &rows,
             own: rigfile::number(&base.params, &asked.key),
             log: asked.values.log,
-        }
-        .figure();
-        let mut contents = drawn(&output.name(""), &figure)?;
-        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&rows, &rows, || text(asked, &rows, uncertainty))
+        };
+        output.picture(&over.figure())
+    };
+    output.answer(&rows, &rows, picture, || text(asked, &rows, uncertainty))
 }
 
 /// A rig to pick for.

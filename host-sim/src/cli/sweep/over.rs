@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::{Args, why_failed};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::over::Over;
-use crate::pictures::drawn;
 use crate::pictures::over::axis_label;
 use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
@@ -87,15 +86,8 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
         .zip(&asked.values.list)
         .map(|(row, value)| OverRow::new(&asked.key, *value, row))
         .collect();
-    if let Some(dir) = &output.out {
-        let mut contents = drawn(
-            &output.name(""),
-            &figure(&rig, args.direction, asked, &rows),
-        )?;
-        contents.extend(output.tables(&output.name(""), &rows, &rows)?);
-        output.write(dir, contents)?;
-    }
-    output.emit(&rows, &rows, || text(output, &rig, asked, &rows))
+    let picture = || output.picture(&figure(&rig, args.direction, asked, &rows));
+    output.answer(&rows, &rows, picture, || text(output, &rig, asked, &rows))
 }
 
 /// A rig and its drive frequency for each value.

@@ -35,11 +35,10 @@ pub(super) fn run(
         campaign: &campaign,
         trials: &rows,
     };
-    if let Some(dir) = &output.out {
-        let tables = output.tables(&output.name(""), &answer, &rows)?;
-        output.write(dir, tables)?;
-    }
-    output.emit(&answer, &rows, || text(seed, seconds, &campaign, &rows))
+    let no_picture = || Ok(Vec::new());
+    output.answer(&answer, &rows, no_picture, || {
+        text(seed, seconds, &campaign, &rows)
+    })
 }
 
 fn text(seed: u64, seconds: f64, all: &Campaign, rows: &[LongRow]) -> String {
