@@ -64,9 +64,9 @@ def map_to_zarr(
         there = xarray.open_zarr(store)
     except FileNotFoundError:
         empty = _layers(axes).assign(done=("gap_mm", [False] * len(axes.gap_mm))).assign_attrs(request=request)
-        empty.chunk(gap_mm=gaps_at_once).to_zarr(store, compute=False)
+        empty.chunk(gap_mm=gaps_at_once).to_zarr(store, compute=False, zarr_format=2)
         there = xarray.open_zarr(store)
-    if there.attrs.get("request") != request:
+    if there.attrs.get("request") != request or "done" not in there:
         raise ValueError(f"{store} holds another map, or one in other chunks or of another version; choose another store")
     starts = [start for start in range(0, len(there.done), gaps_at_once) if not there.done[start]]
     chunks = [slice(start, start + gaps_at_once) for start in starts]
@@ -88,6 +88,6 @@ def _compute(chunk: slice, rig: Rig, asked: dict[str, Any], store: str, threads:
 
 
 def _layers(found: Map) -> xarray.Dataset:
-    """The layers; the names of regimes may be of any length."""
+    """The layers; names of regimes have the same room in every chunk."""
     layers = found.to_xarray()
-    return layers.assign(regime=layers.regime.astype(object))
+    return layers.assign(regime=layers.regime.astype("U12"))

@@ -174,8 +174,8 @@ dl{display:grid;grid-template-columns:12rem 1fr;gap:.25rem 1rem;margin:0}\
 dt{font-weight:600;color:#555}dd{margin:0}\
 @media(max-width:600px){dl{grid-template-columns:1fr}}\
 @page{size:A4;margin:12mm}\
-@media print{body{font-size:8pt;line-height:1.3;max-width:none;padding:0}h1{font-size:12pt}h2{font-size:9.5pt;margin:2mm 0 1mm}\
-p{margin:1mm 0}figure{margin:1mm 0;text-align:center}svg{max-height:95mm}dl{grid-template-columns:38mm 1fr;gap:.4mm 4mm}}";
+@media print{body{font-size:7.5pt;line-height:1.25;max-width:none;padding:0}h1{font-size:11pt}h2{font-size:9.5pt;margin:2mm 0 1mm}\
+p{margin:1mm 0}figure{margin:1mm 0;text-align:center}svg{max-height:78mm}dl{grid-template-columns:44mm 1fr;gap:.4mm 4mm}}";
 
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
