@@ -168,7 +168,8 @@ impl Controller {
         };
         seeking.strobe(strobe.contacts);
         self.seek(strobe, arrived);
-        if self.life.is_in(State::Hold) {
+        // While a forecast of the rig as it is now is awaited, the last one contradicts nobody.
+        if self.life.is_in(State::Hold) && !self.forecast.is_awaited() {
             let (target_hz, _) = self.forecast.target_point();
             let hz = self.oscillator.frequency_hz();
             if let Some(trip) = self.plausibility.held(strobe, hz, target_hz) {

@@ -10,7 +10,7 @@
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
 //! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
 //! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
-//! | sense | lag of the cart behind the command | more than [`follow::LARGEST_LAG`] | the same | cart |
+//! | sense | lag of the cart behind the command, beyond that of the rig's own loop | more than [`follow::LARGEST_MORE_LAG`] | the same | cart |
 //!
 //! Sensors that contradict each other by less are doubted, and limits go by the worse of the two ([`Doubt`]).
 //!
@@ -98,7 +98,7 @@ impl Plausibility {
             far_pulses: 0,
             bad_ratios: 0,
             momentum: Momentum::new(settings),
-            follow: Follow::new(settings.rig.amplitude_m as f32),
+            follow: Follow::new(settings),
             impulse_over_momentum: 1.0,
             hammer_over_cart: 1.0,
         }

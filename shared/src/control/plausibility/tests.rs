@@ -1,5 +1,6 @@
 use super::*;
-use crate::model::params::WIRES;
+use crate::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use crate::model::params::{RigParams, WIRES};
 
 fn plausibility() -> Plausibility {
     Plausibility::new(&Settings::for_rig(&WIRES))
@@ -112,6 +113,50 @@ fn a_cart_that_does_not_follow_or_goes_the_other_way_trips_and_one_that_droops_d
     ] {
         let tripped = trips_after(|p| p.strobe(&strobe(ratio, lag), 0.89e-3, 3.6, false));
         assert_eq!(tripped, expected, "{ratio} {lag}");
+    }
+}
+
+/// Where the rig's own loop is known, the cart is late by what the loop makes it, within 45° and a quarter of the loop's
+/// frequency. A sensor that is 50 ms late is 66° late at 3.66 Hz, and was not found.
+#[test]
+fn a_cart_that_is_later_than_its_own_loop_trips() {
+    let loop_of = |frequency_hz: f64, damping_ratio: f64, feed_forward: f64| {
+        CartDrive::Loop(LoopParams {
+            frequency_hz,
+            damping_ratio,
+            feed_forward,
+            ..ASSUMED_SHAKER
+        })
+    };
+    let (stiff, fed) = (loop_of(50.0, 0.7, 1.0), loop_of(3.0, 0.7, 1.0));
+    let resonant = loop_of(3.7, 0.1, 0.0);
+    let soft = loop_of(1.5, 0.3, 0.0);
+    for (cart, degrees, expected) in [
+        (CartDrive::Prescribed, 66.0, None),
+        (stiff, 0.0, None),
+        (stiff, 44.0, None),
+        (stiff, -44.0, None),
+        (stiff, 46.0, Some(4)),
+        (stiff, -46.0, Some(4)),
+        (stiff, 180.0, Some(4)),
+        (fed, 44.0, None),
+        (fed, 66.0, Some(4)),
+        // At its resonance, a quarter of which either way makes it 14° to 141°.
+        (resonant, -30.0, None),
+        (resonant, 180.0, None),
+        (resonant, -70.0, Some(4)),
+        // Far above it: 107°.
+        (soft, 65.0, None),
+        (soft, 150.0, None),
+        (soft, 55.0, Some(4)),
+        (soft, 160.0, Some(4)),
+        (soft, -70.0, Some(4)),
+    ] {
+        let rig = RigParams { cart, ..WIRES };
+        let mut plausibility = Plausibility::new(&Settings::for_rig(&rig));
+        let cart = strobe(1.0, f32::to_radians(degrees));
+        let tripped = (1..50).find(|_| plausibility.strobe(&cart, 0.89e-3, 3.66, false).is_some());
+        assert_eq!(tripped, expected, "{:?} {degrees}", rig.cart);
     }
 }
 
