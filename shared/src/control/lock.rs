@@ -77,6 +77,11 @@ impl PhaseLock {
         }
     }
 
+    /// 1/1 was lost: the next contact's error is no change of the last one's.
+    pub fn lose(&mut self) {
+        self.last_turns = 0.0;
+    }
+
     /// 1/1 was lost or has doubled.
     pub fn retreat(&mut self) {
         self.retreat_turns = (self.retreat_turns + RETREAT).min(FARTHEST);
@@ -131,6 +136,17 @@ mod tests {
                 assert!((relative - 1.0).abs() < 1e-4, "{slope} {start}: {relative}");
             }
         }
+    }
+
+    /// What was carried on into the first contact after a loss moved the frequency by up to 2 %.
+    #[test]
+    fn after_a_loss_the_first_contact_is_as_after_a_start() {
+        let start = PhaseLock::new(0.508, false).next_hz(3.6, 0.05);
+        let mut lock = PhaseLock::new(0.508, false);
+        lock.next_hz(3.6, -0.1);
+        lock.lose();
+        assert_eq!(lock.next_hz(3.6, 0.05), start);
+        assert_ne!(lock.next_hz(3.6, 0.05), start, "the second one is not");
     }
 
     #[test]

@@ -316,6 +316,7 @@ impl Search {
         }
         self.good = 0;
         self.bad = 0;
+        self.lock.lose();
         self.enter();
         Step::Lost
     }

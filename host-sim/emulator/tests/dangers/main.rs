@@ -21,6 +21,8 @@ struct Truth {
     force_n: f64,
     /// Largest displacement of the cart with the drive on, mm.
     cart_mm: f64,
+    /// Largest displacement of the hammer relative to the cart with the drive on, mm.
+    travel_mm: f64,
     /// Largest force of every second, N.
     forces_n: Vec<f64>,
     /// When Hold was reached, s.
@@ -39,6 +41,8 @@ impl Observer for Truth {
         if self.on {
             self.force_n = self.force_n.max(row.true_force_n);
             self.cart_mm = self.cart_mm.max(row.cart_m.abs() * 1e3);
+            let travel_mm = (row.hammer_m - row.cart_m).abs() * 1e3;
+            self.travel_mm = self.travel_mm.max(travel_mm);
             self.last_on_s = row.tick as f64 / 20_000.0;
         }
     }
@@ -76,8 +80,13 @@ fn truth(duration_s: f64, tables: &str) -> Truth {
 
 /// The same of another rig.
 fn truth_of(rig: &str, duration_s: f64, tables: &str) -> Truth {
+    truth_seeded(rig, 7, duration_s, tables)
+}
+
+/// The same with noise of this seed.
+fn truth_seeded(rig: &str, seed: u32, duration_s: f64, tables: &str) -> Truth {
     let text = format!(
-        "duration_s = {duration_s:?}\nseed = 7\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = 1.0\n{tables}"
+        "duration_s = {duration_s:?}\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = 1.0\n{tables}"
     );
     let scenario = parse("danger", &text, "danger").unwrap();
     let mut truth = Truth {

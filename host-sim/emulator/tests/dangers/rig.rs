@@ -90,6 +90,24 @@ fn a_rig_that_tilts_is_followed() {
     });
 }
 
+/// The same within half a second, towards the surface and away from it. (Towards it, the cart's sensor was named after 12 s.)
+#[test]
+fn a_rig_that_tilts_at_once_is_no_sensor_that_lies() {
+    let each = [1.5, -1.5]
+        .iter()
+        .flat_map(|d| [7, 8, 9].map(|seed| (d, seed)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(degrees, seed)| {
+        let tilt = event(
+            15.0,
+            &format!("kind = \"tilt\"\ndegrees = {degrees:?}\nover_s = 0.5"),
+        );
+        let truth = truth_seeded("wires", *seed, 65.0, &(start() + &tilt));
+        assert_eq!(faults(&truth), [], "{degrees} {seed}");
+        assert_eq!(truth.end, State::Hold, "{degrees} {seed}");
+    });
+}
+
 /// Between two runs the tool is fed back to where the settings have the surface, half the way, or not at all.
 #[test]
 fn after_a_surface_that_receded_the_next_start_finds_it_wherever_it_is() {

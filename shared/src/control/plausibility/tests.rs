@@ -1,5 +1,6 @@
 use super::*;
-use crate::model::params::WIRES;
+use crate::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
+use crate::model::params::{RigParams, WIRES};
 
 fn plausibility() -> Plausibility {
     Plausibility::new(&Settings::for_rig(&WIRES))
@@ -39,6 +40,26 @@ fn contacts_no_contact_can_make_trip_and_possible_ones_do_not() {
 }
 
 #[test]
+fn impulse_over_momentum_may_be_off_by_what_a_late_sensor_is_worth() {
+    for (hz, ratio, expected) in [
+        (3.66, 0.749, Some(16)),
+        (3.66, 0.752, None),
+        (3.66, 1.328, None),
+        (3.66, 1.331, Some(16)),
+        (13.0, 0.726, Some(16)),
+        (13.0, 0.729, None),
+        (13.0, 1.351, None),
+        (13.0, 1.354, Some(16)),
+    ] {
+        let tripped = trips_after(|p| {
+            assert_eq!(p.ratio(None, true, hz), None);
+            p.pulse(&contact(ratio))
+        });
+        assert_eq!(tripped, expected, "{hz} {ratio}");
+    }
+}
+
+#[test]
 fn a_zero_of_the_force_that_moves_trips() {
     let limit_n = Settings::for_rig(&WIRES).limits.force_n;
     for (share, expected) in [(0.052, Some(4)), (-0.052, Some(4)), (0.048, None)] {
@@ -50,19 +71,24 @@ fn a_zero_of_the_force_that_moves_trips() {
 
 #[test]
 fn a_hammer_that_reads_more_or_less_than_the_cart_trips() {
-    for (ratio, windows, expected) in [
-        (0.79, 48, Some(16)),
-        (0.81, 48, None),
-        (1.19, 48, None),
-        (1.21, 48, Some(16)),
-        (-1.0, 48, Some(16)),
-        (f32::NAN, 48, Some(16)),
-        (-1.0, 47, None),
+    // At 13 Hz a sensor that is 0.4 ms late is worth 3.3 %.
+    for (hz, ratio, windows, expected) in [
+        (3.66, 0.799, 48, Some(16)),
+        (3.66, 0.802, 48, None),
+        (3.66, 1.198, 48, None),
+        (3.66, 1.201, 48, Some(16)),
+        (13.0, 0.776, 48, Some(16)),
+        (13.0, 0.779, 48, None),
+        (13.0, 1.221, 48, None),
+        (13.0, 1.224, 48, Some(16)),
+        (3.66, -1.0, 48, Some(16)),
+        (3.66, f32::NAN, 48, Some(16)),
+        (3.66, -1.0, 47, None),
     ] {
-        let tripped = trips_after(|p| p.ratio(Some((ratio, windows)), true));
-        assert_eq!(tripped, expected, "{ratio} {windows}");
+        let tripped = trips_after(|p| p.ratio(Some((ratio, windows)), true, hz));
+        assert_eq!(tripped, expected, "{hz} {ratio} {windows}");
     }
-    assert_eq!(trips_after(|p| p.ratio(None, true)), None);
+    assert_eq!(trips_after(|p| p.ratio(None, true, 3.66)), None);
 }
 
 #[test]
@@ -112,6 +138,50 @@ fn a_cart_that_does_not_follow_or_goes_the_other_way_trips_and_one_that_droops_d
     ] {
         let tripped = trips_after(|p| p.strobe(&strobe(ratio, lag), 0.89e-3, 3.6, false));
         assert_eq!(tripped, expected, "{ratio} {lag}");
+    }
+}
+
+/// Where the rig's own loop is known, the cart is late by what the loop makes it, within 45° and a quarter of the loop's
+/// frequency. A sensor that is 50 ms late is 66° late at 3.66 Hz, and was not found.
+#[test]
+fn a_cart_that_is_later_than_its_own_loop_trips() {
+    let loop_of = |frequency_hz: f64, damping_ratio: f64, feed_forward: f64| {
+        CartDrive::Loop(LoopParams {
+            frequency_hz,
+            damping_ratio,
+            feed_forward,
+            ..ASSUMED_SHAKER
+        })
+    };
+    let (stiff, fed) = (loop_of(50.0, 0.7, 1.0), loop_of(3.0, 0.7, 1.0));
+    let resonant = loop_of(3.7, 0.1, 0.0);
+    let soft = loop_of(1.5, 0.3, 0.0);
+    for (cart, degrees, expected) in [
+        (CartDrive::Prescribed, 66.0, None),
+        (stiff, 0.0, None),
+        (stiff, 44.0, None),
+        (stiff, -44.0, None),
+        (stiff, 46.0, Some(4)),
+        (stiff, -46.0, Some(4)),
+        (stiff, 180.0, Some(4)),
+        (fed, 44.0, None),
+        (fed, 66.0, Some(4)),
+        // At its resonance, a quarter of which either way makes it 14° to 141°.
+        (resonant, -30.0, None),
+        (resonant, 180.0, None),
+        (resonant, -70.0, Some(4)),
+        // Far above it: 107°.
+        (soft, 65.0, None),
+        (soft, 150.0, None),
+        (soft, 55.0, Some(4)),
+        (soft, 160.0, Some(4)),
+        (soft, -70.0, Some(4)),
+    ] {
+        let rig = RigParams { cart, ..WIRES };
+        let mut plausibility = Plausibility::new(&Settings::for_rig(&rig));
+        let cart = strobe(1.0, f32::to_radians(degrees));
+        let tripped = (1..50).find(|_| plausibility.strobe(&cart, 0.89e-3, 3.66, false).is_some());
+        assert_eq!(tripped, expected, "{:?} {degrees}", rig.cart);
     }
 }
 
@@ -260,7 +330,7 @@ fn a_start_begins_every_count_anew() {
         }),
         (15, |p, _, _| p.pulse(&contact(1.4))),
         (3, |p, limit_n, _| p.free_force((0.06 * limit_n, 1))),
-        (15, |p, _, _| p.ratio(Some((1.3, 48)), true)),
+        (15, |p, _, _| p.ratio(Some((1.3, 48)), true, 3.66)),
         (47, |p, _, _| p.held(&strobe(1.0, 0.1), 4.5, 3.6)),
     ];
     for (count, one) in counts {
@@ -338,7 +408,7 @@ fn a_command_below_a_tenth_of_the_amplitude_is_not_judged() {
 fn the_gain_of_the_hammer_over_the_cart_is_doubted_once_it_is_known() {
     let doubted = |ratio: f32, windows: u32| {
         let mut plausibility = plausibility();
-        assert_eq!(plausibility.ratio(Some((ratio, windows)), true), None);
+        assert_eq!(plausibility.ratio(Some((ratio, windows)), true, 3.66), None);
         plausibility.doubt().travel
     };
     // A hammer that reads a fifth less may go 0.98/0.8 times as far.

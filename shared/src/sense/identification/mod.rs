@@ -36,7 +36,9 @@
 //!
 //! # Gap
 //! The observer's displacement at the onset, averaged, less the rest position: that of the self test, until the flights' Δ₀
-//! lies further from it than a fifth of A0. A rig that tilts moves the rest position, and not the surface.
+//! lies further from it than a fifth of A0. A rig that tilts moves the rest position, and not the surface; a sensor's zero that
+//! drifts moves both, and no gap. So Δ₀ is that of the last few windows, averaged over the last contacts as
+//! the onsets are.
 
 pub mod contact;
 mod ratio;
@@ -58,6 +60,12 @@ pub const GAP_MEMORY: u32 = 24;
 /// and fewer once so many contacts in a row were on the same side of the mean (at 100 µm/s on the wires it is 0.15 mm late).
 const MOVING_MEMORY: u32 = 6;
 const MOVING_CONTACTS: i8 = 5;
+
+/// Windows that tell where the hammer would rest now, and windows in a row off their line after which it rests elsewhere.
+const REST_MEMORY: u32 = 6;
+const REST_JUMPED: u8 = 4;
+/// Windows without a contact after which the rest position is that of the flights alone.
+const LONG_FLIGHT: u8 = 6;
 
 /// A gap further from the mean than this many spreads is another gap,
 const GAP_JUMP: f32 = 5.0;
@@ -89,9 +97,6 @@ const SETTLE: u32 = 40;
 
 /// Points needed for a natural frequency.
 const FEWEST_WINDOWS: u32 = 24;
-
-/// Share of the variance of Y that the line may leave unexplained.
-const SCATTER: f32 = 0.08;
 
 /// Contacts needed for stiffness and damping.
 const FEWEST_CONTACTS: u32 = 8;
@@ -155,6 +160,13 @@ pub struct Identification {
     newest: Line,
     /// Those that were refused.
     outliers: u32,
+    /// The points about the newest few of them: where the hammer would rest now.
+    rest: Line<REST_MEMORY>,
+    /// Points in a row that lie off it, and windows since the last contact.
+    off_rest: u8,
+    flown: u8,
+    /// Where the hammer would have rested at the contacts of `gap`, from where it rested in the self test, m.
+    rest_m: Average<GAP_MEMORY>,
     approach: Average,
     restitution: Average,
     duration: Average,
@@ -219,6 +231,10 @@ impl Identification {
             line: Line::default(),
             newest: Line::default(),
             outliers: 0,
+            rest: Line::default(),
+            off_rest: 0,
+            flown: 0,
+            rest_m: Average::default(),
             approach: Average::default(),
             restitution: Average::default(),
             duration: Average::default(),
@@ -289,19 +305,36 @@ impl Identification {
             self.refused = self.refused.saturating_add(1);
             return;
         }
-        let fits = self.line.fit().is_none_or(|(slope, square)| {
-            let off = y - self.line.y - slope * (x - self.line.x);
-            off * off <= 25.0 * (square + self.grain)
-        });
-        if fits {
-            self.line.push(x, y);
-        } else {
+        if self.line.is_off(x, y, self.grain) {
             self.refused = self.refused.saturating_add(1);
             self.outliers += 1;
+        } else {
+            self.line.push(x, y);
         }
+        self.follow_rest(x, y);
         self.newest.push(x, y);
         if self.newest.count >= FEWEST_WINDOWS {
             self.compare();
+        }
+    }
+
+    /// The point of a window moves the place at which the hammer would rest; one that lies off does not, several in a row do at
+    /// once.
+    fn follow_rest(&mut self, x: f32, y: f32) {
+        let off = self.rest.is_off(x, y, self.grain);
+        self.off_rest = if off { self.off_rest + 1 } else { 0 };
+        if self.off_rest >= REST_JUMPED {
+            self.off_rest = 0;
+            self.rest.move_to(x, y);
+            self.rest_m.count = 0;
+        } else if !off {
+            self.rest.push(x, y);
+        }
+        self.flown = self.flown.saturating_add(1);
+        if self.flown > LONG_FLIGHT
+            && let Some(rest_m) = self.rest_now_m()
+        {
+            self.rest_m.mean = rest_m;
         }
     }
 
@@ -322,6 +355,7 @@ impl Identification {
             self.refused = self.refused.saturating_add(1);
             return;
         }
+        self.flown = 0;
         self.push_gap(pulse.relative_m);
         let fast = pulse.approach_m_per_s >= self.slowest;
         if !fast {
@@ -355,12 +389,15 @@ impl Identification {
 
     /// Where the hammer would rest, from where it rested in the self test, m.
     fn rest_m(&self) -> f32 {
-        let Some((slope, _)) = self.straight() else {
-            return 0.0;
-        };
-        let rest_m = self.line.x - self.line.y / slope;
+        let rest_m = self.rest_m.mean;
         let moved = libm::fabsf(rest_m) > REST_MOVED * self.believed.amplitude_m;
         if moved { rest_m } else { 0.0 }
+    }
+
+    /// The same by the last few windows, if they tell it.
+    fn rest_now_m(&self) -> Option<f32> {
+        let (slope, _) = self.rest.straight()?;
+        Some(self.rest.x - self.rest.y / slope)
     }
 
     /// Takes in the gap of a contact. Contacts that agree on another gap than those before begin the mean anew: the
@@ -372,6 +409,7 @@ impl Identification {
         self.moved = if far { self.moved + 1 } else { 0 };
         if self.moved >= MOVED_CONTACTS {
             self.gap = Average::default();
+            self.rest_m.count = 0;
             self.moved = 0;
         }
         if far {
@@ -388,6 +426,8 @@ impl Identification {
         let moves = self.side.unsigned_abs() >= MOVING_CONTACTS.unsigned_abs();
         let memory = if moves { MOVING_MEMORY } else { GAP_MEMORY };
         self.gap.push_within(gap_m, memory);
+        let rest_m = self.rest_now_m().unwrap_or(self.rest_m.mean);
+        self.rest_m.push_within(rest_m, MOVING_MEMORY);
     }
 
     /// What has been identified. Some thousand instructions: for now and then.
@@ -417,6 +457,10 @@ impl Identification {
         self.line = Line::default();
         self.newest = Line::default();
         self.outliers = 0;
+        self.rest = Line::default();
+        self.off_rest = 0;
+        self.flown = 0;
+        self.rest_m = Average::default();
         self.approach = Average::default();
         self.restitution = Average::default();
         self.duration = Average::default();
@@ -426,16 +470,8 @@ impl Identification {
         self.ratio.reset();
     }
 
-    /// Slope and mean square residual of a line that the points do lie on.
-    fn straight(&self) -> Option<(f32, f32)> {
-        let (slope, square) = self.line.fit()?;
-        // Contacts too weak to be detected, one per period, leave a scatter that no noise does.
-        let straight = square < SCATTER * self.line.yy;
-        (slope > 0.0 && straight).then_some((slope, square))
-    }
-
     fn natural(&self) -> Option<Estimate> {
-        let (slope, square) = self.straight()?;
+        let (slope, square) = self.line.straight()?;
         let omega = libm::sqrtf(slope);
         let value = omega * (1.0 / core::f32::consts::TAU);
         let count = self.line.count.min(MEMORY) as f32;

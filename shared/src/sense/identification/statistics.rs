@@ -6,6 +6,12 @@ use super::MEMORY;
 /// F of 15 for two parameters and 24 points (22 degrees of freedom): noise alone passes it once in ten thousand times.
 const DIFFERENT: f32 = 2.0 * 15.0 / FEWEST as f32;
 
+/// Share of the variance of y that a line may leave unexplained.
+pub const SCATTER: f32 = 0.08;
+
+/// Square of a point's distance from the line, over what is usual, beyond which it is off.
+const OFF: f32 = 25.0;
+
 /// Difference of two slopes that does not matter: 1 % of natural frequency.
 const SAME_SLOPE: f32 = 0.02;
 
@@ -38,9 +44,10 @@ impl<const M: u32> Average<M> {
     }
 }
 
-/// A straight line through points, older ones fading.
+/// A straight line through points, older ones fading; about the mean of the last `M`, so that a line whose level moves has its
+/// slope all the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Line {
+pub struct Line<const M: u32 = MEMORY> {
     pub x: f32,
     pub y: f32,
     pub xx: f32,
@@ -49,17 +56,42 @@ pub struct Line {
     pub count: u32,
 }
 
-impl Line {
+impl<const M: u32> Line<M> {
     pub fn push(&mut self, x: f32, y: f32) {
         self.count = self.count.saturating_add(1);
         let weight = 1.0 / self.count.min(MEMORY) as f32;
+        let nearer = 1.0 / self.count.min(M) as f32;
         let (dx, dy) = (x - self.x, y - self.y);
-        self.x += weight * dx;
-        self.y += weight * dy;
-        let keep = 1.0 - weight;
-        self.xx = keep * (self.xx + weight * dx * dx);
-        self.xy = keep * (self.xy + weight * dx * dy);
-        self.yy = keep * (self.yy + weight * dy * dy);
+        self.x += nearer * dx;
+        self.y += nearer * dy;
+        let (keep, new) = (1.0 - weight, weight * (1.0 - nearer));
+        self.xx = keep * self.xx + new * dx * dx;
+        self.xy = keep * self.xy + new * dx * dy;
+        self.yy = keep * self.yy + new * dy * dy;
+    }
+
+    /// Moves the level to this point; the slope stays.
+    pub fn move_to(&mut self, x: f32, y: f32) {
+        self.x = x;
+        self.y = y;
+    }
+
+    /// Whether a point lies off the line by more than its scatter and `grain`, a mean square, explain.
+    pub fn is_off(&self, x: f32, y: f32, grain: f32) -> bool {
+        self.fit().is_some_and(|(slope, square)| {
+            let off = y - self.y - slope * (x - self.x);
+            // Written so that NaN is off.
+            let near = off * off <= OFF * (square + grain);
+            !near
+        })
+    }
+
+    /// Slope and mean square residual of a line that the points do lie on.
+    pub fn straight(&self) -> Option<(f32, f32)> {
+        let (slope, square) = self.fit()?;
+        // Contacts too weak to be detected, one per period, leave a scatter that no noise does.
+        let straight = square < SCATTER * self.yy;
+        (slope > 0.0 && straight).then_some((slope, square))
     }
 
     /// Whether `newest`, the last [`FEWEST`] points, lie on another line: F test of both its parameters, and a slope that
@@ -117,7 +149,7 @@ mod tests {
     #[test]
     fn old_values_fade() {
         let mut average = Average::<MEMORY>::default();
-        let mut line = Line::default();
+        let mut line = Line::<MEMORY>::default();
         for k in 0..MEMORY {
             average.push(3.0);
             line.push((k % 2) as f32, 3.0);
@@ -138,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_line_is_that_of_least_squares() {
-        let mut line = Line::default();
+        let mut line = Line::<MEMORY>::default();
         assert_eq!(line.fit(), None);
         // Off the line y = 5 − 2x by +1 and −1 in turn, at pairs of equal x.
         let off = |k: u32| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -162,7 +194,7 @@ mod tests {
 
     #[test]
     fn points_above_each_other_and_points_on_a_line_leave_no_scatter() {
-        let (mut upright, mut exact) = (Line::default(), Line::default());
+        let (mut upright, mut exact) = (Line::<MEMORY>::default(), Line::<MEMORY>::default());
         for k in 0..2 * FEWEST {
             upright.push(1.0, k as f32);
             exact.push(k as f32, 3.0 * k as f32);

@@ -1,5 +1,6 @@
 //! Identification on made-up flights and contacts.
 
+use super::statistics::SCATTER;
 use super::*;
 use crate::model::params::WIRES;
 
@@ -487,4 +488,55 @@ fn when_no_window_fits_any_more_a_new_line_is_begun() {
     let windows = (10.0 / TICK_S) as u32 / identification.window_ticks;
     let left = windows - (refused - FEWEST_WINDOWS);
     assert!((left..=left + 1).contains(&after.samples), "{after:?}");
+}
+
+/// A hammer that swings and strikes every 0.27 s for 25 s; after `after_s` its displacement is read off by `off`, m, and the
+/// surface is found off by `surface`. The largest gap told, m, after more than `late_s` of that.
+fn largest_gap(off: impl Fn(f64) -> f64, surface: impl Fn(f64) -> f64, late_s: f64) -> (f32, f32) {
+    const AFTER_S: f64 = 10.0;
+    let mut identification = Identification::new(&Settings::for_rig(&WIRES));
+    let (mut swing, mut t) = (Swing::new(2e-3), 0.0);
+    let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+    while t < AFTER_S + 15.0 {
+        swing.go_on(&mut identification, 1.82, 0.27, || {
+            t += TICK_S;
+            off((t - AFTER_S).max(0.0))
+        });
+        identification.pulse(&Pulse {
+            relative_m: surface((t - AFTER_S).max(0.0)) as f32,
+            ..Pulse::default()
+        });
+        // Without noise, a surface that moves is another one again and again, and none for some contacts.
+        if t > AFTER_S + late_s
+            && let Some(gap_m) = identification.gap_m()
+        {
+            (least, most) = (least.min(gap_m), most.max(gap_m));
+        }
+    }
+    (least, most)
+}
+
+/// The zero of the hammer's sensor drifts by 200 µm/s: surface and rest move alike. (1 mm was told.)
+#[test]
+fn a_zero_that_drifts_is_no_gap() {
+    for m_per_s in [2e-4, -2e-4] {
+        let drifts = |t: f64| m_per_s * t;
+        let (least, most) = largest_gap(drifts, drifts, 0.0);
+        assert!(
+            -2.5e-4 < least && most < 2.5e-4,
+            "{m_per_s}: {least} {most}"
+        );
+    }
+}
+
+/// A rig that tilts at once: the surface stays, and the hammer rests elsewhere.
+#[test]
+fn a_rest_that_jumps_is_known_within_two_seconds() {
+    for rest_m in [2e-3, -2e-3] {
+        let jumps = |t: f64| if t > 0.0 { rest_m } else { 0.0 };
+        let (least, most) = largest_gap(jumps, |_| 0.0, 2.0);
+        let gap_m = -rest_m as f32;
+        assert!((least - gap_m).abs() < 1e-4, "{rest_m}: {least}");
+        assert!((most - gap_m).abs() < 1e-4, "{rest_m}: {most}");
+    }
 }
