@@ -369,7 +369,7 @@ pub fn steps(uncertainty: Option<Uncertainty>) -> u64 {
 }
 
 /// The branch with the largest force.
-fn best_branch(rig: &NamedRig) -> Result<Branch, Error> {
+pub(crate) fn best_branch(rig: &NamedRig) -> Result<Branch, Error> {
     let largest = |b: &Branch| b.orbits.iter().map(|o| o.force_n).fold(0.0, f64::max);
     let branches = one_one_branches(&rig.params, SEARCH_RATIOS);
     branches
