@@ -9,7 +9,6 @@
 //! | [`pictures`], [`figures`] | the picture of each analysis; the chapter's figures |
 //! | [`record`], [`measured`] | records of sensors and measured points, from files |
 //! | [`own_rig`] | a rig file from what a person can measure |
-//! | [`tiles`] | the tiles of an unfinished map, on disk |
 //! | `kept` | the rows of an unfinished answer, on disk |
 //! | [`mod@link`] | a board, or an emulated one, on a serial port |
 //! | [`page`] | the page in a browser, and a board behind it |
