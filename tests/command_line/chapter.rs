@@ -24,7 +24,8 @@ fn every_verdict_of_the_page_is_found_again_on_coarser_grids() {
         .with("chapter-coarse.json", "{\"made_from\": {}}")
         .with("chapter-coarse.csv", "older");
     let ran = folder.run("chapter --coarse --format json --out .").well();
-    assert!(ran.err.ends_with(".md (replaced)\n"), "{ran:?}");
+    let wrote = ".md, .csv, .json (replaced)\n";
+    assert!(ran.err.ends_with(wrote), "{ran:?}");
     let rows = ran.json();
     let rows = rows.as_array().expect("a list");
     let found: Vec<[String; 3]> = rows

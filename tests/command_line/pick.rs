@@ -325,7 +325,7 @@ fn text_writes_out_and_says_where() {
     let curve = csv_rows(&folder.read("out/pick-wires-nominal-curve.csv"));
     assert_eq!(
         keys(&curve[0]),
-        ["rig", "gap_mm", "frequency_hz", "force_ratio"]
+        ["rig", "gap_mm", "frequency_hz", "force_ratio", "cart"]
     );
     let strongest = curve
         .iter()
