@@ -145,7 +145,9 @@ impl ValueEnum for Choice {
             restitution: [low, high],
             ..
         } = self.0;
-        Some(PossibleValue::new(*name).help(format!("{what}; restitution {low} to {high}")))
+        let value = PossibleValue::new(*name).help(format!("{what}; restitution {low} to {high}"));
+        let short = |part: &&str| Self::meant(part).is_some_and(|of| of.0.name == *name);
+        Some(value.aliases(name.split('-').filter(short)))
     }
 }
 
@@ -175,6 +177,9 @@ mod tests {
         assert_eq!(of("Rubber"), Some("hard-rubber"));
         assert_eq!(of("steel"), Some("steel"));
         assert_eq!(of("hardened"), Some("hardened-steel"));
+        let as_option = |text| Choice::from_str(text, false).ok().map(|of| of.0.name);
+        assert_eq!(as_option("rubber"), Some("hard-rubber"));
+        assert_eq!(as_option("hard"), None);
         for unclear in ["", "r", "rope"] {
             assert_eq!(of(unclear), None, "{unclear}");
         }
