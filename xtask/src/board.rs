@@ -8,7 +8,7 @@ use std::{
 use crate::{
     Outcome, boards, command,
     desktop::{self, Build},
-    firmware, python,
+    firmware, python, tools,
 };
 
 /// What every change is checked with.
@@ -36,16 +36,25 @@ pub fn oracle() -> Outcome<PathBuf> {
     python::environment("oracle", &["unicorn==2.1.4"])
 }
 
-/// Compares the model's processor with Unicorn's, an instruction of the image at a time, each in so many random states.
+/// Compares the model's processor with Unicorn's, an instruction of the image at a time, each in so many random states; and its
+/// exceptions with QEMU's, in random programs.
 pub fn compare(states: &str, build: &Build, oracle: &Path) -> Outcome {
     firmware::build_named(boards::NUCLEO)?;
-    let program = desktop::program("board", build)?.with_file_name("one-instruction");
-    let mut compare = Command::new(oracle.join("bin/python"));
-    compare
-        .current_dir(command::root())
-        .arg("tests/board/oracle/compare.py")
-        .arg(program)
-        .arg(firmware::image(boards::NUCLEO))
-        .arg(states);
-    command::run(&mut compare)
+    let board = desktop::program("board", build)?;
+    let compare = |script: &str, program: &str, with: PathBuf| {
+        let mut compare = Command::new(oracle.join("bin/python"));
+        compare
+            .current_dir(command::root())
+            .arg(format!("tests/board/oracle/{script}"))
+            .arg(board.with_file_name(program))
+            .arg(with)
+            .arg(states);
+        command::run(&mut compare)
+    };
+    compare(
+        "compare.py",
+        "one-instruction",
+        firmware::image(boards::NUCLEO),
+    )?;
+    compare("exceptions.py", "one-program", tools::qemu()?)
 }

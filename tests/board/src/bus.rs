@@ -2,12 +2,14 @@
 
 use crate::core::{Trap, Try};
 use crate::machine::{Change, Machine};
+use crate::parts::capture::Input;
 use crate::parts::{Access, Write, adc, interrupt};
 
 /// A peripheral.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Tim(usize),
+    Tim11,
     Iwdg,
     Usart2,
     Pwr,
@@ -30,6 +32,7 @@ impl Part {
             0x4000_0400 => Self::Tim(1),
             0x4000_1000 => Self::Tim(2),
             0x4000_1400 => Self::Tim(3),
+            0x4001_4800 => Self::Tim11,
             0x4000_3000 => Self::Iwdg,
             0x4000_4400 => Self::Usart2,
             0x4000_7000 => Self::Pwr,
@@ -51,6 +54,7 @@ impl Part {
     fn clock(self) -> Option<(usize, u32)> {
         Some(match self {
             Self::Tim(i) => (3, [0, 1, 4, 5][i]),
+            Self::Tim11 => (4, 18),
             Self::Usart2 => (3, 17),
             Self::Pwr => (3, 28),
             Self::Dac => (3, 29),
@@ -98,6 +102,17 @@ impl Machine {
         let p = &mut self.parts;
         let read = match part {
             Part::Tim(i) => p.tim[i].read(offset, now, p.clocks.timclk1),
+            Part::Tim11 => {
+                let clocks = p.clocks;
+                // Twice PCLK2, unless that is HCLK.
+                let half = if clocks.pclk2 == clocks.hclk { 1 } else { 2 };
+                let input = Input {
+                    now,
+                    cycle: clocks.pclk2 / half,
+                    period: p.rcc.hse_rtc(now),
+                };
+                p.capture.read(offset, input)
+            }
             Part::Iwdg => p.watchdog.read(offset, now),
             Part::Usart2 => p.usart.read(offset),
             Part::Pwr => p.pwr.read(offset, now),
@@ -122,7 +137,14 @@ impl Machine {
     }
 
     /// Writes the bits of `mask` of a word of a peripheral.
+    ///
+    /// From NMI and HardFault a part without a clock may be written, as outputs are made safe at any time: nothing happens.
     pub(crate) fn write_part(&mut self, address: u32, value: u32, mask: u32) -> Try {
+        let clock = Part::at(address).and_then(|(part, _)| part.clock());
+        let clocked = clock.is_none_or(|clock| self.parts.rcc.works(clock));
+        if matches!(self.cpu.ipsr, 2 | 3) && !clocked {
+            return Ok(());
+        }
         let (part, offset) = self.part_at(address)?;
         let value = self.around.patch.changed(address, value);
         let w = Write {
@@ -155,6 +177,7 @@ impl Machine {
                 }
                 Ok(())
             }
+            Part::Tim11 => p.capture.write(w),
             Part::Iwdg => p.watchdog.write(w),
             Part::Usart2 => {
                 p.usart.write(w, p.clocks.pclk1)?;
@@ -316,6 +339,9 @@ impl Machine {
         }
         if bus == 4 && bits >> 8 & 1 == 1 {
             p.adc = adc::Adc::default();
+        }
+        if bus == 4 && bits >> 18 & 1 == 1 {
+            p.capture = crate::parts::capture::Capture::default();
         }
         for i in 0..2 {
             if bus == 0 && bits >> (21 + i) & 1 == 1 {

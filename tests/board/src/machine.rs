@@ -9,6 +9,7 @@ use crate::core::system::System;
 use crate::image::Image;
 use crate::memory::{RAM_SIZE, Ram};
 use crate::parts::adc::Adc;
+use crate::parts::capture::Capture;
 use crate::parts::dac::Dac;
 use crate::parts::dbgmcu::Dbgmcu;
 use crate::parts::dma::Dma;
@@ -54,6 +55,7 @@ pub struct Parts {
     pub gpio: [Gpio; 8],
     pub exti: Exti,
     pub tim: [Timer; 4],
+    pub capture: Capture,
     pub adc: Adc,
     pub dma: [Dma; 2],
     pub dac: Dac,
@@ -208,6 +210,7 @@ fn parts(flags: u32, around: &Around) -> Parts {
             Timer::new(true, false),
             Timer::new(true, false),
         ],
+        capture: Capture::default(),
         adc: Adc::default(),
         dma: [Dma::new(1), Dma::new(2)],
         dac: Dac::default(),

@@ -68,7 +68,7 @@ impl Machine {
     /// The clocks break a rule.
     pub fn set_hse(&mut self, external: External) -> Result<(), Stop> {
         self.around.hse = external;
-        self.parts.rcc.set_external(external);
+        self.parts.rcc.set_external(external, self.now);
         self.clocks_changed().map_err(|why| self.stop(why))?;
         self.settle_lines();
         self.reschedule();

@@ -59,7 +59,7 @@ pub fn wired() -> Around {
     // The wire's idle level.
     pins[port::A][3] = Outside::High;
     Around {
-        hse: External::Running,
+        hse: External::RUNNING,
         pins,
         supply_v: 3.3,
         lsi_hz: 32_000,

@@ -6,6 +6,7 @@ use crate::image::Image;
 use crate::machine::{Change, Machine};
 use crate::memory::{FLASH, RAM};
 use crate::parts::UNITS_PER_US;
+use crate::parts::rcc::External;
 use crate::rig::wired;
 use crate::stop::Stop;
 
@@ -134,6 +135,17 @@ fn a_more_urgent_one_nests_and_an_equal_one_follows_without_a_frame() {
     machine.cpu.basepri = 0x20;
     pend(&mut machine, 1);
     assert_eq!(machine.entered[FIRST + 1], 1);
+}
+
+#[test]
+fn a_call_that_may_not_be_taken_is_a_hard_fault_behind_it() {
+    // svc #0, masked by PRIMASK; b .; the handler
+    let code = [0xdf00, HANG, RETURN, NOP];
+    let mut machine = machine(&[(3, CODE + 4), (11, CODE)], &code);
+    machine.cpu.primask = true;
+    run(&mut machine, 1).unwrap();
+    assert_eq!((machine.entered[3], machine.entered[11]), (1, 0));
+    assert_eq!(machine.system.hard_status, 1 << 30, "FORCED");
 }
 
 #[test]
@@ -467,6 +479,52 @@ fn the_fastest_clock_wants_scale_1_and_over_drive_and_keeps_them() {
         let why = faster(scale, over_drive, 0).1.unwrap_err().why;
         assert!(why.contains("scale and over-drive"), "{why}");
     }
+}
+
+const RCC_CR: u32 = 0x4002_3800;
+/// HSI and HSE on, the latter bypassed; its and the PLL's flag.
+const BOTH_ON: u32 = 5 << 16 | 0x81;
+const HSERDY: u32 = 1 << 17;
+const PLLRDY: u32 = 1 << 25;
+
+#[test]
+fn a_clock_that_pauses_is_noticed_if_the_pause_is_long_and_it_is_watched() {
+    for (watched, us, acts) in [(1 << 19, 1, false), (1 << 19, 3, true), (0, 50, false)] {
+        let mut machine = with_handlers(&[(2, &[HANG, NOP])]);
+        machine.poke(RCC_CR, BOTH_ON).unwrap();
+        run(&mut machine, 50).unwrap();
+        machine.poke(RCC_CR, BOTH_ON | watched).unwrap();
+        machine.set_hse(External::Missing).unwrap();
+        run(&mut machine, us).unwrap();
+        assert_eq!(machine.entered[2] == 1, acts);
+        machine.set_hse(External::RUNNING).unwrap();
+        run(&mut machine, 50).unwrap();
+        assert_eq!(machine.entered[2] == 1, acts);
+        assert_eq!(machine.peek(RCC_CR).unwrap() & HSERDY == 0, acts);
+    }
+}
+
+#[test]
+fn a_dead_clock_seems_ready_and_the_pll_does_not_lock_on_it() {
+    let mut machine = with_handlers(&[]);
+    machine.poke(RCC_CR, BOTH_ON).unwrap();
+    run(&mut machine, 50).unwrap();
+    machine.set_hse(External::Missing).unwrap();
+    set(
+        &mut machine,
+        &[
+            (0x4002_3804, 0x2240_0000 | 180 << 6 | 4),
+            (RCC_CR, BOTH_ON | 1 << 24),
+        ],
+    )
+    .unwrap();
+    run(&mut machine, 400).unwrap();
+    assert_eq!(machine.peek(RCC_CR).unwrap() & (HSERDY | PLLRDY), HSERDY);
+    // It comes back, and goes again: what has locked seems to stay so.
+    machine.set_hse(External::RUNNING).unwrap();
+    run(&mut machine, 400).unwrap();
+    machine.set_hse(External::Missing).unwrap();
+    assert_eq!(machine.peek(RCC_CR).unwrap() & PLLRDY, PLLRDY);
 }
 
 #[test]

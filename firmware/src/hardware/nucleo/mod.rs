@@ -91,7 +91,7 @@ pub fn set_up(device: Peripherals) -> Option<Board> {
     let wired = sensors_wired || chain.is_low();
     let bench_asked = strap.is_low() || button.is_low();
 
-    let (mut rcc, crystal) = clock::start(rcc);
+    let (mut rcc, crystal) = clock::start(rcc, &device.TIM11);
     feed_watchdog();
     let mut exti = device.EXTI;
     let mut syscfg = device.SYSCFG.constrain(&mut rcc);

@@ -7,7 +7,7 @@ use shared::link::Act;
 use super::session::Bench;
 use super::{Found, Setup, must};
 use crate::core::nvic::FIRST;
-use crate::machine::Change;
+use crate::machine::{Around, Change};
 use crate::parts::gpio::Outside;
 use crate::parts::rcc::External;
 use crate::parts::{UNITS_PER_S, UNITS_PER_US, interrupt};
@@ -23,12 +23,7 @@ const LINK: usize = FIRST + interrupt::TIM6;
 pub fn cold(setup: &Setup) -> Found {
     let mut bench = Bench::power_up(setup, wired())?;
     bench.advance_ms(150)?;
-    let before = [CONTROL, MONITOR, LINK].map(|n| bench.entered(n));
-    bench.advance_ms(100)?;
-    let per_100_ms = [0, 1, 2].map(|i| bench.entered([CONTROL, MONITOR, LINK][i]) - before[i]);
-    must(per_100_ms == [200, 100, 100], || {
-        format!("control, monitor and link ran {per_100_ms:?} times in 100 ms, not 200, 100, 100")
-    })?;
+    rates(&mut bench)?;
     let hclk = bench.rig.borrow().machine.parts.rcc.hclk_hz()?;
     must(hclk == 180_000_000, || format!("HCLK is {hclk} Hz"))?;
     let changes = bench.changes_since(0);
@@ -54,6 +49,16 @@ pub fn cold(setup: &Setup) -> Found {
         first(Change::Dac(Some(2048)))
     );
     Ok((text, bench.now()))
+}
+
+/// Control, block monitor and link at 2, 1 and 1 kHz.
+fn rates(bench: &mut Bench) -> Result<(), Box<dyn std::error::Error>> {
+    let before = [CONTROL, MONITOR, LINK].map(|n| bench.entered(n));
+    bench.advance_ms(100)?;
+    let per_100_ms = [0, 1, 2].map(|i| bench.entered([CONTROL, MONITOR, LINK][i]) - before[i]);
+    must(per_100_ms == [200, 100, 100], || {
+        format!("control, monitor and link ran {per_100_ms:?} times in 100 ms, not 200, 100, 100")
+    })
 }
 
 fn refuses_to_drive(bench: &mut Bench, why: &str) -> Result<String, Box<dyn std::error::Error>> {
@@ -106,10 +111,10 @@ pub fn without_crystal(setup: &Setup) -> Found {
     ))
 }
 
-/// It comes 0.2 s late.
+/// It comes 0.2 s late, which is waited for; and 0.7 s, after it was given up.
 pub fn late_crystal(setup: &Setup) -> Found {
     let mut around = wired();
-    around.hse = External::From(UNITS_PER_S / 5);
+    around.hse = External::Clock(8_000_000, UNITS_PER_S / 5);
     let mut bench = Bench::power_up(setup, around)?;
     bench.advance_ms(600)?;
     let started = bench
@@ -118,12 +123,95 @@ pub fn late_crystal(setup: &Setup) -> Found {
         .find(|(_, c)| *c == Change::Dac(Some(2048)))
         .map(|(at, _)| *at);
     let started = started.ok_or("the set-point's output did not come on")?;
-    bench.status()?;
+    let fault = bench.status()?.fault;
+    must(
+        !fault.is_some_and(|record| record.episode.contains(Fault::BoardUnfit)),
+        || format!("after 0.2 s: {fault:?}"),
+    )?;
+    around.hse = External::Clock(8_000_000, 7 * UNITS_PER_S / 10);
+    let units = bench.now() + on_its_own(setup, around, "after 0.7 s")?;
     let text = format!(
-        "waits for it, PA4 at the middle after {:.0} ms",
+        "after 0.2 s: waits for it, PA4 at the middle after {:.0} ms; after 0.7 s: from HSI, in Fault",
         started as f64 / UNITS_PER_US as f64 / 1e3
     );
-    Ok((text, bench.now()))
+    Ok((text, units))
+}
+
+/// A start that must end in Fault, with right rates from HSI; the rig time of it.
+fn on_its_own(setup: &Setup, around: Around, why: &str) -> Result<u64, Box<dyn std::error::Error>> {
+    let mut bench = Bench::power_up(setup, around)?;
+    bench.advance_ms(1_200)?;
+    refuses_to_drive(&mut bench, why)?;
+    rates(&mut bench).map_err(|error| format!("{why}: {error}"))?;
+    Ok(bench.now())
+}
+
+/// What comes in is a clock of another frequency.
+pub fn another_clock(setup: &Setup) -> Found {
+    let mut units = 0;
+    for hz in [4_000_000, 7_400_000, 8_600_000, 16_000_000] {
+        let mut around = wired();
+        around.hse = External::Clock(hz, 0);
+        units += on_its_own(setup, around, &format!("{hz} Hz"))?;
+    }
+    let text = "4, 7.4, 8.6 and 16 MHz: from HSI, in Fault, with BoardUnfit in the episode; rates are right";
+    Ok((text.into(), units))
+}
+
+/// When the start has to do with the crystal's clock, µs after power-up (it is switched on after 19.8 ms, PA4 is in the middle after
+/// 21.1), and steps in it.
+const CLOCK_FROM_US: u64 = 19_780;
+const CLOCK_STEP_US: u64 = 59;
+const CLOCK_STEPS: u64 = 24;
+/// Looks at what the start has come to, half a second each.
+const MOST_LOOKS: usize = 10;
+
+/// The clock stops at some instant of the start, for good or for 3 ms. The board ends up with right rates, and does not drive
+/// without the clock; whether PA8 is low all the time is looked at, too.
+pub fn clock_stops(setup: &Setup) -> Found {
+    let mut units = 0;
+    let mut ends = [0; 3];
+    let few = if setup.short.is_some() { 4 } else { 1 };
+    for i in (0..CLOCK_STEPS).step_by(few) {
+        for comes_back in [false, true] {
+            let mut bench = Bench::power_up(setup, wired())?;
+            let at_us = CLOCK_FROM_US + i * CLOCK_STEP_US;
+            bench.rig.borrow_mut().advance(at_us)?;
+            bench.rig.borrow_mut().machine.set_hse(External::Missing)?;
+            if comes_back {
+                bench.rig.borrow_mut().advance(3_000)?;
+                bench.rig.borrow_mut().machine.set_hse(External::RUNNING)?;
+            }
+            // A start that waits without end is ended by the watchdog.
+            let why = format!("stops after {at_us} µs, comes back: {comes_back}");
+            let mut right = Ok(());
+            for _ in 0..MOST_LOOKS {
+                bench.advance_ms(400)?;
+                right = rates(&mut bench);
+                if right.is_ok() {
+                    break;
+                }
+            }
+            right.map_err(|error| format!("{why}: {error}"))?;
+            let fault = bench.status()?.fault;
+            let unfit = fault.is_some_and(|record| record.episode.contains(Fault::BoardUnfit));
+            must(unfit || comes_back, || format!("{why}: {fault:?}"))?;
+            let high = |(_, change): &(u64, Change)| *change == Change::Enable(Some(true));
+            must(!bench.changes_since(0).iter().any(high), || {
+                format!("{why}: PA8 was high")
+            })?;
+            let resets = bench.changes_since(1);
+            let reset = |(_, change): &(u64, Change)| matches!(change, Change::Reset(_));
+            ends[usize::from(unfit) + usize::from(unfit && !resets.iter().any(reset))] += 1;
+            units += bench.now();
+        }
+    }
+    let [fit, again, at_once] = ends;
+    let text = format!(
+        "at {} instants: {at_once} times in Fault at once, {again} after a reset, {fit} times with the clock that came back",
+        CLOCK_STEPS.div_ceil(few as u64)
+    );
+    Ok((text, units))
 }
 
 /// Bench mode: nothing wired, button held.

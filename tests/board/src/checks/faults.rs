@@ -211,6 +211,47 @@ pub fn clock_dies(setup: &Setup) -> Found {
     })
 }
 
+/// It pauses: so shortly that nothing acts, and longer.
+pub fn clock_pauses(setup: &Setup) -> Found {
+    let pause = |bench: &mut Bench, us: u64| -> Done {
+        let rig = &mut bench.rig.borrow_mut();
+        rig.machine.set_hse(External::Missing)?;
+        rig.advance(us)?;
+        Ok(rig.machine.set_hse(External::RUNNING)?)
+    };
+    let mut bench = Bench::driving(setup)?;
+    let from = bench.now();
+    pause(&mut bench, 1)?;
+    bench.advance_ms(200)?;
+    let status = bench.status()?;
+    let driven = bench.rig.borrow_mut().is_driven();
+    must(driven && status.fault.is_none(), || {
+        format!("1 µs: driven: {driven}, {:?}", status.fault)
+    })?;
+    let mut units = bench.now() - from;
+    let strike = Strike {
+        limit_us: CRASH_US,
+        wait_ms: 600,
+        wanted: Fault::BoardUnfit,
+    };
+    let mut gone_us = 0.0f64;
+    for us in [3, 50, 5_000] {
+        let found = struck(setup, &strike, |bench| pause(bench, us))
+            .map_err(|error| format!("{us} µs: {error}"))?;
+        let hclk = found.bench.rig.borrow().machine.parts.rcc.hclk_hz()?;
+        must(found.resets == 1 && hclk == 180_000_000, || {
+            format!("{us} µs: {} resets, then {hclk} Hz", found.resets)
+        })?;
+        gone_us = gone_us.max(found.gone_us);
+        units += found.units;
+    }
+    let text = format!(
+        "for 1 µs: drives on; for 3 µs, 50 µs and 5 ms: PA8 low for good {gone_us:.1} µs after it at most ({CRASH_US} allowed), \
+         then with the clock in Fault: BoardUnfit"
+    );
+    Ok((text, units))
+}
+
 /// The supply falls below the voltage detector's level while the control task works, and comes back.
 pub fn supply_sags(setup: &Setup) -> Found {
     let strike = Strike {

@@ -86,10 +86,12 @@ pub type Found = Result<(String, u64), Box<dyn std::error::Error>>;
 type Check = (&'static str, fn(&Setup) -> Found);
 
 /// All checks, in their order.
-const ALL: [Check; 48] = [
+const ALL: [Check; 51] = [
     ("cold boot", boots::cold),
     ("boot without the crystal's clock", boots::without_crystal),
     ("boot with a late crystal's clock", boots::late_crystal),
+    ("boot with another clock", boots::another_clock),
+    ("boot with a clock that stops", boots::clock_stops),
     ("boot with the button held", boots::button_held),
     ("boot with the brown-out reset off", boots::brown_out_off),
     ("the brown-out reset is set", boots::brown_out_set),
@@ -104,6 +106,7 @@ const ALL: [Check; 48] = [
     ("the samples' stream stops", faults::stream_stops),
     ("a debugger's traps", faults::traps),
     ("the clock dies", faults::clock_dies),
+    ("the clock pauses", faults::clock_pauses),
     ("the supply sags", faults::supply_sags),
     ("reports that agree", reports::agree),
     ("a report that contradicts", reports::contradict),

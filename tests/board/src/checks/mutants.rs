@@ -43,6 +43,8 @@ const TIM_CCMR1: u32 = 0x18;
 const TIM_CCER: u32 = 0x20;
 const TIM_PSC: u32 = 0x28;
 const TIM_ARR: u32 = 0x2c;
+const TIM11: u32 = 0x4001_4800;
+const TIM11_OR: u32 = TIM11 + 0x50;
 const ADC_CR1: u32 = 0x4001_2004;
 const ADC_CR2: u32 = 0x4001_2008;
 const ADC_SMPR1: u32 = 0x4001_200c;
@@ -110,6 +112,10 @@ const MUTANTS: &[Mutant] = &[
     ("ADC1 without a clock", APB2ENR, 1 << 8, 0),
     ("SYSCFG without a clock", APB2ENR, 1 << 14, 0),
     ("the over-drive switched with GPIOA clocked", AHB1ENR, 1, 1),
+    ("TIM11 without a clock", APB2ENR, 1 << 18, 0),
+    ("TIM11 at its pin", TIM11_OR, 3, 0),
+    ("TIM11 captures each edge", TIM11 + TIM_CCMR1, 3 << 2, 0),
+    ("HSE_RTC by 16", CFGR, 31 << 16, 16 << 16),
     ("HSE without bypass", RCC_CR, 1 << 18, 0),
     ("no clock security", RCC_CR, 1 << 19, 0),
     ("PLL from HSI", PLLCFGR, 1 << 22, 0),

@@ -10,6 +10,7 @@ const EXIT_CYCLES: u32 = 10;
 const TAIL_CYCLES: u32 = 6;
 
 const HARD_FAULT: usize = 3;
+const CALL: usize = 11;
 const MEM_MANAGE: usize = 4;
 const BUS_FAULT: usize = 5;
 const USAGE_FAULT: usize = 6;
@@ -156,7 +157,7 @@ impl Machine {
     fn start_handler(&mut self, number: usize, was_process: bool) -> Try {
         self.nvic.begin(number);
         self.cpu.ipsr = number as u16;
-        self.cpu.control &= !4;
+        self.cpu.control &= !6;
         self.cpu.use_stack(was_process, false);
         self.cpu.it = 0;
         self.cpu.exclusive = false;
@@ -280,6 +281,17 @@ impl Machine {
             return self.enter_fault(number);
         }
         self.system.hard_status |= 1 << 30;
+        self.enter_hard_fault()
+    }
+
+    /// `svc`: where it may not be taken it is a HardFault, which goes on behind it, as QEMU has it.
+    pub(crate) fn call(&mut self) -> Try {
+        if self.nvic.group_of(CALL) < self.execution_priority() {
+            self.pend_exception(CALL);
+            return Ok(());
+        }
+        self.system.hard_status |= 1 << 30;
+        self.attend();
         self.enter_hard_fault()
     }
 

@@ -209,7 +209,7 @@ impl Machine {
             Kind::Mrs => self.read_special(op),
             Kind::Msr => self.write_special(op),
             Kind::Cps => self.change_masks(op),
-            Kind::Svc => self.pend_exception(11),
+            Kind::Svc => return self.call(),
             Kind::Breakpoint => return self.breakpoint(),
             Kind::WaitInterrupt => self.sleep(),
             Kind::WaitEvent => {

@@ -3,6 +3,7 @@
 //! Each is strict: an error names the register and the rule, and ends the run. Times are in [`UNITS_PER_S`].
 
 pub mod adc;
+pub mod capture;
 pub mod dac;
 pub mod dbgmcu;
 pub mod dma;

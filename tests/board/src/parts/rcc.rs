@@ -1,8 +1,10 @@
 //! Reset and clock control (RM0390, chapter 6).
 //!
-//! Modelled: HSI, HSE (bypassed), PLL with their ready delays, the clock switch and prescalers, the clock security
-//! system, enables and resets of the peripherals, reset flags, LSI. Not: LSE, RTC, PLLI2S and PLLSAI, MCO, spread
-//! spectrum, the low-power enables' effect, interrupts of the clocks' readiness.
+//! Modelled: HSI, HSE (bypassed) of any frequency, late and with pauses, PLL, with their ready delays, the clock switch and
+//! prescalers, the clock security system, enables and resets of the peripherals, reset flags, LSI. Not: LSE, RTC, PLLI2S and
+//! PLLSAI, MCO, spread spectrum, the low-power enables' effect, interrupts of the clocks' readiness.
+//!
+//! A clock that pauses leaves HSERDY as it is; a PLL that has locked goes on with it, slowly, and one that has not does not lock.
 
 use super::pwr::Running;
 use super::{Access, Clocks, NEVER, UNITS_PER_S, UNITS_PER_US, Write};
@@ -23,6 +25,14 @@ const HSE_DELAY: u64 = 20 * UNITS_PER_US;
 const PLL_DELAY: u64 = 150 * UNITS_PER_US;
 const LSI_DELAY: u64 = 20 * UNITS_PER_US;
 const SWITCH_DELAY: u64 = UNITS_PER_US / 4;
+/// How long the HSE must pause for the clock security system (not given; believed).
+const SECURITY_DELAY: u64 = 2 * UNITS_PER_US;
+
+/// Bits of RCC_CR, and the PLL's source in RCC_PLLCFGR.
+const HSEON: u32 = 1 << 16;
+const CSSON: u32 = 1 << 19;
+const PLLON: u32 = 1 << 24;
+const FROM_HSE: u32 = 1 << 22;
 
 const CR_BITS: u32 = 0x050d_00f9;
 const PLLCFGR_BITS: u32 = 0x7f43_7fff;
@@ -34,12 +44,15 @@ const APB2: u32 = 0x00c7_7f33;
 /// What the HSE's pin is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum External {
-    /// 8 MHz, from the debugger.
-    Running,
     /// Nothing.
     Missing,
-    /// 8 MHz from this time on.
-    From(u64),
+    /// A clock of so many Hz, from this time on.
+    Clock(u64, u64),
+}
+
+impl External {
+    /// 8 MHz, from the debugger.
+    pub const RUNNING: Self = Self::Clock(8_000_000, 0);
 }
 
 /// The block.
@@ -55,6 +68,8 @@ pub struct Rcc {
     hse_at: u64,
     pll_at: u64,
     lsi_at: u64,
+    /// When the clock security system acts.
+    security_at: u64,
     csr: u32,
     cir: u32,
     /// AHB1, AHB2, AHB3, APB1, APB2: enables.
@@ -80,6 +95,7 @@ impl Rcc {
             hse_at: NEVER,
             pll_at: NEVER,
             lsi_at: NEVER,
+            security_at: NEVER,
             csr: flags,
             cir: 0,
             enables: [0; 5],
@@ -91,15 +107,25 @@ impl Rcc {
     }
 
     fn hse_alive(&self, now: u64) -> bool {
-        match self.external {
-            External::Running => true,
-            External::Missing => false,
-            External::From(from) => now >= from,
-        }
+        matches!(self.external, External::Clock(_, from) if now >= from)
     }
 
     fn hse_ready(&self, now: u64) -> bool {
-        self.cr & 1 << 16 != 0 && now >= self.hse_at && self.hse_alive(now)
+        self.cr & HSEON != 0 && now >= self.hse_at
+    }
+
+    fn hse_hz(&self) -> u64 {
+        match self.external {
+            External::Clock(hz, _) => hz,
+            External::Missing => 8_000_000,
+        }
+    }
+
+    /// The period of HSE_RTC, in units of time, while there is one.
+    pub fn hse_rtc(&self, now: u64) -> Option<u64> {
+        let divider = u64::from(self.cfgr >> 16 & 0x1f);
+        let there = self.hse_ready(now) && self.hse_alive(now) && divider >= 2;
+        there.then(|| divider * UNITS_PER_S / self.hse_hz())
     }
 
     fn pll_ready(&self, now: u64) -> bool {
@@ -108,10 +134,10 @@ impl Rcc {
 
     /// Frequency of the PLL's main output, Hz.
     fn pll_hz(&self) -> Result<u64, String> {
-        let source = if self.pllcfgr & 1 << 22 != 0 {
-            8_000_000
+        let source = if self.pllcfgr & FROM_HSE != 0 {
+            self.hse_hz()
         } else {
-            16_000_000u64
+            16_000_000
         };
         let (m, n) = (
             u64::from(self.pllcfgr & 0x3f),
@@ -138,7 +164,7 @@ impl Rcc {
     pub fn sysclk_hz(&self) -> Access<u64> {
         match self.switched {
             0 => Ok(16_000_000),
-            1 => Ok(8_000_000),
+            1 => Ok(self.hse_hz()),
             _ => self.pll_hz(),
         }
     }
@@ -216,36 +242,56 @@ impl Rcc {
 
     /// When something changes by itself.
     pub fn next(&self) -> u64 {
-        self.switch_at
+        self.switch_at.min(self.security_at)
     }
 
-    /// Follows the switch.
+    /// Follows the switch, and the clock security system.
     pub fn run(&mut self, now: u64) {
         if now >= self.switch_at {
             self.switched = self.cfgr & 3;
             self.switch_at = NEVER;
         }
+        if now >= self.security_at {
+            // Back to HSI, HSE and PLL off, an NMI (6.2.7).
+            self.security_at = NEVER;
+            self.cr = self.cr & !(HSEON | PLLON | CSSON) | 1;
+            self.cfgr &= !3;
+            self.switched = 0;
+            self.switch_at = NEVER;
+            self.cir |= 1 << 7;
+            self.security_event = true;
+        }
     }
 
-    /// The HSE's pin changes; true if the clock security system acts.
-    pub fn set_external(&mut self, external: External) -> bool {
-        let lost = external != External::Running && self.cr >> 16 & 1 == 1;
+    /// The HSE's pin changes.
+    pub fn set_external(&mut self, external: External, now: u64) {
         self.external = external;
-        if !lost || self.cr & 1 << 19 == 0 {
-            return false;
+        let alive = self.hse_alive(now);
+        let change = |on: bool, ready_at: u64, delay: u64| match alive {
+            true if on && ready_at == NEVER => now + delay,
+            false if now < ready_at => NEVER,
+            _ => ready_at,
+        };
+        self.hse_at = change(self.cr & HSEON != 0, self.hse_at, HSE_DELAY);
+        if self.pllcfgr & FROM_HSE != 0 {
+            self.pll_at = change(self.cr & PLLON != 0, self.pll_at, PLL_DELAY);
         }
-        // Back to HSI, HSE and PLL off, an NMI (6.2.7).
-        self.cr = self.cr & !(1 << 16 | 1 << 24 | 1 << 19) | 1;
-        self.cfgr &= !3;
-        self.switched = 0;
-        self.cir |= 1 << 7;
-        self.security_event = true;
-        true
+        self.settle_security(now);
+    }
+
+    /// The clock security system watches a clock that was ready, and is not there.
+    fn settle_security(&mut self, now: u64) {
+        let watches = self.cr & CSSON != 0 && self.hse_ready(now);
+        self.security_at = if watches && !self.hse_alive(now) {
+            self.security_at.min(now + SECURITY_DELAY)
+        } else {
+            NEVER
+        };
     }
 
     /// Whether the system clock stands on an oscillator that has died.
     pub fn is_stalled(&self, now: u64) -> bool {
-        let on_hse = self.switched == 1 || self.switched == 2 && self.pllcfgr & 1 << 22 != 0;
+        let on_hse = self.switched == 1 || self.switched == 2 && self.pllcfgr & FROM_HSE != 0;
         on_hse && !self.hse_alive(now)
     }
 
@@ -333,7 +379,7 @@ impl Rcc {
         if turned_off(in_use) {
             return Err("the oscillator in use as system clock is switched off".into());
         }
-        if turned_on(24) && self.pllcfgr & 1 << 22 != 0 && !self.hse_ready(w.now) {
+        if turned_on(24) && self.pllcfgr & FROM_HSE != 0 && !self.hse_ready(w.now) {
             return Err("the PLL is switched on before its HSE is ready".into());
         }
         if turned_on(16) && new & 1 << 18 == 0 {
@@ -343,16 +389,18 @@ impl Rcc {
             self.hsi_at = w.now + HSI_DELAY;
         }
         if turned_on(16) {
-            self.hse_at = w.now + HSE_DELAY;
-            if let External::From(from) = self.external {
-                self.hse_at = self.hse_at.max(from + HSE_DELAY);
-            }
+            self.hse_at = match self.external {
+                External::Clock(_, from) => w.now.max(from) + HSE_DELAY,
+                External::Missing => NEVER,
+            };
         }
         if turned_on(24) {
             self.pll_hz()?;
-            self.pll_at = w.now + PLL_DELAY;
+            let fed = self.pllcfgr & FROM_HSE == 0 || self.hse_alive(w.now);
+            self.pll_at = if fed { w.now + PLL_DELAY } else { NEVER };
         }
         self.cr = new;
+        self.settle_security(w.now);
         Ok(())
     }
 
