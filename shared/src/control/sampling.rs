@@ -195,7 +195,8 @@ impl Controller {
         self.note_clean_period(strobe);
         let ratio = self.rig.identification.hammer_over_cart();
         let clean = self.seen.clean >= CLEAN_PERIODS;
-        if let Some(trip) = self.plausibility.ratio(ratio, clean) {
+        let hz = self.oscillator.frequency_hz();
+        if let Some(trip) = self.plausibility.ratio(ratio, clean, hz) {
             self.trip(trip);
             return true;
         }
@@ -203,7 +204,6 @@ impl Controller {
         if self.is_motor() {
             return self.stop_a_motor_beyond_its_limits(strobe);
         }
-        let hz = self.oscillator.frequency_hz();
         let rising = matches!(self.life.phase, Phase::Ramp(_));
         if let Some(trip) = self.plausibility.strobe(strobe, command_m, hz, rising) {
             self.trip(trip);

@@ -452,6 +452,17 @@ mod tests {
         );
     }
 
+    /// One gain less than the check allows, and a sensor 0.9 ms late: hammer over cart was taken for a fifth too little, and
+    /// force over hammer for a quarter.
+    #[test]
+    fn a_late_sensor_is_no_gain_beyond_its_range() {
+        for trial in [19, 31] {
+            let row = LongTrial::draw(1, trial, &presets()).run(600.0);
+            let row = row.expect("a run");
+            assert_ne!(row.trip_by_drift, Some(false), "{row:?}");
+        }
+    }
+
     #[test]
     fn what_drifts_is_in_the_scenario() {
         let long = LongTrial::draw(3, 1, &presets());

@@ -10,8 +10,8 @@ use crate::settings::{Settings, strong_force_n, strong_speed_m_per_s};
 
 /// Contacts in a row with a sum outside the range that trip.
 pub const BAD_PULSES: u8 = 4;
-/// Impulse over momentum of the last contacts.
-pub const MOMENTUM_RANGE: (f32, f32) = (0.75, 1.33);
+/// Impulse over momentum of the last contacts; wider by what a late sensor may be worth ([`super::LATE_S`]).
+pub const MOMENTUM_RANGE: (f32, f32) = (0.76, 1.32);
 /// The same of a single contact, beyond which nothing needs to be averaged.
 pub const GROSS_RANGE: (f32, f32) = (0.4, 2.5);
 /// Contacts in a row outside that trip.
@@ -82,8 +82,8 @@ impl Momentum {
         self.pulses < FEW || is_within(quick, slow, STEADY_RANGE)
     }
 
-    /// A contact has ended; the ratio of the sums if it trips.
-    pub fn pulse(&mut self, pulse: &Pulse) -> Option<f32> {
+    /// A contact has ended, of a cart that turns by `late` rad while a sensor may be late; the ratio of the sums if it trips.
+    pub fn pulse(&mut self, pulse: &Pulse, late: f32) -> Option<f32> {
         // Weak by both sensors: a hammer's that is dead makes hard contacts slow. A surface gives back less than all speed.
         let weak = pulse.approach_m_per_s < self.weak_m_per_s
             && pulse.approach_m_per_s > 0.0
@@ -109,7 +109,8 @@ impl Momentum {
             return None;
         }
         let sum = self.mass_kg * self.speed_m_per_s;
-        let outside = !is_within(self.impulse_n_s, sum, MOMENTUM_RANGE);
+        let (low, high) = MOMENTUM_RANGE;
+        let outside = !is_within(self.impulse_n_s, sum, (low - late, high + late));
         let trips = super::run(&mut self.bad, outside, BAD_PULSES);
         trips.then(|| quotient(self.impulse_n_s, sum))
     }
