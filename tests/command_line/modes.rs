@@ -8,7 +8,7 @@ const SHORT: &str = "--cycles 120 --transient 90";
 fn one_mode_of_a_light_beam_is_what_simulate_says() {
     // A beam of a thousandth of the hammer's mass: its one mode has 1.0004 times the hammer's mass.
     let told = answer(&format!(
-        "modes --rig beam-150 --modes 1 --beam-mass 0.001 --ratio 1.8 {SHORT}"
+        "modes --rig beam-150 --modes 1 --springs-mass 0.001 --ratio 1.8 {SHORT}"
     ));
     let alone = answer(&format!("simulate --rig beam-150 --ratio 1.8 {SHORT}"));
     let row = &told["rows"][0];
@@ -53,11 +53,11 @@ fn what_cannot_be_is_refused_in_one_line() {
                 "names 2 twice",
             ),
             (
-                "modes --rig beam-170 --ratio 1.8 --beam-mass nan",
+                "modes --rig beam-170 --ratio 1.8 --springs-mass nan",
                 "mass is NaN",
             ),
             (
-                "modes --rig beam-170 --ratio 1.8 --beam-mass -1",
+                "modes --rig beam-170 --ratio 1.8 --springs-mass -1",
                 "mass is -1",
             ),
             ("modes --rig beam-170 --ratio 1.8 --gap -1", "gap_mm is -1"),

@@ -30,7 +30,7 @@ pub struct Args {
         default_value_t = 0.1,
         allow_negative_numbers = true
     )]
-    beam_mass: f64,
+    springs_mass: f64,
 
     /// How the hammer holds the springs' end
     #[arg(long, value_parser = choice::<Tip>(), default_value = "guided")]
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.doubt_without_uncertainty(&rig);
     let beam = Beam {
         tip: args.tip,
-        mass_ratio: args.beam_mass,
+        mass_ratio: args.springs_mass,
     };
     let natural_hz = rig.params.natural_frequency_hz();
     let frequencies_hz = args.drive.needed_hz(natural_hz)?;
@@ -197,7 +197,7 @@ fn figure(rows: &[Row], counts: &[usize]) -> Figure {
     let subtitle = rows.first().map_or(String::new(), |row| {
         format!(
             "From rest. Springs of {} times the hammer's mass, tip {}. Swing: largest less least displacement in the fixed frame.",
-            row.beam_mass_ratio,
+            row.springs_mass_ratio,
             if row.tip == Tip::Guided { "guided" } else { "free to turn" }
         )
     });

@@ -274,7 +274,7 @@ pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
             "The chapter gives no dimensions of the springs. Five modes against one: {}.",
             found.collect::<Vec<_>>().join("; ")
         ),
-        command: "host-sim modes --rig beam-170 --cart prescribed --ratio 1.2:2.6:0.02 --modes 1,5 --beam-mass 0.3"
+        command: "host-sim modes --rig beam-170 --cart prescribed --ratio 1.2:2.6:0.02 --modes 1,5 --springs-mass 0.3"
             .into(),
         files: files("modes mass", &figure, &all)?,
     }])

@@ -41,11 +41,11 @@ impl Settings {
         if !(FINEST..=COARSEST_N).contains(&unit) {
             let must_be =
                 "positive (swap the wires of a sensor that reads blows as pulls), at most 1000 N";
-            return Err(out_of_range("force.unit_per_code", unit, must_be));
+            return Err(out_of_range("force.n_per_code", unit, must_be));
         }
         for (key, channel) in [
-            ("hammer.unit_per_code", &self.hammer),
-            ("cart.unit_per_code", &self.cart),
+            ("hammer.m_per_code", &self.hammer),
+            ("cart.m_per_code", &self.cart),
         ] {
             let unit = channel.unit_per_code;
             let size = libm::fabsf(unit);

@@ -428,17 +428,18 @@ mod tests {
         assert!(contradict_each_other([1.32, 1.0, 1.0]));
     }
 
-    /// Far faster than a sensor drifts, so that a minute is enough.
+    /// Far faster than a sensor drifts, so that 80 s are enough.
     #[test]
     fn a_trip_that_the_drift_justifies_ends_the_trial_and_is_told_as_such() {
         let mut long = LongTrial::draw(3, 3, &presets());
         long.gain_percent_per_min = [0.0, -15.0, 15.0];
-        let row = long.run(60.0).expect("a run");
+        let row = long.run(80.0).expect("a run");
         assert_eq!(row.trip, Some("sensor-out-of-family"), "{row:?}");
         assert_eq!(row.trip_by_drift, Some(true), "{row:?}");
-        assert!(row.hammer_over_cart_gain < 0.82, "{row:?}");
+        // At 0.777 for this rig; a sensor that comes to be 1 ms late hides some 5 % until that is learnt.
+        assert!((0.7..0.82).contains(&row.hammer_over_cart_gain), "{row:?}");
         assert!(
-            row.trip_s.is_some_and(|s| (20.0..60.0).contains(&s)),
+            row.trip_s.is_some_and(|s| (20.0..80.0).contains(&s)),
             "{row:?}"
         );
         // The force until the trip counts, and Hold until then.

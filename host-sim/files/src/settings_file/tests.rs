@@ -135,6 +135,21 @@ fn every_number_has_a_place_and_a_place_of_its_own() {
     }
 }
 
+/// A value that no key takes is refused by the key that the file has, whoever checks it.
+#[test]
+fn a_value_out_of_range_is_refused_by_its_key_in_the_file() {
+    let base = Settings::for_rig(&WIRES);
+    for key in &NUMBERS {
+        let (section, name) = (key.section, key.name);
+        let complaint = overlay(&base, &format!("[{section}]\n{name} = -1e30\n")).unwrap_err();
+        let complaint = complaint.to_string();
+        assert!(
+            complaint.contains(&format!("{section}.{name} is ")),
+            "{section}.{name}: {complaint}"
+        );
+    }
+}
+
 #[test]
 fn a_file_names_only_what_differs_and_mistakes_are_told() {
     let base = Settings::for_rig(&WIRES);

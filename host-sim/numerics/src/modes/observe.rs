@@ -264,7 +264,7 @@ pub struct Row {
     /// How the hammer holds the beam's end.
     pub tip: Tip,
     /// Mass of the springs over the hammer's.
-    pub beam_mass_ratio: f64,
+    pub springs_mass_ratio: f64,
     /// Modes kept.
     pub modes: usize,
     /// Drive frequency, Hz.
@@ -337,7 +337,7 @@ impl Row {
             gap_mm: tidy(params.gap_m * 1e3),
             cart: CartModel::of(params),
             tip: beam.tip,
-            beam_mass_ratio: beam.mass_ratio,
+            springs_mass_ratio: beam.mass_ratio,
             modes,
             frequency_hz: tidy(frequency_hz),
             frequency_ratio: tidy(frequency_hz / params.natural_frequency_hz()),

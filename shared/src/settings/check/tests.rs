@@ -168,12 +168,12 @@ fn what_a_sensor_cannot_measure_cannot_be_a_trip_level() {
             |s| s.force.unit_per_code *= 0.85,
         ),
         (
-            "force.unit_per_code",
+            "force.n_per_code",
             |s| s.force.unit_per_code *= -1.0,
             |_| (),
         ),
         (
-            "cart.unit_per_code",
+            "cart.m_per_code",
             |s| s.cart.unit_per_code = 6e-5,
             |s| s.cart.unit_per_code = -1.4e-6,
         ),
@@ -196,10 +196,10 @@ fn calibrations_of_absurd_size_are_refused() {
     for unit in [1e-45, 1e38, -1.0, f32::MIN_POSITIVE] {
         let mut settings = Settings::for_rig(&PRESETS[0].1);
         settings.force.unit_per_code = unit;
-        assert_eq!(settings.check().unwrap_err().key, "force.unit_per_code");
+        assert_eq!(settings.check().unwrap_err().key, "force.n_per_code");
         for (key, field) in [
-            ("hammer.unit_per_code", true),
-            ("cart.unit_per_code", false),
+            ("hammer.m_per_code", true),
+            ("cart.m_per_code", false),
         ] {
             let mut settings = Settings::for_rig(&PRESETS[0].1);
             let channel = if field {
@@ -219,19 +219,19 @@ fn every_setting_has_a_range_and_is_named_outside_it() {
     // Just outside on either side; the ends that are other settings are those of the wires' defaults.
     let cases: [(&str, Field, f32, f32); 24] = [
         (
-            "force.unit_per_code",
+            "force.n_per_code",
             |s| &mut s.force.unit_per_code,
             0.0,
             f32::INFINITY,
         ),
         (
-            "hammer.unit_per_code",
+            "hammer.m_per_code",
             |s| &mut s.hammer.unit_per_code,
             0.0,
             f32::INFINITY,
         ),
         (
-            "cart.unit_per_code",
+            "cart.m_per_code",
             |s| &mut s.cart.unit_per_code,
             0.0,
             f32::INFINITY,
