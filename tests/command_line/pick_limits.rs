@@ -240,6 +240,8 @@ fn the_stroke_for_a_force_is_found() {
     );
     assert!(text.contains("force              150.0"), "{text}");
     assert!(text.contains("shaker enough      no: it needs "), "{text}");
+    let picture = folder.read_made("out/pick", ".svg");
+    assert!(picture.contains(" mm of stroke; the shaker cannot: it needs "));
     // However small, the stroke is not none.
     let tiny = folder.run("pick --nominal --want-force-n 0.001").well().out;
     assert!(tiny.contains("for 0.001 N, give it 0.0000"), "{tiny}");

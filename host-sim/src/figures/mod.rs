@@ -6,7 +6,6 @@ pub mod conclusion;
 pub mod contact;
 pub mod force;
 pub(crate) mod force_curves;
-pub mod gap;
 pub mod map;
 pub(crate) mod map_force;
 pub mod modes;
@@ -182,7 +181,6 @@ pub const AREAS: &[Part] = &[
         modes::beams,
     ),
     Part::new("mass of the beams", &["modes mass"], 157.0, modes::mass),
-    gap::PART,
 ];
 
 /// Figures of the chapter that are no computations, and what they are.

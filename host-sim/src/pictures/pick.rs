@@ -2,7 +2,7 @@
 
 use crate::pictures::regimes::{OTHER_PERIODIC, regime_points, regime_rings};
 use files::words::digits::Digits;
-use files::words::pick::{other_cart, why};
+use files::words::pick::{at_stroke, other_cart, why};
 use numerics::CartModel;
 use numerics::pick::Pick;
 use numerics::row::{Outcome, Row};
@@ -32,7 +32,8 @@ pub fn figure(picks: &[Pick]) -> Figure {
                 CartModel::Prescribed => "The cart is prescribed",
             };
             let why = why(&one.answer);
-            format!("{why} {cart}. {MARKS}")
+            let stroke = at_stroke(&one.answer);
+            format!("{stroke}{why} {cart}. {MARKS}")
         }
         _ => {
             let over = match picks.iter().any(|pick| pick.answer.uncertainty.is_some()) {

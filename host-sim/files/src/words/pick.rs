@@ -2,6 +2,7 @@
 
 use super::digits::{Digits, significant};
 use numerics::CartModel;
+use numerics::limits::LimitUse;
 use numerics::pick::Answer;
 use serde::Serialize;
 
@@ -29,6 +30,60 @@ pub fn jumping_at(low_hz: f64, high_hz: f64) -> String {
     } else {
         format!("between {low_hz:.3} and {high_hz:.3} Hz")
     }
+}
+
+/// A length to a micrometre; below 0.1 mm to three digits.
+pub fn rounded_mm(mm: f64) -> f64 {
+    let decimals = (2.0 - mm.log10().floor()).clamp(3.0, 15.0);
+    let per_mm = 10.0_f64.powi(decimals as i32);
+    (mm * per_mm).round() / per_mm
+}
+
+/// The limit of the shaker that was asked for.
+pub fn shaker_limit(a: &Answer) -> Option<&LimitUse> {
+    let told =
+        |limit: &&LimitUse| of_shaker(limit) && (a.wanted_force_n.is_some() || !assumed(limit));
+    a.limits.iter().find(told)
+}
+
+/// What the shaker would have to give, if it is more than it can.
+pub fn beyond(a: &Answer) -> Option<String> {
+    let most = shaker_limit(a)?.limit?;
+    let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
+    let here = Digits::of(a).other(needed);
+    is_beyond(needed, most).then(|| format!("it needs {here} N and can give {most} N"))
+}
+
+/// That the shaker cannot give it, and why, behind what it is asked for; empty where it can.
+pub fn cannot(a: &Answer) -> String {
+    beyond(a).map_or(String::new(), |why| format!("; the shaker cannot: {why}"))
+}
+
+/// The stroke of the answer where it is not the rig's own, and whether the shaker can give it, as a sentence and a space.
+pub fn at_stroke(a: &Answer) -> String {
+    if a.wanted_force_n.is_none() && !a.amplitude_lowered {
+        return String::new();
+    }
+    format!(
+        "At {} mm of stroke{}. ",
+        rounded_mm(a.shaker.stroke_mm),
+        cannot(a)
+    )
+}
+
+/// Whether a force is more than the shaker can give, beyond what the search for that very force leaves.
+pub fn is_beyond(needed_n: f64, most_n: f64) -> bool {
+    needed_n > most_n * (1.0 + 1e-6)
+}
+
+/// Whether it is the limit of the shaker's force.
+pub fn of_shaker(limit: &LimitUse) -> bool {
+    ["max_shaker_force_n", "shaker_max_force_n"].contains(&limit.name)
+}
+
+/// Whether it is that of the shaker assumed for a preset, and decides nothing.
+pub fn assumed(limit: &LimitUse) -> bool {
+    limit.assumed && !limit.binds
 }
 
 /// The strongest nominal 1/1 with the cart moved the other way, and with the answer's own cart under the same limits.

@@ -2,7 +2,10 @@
 
 use super::{bending, measure_first};
 use files::words::digits::Digits;
-use files::words::pick::{jumping_at, other_cart, why};
+use files::words::pick::{
+    assumed, beyond, cannot, is_beyond, jumping_at, of_shaker, other_cart, rounded_mm,
+    shaker_limit, why,
+};
 use numerics::CartModel;
 use numerics::branch::End;
 use numerics::limits::LimitUse;
@@ -94,7 +97,7 @@ pub fn head(a: &Answer) -> String {
         None if a.amplitude_lowered => format!("lower the stroke to {mm} mm and "),
         None => String::new(),
     };
-    let cannot = beyond(a).map_or(String::new(), |why| format!("; the shaker cannot: {why}"));
+    let cannot = cannot(a);
     format!(
         "{}, gap {:?} mm, {}: {stroke}run it at {} Hz ({:.*} times the natural frequency){cannot}",
         a.rig,
@@ -313,13 +316,6 @@ fn stability(a: &Answer) -> Lines {
     ]
 }
 
-/// A length to a micrometre; below 0.1 mm to three digits.
-fn rounded_mm(mm: f64) -> f64 {
-    let decimals = (2.0 - mm.log10().floor()).clamp(3.0, 15.0);
-    let per_mm = 10.0_f64.powi(decimals as i32);
-    (mm * per_mm).round() / per_mm
-}
-
 /// What the shaker must give, and what it gets for it.
 fn shaker(a: &Answer) -> Lines {
     let s = &a.shaker;
@@ -368,21 +364,6 @@ fn shaker(a: &Answer) -> Lines {
     lines
 }
 
-/// The limit of the shaker that was asked for.
-fn shaker_limit(a: &Answer) -> Option<&LimitUse> {
-    let told =
-        |limit: &&LimitUse| of_shaker(limit) && (a.wanted_force_n.is_some() || !assumed(limit));
-    a.limits.iter().find(told)
-}
-
-/// What the shaker would have to give, if it is more than it can.
-fn beyond(a: &Answer) -> Option<String> {
-    let most = shaker_limit(a)?.limit?;
-    let needed = a.shaker.loop_force_n.unwrap_or(a.shaker.force_n);
-    let here = Digits::of(a).other(needed);
-    is_beyond(needed, most).then(|| format!("it needs {here} N and can give {most} N"))
-}
-
 /// Whether the shaker that was asked for is strong enough, and if not, what gave way.
 fn enough(a: &Answer) -> Option<String> {
     let limit = shaker_limit(a)?;
@@ -412,21 +393,6 @@ fn enough(a: &Answer) -> Option<String> {
     } else {
         format!("yes, for the nominal rig: it needs {here} N and can give {most} N")
     })
-}
-
-/// Whether a force is more than the shaker can give, beyond what the search for that very force leaves.
-fn is_beyond(needed_n: f64, most_n: f64) -> bool {
-    needed_n > most_n * (1.0 + 1e-6)
-}
-
-/// Whether it is the limit of the shaker's force.
-fn of_shaker(limit: &LimitUse) -> bool {
-    ["max_shaker_force_n", "shaker_max_force_n"].contains(&limit.name)
-}
-
-/// Whether it is that of the shaker assumed for a preset, and decides nothing.
-fn assumed(limit: &LimitUse) -> bool {
-    limit.assumed && !limit.binds
 }
 
 /// That a limit decides, and whether only with another of `all`.

@@ -197,10 +197,7 @@ fn calibrations_of_absurd_size_are_refused() {
         let mut settings = Settings::for_rig(&PRESETS[0].1);
         settings.force.unit_per_code = unit;
         assert_eq!(settings.check().unwrap_err().key, "force.n_per_code");
-        for (key, field) in [
-            ("hammer.m_per_code", true),
-            ("cart.m_per_code", false),
-        ] {
+        for (key, field) in [("hammer.m_per_code", true), ("cart.m_per_code", false)] {
             let mut settings = Settings::for_rig(&PRESETS[0].1);
             let channel = if field {
                 &mut settings.hammer
