@@ -2,6 +2,7 @@
 
 import json
 import re
+from os.path import normpath
 from pathlib import Path
 
 from docutils import nodes
@@ -55,8 +56,8 @@ def with_contents(app, page, source):
 
 def link_to_folder(app, page, link):
     """A folder of the project is no page: it leads to its crate's documentation, or only its words stay."""
-    name = link["reftarget"]
-    if (Path(app.srcdir, page).parent / name).is_dir():
+    name = normpath(Path(page).parent / link["reftarget"])
+    if Path(app.srcdir, name).is_dir():
         to = f"rust/{name.replace('-', '_')}/index.html"
         made = name in CRATES and "rust" in app.config.html_context
         uri = relative_uri(app.builder.get_target_uri(page), to)
