@@ -50,7 +50,7 @@ def test_the_search_leads_to_the_section_with_all_words(opened, width):
 def test_no_page_is_wider_than_the_screen_and_no_picture_is_missing(opened, width):
     found = opened(width=width, file=SITE / "index.html")
     found.page.wait_for_url("**/README.html")
-    files = sorted(SITE.rglob("*.html"))
+    files = sorted(set(SITE.rglob("*.html")) - {SITE / "index.html"})
     assert len(files) > 30
     for file in files:
         found.page.goto(file.as_uri())

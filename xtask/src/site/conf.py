@@ -35,8 +35,12 @@ html_sidebars = {"**": [f"sidebar/{bar}.html" for bar in bars] + ["elsewhere.htm
 html_math_renderer = "mathml"
 html_copy_source = html_use_index = html_show_copyright = html_show_search_summary = False
 
-# Packages whose documentation is in the site, if `cargo doc` made it.
-CRATES = ["shared", "host-sim", "xtask"]
+# What may stand in the site before Sphinx writes its pages.
+ELSEWHERE = {
+    "explore.html": "The page",
+    "rust/numerics/index.html": "Rust crates",
+    "python-api/vibroimpact.html": "Python package",
+}
 # What a browser without a font for mathematics draws badly of docutils' MathML, and what it draws well.
 DRAWN = [
     (r"\n\s*", ""),
@@ -59,8 +63,8 @@ def link_to_folder(app, page, link):
     name = normpath(Path(page).parent / link["reftarget"])
     if Path(app.srcdir, name).is_dir():
         to = f"rust/{name.replace('-', '_')}/index.html"
-        made = name in CRATES and "rust" in app.config.html_context
         uri = relative_uri(app.builder.get_target_uri(page), to)
+        made = Path(app.outdir, to).exists()
         link.replace_self(nodes.reference("", "", *link.children, internal=True, refuri=uri) if made else link.children)
 
 
@@ -89,7 +93,8 @@ def read(app, doctree):
         app.sections.append([page, section["ids"][0], section[0].astext(), " ".join(" ".join(words).split())])
 
 
-def add_search(app, page, template, context, doctree):
+def frame(app, page, template, context, doctree):
+    context["elsewhere"] = [entry for entry in ELSEWHERE.items() if Path(app.outdir, entry[0]).exists()]
     if page == "search":
         for name in ["sections.js", "search.js"]:
             app.add_js_file(name, loading_method="defer")
@@ -107,5 +112,5 @@ def setup(app):
     app.add_html_math_renderer("mathml", (formula, None), (formula, None))
     app.connect("source-read", with_contents)
     app.connect("doctree-read", read)
-    app.connect("html-page-context", add_search)
+    app.connect("html-page-context", frame)
     app.connect("build-finished", finish)
