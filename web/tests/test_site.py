@@ -71,6 +71,8 @@ MISTAKES = {
     "![x](nowhere.png)": "image file not readable: docs/nowhere.png",
     "![](map-wires.png)": "a picture without words",
     r"$\nowhere$": r"the formula \nowhere",
+    r"$\frac{1}{$": r"the formula \frac{1}{: not as many",
+    r"$\left(x$": r"the formula \left(x: not as many",
 }
 
 

@@ -79,7 +79,7 @@ cargo xtask COMMAND
                               twice, and look at the archive
   site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
                               documentation of the crates and of the Python package, the page; with --check the
-                              pages alone
+                              pages alone (Sphinx makes them: needs Python, and the network once)
   web [--test [WORDS]]        build the page into target/web/index.html; --test runs it in headless Chromium, too, and
                               compares its numbers with host-sim's; WORDS go to pytest
   lab [--board PORT] [OPTIONS]

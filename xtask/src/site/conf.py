@@ -69,10 +69,16 @@ def link_to_folder(app, page, link):
 
 
 def formula(writer, node):
+    latex = node.astext()
     try:
-        text = tex2mathml(node.astext(), as_block=isinstance(node, nodes.math_block))
+        text = tex2mathml(latex, as_block=isinstance(node, nodes.math_block))
+        # docutils closes by itself what is left open.
+        bare = re.sub(r"\\[{}]", "", latex)
+        for start, end in [("{", "}"), (r"\\left\b", r"\\right\b"), (r"\\begin\b", r"\\end\b")]:
+            if len(re.findall(start, bare)) != len(re.findall(end, bare)):
+                raise MathError(f"not as many {start} as {end}")
     except MathError as error:
-        log.warning("the formula %s: %s", node.astext(), error, location=node)
+        log.warning("the formula %s: %s", latex, error, location=node)
         raise nodes.SkipNode
     for pattern, drawn in DRAWN:
         text = re.sub(pattern, drawn, text)
@@ -104,7 +110,8 @@ def finish(app, error):
     if not error:
         text = json.dumps(app.sections, ensure_ascii=False)
         Path(app.outdir, "_static/sections.js").write_text(f"Search.sections = {text};\n", "utf-8")
-        Path(app.outdir, "index.html").write_text('<meta http-equiv="refresh" content="0; url=README.html">\n')
+        start = '<meta http-equiv="refresh" content="0; url=README.html"><a href="README.html">To the first page</a>\n'
+        Path(app.outdir, "index.html").write_text(start)
 
 
 def setup(app):
