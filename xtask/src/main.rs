@@ -79,7 +79,7 @@ cargo xtask COMMAND
                               twice, and look at the archive
   site [--check]              build the site into target/site: the pages of docs/ with their links followed, the
                               documentation of the crates and of the Python package, the page; with --check the
-                              pages alone
+                              pages alone (Sphinx makes them: needs Python, and the network once)
   web [--test [WORDS]]        build the page into target/web/index.html; --test runs it in headless Chromium, too, and
                               compares its numbers with host-sim's; WORDS go to pytest
   lab [--board PORT] [OPTIONS]
@@ -109,7 +109,8 @@ enum Job {
     Board(Vec<String>),
     Python(Vec<String>),
     Dist(dist::Plan),
-    Site(site::Plan),
+    /// Whether the pages alone are built.
+    Site(bool),
     Web,
     WebTest(Vec<String>),
     Lab(Vec<String>),
@@ -140,7 +141,8 @@ fn parse(args: &[&str]) -> Result<Job, String> {
         ["board", words @ ..] => Ok(Job::Board(words.iter().map(|&word| word.into()).collect())),
         ["python", words @ ..] => Ok(Job::Python(words.iter().map(|&word| word.into()).collect())),
         ["dist", options @ ..] => dist::Plan::parse(options).map(Job::Dist),
-        ["site", options @ ..] => site::Plan::parse(options).map(Job::Site),
+        ["site"] => Ok(Job::Site(false)),
+        ["site", "--check"] => Ok(Job::Site(true)),
         ["web"] => Ok(Job::Web),
         ["web", "--test", words @ ..] => Ok(Job::WebTest(
             words.iter().map(|&word| word.into()).collect(),
@@ -185,7 +187,7 @@ fn run(job: Job) -> Outcome {
             python::run(&words, &desktop::Build::Alone)?;
         }
         Job::Dist(plan) => dist::run(&plan, &desktop::Build::Alone)?,
-        Job::Site(plan) => site::run(&plan)?,
+        Job::Site(check) => drop(site::run(check)?),
         Job::Web => println!("{}", web::build()?.display()),
         Job::WebTest(words) => {
             let words: Vec<&str> = words.iter().map(String::as_str).collect();

@@ -27,7 +27,7 @@ pub fn test(words: &[&str], build: &Build) -> Outcome {
     tests.current_dir(root().join("web"));
     tests.env("HOST_SIM", program).env("PAGE", &page);
     tests.env("CHROMIUM", browser);
-    tests.env("SITE", site::pages_for_tests()?);
+    tests.env("SITE", site::run(true)?);
     tests.env("SHOTS", page.with_file_name("shots"));
     command::run(
         tests
