@@ -16,6 +16,24 @@ fn a_drive_that_obeys_is_not_told_to_run_on() {
     });
 }
 
+/// A swing of up to 9 mm, before the start or in the self test, delays Hold by a second at most.
+#[test]
+fn a_hammer_that_swings_at_the_start_is_held_within_ten_seconds() {
+    let pushes = [(0.2, -0.1), (0.2, 0.1), (0.8, -0.05), (0.8, 0.1)];
+    let each = RIGS.iter().flat_map(|rig| pushes.map(|push| (rig, push)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, (at_s, speed))| {
+        let push = event(
+            *at_s,
+            &format!("kind = \"push\"\nspeed_m_per_s = {speed:?}"),
+        );
+        let truth = truth_of(rig, 14.0, &(push + &start()));
+        assert_eq!(faults(&truth), [], "{rig} {at_s} {speed}");
+        let after_s = truth.hold_s.expect("Hold") - 0.5;
+        assert!(after_s < 10.0, "{rig} {at_s} {speed}: {after_s}");
+    });
+}
+
 /// One that runs on is found within 1.2 s.
 #[test]
 fn a_drive_that_runs_on_is_found_soon() {
