@@ -37,8 +37,8 @@ pub fn reached<F: Flow<N>, const N: usize>(flow: &F, from: &F::Point, h: F::Numb
     stepped(flow, from, h, 0.0).end
 }
 
-/// A step whose powers count for `span` s each. The loops are over what moves, as a number the compiler knows: that is
-/// up to a third faster.
+/// A step whose powers count for `span` s each. How many numbers move is made one that the compiler knows, so that it
+/// unrolls the loops over them.
 fn stepped<F: Flow<N>, const N: usize>(
     flow: &F,
     from: &F::Point,
