@@ -9,7 +9,7 @@ use serde::Serialize;
 use shared::model::params::RigParams;
 use shared::model::rig::{Mode, Rig};
 
-use crate::contact_law::undriven::{Course, Piece, Undriven};
+use crate::contact_law::undriven::{Course, Piece, Track, Undriven};
 use crate::error::{DropTestError, Error};
 use crate::low_pass::{self, LowPass};
 use crate::noise::Noise;
@@ -206,11 +206,7 @@ pub fn impacts(
 }
 
 /// A hammer at rest at `release_m`.
-fn released<'a>(
-    params: &RigParams,
-    rig: &'a Rig<f64>,
-    release_m: f64,
-) -> Result<Undriven<'a>, Error> {
+fn released(params: &RigParams, rig: &Rig<f64>, release_m: f64) -> Result<Undriven, Error> {
     let q = rig.coordinate_at(release_m);
     if !q.is_finite() {
         return Err(DropTestError::OutOfReach { release_m }.into());
@@ -226,7 +222,7 @@ fn released<'a>(
     let size = (q - rig.coordinate_at(0.0)).abs().max(1e-9);
     Ok(Undriven::new(
         rig,
-        (q, 0.0),
+        [q, 0.0],
         (size, size * TAU * natural_hz),
         1.0 / (24.0 * natural_hz),
     ))
@@ -341,16 +337,16 @@ fn pieces(
     until_s: f64,
 ) -> Result<Vec<Piece>, Error> {
     let mut hammer = released(params, rig, release_m)?;
-    let mut pieces: Vec<Piece> = Vec::new();
+    let mut track = Track::default();
     while hammer.now().t < until_s {
-        let (piece, _, _) = hammer.advance().ok_or(DropTestError::Lost)?;
-        pieces.push(piece);
+        hammer.advance(&mut track).ok_or(DropTestError::Lost)?;
         // A contact that lasts has no end to wait for.
-        if pieces.len() > 1_000_000 && piece.mode == Mode::Contact {
+        let touches = |piece: &Piece| piece.mode == Mode::Contact;
+        if track.pieces.len() > 1_000_000 && track.pieces.last().is_some_and(touches) {
             break;
         }
     }
-    Ok(pieces)
+    Ok(track.pieces)
 }
 
 /// The surface's ringing: after each impact's largest force it swings about zero, falling first.

@@ -7,7 +7,7 @@
 //!
 //! | step | modules |
 //! |---|---|
-//! | engine | [`mod@reference`]: event-located, f64; [`engine`]: the reference and the switch model of `shared` behind one trait; [`lanes`]: many short simulations side by side |
+//! | engine | [`flow`]: phases of a motion, one integrator for all of them; [`mod@reference`]: event-located, f64; [`engine`]: the reference and the switch model of `shared` behind one trait; [`lanes`]: many short simulations side by side |
 //! | orbits | [`orbit`]: periodic orbits by shooting, with multipliers from [`dual`] numbers; [`branch`]: the stable 1/1 followed to its ends; [`continuation`]: curves of orbits, stable and not, with their special points |
 //! | operating point | [`pick`]: which frequency, how hard, and will it stay there |
 //! | over a range | [`sweep`]: the force curve; [`map`]: regimes over gap and frequency; [`bifurcation`]; [`basins`] |
@@ -29,6 +29,7 @@ pub mod drop_test;
 pub mod dual;
 pub mod engine;
 pub mod error;
+pub mod flow;
 #[cfg(not(target_family = "wasm"))]
 pub mod identify;
 pub mod knob;

@@ -14,7 +14,6 @@ use crate::dual::Dual;
 use crate::engine::check_frequency;
 use crate::error::{Error, MotionError};
 use crate::reference::Reference;
-use crate::reference::smoothed::SmoothedReference;
 
 /// How long to follow a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,40 +62,6 @@ impl Exponents {
     }
 }
 
-/// What carries two directions through a drive period.
-trait Carrier {
-    fn period(&mut self);
-    /// Coordinate and rate; deviation of the cart and its rate.
-    fn state(&self) -> [Dual<2>; 4];
-    fn redirect(&mut self, f: impl Fn(Dual<2>) -> Dual<2>);
-}
-
-impl Carrier for Reference<Dual<2>> {
-    fn period(&mut self) {
-        self.run_period(&mut ());
-    }
-    fn state(&self) -> [Dual<2>; 4] {
-        let ((q, v), [e, w]) = (Self::state(self), self.cart());
-        [q, v, e, w]
-    }
-    fn redirect(&mut self, f: impl Fn(Dual<2>) -> Dual<2>) {
-        Self::redirect(self, f);
-    }
-}
-
-impl Carrier for SmoothedReference<Dual<2>> {
-    fn period(&mut self) {
-        self.run_period();
-    }
-    fn state(&self) -> [Dual<2>; 4] {
-        let (q, v) = Self::state(self);
-        [q, v, Dual::constant(0.0), Dual::constant(0.0)]
-    }
-    fn redirect(&mut self, f: impl Fn(Dual<2>) -> Dual<2>) {
-        Self::redirect(self, f);
-    }
-}
-
 /// The exponents of the trajectory of `params` at `frequency_hz` (Hz) that begins on `section` (coordinate and rate
 /// at drive phase 0), with the cart on its course.
 ///
@@ -118,7 +83,7 @@ pub fn exponents(
 /// The same for the smoothing method of width `epsilon_m` (m), where no direction jumps.
 ///
 /// # Errors
-/// As [`exponents`] and [`SmoothedReference::new`].
+/// As [`exponents`] and [`Reference::smoothed`].
 pub fn of_smoothed(
     params: &RigParams,
     frequency_hz: f64,
@@ -127,7 +92,7 @@ pub fn of_smoothed(
     plan: Span,
 ) -> Result<Exponents, Error> {
     check_frequency(frequency_hz, params)?;
-    let carrier = SmoothedReference::new(params, frequency_hz, epsilon_m, seeds(section))?;
+    let carrier = Reference::smoothed(params, frequency_hz, epsilon_m, seeds(section))?;
     grow(carrier, units(params, frequency_hz)?, frequency_hz, plan)
 }
 
@@ -144,7 +109,7 @@ fn units(params: &RigParams, frequency_hz: f64) -> Result<[f64; 4], Error> {
 }
 
 fn grow(
-    mut carrier: impl Carrier,
+    mut carrier: Reference<Dual<2>>,
     units: [f64; 4],
     frequency_hz: f64,
     plan: Span,
@@ -162,8 +127,9 @@ fn grow(
     });
     let mut booked = Vec::with_capacity(plan.periods as usize);
     for k in 0..plan.transient + plan.periods {
-        carrier.period();
-        let state = carrier.state();
+        carrier.run_period(&mut ());
+        let ((q, v), [e, w]) = (carrier.state(), carrier.cart());
+        let state = [q, v, e, w];
         let y = [0, 1, 2, 3].map(|i| state[i].eps.map(|e| e / units[i]));
         let Some((growth, back)) = triangle(&y) else {
             return Err(lost(state[0].re, frequency_hz));

@@ -44,7 +44,7 @@ pub fn one_contact(rig: &Rig<f64>, speed_m_per_s: f64) -> Option<Course> {
     // A tenth of a millisecond before the onset, whatever the speed.
     let q = -1e-4 * speed_m_per_s;
     let scale = (1e-3 * speed_m_per_s, speed_m_per_s);
-    Undriven::new(rig, (q, speed_m_per_s), scale, 1.0).next_contact(1.0)
+    Undriven::new(rig, [q, speed_m_per_s], scale, 1.0).next_contact(1.0)
 }
 
 /// The figures of one contact.

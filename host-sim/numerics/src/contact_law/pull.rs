@@ -3,8 +3,9 @@
 use shared::model::rig::{Mode, Rig};
 
 use super::undriven::Course;
+use crate::flow::reached;
 use crate::reference::Point;
-use crate::reference::flow::Field;
+use crate::reference::flow::HammerFlow;
 use crate::root::halved;
 
 /// A contact that lasts to δ = 0 instead of ending at F = 0.
@@ -35,7 +36,7 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
         restitution: contact.rebound_speed_m_per_s / approach,
         ..Pull::default()
     };
-    let field = Field {
+    let flow = HammerFlow {
         rig,
         omega: 0.0,
         drive_acceleration: 0.0,
@@ -43,6 +44,7 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
         approach,
         smoothed: None,
         recoil: None,
+        units: (1.0, 1.0),
     };
     let h = contact.duration_s / STEPS;
     let (q, v) = course.release;
@@ -60,15 +62,15 @@ pub fn unclamped(rig: &Rig<f64>, course: &Course) -> Option<Pull> {
     };
     enter(&mut pull, &point);
     for _ in 0..10 * STEPS as usize {
-        let end = field.step(&point, h, (1.0, 1.0)).end;
+        let end = reached(&flow, &point, h);
         if delta(&end) > 0.0 {
             point = end;
             enter(&mut pull, &point);
             continue;
         }
-        let left = |s| delta(&field.step(&point, s, (1.0, 1.0)).end) <= 0.0;
+        let left = |s| delta(&reached(&flow, &point, s)) <= 0.0;
         let (last, _) = halved((0.0, h), 60, left);
-        point = field.step(&point, last, (1.0, 1.0)).end;
+        point = reached(&flow, &point, last);
         enter(&mut pull, &point);
         pull.share = point.t / (contact.duration_s + point.t);
         pull.restitution = -rig.kinematics(point.q, point.v).rate / approach;

@@ -6,7 +6,7 @@ use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Kinematics, Rig};
 use shared::model::slider::Slider;
 
-use crate::reference::Scalar;
+use crate::flow::Scalar;
 
 /// A free mass under a static and a harmonic force: x'' = (b + a cos Ωt − F)/m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub struct Motion<R> {
 }
 
 /// Where it is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place<R> {
     /// Beyond the nominal place of the front, m.
     pub depth: R,

@@ -5,9 +5,9 @@ use shared::model::slider::Touch;
 
 use super::blow::Blow;
 use super::exits::Exit;
-use super::flow::{Point, Step};
+use super::flow::{DrillStep, Point};
 use super::march::Drill;
-use crate::reference::Scalar;
+use crate::flow::{Scalar, reached};
 use crate::root::maximum;
 
 /// A hammer that strikes the bit again this soon after they parted still strikes the same blow, s: the bit comes back from
@@ -15,7 +15,8 @@ use crate::root::maximum;
 pub const SAME_BLOW_S: f64 = 5e-3;
 
 impl<R: Scalar> Drill<R> {
-    pub(super) fn accept(&mut self, step: &Step<R>, period: &mut Period<f64>) {
+    pub(super) fn accept(&mut self, step: &DrillStep<R>, period: &mut Period<f64>) {
+        let (dug, energies) = self.flow().gained(&self.point, step);
         let ground = match self.open {
             Some(_) => self.peak_on_ground(step),
             None => 0.0,
@@ -28,8 +29,8 @@ impl<R: Scalar> Drill<R> {
             if let Some(open) = &mut self.open {
                 open.peak_force_n = open.peak_force_n.max(peak);
                 open.duration_s += (step.end.t - self.point.t).to_f64();
-                open.energy_lost_j += step.energies.contact;
-                open.impulse_n_s += step.energies.impulse;
+                open.energy_lost_j += energies.contact;
+                open.impulse_n_s += energies.impulse;
                 let third = self.onsets[2];
                 period.chatter |=
                     open.duration_s > SUSTAINED_CONTACT_S && open.onset_s - third < self.period_s;
@@ -38,32 +39,29 @@ impl<R: Scalar> Drill<R> {
             period.peak_force = period.peak_force.max(peak);
         }
         if let Some(open) = &mut self.open {
-            open.progress_m += step.dug.to_f64();
+            open.progress_m += dug.to_f64();
             open.ground_force_n = open.ground_force_n.max(ground);
         }
         self.watch_loop(step);
-        self.energies.add(&step.energies, 1.0);
-        self.drift += step.dug.to_f64();
-        self.dug += step.dug;
+        self.energies.add(&energies, 1.0);
+        self.drift += dug.to_f64();
+        self.dug += dug;
         self.point = step.end;
     }
 
     /// The largest force between hammer and bit in a step, N.
-    fn peak(&self, step: &Step<R>) -> f64 {
-        let field = self.field();
-        let force = |p: &Point<R>| field.acting(p, &self.body.place(p.q, p.v)).force.to_f64();
-        let rises = |p: &Point<R>| field.struck_force_rate(p) > 0.0;
+    fn peak(&self, step: &DrillStep<R>) -> f64 {
+        let flow = self.flow();
+        let force = |p: &Point<R>| flow.acting(p).force.to_f64();
+        let rises = |p: &Point<R>| flow.struck_force_rate(p) > 0.0;
         self.largest(step, force, rises, f64::INFINITY)
     }
 
     /// The largest force on the ground in a step, N.
-    fn peak_on_ground(&self, step: &Step<R>) -> f64 {
-        let field = self.field();
-        let force = |p: &Point<R>| {
-            let at = self.body.place(p.q, p.v);
-            field.acting(p, &at).ground.to_f64()
-        };
-        let rises = |p: &Point<R>| self.touch == Touch::Held && field.held_force_rate(p) > 0.0;
+    fn peak_on_ground(&self, step: &DrillStep<R>) -> f64 {
+        let flow = self.flow();
+        let force = |p: &Point<R>| flow.acting(p).ground.to_f64();
+        let rises = |p: &Point<R>| self.touch == Touch::Held && flow.held_force_rate(p) > 0.0;
         let most = self.slider.threshold.to_f64();
         self.largest(step, force, rises, most)
     }
@@ -72,7 +70,7 @@ impl<R: Scalar> Drill<R> {
     /// last.
     fn largest(
         &self,
-        step: &Step<R>,
+        step: &DrillStep<R>,
         force: impl Fn(&Point<R>) -> f64,
         rises: impl Fn(&Point<R>) -> bool,
         most: f64,
@@ -81,9 +79,9 @@ impl<R: Scalar> Drill<R> {
         if !rises(&self.point) || rises(&step.end) {
             return ends;
         }
-        let field = self.field();
+        let flow = self.flow();
         let h = (step.end.t - self.point.t).to_f64();
-        let within = |s: f64| force(&field.step(&self.point, R::from_f64(s * h)).end);
+        let within = |s: f64| force(&reached(&flow, &self.point, R::from_f64(s * h)));
         let top = within(maximum(within, (0.0, 1.0), 1e-4, 0.5));
         top.max(ends).min(most)
     }
@@ -120,8 +118,7 @@ impl<R: Scalar> Drill<R> {
     /// Hammer, or bit, meets the ground.
     pub(super) fn meet(&mut self) {
         let p = &self.point;
-        let at = self.body.place(p.q, p.v);
-        let speed = self.field().speed(p, &at);
+        let speed = self.flow().speed(p);
         self.touch = self.slider.at_onset(p.e, speed);
         if self.bit.is_none() {
             self.open_blow(speed);
@@ -130,8 +127,7 @@ impl<R: Scalar> Drill<R> {
 
     /// Hammer meets bit.
     pub(super) fn strike(&mut self) {
-        let p = &self.point;
-        let speed = self.body.place(p.q, p.v).rate - p.bit[1];
+        let [_, speed] = self.flow().into_bit(&self.point);
         self.struck = true;
         match &mut self.open {
             Some(open) => open.contacts += 1,
@@ -153,8 +149,7 @@ impl<R: Scalar> Drill<R> {
     /// Hammer and bit part. What is left in the contact between them is lost.
     fn part(&mut self) {
         if let Some(bit) = &self.bit {
-            let p = &self.point;
-            let x = self.body.place(p.q, p.v).depth - p.bit[0];
+            let [x, _] = self.flow().into_bit(&self.point);
             self.energies.bit_heat += bit.stored_energy(x).to_f64();
         }
         self.struck = false;

@@ -2,9 +2,8 @@
 
 use shared::model::slider::Touch;
 
-use super::body::Place;
-use super::flow::{Acting, Field, Point};
-use crate::reference::Scalar;
+use super::flow::{Acting, DrillFlow, Point};
+use crate::flow::{Flow as _, Scalar, reached};
 use crate::reference::switching::Arc;
 use crate::root::maximum;
 
@@ -46,13 +45,13 @@ struct Paths {
     bit: Option<Arc>,
 }
 
-impl<R: Scalar> Field<'_, R> {
+impl<R: Scalar> DrillFlow<'_, R> {
     /// Positive beyond the end of the phase.
-    fn beyond(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> R {
-        let (slider, speed) = (self.slider, self.speed(p, at));
+    fn beyond(&self, exit: Exit, p: &Point<R>) -> R {
+        let (slider, speed) = (self.slider, self.speed(p));
         match exit {
-            Exit::Meets => self.depth(p, at) - p.lead - p.e,
-            Exit::Strikes | Exit::Parts => self.beyond_bit(exit, p, at),
+            Exit::Meets => self.depth(p) - p.lead - p.e,
+            Exit::Strikes | Exit::Parts => self.beyond_bit(exit, p),
             Exit::Leaves => -slider.held_force(p.e, speed),
             Exit::GivesWay => slider.held_force(p.e, speed) - slider.threshold,
             Exit::Holds => -slider.advance_rate(self.touch, p.e, speed),
@@ -60,11 +59,11 @@ impl<R: Scalar> Field<'_, R> {
     }
 
     /// The same between hammer and bit.
-    fn beyond_bit(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> R {
+    fn beyond_bit(&self, exit: Exit, p: &Point<R>) -> R {
         let Some(bit) = self.bit else {
             return R::from_f64(f64::NEG_INFINITY);
         };
-        let (x, rate) = (at.depth - p.bit[0], at.rate - p.bit[1]);
+        let [x, rate] = self.into_bit(p);
         if exit == Exit::Strikes {
             bit.indicator(x, rate)
         } else {
@@ -73,12 +72,11 @@ impl<R: Scalar> Field<'_, R> {
     }
 
     /// Its rate.
-    fn beyond_rate(&self, exit: Exit, p: &Point<R>, at: &Place<R>) -> f64 {
-        let (slider, speed) = (self.slider, self.speed(p, at));
-        let now = self.acting(p, at);
-        let body = self
-            .body
-            .depth_acceleration(at, p.v, now.motion.acceleration);
+    fn beyond_rate(&self, exit: Exit, p: &Point<R>) -> f64 {
+        let (slider, speed) = (self.slider, self.speed(p));
+        let now = self.acting(p);
+        let acceleration = now.motion.acceleration;
+        let body = self.body.depth_acceleration(&p.at, p.v, acceleration);
         let deeper = if self.bit.is_some() { now.bit } else { body };
         let compression = slider.compression_rate(self.touch, p.e, speed);
         let rate = match exit {
@@ -87,7 +85,7 @@ impl<R: Scalar> Field<'_, R> {
                 let Some(bit) = self.bit else {
                     return f64::NAN;
                 };
-                let (rate, change) = (at.rate - p.bit[1], body - now.bit);
+                let ([_, rate], change) = (self.into_bit(p), body - now.bit);
                 if exit == Exit::Strikes {
                     bit.indicator_rate(rate, change)
                 } else {
@@ -103,7 +101,7 @@ impl<R: Scalar> Field<'_, R> {
 
     /// Rate of the contact force while the ground holds, N/s.
     pub fn held_force_rate(&self, p: &Point<R>) -> f64 {
-        self.beyond_rate(Exit::GivesWay, p, &self.body.place(p.q, p.v))
+        self.beyond_rate(Exit::GivesWay, p)
     }
 
     /// Rate of the force between hammer and bit, N/s. 0 without a bit.
@@ -111,7 +109,7 @@ impl<R: Scalar> Field<'_, R> {
         if self.bit.is_none() {
             return 0.0;
         }
-        -self.beyond_rate(Exit::Parts, p, &self.body.place(p.q, p.v))
+        -self.beyond_rate(Exit::Parts, p)
     }
 
     /// The first end of the phase within the step from `from` to `end`: how, and how long after `from`.
@@ -120,8 +118,7 @@ impl<R: Scalar> Field<'_, R> {
         if self.out_of_reach(from, end, h) {
             return None;
         }
-        let accelerations = |p: &Point<R>| self.acting(p, &self.body.place(p.q, p.v));
-        let (a, b) = (accelerations(from), accelerations(end));
+        let (a, b) = (self.acting(from), self.acting(end));
         let body = |p: &Point<R>, now: &Acting<R>| {
             let acceleration = now.motion.acceleration.to_f64();
             (p.q.to_f64(), p.v.to_f64(), acceleration)
@@ -150,8 +147,7 @@ impl<R: Scalar> Field<'_, R> {
             return &[Exit::Parts];
         }
         let apart = |p: &Point<R>| {
-            let at = self.body.place(p.q, p.v);
-            let (x, rate) = (at.depth - p.bit[0], at.rate - p.bit[1]);
+            let [x, rate] = self.into_bit(p);
             (x.to_f64(), rate.to_f64().abs())
         };
         let (a, b) = (apart(from), apart(end));
@@ -167,9 +163,8 @@ impl<R: Scalar> Field<'_, R> {
             return false;
         }
         let clearance = |p: &Point<R>| {
-            let at = self.body.place(p.q, p.v);
-            let beyond = self.beyond(Exit::Meets, p, &at).to_f64();
-            (beyond, self.speed(p, &at).to_f64().abs(), p.e.to_f64())
+            let beyond = self.beyond(Exit::Meets, p).to_f64();
+            (beyond, self.speed(p).to_f64().abs(), p.e.to_f64())
         };
         let (a, b) = (clearance(from), clearance(end));
         a.0.max(b.0) + h * (a.1 + b.1) + a.2 < 0.0
@@ -181,32 +176,25 @@ impl<R: Scalar> Field<'_, R> {
         let guess = |s: f64| {
             let (q, v) = paths.body.at(s);
             let (u, w) = paths.bit.map_or((0.0, 0.0), |bit| bit.at(s));
-            let tau = R::from_f64(s * h);
             // No end of a phase depends on where the cart is.
             let [off, off_rate] = from.cart;
-            let moved = [q, v, 0.0, 0.0, u, w].map(R::from_f64);
-            let moved = [moved[0], moved[1], off, off_rate, moved[4], moved[5]];
-            let (p, at) = self.after(from, tau, moved);
-            self.beyond(exit, &p, &at).to_f64()
+            let [q, v, u, w] = [q, v, u, w].map(R::from_f64);
+            let p = self.after(from, R::from_f64(s * h), [q, v, off, off_rate, u, w]);
+            self.beyond(exit, &p).to_f64()
         };
         let exact = |s: f64| {
-            let p = self.step(from, R::from_f64(s * h)).end;
-            let at = self.body.place(p.q, p.v);
-            let value = self.beyond(exit, &p, &at).to_f64();
-            (value, self.beyond_rate(exit, &p, &at) * h)
+            let p = reached(self, from, R::from_f64(s * h));
+            let value = self.beyond(exit, &p).to_f64();
+            (value, self.beyond_rate(exit, &p) * h)
         };
-        let end_value = {
-            let at = self.body.place(end.q, end.v);
-            self.beyond(exit, end, &at).to_f64()
-        };
+        let end_value = self.beyond(exit, end).to_f64();
         let bracket = bracket(&guess, end_value, |s| exact(s).0)?;
         let s = newton(&exact, bracket);
         let time = R::from_f64(s * h);
-        let p = self.step(from, time).end;
-        let at = self.body.place(p.q, p.v);
-        let value = self.beyond(exit, &p, &at);
+        let p = reached(self, from, time);
+        let value = self.beyond(exit, &p);
         // Same value; in dual numbers, with the derivatives of the instant.
-        Some(time.as_root_of(value, self.beyond_rate(exit, &p, &at)))
+        Some(time.as_root_of(value, self.beyond_rate(exit, &p)))
     }
 }
 

@@ -1,12 +1,13 @@
-//! The smooth flow of one phase of the contact: hammer by Dormand–Prince 8(5,3), compression of the ground in closed
+//! The smooth flow of one phase of the contact: hammer, cart and bit by their rates, compression of the ground in closed
 //! form, because it relaxes and slips by itself whatever the hammer does.
 
 use shared::model::bit::Bit;
 use shared::model::slider::{Slider, Touch};
 
 use super::body::{Body, Motion, Place};
-use crate::reference::Scalar;
-use crate::reference::tableau::{A, B, C, E3, E5, STAGES, error};
+use super::exits::Exit;
+use crate::flow::dormand_prince::combined;
+use crate::flow::{Flow, Scalar, Step};
 
 /// Where everything is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub struct Point<R> {
     pub cart: [R; 2],
     /// The bit's depth beyond the nominal place of the front (m) and its rate (m/s): 0 without a bit.
     pub bit: [R; 2],
+    /// How deep that puts the body.
+    pub at: Place<R>,
 }
 
 /// Where energy went, J.
@@ -71,9 +74,9 @@ impl Energies {
     }
 }
 
-/// What the flow is under.
+/// Body, cart, bit and ground in one phase of the contact.
 #[derive(Clone, Copy, Debug)]
-pub struct Field<'a, R> {
+pub struct DrillFlow<'a, R> {
     /// What strikes.
     pub body: &'a Body<R>,
     /// The ground.
@@ -108,89 +111,59 @@ pub struct Acting<R> {
     pub bit: R,
 }
 
-/// A step taken.
-#[derive(Clone, Copy, Debug)]
-pub struct Step<R> {
-    /// Where it ended.
-    pub end: Point<R>,
-    /// Error estimate relative to the tolerance (≤ 1: accept).
-    pub error: f64,
-    /// Progress, m.
-    pub dug: R,
-    /// Energies.
-    pub energies: Energies,
-}
+/// A step of hammer and ground.
+pub type DrillStep<R> = Step<R, Point<R>, Energies>;
 
-impl<R: Scalar> Field<'_, R> {
+impl<R: Scalar> DrillFlow<'_, R> {
     /// The speed into the ground of what stands on it, m/s.
     #[inline]
-    pub fn speed(&self, p: &Point<R>, at: &Place<R>) -> R {
+    pub fn speed(&self, p: &Point<R>) -> R {
         let rate = if self.bit.is_some() {
             p.bit[1]
         } else {
-            at.rate
+            p.at.rate
         };
         rate + R::from_f64(self.feed)
     }
 
     /// The depth of what stands on the ground beyond the nominal place of the front, m.
     #[inline]
-    pub fn depth(&self, p: &Point<R>, at: &Place<R>) -> R {
+    pub fn depth(&self, p: &Point<R>) -> R {
         if self.bit.is_some() {
             p.bit[0]
         } else {
-            at.depth
+            p.at.depth
         }
     }
 
-    /// The state after `tau`, with everything that moves at `moved`.
-    pub fn after(&self, from: &Point<R>, tau: R, moved: States<R>) -> (Point<R>, Place<R>) {
-        let [q, v, off, off_rate, depth, depth_rate] = moved;
-        let at = self.body.place(q, v);
-        let fed = from.lead - tau * R::from_f64(self.feed);
-        let deep = if self.bit.is_some() { depth } else { at.depth };
-        let (e, lead) = match self.slider.compression_limit(self.touch) {
-            None => (deep - fed, fed),
-            Some(limit) => {
-                let e = limit + (from.e - limit) * (-(self.slider.relaxation() * tau)).exp();
-                match self.touch {
-                    Touch::Slipping => (e, deep - e),
-                    _ => (e, fed),
-                }
-            }
-        };
-        let end = Point {
-            t: from.t + tau,
-            q,
-            v,
-            e,
-            lead,
-            cart: [off, off_rate],
-            bit: [depth, depth_rate],
-        };
-        (end, at)
+    /// How much deeper the body is than the bit, m, and how much faster, m/s.
+    #[inline]
+    pub fn into_bit(&self, p: &Point<R>) -> [R; 2] {
+        [p.at.depth - p.bit[0], p.at.rate - p.bit[1]]
     }
 
     /// Forces and accelerations.
     #[inline]
-    pub fn acting(&self, p: &Point<R>, at: &Place<R>) -> Acting<R> {
-        let ground = self.slider.force(self.touch, p.e, self.speed(p, at));
+    pub fn acting(&self, p: &Point<R>) -> Acting<R> {
+        let ground = self.slider.force(self.touch, p.e, self.speed(p));
         let angle = p.t * R::from_f64(self.omega);
+        let motion = |forces| self.body.motion(&p.at, p.v, angle, forces, p.cart);
         let Some(bit) = self.bit else {
             return Acting {
                 force: ground,
                 ground,
-                motion: self.body.motion(at, p.v, angle, [ground, R::ZERO], p.cart),
+                motion: motion([ground, R::ZERO]),
                 bit: R::ZERO,
             };
         };
         let force = if self.struck {
-            bit.force(at.depth - p.bit[0], at.rate - p.bit[1])
+            let [x, rate] = self.into_bit(p);
+            bit.force(x, rate)
         } else {
             R::ZERO
         };
         let pressed = bit.pressed(force, ground);
-        let motion = self.body.motion(at, p.v, angle, [force, pressed], p.cart);
+        let motion = motion([force, pressed]);
         Acting {
             force,
             ground,
@@ -199,70 +172,15 @@ impl<R: Scalar> Field<'_, R> {
         }
     }
 
-    /// One step of length `h`.
-    pub fn step(&self, from: &Point<R>, h: R) -> Step<R> {
-        let mut rates = [[R::ZERO; 6]; STAGES];
-        let mut energies = Energies::default();
-        let length = h.to_f64();
-        let count = self.moving();
-        for stage in 0..STAGES {
-            let moved = moved(from, h, &rates, A[stage], count);
-            let tau = h * R::from_f64(C[stage]);
-            let (p, at) = self.after(from, tau, moved);
-            let now = self.acting(&p, &at);
-            let motion = &now.motion;
-            rates[stage] = [
-                p.v,
-                motion.acceleration,
-                p.cart[1],
-                motion.deviation,
-                p.bit[1],
-                now.bit,
-            ];
-            if let Some((_, weight)) = B.iter().find(|(i, _)| *i == stage) {
-                energies.add(&self.powers(&p, &at, &now), weight * length);
-            }
-        }
-        let (end, _) = self.after(from, h, moved(from, h, &rates, B, count));
-        let dug = match self.touch {
-            Touch::Slipping => end.lead - from.lead + h * R::from_f64(self.feed),
-            _ => R::ZERO,
-        };
-        self.exactly(from, &end, dug.to_f64(), &mut energies);
-        let estimate = |weights: &[(usize, f64)]| {
-            let mut square = 0.0;
-            for (j, unit) in self.units[..count].iter().enumerate() {
-                let errors = weights.iter().map(|&(i, w)| w * rates[i][j].to_f64());
-                square += (errors.sum::<f64>() / unit).powi(2);
-            }
-            square.sqrt() * length.abs()
-        };
-        Step {
-            end,
-            error: error(estimate(E5), estimate(E3)),
-            dug,
-            energies,
-        }
-    }
-
-    /// How many of [`States`] move: a cart that keeps to its course and a bit that is not there cost nothing.
-    fn moving(&self) -> usize {
-        match (self.bit, self.body.recoils()) {
-            (Some(_), _) => 6,
-            (None, true) => 4,
-            (None, false) => 2,
-        }
-    }
-
-    fn powers(&self, p: &Point<R>, at: &Place<R>, now: &Acting<R>) -> Energies {
+    fn powers(&self, p: &Point<R>, now: &Acting<R>) -> Energies {
         let angle = p.t * R::from_f64(self.omega);
         let (force, motion) = (now.force, &now.motion);
-        let body = self.body.powers(at, p.v, angle, force, p.cart, motion);
-        let speed = self.speed(p, at);
+        let body = self.body.powers(&p.at, p.v, angle, force, p.cart, motion);
+        let speed = self.speed(p);
         let mut bit = [0.0; 3];
         if let Some(of) = self.bit {
             let [_, w] = p.bit;
-            let heat = of.dashpot_power(at.rate - w);
+            let heat = of.dashpot_power(p.at.rate - w);
             bit = [
                 (force * w).to_f64(),
                 ((of.feed_force + of.mass * motion.carried) * w).to_f64(),
@@ -284,34 +202,105 @@ impl<R: Scalar> Field<'_, R> {
         }
     }
 
-    /// What has a closed form: the progress, and the dashpot's heat while e goes its own way: with x the distance from its
-    /// limit, c ẋ = −k x and so ∫c ẋ² dt = ½ k (x0² − x1²).
-    fn exactly(&self, from: &Point<R>, end: &Point<R>, dug: f64, energies: &mut Energies) {
-        energies.progress = self.slider.threshold.to_f64() * dug;
+    /// Progress in a step, m, and energies, J: what has a closed form are the progress and the dashpot's heat while e goes its
+    /// own way: with x the distance from its limit, c ẋ = −k x and so ∫c ẋ² dt = ½ k (x0² − x1²).
+    pub fn gained(&self, from: &Point<R>, step: &DrillStep<R>) -> (R, Energies) {
+        let dug = match self.touch {
+            Touch::Slipping => step.end.lead - from.lead + step.length * R::from_f64(self.feed),
+            _ => R::ZERO,
+        };
+        let mut energies = step.totals;
+        energies.progress = self.slider.threshold.to_f64() * dug.to_f64();
         if let Some(limit) = self.slider.compression_limit(self.touch) {
             let stored = |p: &Point<R>| self.slider.stored_energy(p.e - limit).to_f64();
-            energies.dashpot = stored(from) - stored(end);
+            energies.dashpot = stored(from) - stored(&step.end);
         }
+        (dug, energies)
     }
 }
 
-/// [`States`] after `h` at the weighted rates; the first `count` move.
-#[inline]
-fn moved<R: Scalar>(
-    from: &Point<R>,
-    h: R,
-    rates: &[States<R>; STAGES],
-    weights: &[(usize, f64)],
-    count: usize,
-) -> States<R> {
-    let ([off, off_rate], [depth, depth_rate]) = (from.cart, from.bit);
-    let mut end = [from.q, from.v, off, off_rate, depth, depth_rate];
-    for (j, x) in end[..count].iter_mut().enumerate() {
-        let mut sum = R::ZERO;
-        for &(i, weight) in weights {
-            sum += rates[i][j] * R::from_f64(weight);
-        }
-        *x += h * sum;
+impl<R: Scalar> Flow<6> for DrillFlow<'_, R> {
+    type Number = R;
+    type Point = Point<R>;
+    type Totals = Energies;
+    type Exit = Exit;
+
+    #[inline]
+    fn time(&self, point: &Point<R>) -> R {
+        point.t
     }
-    end
+
+    #[inline]
+    fn numbers(&self, p: &Point<R>) -> States<R> {
+        let ([off, off_rate], [depth, depth_rate]) = (p.cart, p.bit);
+        [p.q, p.v, off, off_rate, depth, depth_rate]
+    }
+
+    #[inline]
+    fn moving(&self) -> usize {
+        match (self.bit, self.body.recoils()) {
+            (Some(_), _) => 6,
+            (None, true) => 4,
+            (None, false) => 2,
+        }
+    }
+
+    #[inline]
+    fn after(&self, from: &Point<R>, tau: R, numbers: States<R>) -> Point<R> {
+        let [q, v, off, off_rate, depth, depth_rate] = numbers;
+        let at = self.body.place(q, v);
+        let fed = from.lead - tau * R::from_f64(self.feed);
+        let deep = if self.bit.is_some() { depth } else { at.depth };
+        let (e, lead) = match self.slider.compression_limit(self.touch) {
+            None => (deep - fed, fed),
+            Some(limit) => {
+                let e = limit + (from.e - limit) * (-(self.slider.relaxation() * tau)).exp();
+                match self.touch {
+                    Touch::Slipping => (e, deep - e),
+                    _ => (e, fed),
+                }
+            }
+        };
+        Point {
+            t: from.t + tau,
+            q,
+            v,
+            e,
+            lead,
+            cart: [off, off_rate],
+            bit: [depth, depth_rate],
+            at,
+        }
+    }
+
+    #[inline]
+    fn rates(&self, p: &Point<R>, rates: &mut States<R>, weight: f64, totals: &mut Energies) {
+        let now = self.acting(p);
+        if weight != 0.0 {
+            totals.add(&self.powers(p, &now), weight);
+        }
+        let motion = &now.motion;
+        *rates = [
+            p.v,
+            motion.acceleration,
+            p.cart[1],
+            motion.deviation,
+            p.bit[1],
+            now.bit,
+        ];
+    }
+
+    #[inline]
+    fn error(&self, fifth: &States<f64>, third: &States<f64>, h: f64) -> f64 {
+        let size = |errors: &States<f64>| {
+            let over = errors.iter().zip(self.units).take(self.moving());
+            let square = over.fold(0.0, |sum, (error, unit)| sum + (error / unit).powi(2));
+            square.sqrt() * h.abs()
+        };
+        combined(size(fifth), size(third))
+    }
+
+    fn exit(&self, from: &Point<R>, _: f64, end: &Point<R>) -> Option<(Exit, R)> {
+        self.first_exit(from, end)
+    }
 }

@@ -9,8 +9,9 @@ use shared::model::slider::{Slider, Touch};
 
 use super::blow::{Blow, Feed};
 use super::body::{Body, Carried, FreeMass, resting};
-use super::flow::{Energies, Field, Point};
-use crate::reference::{Scalar, TOLERANCE, tableau};
+use super::flow::{DrillFlow, Energies, Point};
+use crate::flow::{Ended, Pace, Scalar};
+use crate::reference::TOLERANCE;
 
 /// Steps per period of the drive, at least.
 const STEPS_PER_PERIOD: f64 = 24.0;
@@ -26,7 +27,7 @@ const FIRST_STEP: f64 = 0.2;
 const RESTING_STEP: f64 = 3.0;
 
 /// Steps after which a period is given up.
-const MAX_STEPS_PER_PERIOD: usize = 100_000;
+const MAX_STEPS_PER_PERIOD: u64 = 100_000;
 
 /// What strikes and what is struck, driven at one frequency.
 #[derive(Clone, Debug)]
@@ -49,7 +50,7 @@ pub struct Drill<R> {
     /// Whether hammer and bit touch.
     pub(super) struck: bool,
     pub(super) cycle: u64,
-    next_step: f64,
+    pace: Pace,
     /// Progress since the start, m, and in the period under way.
     pub(super) drift: f64,
     pub(super) dug: R,
@@ -152,7 +153,7 @@ impl<R: Scalar> Drill<R> {
         );
         self.longest.1 = self.longest.1.min(CONTACT_STEP / struck);
         self.longest_resting = RESTING_STEP / fastest(slider.stiffness, slider.damping);
-        self.next_step = FIRST_STEP * self.longest.1;
+        self.pace = Pace::new(FIRST_STEP * self.longest.1);
         self.bit = Some(bit.cast());
         Ok(self)
     }
@@ -168,6 +169,7 @@ impl<R: Scalar> Drill<R> {
         let mass = body.mass();
         let damped = mass / slider.damping.max(f64::MIN_POSITIVE);
         let in_contact = CONTACT_STEP * (mass / slider.stiffness).sqrt().min(damped);
+        let at = body.place(R::ZERO, R::ZERO);
         Self {
             body,
             slider: slider.cast(),
@@ -190,11 +192,12 @@ impl<R: Scalar> Drill<R> {
                 lead: R::ZERO,
                 cart: [R::ZERO; 2],
                 bit: [R::ZERO; 2],
+                at,
             },
             touch: Touch::Apart,
             struck: false,
             cycle: 0,
-            next_step: FIRST_STEP * in_contact,
+            pace: Pace::new(FIRST_STEP * in_contact),
             drift: 0.0,
             dug: R::ZERO,
             open: None,
@@ -212,8 +215,8 @@ impl<R: Scalar> Drill<R> {
         self
     }
 
-    pub(super) fn field(&self) -> Field<'_, R> {
-        Field {
+    pub(super) fn flow(&self) -> DrillFlow<'_, R> {
+        DrillFlow {
             body: &self.body,
             slider: &self.slider,
             bit: self.bit.as_ref(),
@@ -236,35 +239,22 @@ impl<R: Scalar> Drill<R> {
             ..Period::default()
         };
         self.dug = R::ZERO;
-        for _ in 0..MAX_STEPS_PER_PERIOD {
-            let to_go = self.period_s - self.point.t.to_f64();
-            let wanted = self.next_step.min(self.longest_now());
-            let last = to_go <= wanted;
-            let h = wanted.min(to_go);
-            let length = if last {
-                R::from_f64(self.period_s) - self.point.t
-            } else {
-                R::from_f64(h)
-            };
-            let step = self.field().step(&self.point, length);
-            if step.error > 1.0 {
-                self.next_step = tableau::shorter(h, step.error);
-                continue;
-            }
-            if let Some((exit, at)) = self.field().first_exit(&self.point, &step.end) {
-                let part = self.field().step(&self.point, at);
-                self.accept(&part, &mut period);
-                self.switch(exit, &mut period, blows);
-                self.next_step = FIRST_STEP * self.longest.1;
-                continue;
-            }
+        let mut pace = self.pace;
+        let most = pace.tried + MAX_STEPS_PER_PERIOD;
+        while let Some((step, ended)) = {
+            let (stop, longest) = (self.period_s, self.longest_now());
+            pace.advance(&self.flow(), &self.point, stop, longest, most)
+        } {
             self.accept(&step, &mut period);
-            self.close_blow(blows);
-            if last {
+            match ended {
+                Ended::Switched(exit) => self.switch(exit, &mut period, blows),
+                Ended::Within | Ended::AtStop => self.close_blow(blows),
+            }
+            if ended == Ended::AtStop {
+                self.pace = pace;
                 self.end_period();
                 return (period, self.dug);
             }
-            self.next_step = tableau::next(h, step.error);
         }
         let nowhere = R::from_f64(f64::NAN);
         self.point.q = nowhere;
@@ -279,6 +269,7 @@ impl<R: Scalar> Drill<R> {
         match self.feed {
             Feed::Cart => {
                 (p.q, p.v) = self.body.drawn_back(p.q, p.v, p.lead);
+                p.at = self.body.place(p.q, p.v);
                 if self.bit.is_some() {
                     p.bit[0] -= p.lead;
                 }
@@ -286,13 +277,12 @@ impl<R: Scalar> Drill<R> {
             }
             // The ground must not come to where the hammer is.
             Feed::Ground => {
-                let depth = self.body.place(p.q, p.v).depth;
                 let top = if self.bit.is_some() {
                     p.bit[0] - p.lead
                 } else {
                     p.e
                 };
-                if !self.hammer_touches() && depth < top {
+                if !self.hammer_touches() && self.point.at.depth < top {
                     self.ground_comes_back();
                 }
             }

@@ -4,7 +4,7 @@ use shared::model::slider::Touch;
 
 use super::flow::{Energies, Point};
 use super::march::Drill;
-use crate::reference::Scalar;
+use crate::flow::Scalar;
 
 impl<R: Scalar> Drill<R> {
     /// Puts it on the section at coordinate, rate and compression; where they touch, the compression follows from the
@@ -15,6 +15,7 @@ impl<R: Scalar> Drill<R> {
 
     /// The same with a cart that recoils `cart` (m, m/s) off its course. A bit is at rest on the ground.
     pub fn place_off(&mut self, [q, v, e]: [R; 3], cart: [R; 2]) {
+        let at = self.body.place(q, v);
         self.point = Point {
             t: R::ZERO,
             q,
@@ -23,11 +24,11 @@ impl<R: Scalar> Drill<R> {
             lead: R::ZERO,
             cart,
             bit: [R::ZERO; 2],
+            at,
         };
         self.open = None;
         self.struck = false;
         self.touch = Touch::Apart;
-        let at = self.body.place(q, v);
         if let Some(bit) = &self.bit {
             let under = bit.rest_compression(&self.slider);
             let pushes = bit.indicator(at.depth - under, at.rate) > R::ZERO;
@@ -39,7 +40,7 @@ impl<R: Scalar> Drill<R> {
         }
         if at.depth >= e && at.depth > R::ZERO {
             self.point.e = at.depth;
-            let speed = self.field().speed(&self.point, &at);
+            let speed = self.flow().speed(&self.point);
             if self.slider.held_force(at.depth, speed) > R::ZERO {
                 self.meet();
             }
@@ -93,7 +94,7 @@ impl<R: Scalar> Drill<R> {
 
     /// The body's depth beyond the nominal place of the front, m, and its rate, m/s.
     pub fn depth(&self) -> (f64, f64) {
-        let at = self.body.place(self.point.q, self.point.v);
+        let at = &self.point.at;
         (at.depth.to_f64(), at.rate.to_f64())
     }
 
@@ -134,8 +135,8 @@ impl<R: Scalar> Drill<R> {
         let Some(bit) = &self.bit else {
             return (0.0, 0.0);
         };
-        let [u, w] = self.point.bit;
-        let x = self.body.place(self.point.q, self.point.v).depth - u;
+        let [_, w] = self.point.bit;
+        let [x, _] = self.flow().into_bit(&self.point);
         let stored = bit.stored_energy(x).to_f64();
         let moving = bit.kinetic_energy(w).to_f64();
         (moving, if self.struck { stored } else { 0.0 })

@@ -1,8 +1,8 @@
 //! What the shaker's loop must give while the hammer drills.
 
-use super::flow::Step;
+use super::flow::DrillStep;
 use super::march::Drill;
-use crate::reference::Scalar;
+use crate::flow::{Scalar, reached};
 
 /// Points of a step at which the force is taken, beside its start.
 const POINTS: u32 = 4;
@@ -21,14 +21,14 @@ impl<R: Scalar> Drill<R> {
     }
 
     /// Takes in the step that is about to be accepted.
-    pub(super) fn watch_loop(&mut self, step: &Step<R>) {
+    pub(super) fn watch_loop(&mut self, step: &DrillStep<R>) {
         let Some(mut largest) = self.loop_force_n else {
             return;
         };
         let length = (step.end.t - self.point.t).to_f64();
         for k in 1..=POINTS {
             let part = R::from_f64(length * f64::from(k) / f64::from(POINTS));
-            let p = self.field().step(&self.point, part).end;
+            let p = reached(&self.flow(), &self.point, part);
             let angle = p.t * R::from_f64(self.omega);
             let force = self.body.loop_force(angle, p.cart).abs();
             // A number that is none stays: f64::max would drop it.

@@ -1,28 +1,27 @@
-//! In contact: all modes together, by adaptive steps of Dormand–Prince 8(5,3).
+//! In contact: all modes together.
 
-use super::{ModalRig, PerMode, State};
+use super::{MAX_MODES, ModalRig, State};
+use crate::flow::dormand_prince::{Rates, combined};
+use crate::flow::{Flow, reached};
 use crate::reference::TOLERANCE;
 use crate::reference::flow::Totals;
-use crate::reference::tableau::{A, B, C, E3, E5, STAGES, error};
 
-/// The flow in contact. The stages are not those of [`crate::reference::flow`]: each has all modes, and plain `f64`.
+/// A release is located when what is left to it is less than this, s.
+pub const TIME_TOLERANCE_S: f64 = 1e-13;
+
+/// Shortest step on where nothing is about to happen, s.
+pub const SHORTEST_S: f64 = 1e-9;
+
+/// Coordinate and rate of each mode in turn.
+const NUMBERS: usize = 2 * MAX_MODES;
+
+/// The modes while the hammer touches.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactFlow<'a> {
     /// The rig.
     pub rig: &'a ModalRig,
     /// Ω, rad/s.
     pub omega: f64,
-}
-
-/// A step taken.
-#[derive(Clone, Copy, Debug)]
-pub struct Step {
-    /// Where it ended.
-    pub end: State,
-    /// Error estimate relative to the tolerance (≤ 1: accept).
-    pub error: f64,
-    /// What was integrated beside it.
-    pub totals: Totals,
 }
 
 impl ContactFlow<'_> {
@@ -40,62 +39,126 @@ impl ContactFlow<'_> {
         (force, by_delta * rate + by_rate * a.iter().sum::<f64>())
     }
 
-    /// One step of length `h`, s.
-    pub fn step(&self, from: &State, h: f64) -> Step {
-        let mut rates = [(PerMode::default(), PerMode::default()); STAGES];
-        let mut totals = Totals::default();
-        for stage in 0..STAGES {
-            let mut at = moved(from, h, A[stage], &rates);
-            at.t = from.t + h * C[stage];
-            let (force, drive) = (self.rig.force(&at), self.drive(at.t));
-            rates[stage] = (at.v, self.rig.accelerations(&at, drive, force));
-            if let Some((_, weight)) = B.iter().find(|(i, _)| *i == stage) {
-                let w = weight * h;
-                totals = totals.plus(Totals {
-                    impulse: w * force,
-                    contact_work: w * force * at.tip_rate(),
-                    inertial_work: w * self.rig.inertial_power(&at, drive),
-                    damping_work: w * self.rig.losses(&at).iter().sum::<f64>(),
-                });
+    /// How long after `from` the force has just fallen to 0, given that it has `h` s after, at `end`: Newton's iteration,
+    /// kept in a bracket.
+    fn release(&self, from: &State, h: f64, end: &State) -> f64 {
+        let (mut low, mut high) = (0.0, h);
+        let (mut best, mut length) = (*end, h);
+        for _ in 0..100 {
+            let (force, slope) = self.force(&best);
+            let newton = length - force / slope;
+            length = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let there = reached(self, from, length);
+            let (force, _) = self.force(&there);
+            if force > 0.0 {
+                low = length;
+            } else {
+                high = length;
+            }
+            let moved = (there.t - best.t).abs();
+            best = there;
+            if high - low < TIME_TOLERANCE_S || (force <= 0.0 && moved < TIME_TOLERANCE_S) {
+                break;
             }
         }
-        let mut end = moved(from, h, B, &rates);
-        end.t = from.t + h;
-        Step {
-            end,
-            error: self.error(h, &rates),
-            totals,
+        if self.force(&best).0 > 0.0 {
+            high
+        } else {
+            length
         }
-    }
-
-    /// The error of the worst mode, over the tolerance.
-    fn error(&self, h: f64, rates: &[(PerMode, PerMode); STAGES]) -> f64 {
-        let unit = TOLERANCE * self.rig.amplitude_m;
-        let estimate = |weights: &[(usize, f64)], mode: usize| {
-            let (mut q, mut v) = (0.0, 0.0);
-            for &(i, w) in weights {
-                q += w * rates[i].0[mode];
-                v += w * rates[i].1[mode];
-            }
-            (q / unit).hypot(v / (unit * self.omega)) * h
-        };
-        let one = |mode: usize| error(estimate(E5, mode), estimate(E3, mode));
-        (0..self.rig.modes.len()).map(one).fold(0.0, f64::max)
     }
 }
 
-fn moved(
-    from: &State,
-    h: f64,
-    weights: &[(usize, f64)],
-    rates: &[(PerMode, PerMode); STAGES],
-) -> State {
-    let mut at = *from;
-    for &(i, weight) in weights {
-        for mode in 0..super::MAX_MODES {
-            at.q[mode] += h * weight * rates[i].0[mode];
-            at.v[mode] += h * weight * rates[i].1[mode];
-        }
+impl Flow<NUMBERS> for ContactFlow<'_> {
+    type Number = f64;
+    type Point = State;
+    type Totals = Totals;
+    type Exit = ();
+
+    fn time(&self, state: &State) -> f64 {
+        state.t
     }
-    at
+
+    fn numbers(&self, state: &State) -> [f64; NUMBERS] {
+        alternating(&state.q, &state.v)
+    }
+
+    fn moving(&self) -> usize {
+        2 * self.rig.modes.len()
+    }
+
+    fn after(&self, from: &State, tau: f64, numbers: [f64; NUMBERS]) -> State {
+        let mut state = State {
+            t: from.t + tau,
+            ..State::default()
+        };
+        for (mode, [q, v]) in numbers.as_chunks().0.iter().enumerate() {
+            (state.q[mode], state.v[mode]) = (*q, *v);
+        }
+        state
+    }
+
+    fn rates(&self, at: &State, rates: &mut [f64; NUMBERS], weight: f64, totals: &mut Totals) {
+        let (force, drive) = (self.rig.force(at), self.drive(at.t));
+        if weight != 0.0 {
+            totals.impulse += weight * force;
+            totals.contact_work += weight * force * at.tip_rate();
+            totals.inertial_work += weight * self.rig.inertial_power(at, drive);
+            totals.damping_work += weight * self.rig.losses(at).iter().sum::<f64>();
+        }
+        *rates = alternating(&at.v, &self.rig.accelerations(at, drive, force));
+    }
+
+    /// As the others do it but for the order of the products, which the last digits of a run depend on.
+    fn moved<const M: usize>(
+        &self,
+        from: &[f64; NUMBERS],
+        h: f64,
+        rates: &Rates<f64, NUMBERS>,
+        weights: &[(usize, f64)],
+    ) -> [f64; NUMBERS] {
+        let mut at = *from;
+        for &(i, weight) in weights {
+            for (x, rate) in at[..M].iter_mut().zip(&rates[i]) {
+                *x += h * weight * rate;
+            }
+        }
+        at
+    }
+
+    /// That of the worst mode.
+    fn error(&self, fifth: &[f64; NUMBERS], third: &[f64; NUMBERS], h: f64) -> f64 {
+        let unit = TOLERANCE * self.rig.amplitude_m;
+        let size = |[q, v]: &[f64; 2]| (q / unit).hypot(v / (unit * self.omega)) * h;
+        let modes = fifth.as_chunks().0.iter().zip(third.as_chunks().0);
+        modes
+            .map(|(fifth, third)| combined(size(fifth), size(third)))
+            .fold(0.0, f64::max)
+    }
+
+    /// Whether the force falls below 0 between two points at which it pushes, on the cubic through both.
+    fn too_long(&self, from: &State, h: f64, end: &State) -> bool {
+        let length = end.t - from.t;
+        let ((f0, r0), (f1, r1)) = (self.force(from), self.force(end));
+        if h <= SHORTEST_S || f1 <= 0.0 || r0 >= 0.0 || r1 <= 0.0 {
+            return false;
+        }
+        let (d0, d1, rise) = (r0 * length, r1 * length, f1 - f0);
+        let (bend, jerk) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
+        let cubic = |s: f64| f0 + s * (d0 + s * (bend + s * jerk));
+        (1..8).any(|k| cubic(f64::from(k) / 8.0) < 0.0)
+    }
+
+    fn exit(&self, from: &State, h: f64, end: &State) -> Option<((), f64)> {
+        (self.force(end).0 <= 0.0).then(|| ((), self.release(from, h, end)))
+    }
+}
+
+/// The numbers of two lists in turn.
+fn alternating(a: &[f64; MAX_MODES], b: &[f64; MAX_MODES]) -> [f64; NUMBERS] {
+    std::array::from_fn(|k| if k % 2 == 0 { a[k / 2] } else { b[k / 2] })
 }

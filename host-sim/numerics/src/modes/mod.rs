@@ -17,6 +17,7 @@ pub mod dense;
 pub mod flight;
 pub mod hammer;
 pub mod linear;
+mod log;
 mod observe;
 
 pub use beam::{Beam, BendingMode, Tip};

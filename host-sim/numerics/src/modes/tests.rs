@@ -98,7 +98,7 @@ impl Watch for Audit {
     }
 
     fn contact(&mut self, _: &State, totals: &Totals) {
-        self.totals = self.totals.plus(*totals);
+        self.totals.add(totals, 1.0);
     }
 }
 

@@ -12,7 +12,7 @@ use super::{Portrait, SectionRequest, portrait};
 use crate::error::{Error, MotionError};
 use crate::lyapunov::{self, Exponents};
 use crate::progress::{Progress, check, step};
-use crate::reference::smoothed::SmoothedReference;
+use crate::reference::Reference;
 
 /// One width of the smoothing.
 #[derive(Clone, Debug)]
@@ -82,7 +82,7 @@ impl Against {
 /// Runs the request's section at drive phase 0 by the switch and by the smoothing method at each width (m).
 ///
 /// # Errors
-/// As [`portrait`] and [`SmoothedReference::new`].
+/// As [`portrait`] and [`Reference::smoothed`].
 pub fn against(
     request: &SectionRequest,
     widths_m: &[f64],
@@ -255,10 +255,10 @@ fn run(request: &SectionRequest, width_m: f64, progress: &dyn Progress) -> Resul
     let rig = Rig::<f64>::new(params)?;
     let omega = std::f64::consts::TAU * request.frequency_hz;
     let [q, v] = request.start.section(&rig, omega)?;
-    let mut hammer = SmoothedReference::<f64>::new(params, request.frequency_hz, width_m, (q, v))?;
+    let mut hammer = Reference::<f64>::smoothed(params, request.frequency_hz, width_m, (q, v))?;
     for _ in 0..request.transient {
         check(progress)?;
-        hammer.run_period();
+        hammer.run_period(&mut ());
     }
     let before = hammer.steps();
     let scale = rig.coordinate_scale();
@@ -279,7 +279,7 @@ fn run(request: &SectionRequest, width_m: f64, progress: &dyn Progress) -> Resul
             rig.relative_displacement(q) * 1e3,
             rig.kinematics(q, v).rate,
         ));
-        hammer.run_period();
+        hammer.run_period(&mut ());
         step(progress, 1)?;
     }
     let steps = Steps {

@@ -1,16 +1,15 @@
 //! The reference: an event-located integrator in f64, written for truth, not for speed.
 //!
 //! It shares the rigs' equations of motion and the contact laws with `shared`, and nothing else: its own
-//! time (seconds since drive phase 0), its own integrator ([`flow`], adaptive, order 8), its own location
+//! time (seconds since drive phase 0), its own integrator ([`crate::flow`], adaptive, order 8), its own location
 //! of switches ([`switching`], to 1e-13 s by Newton's iteration on the integrator itself, grazing-safe).
 //!
 //! Integrated in [`crate::dual::Dual`] numbers it yields the derivative of the section's return map along
 //! with the map, event times included, which is the monodromy matrix with its saltation.
 
 pub mod flow;
-pub mod smoothed;
+mod smoothed;
 pub mod switching;
-pub mod tableau;
 
 use std::f64::consts::TAU;
 
@@ -18,10 +17,13 @@ use shared::model::cart::Cart;
 use shared::model::contacts::{Period, SUSTAINED_CONTACT_S};
 use shared::model::params::{ParamError, RigParams};
 use shared::model::rig::{Mode, Rig};
+use shared::model::step::Smoothed;
 
-pub use flow::{Point, Scalar, Totals};
+use crate::flow::{Ended, Pace, Scalar};
+pub use flow::{Point, Totals};
 
-use flow::{Field, Step};
+use flow::{HammerFlow, HammerStep};
+use switching::Arc;
 
 /// Errors of coordinate and rate are kept below this share of A0 and A0 Ω per step.
 pub const TOLERANCE: f64 = 1e-12;
@@ -34,7 +36,7 @@ const STEPS_PER_PERIOD: f64 = 24.0;
 
 /// Steps after which a period is given up. Chatter needs some thousands; a hammer that was started deep
 /// inside the surface, or swung over the top, never ends.
-const MAX_STEPS_PER_PERIOD: usize = 200_000;
+const MAX_STEPS_PER_PERIOD: u64 = 200_000;
 
 /// One finished contact, times in seconds since the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,13 +83,18 @@ pub struct Segment<'a> {
 }
 
 impl Segment<'_> {
-    /// Coordinate and rate at `t` (s since drive phase 0, within the segment).
-    pub fn at(&self, t: f64) -> (f64, f64) {
-        let arc = switching::Arc::new(
+    /// The quintic through both ends.
+    pub fn arc(&self) -> Arc {
+        Arc::new(
             self.end.t - self.start.t,
             (self.start.q, self.start.v, self.start_acceleration),
             (self.end.q, self.end.v, self.end_acceleration),
-        );
+        )
+    }
+
+    /// Coordinate and rate at `t` (s since drive phase 0, within the segment).
+    pub fn at(&self, t: f64) -> (f64, f64) {
+        let arc = self.arc();
         arc.at((t - self.start.t) / arc.length)
     }
 
@@ -159,12 +166,13 @@ pub struct Reference<R> {
     point: Point<R>,
     mode: Mode,
     approach: R,
+    /// Arctangents in place of the switch.
+    smoothed: Option<Smoothed<R>>,
     cycle: u64,
-    next_step: f64,
+    pace: Pace,
     open: Option<Contact>,
     recent: [Option<f64>; 3],
     totals: Totals,
-    steps: u64,
 }
 
 impl<R: Scalar> Reference<R> {
@@ -188,36 +196,52 @@ impl<R: Scalar> Reference<R> {
     /// # Panics
     /// If `frequency_hz` is not a positive number.
     pub fn new(params: &RigParams, frequency_hz: f64, q: R, v: R) -> Result<Self, ParamError> {
+        let mut hammer = Self::in_flight(params, frequency_hz, q, v)?;
+        let at = hammer.rig.kinematics(q, v);
+        if hammer.rig.indicator(&at, hammer.approach) > R::ZERO {
+            hammer.open_contact();
+        }
+        Ok(hammer)
+    }
+
+    /// The same on the side of the switch on which there is no contact, wherever it is.
+    fn in_flight(params: &RigParams, frequency_hz: f64, q: R, v: R) -> Result<Self, ParamError> {
         assert!(frequency_hz > 0.0 && frequency_hz.is_finite());
-        let rig = Rig::<R>::new(params)?;
         let plain = Rig::<f64>::new(params)?;
         let omega = TAU * frequency_hz;
         let unit = TOLERANCE * plain.coordinate_scale();
         let fastest = frequency_hz.max(params.natural_frequency_hz());
-        let at = rig.kinematics(q, v);
-        let approach = at.rate.max(R::ZERO);
-        let mut hammer = Self {
-            rig,
-            plain,
+        let rig = Rig::<R>::new(params)?;
+        let hammer = Self::with(rig, plain, [q, v], (unit, unit * omega));
+        Ok(Self {
             cart: Cart::of(params),
             omega,
             period_s: 1.0 / frequency_hz,
-            units: (unit, unit * omega),
             max_step: 1.0 / (STEPS_PER_PERIOD * fastest),
+            ..hammer
+        })
+    }
+
+    /// In flight in a cart that stands still; errors of coordinate and rate are weighed by `units`.
+    fn with(rig: Rig<R>, plain: Rig<f64>, [q, v]: [R; 2], units: (f64, f64)) -> Self {
+        Self {
+            rig,
+            plain,
+            cart: None,
+            omega: 0.0,
+            period_s: f64::MAX,
+            units,
+            max_step: f64::INFINITY,
             point: Point::on_course(R::ZERO, q, v),
             mode: Mode::Flight,
-            approach,
+            approach: rig.kinematics(q, v).rate.max(R::ZERO),
+            smoothed: None,
             cycle: 0,
-            next_step: FIRST_STEP_S,
+            pace: Pace::new(FIRST_STEP_S),
             open: None,
             recent: [None; 3],
             totals: Totals::default(),
-            steps: 0,
-        };
-        if rig.indicator(&at, approach) > R::ZERO {
-            hammer.open_contact();
         }
-        Ok(hammer)
     }
 
     /// The same state, at drive `phase` (turns, from 0 to below 1) instead of 0: the first period run is what is left
@@ -239,6 +263,11 @@ impl<R: Scalar> Reference<R> {
             self.point.cart = deviation;
         }
         self
+    }
+
+    /// Where everything is now.
+    pub fn point(&self) -> Point<R> {
+        self.point
     }
 
     /// The rig in f64.
@@ -277,15 +306,16 @@ impl<R: Scalar> Reference<R> {
         self.plain.energy(&self.plain.kinematics(q, v), v)
     }
 
-    fn field(&self) -> Field<'_, R> {
+    fn flow(&self) -> HammerFlow<'_, R> {
         let amplitude = self.plain.amplitude();
-        Field {
+        HammerFlow {
             rig: &self.rig,
             omega: self.omega,
             drive_acceleration: amplitude * self.omega * self.omega,
             mode: self.mode,
             approach: self.approach,
-            smoothed: None,
+            smoothed: self.smoothed,
+            units: self.units,
             recoil: self.cart.as_ref().map(|cart| {
                 let unit = TOLERANCE * amplitude;
                 (cart, (unit, unit * self.omega.max(cart.omega())))
@@ -304,7 +334,7 @@ impl<R: Scalar> Reference<R> {
 
     /// Steps tried since the start, those refused included; what locating a switch takes is not counted.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.pace.tried
     }
 
     /// Runs to the next drive phase 0 and returns what happened on the way. If the motion cannot be followed, the state
@@ -319,41 +349,16 @@ impl<R: Scalar> Reference<R> {
     /// Runs to a later drive `phase` (turns, at most 1) of the present period and returns what happened on the way. If the
     /// motion cannot be followed, the state becomes NaN.
     pub fn run_until(&mut self, phase: f64, observer: &mut impl Observer) -> Period<f64> {
-        let end_s = phase * self.period_s;
         let mut period = Period {
             touched: self.mode == Mode::Contact,
             ..Period::default()
         };
-        for _ in 0..MAX_STEPS_PER_PERIOD {
-            let to_go = end_s - self.point.t.to_f64();
-            let last = to_go <= self.next_step.min(self.max_step);
-            let h = self.next_step.min(self.max_step).min(to_go);
-            // The last step must end where it should exactly, whatever time carries derivatives.
-            let length = if last {
-                R::from_f64(end_s) - self.point.t
-            } else {
-                R::from_f64(h)
-            };
-            let step = self.field().step(&self.point, length, self.units);
-            self.steps += 1;
-            if step.error > 1.0 {
-                self.next_step = tableau::shorter(h, step.error);
-                continue;
-            }
-            if let Some(at) =
-                switching::locate(&self.field(), &self.point, h, &step.end, self.units)
-            {
-                let part = self.field().step(&self.point, at, self.units);
-                self.accept(&part, &mut period, observer);
-                self.switch(&mut period, observer);
-                self.next_step = FIRST_STEP_S;
-                continue;
-            }
-            self.accept(&step, &mut period, observer);
-            if last {
+        let most = self.pace.tried + MAX_STEPS_PER_PERIOD;
+        let end_s = phase * self.period_s;
+        while let Some(ended) = self.advance(end_s, most, &mut period, observer) {
+            if ended == Ended::AtStop {
                 return period;
             }
-            self.next_step = tableau::next(h, step.error);
         }
         // The model does not describe a motion that needs so many steps. The state becomes NaN, which every caller
         // tests for.
@@ -367,18 +372,48 @@ impl<R: Scalar> Reference<R> {
         period
     }
 
+    /// The next step of a motion that nothing stops, and why it ended; `None` if it was refused a hundred times.
+    pub(crate) fn step_on(&mut self, observer: &mut impl Observer) -> Option<Ended<()>> {
+        let most = self.pace.tried + 100;
+        self.advance(f64::INFINITY, most, &mut Period::default(), observer)
+    }
+
+    /// The next step, to `end_s` (s after phase 0) at most, and why it ended; `None` once `most` were tried since the start.
+    fn advance(
+        &mut self,
+        end_s: f64,
+        most: u64,
+        period: &mut Period<f64>,
+        observer: &mut impl Observer,
+    ) -> Option<Ended<()>> {
+        let mut pace = self.pace;
+        let advanced = pace.advance(&self.flow(), &self.point, end_s, self.max_step, most);
+        self.pace = pace;
+        let (step, ended) = advanced?;
+        self.accept(&step, period, observer);
+        if ended == Ended::Switched(()) {
+            self.switch(period, observer);
+        }
+        Some(ended)
+    }
+
     /// Seconds since the start.
     fn now_s(&self) -> f64 {
         self.cycle as f64 * self.period_s + self.point.t.to_f64()
     }
 
-    fn accept(&mut self, step: &Step<R>, period: &mut Period<f64>, observer: &mut impl Observer) {
-        let field = self.field();
+    fn accept(
+        &mut self,
+        step: &HammerStep<R>,
+        period: &mut Period<f64>,
+        observer: &mut impl Observer,
+    ) {
+        let flow = self.flow();
         let (start, end) = (real(&self.point), real(&step.end));
-        let (start_acceleration, _) = field.acceleration(&self.point);
-        let (end_acceleration, _) = field.acceleration(&step.end);
+        let (start_acceleration, _) = flow.acceleration(&self.point);
+        let (end_acceleration, _) = flow.acceleration(&step.end);
         if self.mode == Mode::Contact {
-            let (peak_at, peak) = switching::force_peak(&field, &self.point, &step.end, self.units);
+            let (peak_at, peak) = switching::force_peak(&flow, &self.point, &step.end);
             let began = self.cycle as f64 * self.period_s;
             if let Some(open) = &mut self.open {
                 if peak > open.peak_force_n {
@@ -406,7 +441,7 @@ impl<R: Scalar> Reference<R> {
             end,
             end_acceleration: end_acceleration.to_f64(),
         });
-        self.totals = self.totals.plus(step.totals);
+        self.totals.add(&step.totals, 1.0);
         self.point = step.end;
     }
 
@@ -447,6 +482,22 @@ impl<R: Scalar> Reference<R> {
             impulse_n_s: 0.0,
             energy_lost_j: 0.0,
         });
+    }
+}
+
+impl Reference<f64> {
+    /// A hammer on `rig` released in flight at coordinate and rate `section` in a cart that stands still; errors of both
+    /// are weighed by `units`, and no step is longer than `max_step` s.
+    pub(crate) fn undriven(
+        rig: &Rig<f64>,
+        section: [f64; 2],
+        units: (f64, f64),
+        max_step: f64,
+    ) -> Self {
+        Self {
+            max_step,
+            ..Self::with(*rig, *rig, section, units)
+        }
     }
 }
 

@@ -6,7 +6,8 @@
 
 use shared::model::rig::Mode;
 
-use super::flow::{Field, Point, Scalar};
+use super::flow::{HammerFlow, Point};
+use crate::flow::{Scalar, reached};
 use crate::root::{halved, maximum};
 
 /// Interior points per step at which the indicator is computed.
@@ -59,37 +60,36 @@ impl Arc {
 /// The time after `from` at which the mode's side of the switch is left, if it is within the step of
 /// length `h` that ended at `end`.
 pub fn locate<R: Scalar>(
-    field: &Field<R>,
+    flow: &HammerFlow<R>,
     from: &Point<R>,
     h: f64,
     end: &Point<R>,
-    units: (f64, f64),
 ) -> Option<R> {
-    if out_of_reach(field, from, h, end) {
+    if out_of_reach(flow, from, h, end) {
         return None;
     }
-    let (a0, _) = field.acceleration(from);
-    let (a1, _) = field.acceleration(end);
+    let (a0, _) = flow.acceleration(from);
+    let (a1, _) = flow.acceleration(end);
     let triple = |p: &Point<R>, a: R| (p.q.to_f64(), p.v.to_f64(), a.to_f64());
     let arc = Arc::new(h, triple(from, a0), triple(end, a1));
     // Positive: the mode's side is left.
-    let sign = match field.mode {
+    let sign = match flow.mode {
         Mode::Flight => 1.0,
         Mode::Contact => -1.0,
     };
     let guess = |s: f64| {
         let (q, v) = arc.at(s);
-        sign * indicator_of(field, from.t.to_f64() + s * h, q, v)
+        sign * indicator_of(flow, from.t.to_f64() + s * h, q, v)
     };
     let exact = |s: f64| {
-        let step = field.step(from, R::from_f64(s * h), units);
-        sign * field.indicator(&step.end).to_f64()
+        let there = reached(flow, from, R::from_f64(s * h));
+        sign * flow.indicator(&there).to_f64()
     };
     let at = |j: usize| j as f64 / SAMPLES as f64;
     let mut values = [0.0; SAMPLES + 1];
     for (j, value) in values.iter_mut().enumerate() {
         *value = if j == SAMPLES {
-            exact_end(field, end, sign)
+            exact_end(flow, end, sign)
         } else {
             guess(at(j))
         };
@@ -102,12 +102,12 @@ pub fn locate<R: Scalar>(
         let (a, b) = (j.saturating_sub(1), (j + 1).min(SAMPLES));
         // In the outermost pieces there is an extremum only if the indicator heads for it.
         let turns = match j {
-            0 => sign * indicator_slope(field, from) > 0.0,
-            SAMPLES => sign * indicator_slope(field, end) < 0.0,
+            0 => sign * indicator_slope(flow, from) > 0.0,
+            SAMPLES => sign * indicator_slope(flow, end) < 0.0,
             _ => true,
         };
         if turns && values[j] >= values[a] && values[j] >= values[b] {
-            let margin = GRAZING_MARGIN_M * indicator_per_metre(field);
+            let margin = GRAZING_MARGIN_M * indicator_per_metre(flow);
             let top = maximum(guess, (at(a), at(b)), 1e-6, at(a));
             if guess(top) > -margin {
                 let top = maximum(exact, (at(a), at(b)), 1e-9, at(a));
@@ -119,74 +119,72 @@ pub fn locate<R: Scalar>(
         }
     }
     let (low, high) = bracket?;
-    let s = root(&guess, &exact, field, from, h, (low, high), units, sign);
+    let s = root(&guess, &exact, flow, from, h, (low, high), sign);
     let time = R::from_f64(s * h);
-    let step = field.step(from, time, units);
-    let g = field.indicator(&step.end);
-    let slope = indicator_slope(field, &step.end);
+    let there = reached(flow, from, time);
+    let g = flow.indicator(&there);
+    let slope = indicator_slope(flow, &there);
     // Same value; in dual numbers, with the derivatives of the instant.
     let instant = time.as_root_of(g, slope);
     Some(instant)
 }
 
 /// Whether the surface is too far away to be met in this step.
-fn out_of_reach<R: Scalar>(field: &Field<R>, from: &Point<R>, h: f64, end: &Point<R>) -> bool {
-    if field.mode == Mode::Contact {
+fn out_of_reach<R: Scalar>(flow: &HammerFlow<R>, from: &Point<R>, h: f64, end: &Point<R>) -> bool {
+    if flow.mode == Mode::Contact {
         return false;
     }
-    let a = field.rig.kinematics(from.q, from.v);
-    let b = field.rig.kinematics(end.q, end.v);
+    let a = flow.rig.kinematics(from.q, from.v);
+    let b = flow.rig.kinematics(end.q, end.v);
     let reach = h * (a.rate.to_f64().abs() + b.rate.to_f64().abs());
     a.delta.to_f64().max(b.delta.to_f64()) + reach < 0.0
 }
 
-fn indicator_of<R: Scalar>(field: &Field<R>, t: f64, q: f64, v: f64) -> f64 {
+fn indicator_of<R: Scalar>(flow: &HammerFlow<R>, t: f64, q: f64, v: f64) -> f64 {
     let point = Point::on_course(R::from_f64(t), R::from_f64(q), R::from_f64(v));
-    field.indicator(&point).to_f64()
+    flow.indicator(&point).to_f64()
 }
 
-fn exact_end<R: Scalar>(field: &Field<R>, end: &Point<R>, sign: f64) -> f64 {
-    sign * field.indicator(end).to_f64()
+fn exact_end<R: Scalar>(flow: &HammerFlow<R>, end: &Point<R>, sign: f64) -> f64 {
+    sign * flow.indicator(end).to_f64()
 }
 
 /// What a metre of penetration adds to the indicator.
-fn indicator_per_metre<R: Scalar>(field: &Field<R>) -> f64 {
-    match field.rig.law() {
+fn indicator_per_metre<R: Scalar>(flow: &HammerFlow<R>) -> f64 {
+    match flow.rig.law() {
         shared::model::contact::Law::SpringDashpot { stiffness, .. } => stiffness.to_f64(),
         _ => 1.0,
     }
 }
 
 /// dI/dt along the flow, by a central difference about a point where I is nearly zero.
-fn indicator_slope<R: Scalar>(field: &Field<R>, p: &Point<R>) -> f64 {
+fn indicator_slope<R: Scalar>(flow: &HammerFlow<R>, p: &Point<R>) -> f64 {
     const DT: f64 = 1e-9;
-    let (a, _) = field.acceleration(p);
+    let (a, _) = flow.acceleration(p);
     let (q, v, a) = (p.q.to_f64(), p.v.to_f64(), a.to_f64());
     let at = |dt: f64| {
         let (q, v) = (q + dt * (v + 0.5 * dt * a), v + dt * a);
-        indicator_of(field, p.t.to_f64() + dt, q, v)
+        indicator_of(flow, p.t.to_f64() + dt, q, v)
     };
     (at(DT) - at(-DT)) / (2.0 * DT)
 }
 
 /// The root of `exact` in the bracket (in fractions of the step): first on the quintic, then by Newton's
 /// iteration on the integrator, and by bisection where Newton's does not settle.
-#[allow(clippy::too_many_arguments)]
 fn root<R: Scalar>(
     guess: &impl Fn(f64) -> f64,
     exact: &impl Fn(f64) -> f64,
-    field: &Field<R>,
+    flow: &HammerFlow<R>,
     from: &Point<R>,
     h: f64,
     (low, high): (f64, f64),
-    units: (f64, f64),
     sign: f64,
 ) -> f64 {
     let (_, mut s) = halved((low, high), 40, |s| guess(s) > 0.0);
     for _ in 0..8 {
-        let step = field.step(from, R::from_f64(s * h), units);
-        let g = sign * field.indicator(&step.end).to_f64();
-        let slope = sign * indicator_slope(field, &step.end);
+        let there = reached(flow, from, R::from_f64(s * h));
+        let g = sign * flow.indicator(&there).to_f64();
+        let slope = sign * indicator_slope(flow, &there);
         let correction = g / slope;
         if !correction.is_finite() {
             break;
@@ -204,17 +202,12 @@ fn root<R: Scalar>(
 }
 
 /// When (s after phase 0) and how large the force is at its largest between two points in contact, N.
-pub fn force_peak<R: Scalar>(
-    field: &Field<R>,
-    from: &Point<R>,
-    end: &Point<R>,
-    units: (f64, f64),
-) -> (f64, f64) {
+pub fn force_peak<R: Scalar>(flow: &HammerFlow<R>, from: &Point<R>, end: &Point<R>) -> (f64, f64) {
     let force_rate = |p: &Point<R>| {
-        let (a, force) = field.acceleration(p);
-        let at = field.rig.kinematics(p.q, p.v);
-        let (by_delta, by_rate) = field.rig.law().gradient(at.delta, at.rate, field.approach);
-        let change = field.rig.penetration_acceleration(&at, p.v, a);
+        let (a, force) = flow.acceleration(p);
+        let at = flow.rig.kinematics(p.q, p.v);
+        let (by_delta, by_rate) = flow.rig.law().gradient(at.delta, at.rate, flow.approach);
+        let change = flow.rig.penetration_acceleration(&at, p.v, a);
         let rate = by_delta * at.rate + by_rate * change;
         (force.to_f64(), rate.to_f64())
     };
@@ -230,7 +223,7 @@ pub fn force_peak<R: Scalar>(
     for _ in 0..12 {
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let inside = secant.clamp(a.0 + 0.01 * (b.0 - a.0), b.0 - 0.01 * (b.0 - a.0));
-        let there = field.step(from, R::from_f64(inside), units).end;
+        let there = reached(flow, from, R::from_f64(inside));
         let (force, rate) = force_rate(&there);
         if force > best.1 {
             best = (t0 + inside, force);

@@ -12,8 +12,9 @@ use shared::model::rig::Rig;
 use super::conditions::Found;
 use crate::continuation::march::Margins;
 use crate::dual::Dual;
+use crate::flow::Scalar;
 use crate::orbit::{Monodromy, Section, Watch};
-use crate::reference::{Contact, Observer, Reference, Scalar};
+use crate::reference::{Contact, Observer, Reference};
 
 /// The flights from and to the touch in which no other contact is near, drive periods.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! A run of a hammer in a cart that recoils, watched as the other engine's is.
 
-use shared::model::contacts::{Contact as Finished, Ledger, Period, Piece};
-use shared::model::drive::{Stamp, TURN};
+use shared::model::contacts::{Contact as Finished, Period, Piece};
 use std::f64::consts::TAU;
 
 use super::Motion;
 use super::run::{Leg, Seen};
 use crate::modes::dense::dot;
+use crate::modes::log::Log;
 use crate::modes::{ModalRig, State};
 
 /// A hammer with its modes and its cart, from drive phase 0 to drive phase 0.
@@ -17,9 +17,7 @@ pub struct Follower {
     omega: f64,
     section: Vec<f64>,
     touching: bool,
-    cycle: u32,
-    ledger: Ledger<f64>,
-    strongest: Option<Finished<f64>>,
+    log: Log,
 }
 
 impl Follower {
@@ -31,9 +29,7 @@ impl Follower {
             section: vec![0.0; motion.section_size()],
             motion,
             touching: false,
-            cycle: 0,
-            ledger: Ledger::default(),
-            strongest: None,
+            log: Log::default(),
         }
     }
 
@@ -44,7 +40,7 @@ impl Follower {
 
     /// The contact with the largest force since this was last asked.
     pub fn take_strongest(&mut self) -> Option<Finished<f64>> {
-        self.strongest.take()
+        self.log.take_strongest()
     }
 
     /// Runs to the next drive phase 0 and returns what happened on the way; `see` is told each state with the cart's
@@ -65,7 +61,9 @@ impl Follower {
         let mut phase = 0.0;
         for leg in seen.path.unwrap_or_default() {
             if leg.touching != self.touching {
-                self.switch(&leg, phase);
+                let rate = dot(&self.motion.rate, &leg.states[0]) * self.motion.units.1;
+                self.touching = leg.touching;
+                self.log.switch(leg.touching, phase / TAU, rate);
             }
             if leg.touching {
                 worked(self.press(&leg));
@@ -77,27 +75,7 @@ impl Follower {
             }
             phase += leg.length;
         }
-        self.cycle = self.cycle.wrapping_add(1);
-        self.ledger.close_period()
-    }
-
-    fn switch(&mut self, leg: &Leg, phase: f64) {
-        let at = Stamp {
-            cycle: self.cycle,
-            phase: (phase / TAU * TURN) as u32,
-        };
-        let rate = dot(&self.motion.rate, &leg.states[0]) * self.motion.units.1;
-        self.touching = leg.touching;
-        if leg.touching {
-            self.ledger.onset(at, rate);
-            return;
-        }
-        self.ledger.release(at, rate);
-        let finished = self.ledger.take_finished();
-        let force = |c: &Option<Finished<f64>>| c.map_or(-1.0, |c| c.peak_force);
-        if force(&finished) > force(&self.strongest) {
-            self.strongest = finished;
-        }
+        self.log.close_period()
     }
 
     /// Enters a piece of a contact; what the surface took in it, J. The integrals are those of the quintic through the values at
@@ -142,7 +120,7 @@ impl Follower {
             impulse: integral(force, [first.0, last.0]),
             work,
         };
-        self.ledger.add(&piece);
+        self.log.add(&piece);
         work
     }
 

@@ -13,7 +13,7 @@ pub fn next(h: f64, error: f64) -> f64 {
 }
 
 /// The error of a step from its estimates of orders 5 and 3 (Hairer, Nørsett and Wanner, II.10).
-pub fn error(fifth: f64, third: f64) -> f64 {
+pub fn combined(fifth: f64, third: f64) -> f64 {
     if fifth == 0.0 {
         0.0
     } else {
@@ -131,6 +131,16 @@ pub const B: &[(usize, f64)] = &[
     (10, 0.20136540080403034),
     (11, 0.04471061572777259),
 ];
+
+/// The same by stage: 0 for those that do not count.
+pub const WEIGHTS: [f64; STAGES] = {
+    let (mut weights, mut k) = ([0.0; STAGES], 0);
+    while k < B.len() {
+        weights[B[k].0] = B[k].1;
+        k += 1;
+    }
+    weights
+};
 
 /// Weights of the error estimate of order 5.
 pub const E5: &[(usize, f64)] = &[
