@@ -27,12 +27,13 @@ impl Machine {
     }
 }
 
-/// Goes on until no task is at work and none is masked.
+/// Goes on until no task is at work, none is masked, and PA8 is high: low for good, it drops the drive by itself.
 fn until_idle(bench: &mut Bench) -> Result<(), Box<dyn std::error::Error>> {
     for _ in 0..10_000 {
         {
-            let cpu = &bench.rig.borrow().machine.cpu;
-            if cpu.ipsr == 0 && cpu.basepri == 0 && !cpu.primask {
+            let machine = &bench.rig.borrow().machine;
+            let cpu = &machine.cpu;
+            if cpu.ipsr == 0 && cpu.basepri == 0 && !cpu.primask && machine.enabled() {
                 return Ok(());
             }
         }

@@ -217,6 +217,7 @@ const MUTANTS: &[Mutant] = &[
     ("TIM7 below the control task", IPR + 52, 0xff << 24, 0xe0 << 24),
     ("EXTI9_5 below the control task", IPR + 20, 0xff << 24, 0xe0 << 24),
     ("PVD below the control task", IPR, 0xff << 8, 0xe0 << 8),
+    ("APB2 by 4", CFGR, 7 << 13, 5 << 13),
     ("no floating point", CPACR, 15 << 20, 0),
 ];
 
@@ -225,7 +226,6 @@ const MUTANTS: &[Mutant] = &[
 const HARMLESS: &[(Mutant, &str)] = &[
     (("PA5 an input", PORT_A + MODER, 3 << 10, 0), "it is the LED alone"),
     (("PA10 without its pull-up", PORT_A + PUPDR, 3 << 20, 0), "bench mode is refused where sensors are wired"),
-    (("APB2 by 4", CFGR, 7 << 13, 5 << 13), "a scan takes 18 of the 50 µs that there are"),
     (("ADC at 11.25 MHz", ADC_CCR, 3 << 16, 3 << 16), "a scan takes 18 of the 50 µs that there are"),
     (("no prefetch", FLASH_ACR, 1 << 8, 0), "slower, and the deadline holds with nothing but misses"),
     (("no instruction cache", FLASH_ACR, 1 << 9, 0), "slower, and the deadline holds with nothing but misses"),
