@@ -1,0 +1,119 @@
+//! What an observer of a trajectory sees: smooth pieces and finished contacts.
+
+use shared::model::rig::{Mode, Rig};
+
+use super::Point;
+use super::switching::Arc;
+
+/// One finished contact, times in seconds since the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// When it began, s.
+    pub onset_s: f64,
+    /// How long it lasted, s.
+    pub duration_s: f64,
+    /// δ̇ at onset, m/s.
+    pub approach_speed_m_per_s: f64,
+    /// −δ̇ at release, m/s.
+    pub rebound_speed_m_per_s: f64,
+    /// Largest force, N.
+    pub peak_force_n: f64,
+    /// When the force was largest, s.
+    pub peak_at_s: f64,
+    /// ∫F dt, N·s.
+    pub impulse_n_s: f64,
+    /// Energy the contact took from the hammer, J.
+    pub energy_lost_j: f64,
+}
+
+/// A smooth piece of the trajectory, as an observer sees it: quintic in between.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<'a> {
+    /// The rig.
+    pub rig: &'a Rig<f64>,
+    /// Whole drive periods before this one.
+    pub cycle: u64,
+    /// Drive period, s.
+    pub period_s: f64,
+    /// Side of the switch.
+    pub mode: Mode,
+    /// δ̇⁻ of the contact, m/s.
+    pub approach: f64,
+    /// Start.
+    pub start: Point<f64>,
+    /// Acceleration at the start.
+    pub start_acceleration: f64,
+    /// End.
+    pub end: Point<f64>,
+    /// Acceleration at the end.
+    pub end_acceleration: f64,
+}
+
+impl Segment<'_> {
+    /// The quintic through both ends.
+    pub fn arc(&self) -> Arc {
+        Arc::new(
+            self.end.t - self.start.t,
+            (self.start.q, self.start.v, self.start_acceleration),
+            (self.end.q, self.end.v, self.end_acceleration),
+        )
+    }
+
+    /// Coordinate and rate at `t` (s since drive phase 0, within the segment).
+    pub fn at(&self, t: f64) -> (f64, f64) {
+        let arc = self.arc();
+        arc.at((t - self.start.t) / arc.length)
+    }
+
+    /// Deviation of the cart from its course (m) and its rate (m/s) at `t`, on the cubic through both ends.
+    pub fn cart(&self, t: f64) -> [f64; 2] {
+        let length = self.end.t - self.start.t;
+        let ([e0, w0], [e1, w1]) = (self.start.cart, self.end.cart);
+        let s = if length > 0.0 {
+            (t - self.start.t) / length
+        } else {
+            0.0
+        };
+        let (rise, w0, w1) = (e1 - e0, w0 * length, w1 * length);
+        let (bend, jerk) = (3.0 * rise - 2.0 * w0 - w1, w0 + w1 - 2.0 * rise);
+        let e = e0 + s * (w0 + s * (bend + s * jerk));
+        let rate = w0 + s * (2.0 * bend + s * (3.0 * jerk));
+        [
+            e,
+            if length > 0.0 {
+                rate / length
+            } else {
+                self.start.cart[1]
+            },
+        ]
+    }
+
+    /// Contact force, N, at a coordinate and rate of this segment.
+    pub fn force(&self, q: f64, v: f64) -> f64 {
+        match self.mode {
+            Mode::Flight => 0.0,
+            Mode::Contact => {
+                let at = self.rig.kinematics(q, v);
+                self.rig.force(&at, self.approach).max(0.0)
+            }
+        }
+    }
+}
+
+/// Watches a trajectory.
+pub trait Observer {
+    /// A smooth piece was integrated.
+    fn segment(&mut self, _segment: &Segment) {}
+    /// A contact ended.
+    fn contact(&mut self, _contact: &Contact) {}
+}
+
+/// Watches nothing.
+impl Observer for () {}
+
+/// Keeps the contacts.
+impl Observer for Vec<Contact> {
+    fn contact(&mut self, contact: &Contact) {
+        self.push(*contact);
+    }
+}
