@@ -3,7 +3,7 @@
 use shared::model::params::RigParams;
 
 use crate::continuation::{self, Along, Family, Special, Until, march};
-use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use crate::engine::{Arrival, Engine, Plan, Recorder, Start, machine, observe, within_reach};
 use crate::orbit::{Orbit, Section, shoot, shoot_at};
 
 /// How a stable 1/1 ends.
@@ -72,6 +72,9 @@ impl Branch {
             .orbits
             .partition_point(|o| o.frequency_hz < frequency_hz);
         let b = &self.orbits[above.min(self.orbits.len() - 1)];
+        if b.frequency_hz == frequency_hz {
+            return Some(b.clone());
+        }
         let a = &self.orbits[above.saturating_sub(1)];
         shoot_at(params, frequency_hz, between(a, b, frequency_hz), 1)
     }
@@ -157,7 +160,7 @@ pub fn one_one_branches(params: &RigParams, limits_ratio: (f64, f64)) -> Vec<Bra
         }
         let push = Start::Moving(-3.0 * params.amplitude_m - params.gap_m.abs(), 0.0);
         for start in [Start::Rest, push] {
-            if let Some(seed) = settle(params, frequency_hz, start) {
+            if let Some(seed) = settle(params, frequency_hz, start, SETTLE) {
                 found.push(Branch::follow(params, seed, limits_hz));
                 break;
             }
@@ -167,14 +170,34 @@ pub fn one_one_branches(params: &RigParams, limits_ratio: (f64, f64)) -> Vec<Bra
     found
 }
 
-/// The stable 1/1 a run from `start` settles on, if it does.
-fn settle(params: &RigParams, frequency_hz: f64, start: Start) -> Option<Orbit> {
+/// The stable 1/1 that a run of `plan` from `start` settles on, if it does.
+pub(crate) fn settle(
+    params: &RigParams,
+    frequency_hz: f64,
+    start: Start,
+    plan: Plan,
+) -> Option<Orbit> {
+    /// A run that moves less than this from one strobe to the next, in A0 and A0 Ω, is left to Newton's iteration.
+    const NEAR: f64 = 1e-6;
     let mut hammer = machine(Engine::Event, params, frequency_hz, start).ok()?;
-    let seen = observe(hammer.as_mut(), SETTLE, &mut Recorder::default()).ok()?;
+    let mut arrival = Arrival::of(hammer.as_ref(), NEAR);
+    let orbit = |section| shoot(params, frequency_hz, section).filter(Orbit::is_stable_one_one);
+    for _ in 0..plan.transient {
+        hammer.period(None);
+        within_reach(hammer.as_ref()).ok()?;
+        if arrival.at(hammer.section()) {
+            return orbit(hammer.section());
+        }
+    }
+    let recorded = Plan {
+        cycles: plan.cycles - plan.transient,
+        transient: 0,
+    };
+    let seen = observe(hammer.as_mut(), recorded, &mut Recorder::default()).ok()?;
     if !seen.regime.is(1, 1) {
         return None;
     }
-    shoot(params, frequency_hz, hammer.section()).filter(Orbit::is_stable_one_one)
+    orbit(hammer.section())
 }
 
 #[cfg(test)]

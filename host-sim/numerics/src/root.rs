@@ -65,31 +65,67 @@ pub fn false_position<T>(
     best
 }
 
-/// Narrows [a, b] by golden sections to within `tolerance` about where `f` is largest, assumed to rise and then fall, and
-/// returns the middle. Where `f` says nothing (equal values, as −∞ for "not allowed" at both inner points),
-/// the side of `anchor` is kept.
+/// Where `f` is largest in [a, b], to within `tolerance`, by Brent's method (R. P. Brent, *Algorithms for Minimization
+/// Without Derivatives*, 1973, chapter 5): parabolas where they help, golden sections else. `f` is assumed to rise and then
+/// fall, and −∞ where a value is not allowed; `anchor` is the best place known.
 pub fn maximum(
     mut f: impl FnMut(f64) -> f64,
     (mut a, mut b): (f64, f64),
     tolerance: f64,
     anchor: f64,
 ) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut fx, mut fy) = (f(x), f(y));
-    while b - a > tolerance {
-        let left = if fx == fy { anchor < y } else { fx > fy };
-        if left {
-            (b, y, fy) = (y, x, fx);
-            x = b - GOLDEN * (b - a);
-            fx = f(x);
+    const SECTION: f64 = 0.381_966_011_250_105_1;
+    let least = 0.5 * tolerance;
+    if b - a <= tolerance {
+        return 0.5 * (a + b);
+    }
+    // The best place, the second best, and the one that was it before.
+    let mut x = anchor.clamp(a + least, b - least);
+    let mut fx = f(x);
+    let (mut w, mut fw, mut v, mut fv) = (x, fx, x, fx);
+    let (mut step, mut before) = (0.0_f64, 0.0_f64);
+    loop {
+        let middle = 0.5 * (a + b);
+        if (x - middle).abs() <= tolerance - 0.5 * (b - a) {
+            return x;
+        }
+        let (r, q) = ((x - w) * (fv - fx), (x - v) * (fw - fx));
+        let (p, q) = ((x - v) * q - (x - w) * r, 2.0 * (q - r));
+        let parabola = -p / q;
+        let inside = (a + least..=b - least).contains(&(x + parabola));
+        // Comparisons with what is no number are false.
+        if before.abs() > least && inside && parabola.abs() < 0.5 * before.abs() {
+            (step, before) = (parabola, step);
         } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + GOLDEN * (b - a);
-            fy = f(y);
+            before = if x >= middle { a - x } else { b - x };
+            step = SECTION * before;
+        }
+        let u = x + if step.abs() >= least {
+            step
+        } else {
+            least.copysign(step)
+        };
+        let fu = f(u);
+        if fu >= fx && fu > f64::NEG_INFINITY {
+            if u >= x {
+                a = x;
+            } else {
+                b = x;
+            }
+            (v, fv, w, fw, x, fx) = (w, fw, x, fx, u, fu);
+        } else {
+            if u < x {
+                a = u;
+            } else {
+                b = u;
+            }
+            if fu >= fw || w == x {
+                (v, fv, w, fw) = (w, fw, u, fu);
+            } else if fu >= fv || v == x || v == w {
+                (v, fv) = (u, fu);
+            }
         }
     }
-    0.5 * (a + b)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
-use crate::engine::{Engine, Plan, Recorder, Start, machine, observe};
+use crate::engine::{Engine, Plan, Recorder, Start, machine, observe, observe_settled};
 use crate::error::Error;
 use crate::progress::{Progress, step};
 use crate::row::NamedRig;
@@ -148,7 +148,10 @@ fn run_one(
     progress: &dyn Progress,
 ) -> Result<Ran, Error> {
     let mut hammer = machine(engine, &rig.params, frequency_hz, start)?;
-    let seen = observe(hammer.as_mut(), plan, &mut Recorder::default());
+    let seen = match engine {
+        Engine::Event => observe_settled(hammer.as_mut(), plan),
+        Engine::Switch(_) => observe(hammer.as_mut(), plan, &mut Recorder::default()),
+    };
     step(progress, 1)?;
     match seen {
         Ok(seen) => Ok(Ran {

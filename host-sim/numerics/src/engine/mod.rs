@@ -188,6 +188,62 @@ pub fn observe(
     plan: Plan,
     recorder: &mut Recorder,
 ) -> Result<Observation, Error> {
+    observe_after(machine, plan, recorder, |_| false)
+}
+
+/// The same for a run of which nobody asks when what is recorded happened: a transient ends as soon as the motion has
+/// come to repeat with the drive.
+///
+/// # Errors
+/// As [`observe`].
+pub fn observe_settled(machine: &mut dyn Machine, plan: Plan) -> Result<Observation, Error> {
+    let mut arrival = Arrival::of(machine, STILL);
+    observe_after(machine, plan, &mut Recorder::default(), |at| arrival.at(at))
+}
+
+/// What moves less than this between two strobes, in A0 and A0 Ω, has settled to rounding.
+pub(crate) const STILL: f64 = 1e-12;
+
+/// Whether a motion has come to repeat with the drive: from one strobe to the next it moves by less than `still`, having
+/// moved a thousand times as much before. One that was on an orbit from the start has not arrived there: it may leave yet.
+pub(crate) struct Arrival {
+    units: [f64; 2],
+    still: f64,
+    last: [f64; 2],
+    farthest: f64,
+}
+
+impl Arrival {
+    /// Of a machine that is about to start; `still` is in A0 and A0 Ω.
+    pub(crate) fn of(machine: &dyn Machine, still: f64) -> Self {
+        let scale = machine.rig().coordinate_scale();
+        Self {
+            units: [
+                scale,
+                scale * std::f64::consts::TAU * machine.frequency_hz(),
+            ],
+            still,
+            last: machine.section(),
+            farthest: 0.0,
+        }
+    }
+
+    /// Whether it has at the strobe `section`, which comes one drive period after the last.
+    pub(crate) fn at(&mut self, section: [f64; 2]) -> bool {
+        let moved = [0, 1].map(|i| ((section[i] - self.last[i]) / self.units[i]).abs());
+        let moved = moved[0].max(moved[1]);
+        self.last = section;
+        self.farthest = self.farthest.max(moved);
+        moved < self.still && self.farthest > 1e3 * self.still
+    }
+}
+
+fn observe_after(
+    machine: &mut dyn Machine,
+    plan: Plan,
+    recorder: &mut Recorder,
+    mut arrived: impl FnMut([f64; 2]) -> bool,
+) -> Result<Observation, Error> {
     let scale = machine.rig().coordinate_scale();
     let omega = std::f64::consts::TAU * machine.frequency_hz();
     let mut detector = Detector::new(scale, scale * omega);
@@ -197,7 +253,11 @@ pub fn observe(
         machine.period(None);
         within_reach(machine)?;
         sections.push(machine.section());
+        if arrived(machine.section()) {
+            break;
+        }
     }
+    let recorded_from = sections.len();
     let [q, v] = machine.section();
     detector.push(q, v, &opening);
     let mut force_n = 0.0_f64;
@@ -211,7 +271,7 @@ pub fn observe(
     }
     let strongest = recorder.contacts.iter().copied();
     let (regime, units) = (detector.regime(), [scale, scale * omega]);
-    let seen = strobes(&sections[plan.transient as usize + 1..], units);
+    let seen = strobes(&sections[recorded_from..], units);
     let unsettled = seen.still_change(regime, plan.transient as usize);
     let periods = regime.periods().map(usize::from);
     let periods = match unsettled {
@@ -226,7 +286,7 @@ pub fn observe(
         settled_after,
         force_n,
         strongest: strongest.max_by(|a, b| a.peak_force_n.total_cmp(&b.peak_force_n)),
-        section: sections[plan.transient as usize + 1..].to_vec(),
+        section: sections[recorded_from..].to_vec(),
     })
 }
 
@@ -251,4 +311,52 @@ pub(crate) fn within_reach(machine: &dyn Machine) -> Result<(), Error> {
     } else {
         MotionError::Lost { frequency_hz }.into()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::branch::one_one_branches;
+    use crate::orbit::shoot;
+    use shared::model::params::WIRES;
+
+    /// Beyond the doubling the 1/1 is unstable: a run that begins on it stays there for as long as rounding takes to grow.
+    #[test]
+    fn a_motion_arrives_at_what_attracts_it_and_not_at_what_it_began_on() {
+        let branch = &one_one_branches(&WIRES, (1.0, 3.0))[0];
+        let arrives = |hz: f64, start: Start| {
+            let mut hammer = machine(Engine::Event, &WIRES, hz, start).unwrap();
+            let mut arrival = Arrival::of(hammer.as_ref(), STILL);
+            (1..300).find(|_| {
+                hammer.period(None);
+                arrival.at(hammer.section())
+            })
+        };
+        let stable = arrives(3.0, Start::Rest).unwrap();
+        assert!((10..200).contains(&stable), "{stable}");
+        let last = branch.orbits.last().unwrap();
+        let hz = 1.01 * last.frequency_hz;
+        let unstable = shoot(&WIRES, hz, last.section).unwrap();
+        assert!(!unstable.is_stable());
+        assert_eq!(arrives(hz, Start::Section(unstable.section)), None);
+    }
+
+    /// A transient cut short changes nothing of what is seen after it.
+    #[test]
+    fn what_is_observed_of_a_settled_run_is_what_the_whole_run_shows() {
+        let plan = Plan {
+            cycles: 320,
+            transient: 300,
+        };
+        for hz in [2.0, 3.0, 4.5, 5.2] {
+            let mut whole = machine(Engine::Event, &WIRES, hz, Start::Rest).unwrap();
+            let mut short = machine(Engine::Event, &WIRES, hz, Start::Rest).unwrap();
+            let a = observe(whole.as_mut(), plan, &mut Recorder::default()).unwrap();
+            let b = observe_settled(short.as_mut(), plan).unwrap();
+            assert_eq!((a.regime, a.unsettled), (b.regime, b.unsettled), "{hz}");
+            assert_eq!(a.settled_after, b.settled_after, "{hz}");
+            assert!((a.force_n / b.force_n - 1.0).abs() < 1e-9, "{hz}");
+            assert_eq!(a.section.len(), b.section.len());
+        }
+    }
 }

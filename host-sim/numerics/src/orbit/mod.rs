@@ -8,7 +8,7 @@ use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
 use crate::dual::Dual;
-use crate::reference::{Contact, Reference};
+use crate::reference::{Contact, Reference, TOLERANCE};
 pub use loop_force::loop_force_n;
 pub use monodromy::{Monodromy, Multipliers};
 pub use watch::Watch;
@@ -145,6 +145,33 @@ const ITERATIONS: usize = 15;
 /// A fixed point is found when the return map moves it by less than this share of A0 and A0 Ω.
 pub(crate) const CLOSURE: f64 = 1e-10;
 
+/// How exactly an orbit is found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exactness {
+    /// Errors of a step are kept below this share of A0 and A0 Ω.
+    tolerance: f64,
+    /// It is found when the return map moves it by less than this share of the same.
+    closure: f64,
+}
+
+impl Exactness {
+    /// To rounding.
+    pub(crate) const FULL: Self = Self {
+        tolerance: TOLERANCE,
+        closure: CLOSURE,
+    };
+    /// Its force to some 1e-7, for one rig of many.
+    pub(crate) const OF_MANY: Self = Self {
+        tolerance: 1e-9,
+        closure: 1e-7,
+    };
+    /// To what a picture shows.
+    pub(crate) const DRAWN: Self = Self {
+        tolerance: 1e-9,
+        closure: 1e-4,
+    };
+}
+
 /// Finds the period-one orbit near `guess` (coordinate and rate on the section, the cart on its course) by Newton's
 /// iteration on the return map, whose derivative the dual-number integration gives exactly.
 ///
@@ -171,11 +198,22 @@ pub fn shoot_at(
     guess: Section,
     periods: u8,
 ) -> Option<Orbit> {
+    shoot_to(Exactness::FULL, params, frequency_hz, guess, periods)
+}
+
+/// The same to another exactness than the full one.
+pub(crate) fn shoot_to(
+    exactness: Exactness,
+    params: &RigParams,
+    frequency_hz: f64,
+    guess: Section,
+    periods: u8,
+) -> Option<Orbit> {
     let mut x = guess;
     for _ in 0..ITERATIONS {
-        let image = Image::of(params, frequency_hz, x, periods)?;
+        let image = Image::to(exactness, params, frequency_hz, x, periods)?;
         let miss = image.miss(x);
-        if largest(miss) < CLOSURE {
+        if largest(miss) < exactness.closure {
             return image.orbit(frequency_hz, x);
         }
         // (I − M) step = miss.
@@ -227,15 +265,28 @@ impl Image {
         x: Section,
         periods: u8,
     ) -> Option<Self> {
+        Self::to(Exactness::FULL, params, frequency_hz, x, periods)
+    }
+
+    /// The same to another exactness than the full one.
+    fn to(
+        exactness: Exactness,
+        params: &RigParams,
+        frequency_hz: f64,
+        x: Section,
+        periods: u8,
+    ) -> Option<Self> {
+        let tolerance = exactness.tolerance;
         if params.cart.recoils() {
-            Self::along::<4>(params, frequency_hz, x, periods)
+            Self::along::<4>(tolerance, params, frequency_hz, x, periods)
         } else {
-            Self::along::<2>(params, frequency_hz, x, periods)
+            Self::along::<2>(tolerance, params, frequency_hz, x, periods)
         }
     }
 
     /// The same, with derivatives along the first `N` directions of the section.
     fn along<const N: usize>(
+        tolerance: f64,
         params: &RigParams,
         frequency_hz: f64,
         x: Section,
@@ -250,7 +301,8 @@ impl Image {
         });
         let mut hammer = Reference::new(params, frequency_hz, start[0], start[1])
             .ok()?
-            .with_cart([start[2], start[3]]);
+            .with_cart([start[2], start[3]])
+            .with_tolerance(tolerance);
         let scale = hammer.rig().coordinate_scale();
         let amplitude = hammer.rig().amplitude();
         let rate = |unit: f64| unit * std::f64::consts::TAU * frequency_hz;

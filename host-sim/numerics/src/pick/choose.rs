@@ -2,14 +2,13 @@
 
 use super::answer::{drive_force, shaker_force};
 use super::robust::with_reserve;
-use super::search::{Spread, interval_where, maximise, spread_of_members};
+use super::search::{Followed, Spread, interval_where, maximise, spread_of_members};
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::limits::{LimitUse, Limits};
 use crate::orbit::Orbit;
 use crate::progress::{Progress, check};
 use crate::row::NamedRig;
-use crate::uncertainty::Member;
 
 /// The orbit chosen.
 pub struct Choice {
@@ -31,7 +30,7 @@ pub struct Field<'a> {
     /// Its stable 1/1.
     pub branch: &'a Branch,
     /// The uncertainty's members.
-    pub members: &'a [Member],
+    pub members: &'a [Followed],
     /// Who can end the search.
     pub progress: &'a dyn Progress,
 }
@@ -123,7 +122,7 @@ impl Field<'_> {
     /// If no orbit is within the limits, if a member has no stable 1/1 at one, or if the work is interrupted.
     pub fn choose(&self, robust: (f64, f64), limits: Limits) -> Result<Choice, Error> {
         let kept = with_reserve(robust, !self.members.is_empty());
-        let mut strong: Vec<Member> = Vec::new();
+        let mut strong: Vec<Followed> = Vec::new();
         loop {
             let search = Field {
                 members: &strong,
@@ -160,10 +159,10 @@ impl Field<'_> {
     }
 
     /// The strongest member, if it breaks the force limit and is not among those known to.
-    fn breaks(&self, spread: &Spread, known: &[Member], limits: Limits) -> Option<Member> {
+    fn breaks(&self, spread: &Spread, known: &[Followed], limits: Limits) -> Option<Followed> {
         let max = limits.max_force_n?;
-        let member = self.members[spread.strongest?];
-        (spread.strongest_n > max && !known.contains(&member)).then_some(member)
+        let member = &self.members[spread.strongest?];
+        (spread.strongest_n > max && !known.contains(member)).then(|| member.clone())
     }
 
     /// The smallest force over the uncertainty at `hz`, N. None if a member has no stable 1/1 there.

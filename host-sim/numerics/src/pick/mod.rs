@@ -202,7 +202,7 @@ fn pick_at_amplitude(
     let field = Field {
         rig,
         branch: &branch,
-        members: &members,
+        members: &robust.members,
         progress,
     };
     let mut choice = field.choose(robust.hz, limits)?;

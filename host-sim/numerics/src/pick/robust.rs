@@ -2,13 +2,16 @@
 
 use rayon::prelude::*;
 
+use shared::model::params::RigParams;
+
 use super::range;
-use super::search::own_branch;
-use crate::branch::Branch;
+use super::search::{Followed, Known, follow_member, own_branch};
+use crate::branch::{Branch, End};
 use crate::error::{Error, PickError};
-use crate::orbit::Orbit;
+use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::NamedRig;
+use crate::sweep::spread;
 use crate::uncertainty::Member;
 
 /// The largest share of `members` with which every one of them has a stable 1/1 at a common frequency, in hundredths.
@@ -64,8 +67,8 @@ pub(crate) fn with_reserve(robust: (f64, f64), uncertain: bool) -> (f64, f64) {
 pub(super) struct Robust {
     /// Hz.
     pub(super) hz: (f64, f64),
-    /// For each member (Hz, N) along its own branch.
-    forces: Vec<Vec<(f64, f64)>>,
+    /// The members, and what is known of their orbits there.
+    pub(super) members: Vec<Followed>,
 }
 
 impl Robust {
@@ -76,21 +79,13 @@ impl Robust {
             .iter()
             .filter(|(hz, _)| (self.hz.0..=self.hz.1).contains(hz));
         let at = inside.map(|&(hz, nominal)| {
-            let forces = self.forces.iter().filter_map(|own| between(own, hz));
-            forces.fold([hz, nominal, nominal], |[hz, low, high], n| {
-                [hz, low.min(n), high.max(n)]
+            let known = self.members.iter().filter_map(|own| own.known_at(hz));
+            known.fold([hz, nominal, nominal], |[hz, low, high], known| {
+                [hz, low.min(known.force_n), high.max(known.force_n)]
             })
         });
         at.collect()
     }
-}
-
-/// The force at `hz` on the line through the points of rising frequency on either side. None beyond them.
-fn between(points: &[(f64, f64)], hz: f64) -> Option<f64> {
-    let above = points.partition_point(|(x, _)| *x < hz);
-    let b = points.get(above)?;
-    let a = points.get(above.checked_sub(1)?)?;
-    Some(a.1 + (b.1 - a.1) * (hz - a.0) / (b.0 - a.0))
 }
 
 /// The frequencies at which every member has a stable 1/1.
@@ -110,7 +105,8 @@ pub(super) fn robust_range(
     })
 }
 
-/// Members that are followed side by side.
+/// Members that are followed side by side, at first and later.
+const FIRST_BLOCK: usize = 8;
 const BLOCK: usize = 32;
 
 /// The same; none if there is no such frequency, or the work is interrupted.
@@ -124,35 +120,29 @@ fn common_range(
     nominal: &Orbit,
     progress: &dyn Progress,
 ) -> Option<Robust> {
+    let params = &rig.params;
     let mut common = range(branch);
-    let mut forces = Vec::with_capacity(members.len());
-    for block in members.chunks(BLOCK) {
-        let left = common;
-        let found: Option<Vec<Branch>> = block
+    let mut known = Vec::with_capacity(members.len());
+    let (first, others) = members.split_at(members.len().min(FIRST_BLOCK));
+    for members in std::iter::once(first).chain(others.chunks(BLOCK)) {
+        let nodes = nodes(params, branch, common)?;
+        let found: Option<Vec<_>> = members
             .par_iter()
             .map(|member| {
-                member.apply(&rig.params, 1.0).check().ok()?;
-                let start_hz = nominal.frequency_hz;
-                let found = own_branch(&rig.params, member, branch, start_hz, left);
+                member.apply(params, 1.0).check().ok()?;
+                let found = across(params, member, branch, &nodes)
+                    .or_else(|| along(params, member, branch, nominal, common));
                 step(progress, 1).ok()?;
                 found
             })
             .collect();
-        let found = found?;
-        common = found
-            .iter()
-            .map(range)
-            .fold(left, |a, b| (a.0.max(b.0), a.1.min(b.1)));
+        for ((low, high), followed) in found? {
+            common = (common.0.max(low), common.1.min(high));
+            known.push(followed);
+        }
         if common.0 >= common.1 {
             return None;
         }
-        let points = |own: &Branch| {
-            own.orbits
-                .iter()
-                .map(|o| (o.frequency_hz, o.force_n))
-                .collect()
-        };
-        forces.extend(found.iter().map(points));
     }
     // The ends of the common range are one member's loss of stability; stay a hair inside.
     let (low, high) = common;
@@ -161,6 +151,186 @@ fn common_range(
     } else {
         1e-6 * (high - low)
     };
-    let hz = (low + hair, high - hair);
-    (hz.0 < hz.1).then_some(Robust { hz, forces })
+    let (low, high) = (low + hair, high - hair);
+    (low < high).then_some(Robust {
+        hz: (low, high),
+        members: known,
+    })
+}
+
+/// Where a member's 1/1 is stable, Hz, and what is known of it.
+type Own = ((f64, f64), Followed);
+
+/// A member whose branch has to be looked for.
+fn along(
+    params: &RigParams,
+    member: &Member,
+    branch: &Branch,
+    nominal: &Orbit,
+    limits_hz: (f64, f64),
+) -> Option<Own> {
+    let own = own_branch(params, member, branch, nominal.frequency_hz, limits_hz)?;
+    let known = own.orbits.iter().filter_map(|orbit| {
+        let nominal = branch.at(params, orbit.frequency_hz)?;
+        Some(Known::of(orbit, &nominal))
+    });
+    let mut orbits: Vec<_> = known.collect();
+    orbits.dedup_by(|a, b| a.frequency_hz == b.frequency_hz);
+    let member = *member;
+    Some((range(&own), Followed { member, orbits }))
+}
+
+/// How far apart the frequencies are at which members are followed, as a share of the natural frequency.
+const SPACING: f64 = 0.1;
+
+/// Nominal orbits at both ends of a range and between them. None without those at the ends.
+fn nodes(params: &RigParams, branch: &Branch, (low, high): (f64, f64)) -> Option<Vec<Orbit>> {
+    let steps = ((high - low) / (SPACING * params.natural_frequency_hz())).ceil();
+    let hz = spread(low, high, steps.max(2.0) as usize + 1);
+    let inside = &hz[1..hz.len() - 1];
+    let at = |hz: f64| branch.at(params, hz);
+    let inside = inside.par_iter().filter_map(|hz| at(*hz));
+    let mut nodes = vec![at(low)?];
+    nodes.extend(inside.collect::<Vec<_>>());
+    nodes.push(at(high)?);
+    Some(nodes)
+}
+
+/// A member whose 1/1 is found beside that of the nominal `nodes`, from their middle both ways. None if it has no stable one
+/// at the middle.
+fn across(params: &RigParams, member: &Member, branch: &Branch, nodes: &[Orbit]) -> Option<Own> {
+    let rig = member.apply(params, 1.0);
+    let (below, above) = nodes.split_at(nodes.len() / 2);
+    let (middle, above) = above.split_first()?;
+    let hz = middle.frequency_hz;
+    let start = surely_stable(&rig, hz, middle.at())
+        .or_else(|| follow_member(params, member, middle, hz).filter(Orbit::is_stable_one_one))?;
+    let nominal = |hz| branch.at(params, hz);
+    let (mut orbits, low) = one_way(&rig, (&start, middle), below.iter().rev(), nominal);
+    let (up, high) = one_way(&rig, (&start, middle), above.iter(), nominal);
+    orbits.reverse();
+    // Both begin with the middle.
+    orbits.extend(&up[1..]);
+    let member = *member;
+    Some(((low, high), Followed { member, orbits }))
+}
+
+/// Orbits of `rig` at the frequencies of the nominal `nodes`, `start` first, which lies beside the nominal `middle`, and the
+/// frequency at which its 1/1 ends: that of the last node at most.
+fn one_way<'a>(
+    rig: &RigParams,
+    (start, middle): (&Orbit, &Orbit),
+    nodes: impl Iterator<Item = &'a Orbit>,
+    nominal: impl Fn(f64) -> Option<Orbit>,
+) -> (Vec<Known>, f64) {
+    let mut last = start.clone();
+    let mut orbits = vec![Known::of(start, middle)];
+    for node in nodes {
+        let guess = guess(node, &orbits);
+        let next = surely_stable(rig, node.frequency_hz, guess);
+        let next = next.map_or_else(|| to_the_end(rig, &last, node.frequency_hz), Ok);
+        let next = match next {
+            Ok(next) => next,
+            Err(end) => {
+                let known = nominal(end.frequency_hz).map(|nominal| Known::of(&end, &nominal));
+                orbits.extend(known.filter(|_| end.frequency_hz != last.frequency_hz));
+                return (orbits, end.frequency_hz);
+            }
+        };
+        orbits.push(Known::of(&next, node));
+        last = next;
+    }
+    (orbits, last.frequency_hz)
+}
+
+/// The stable 1/1 of `rig` at `to_hz`, followed from `last`; where it ends before, its last orbit as the error.
+fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> Result<Orbit, Orbit> {
+    let (from_hz, up) = (last.frequency_hz, to_hz > last.frequency_hz);
+    let mut near = Branch::follow(rig, last.clone(), (from_hz.min(to_hz), from_hz.max(to_hz)));
+    let edge = if up { near.high } else { near.low };
+    if !up {
+        near.orbits.reverse();
+    }
+    let end = near.orbits.pop().unwrap_or_else(|| last.clone());
+    match edge.end {
+        End::SearchLimit => Ok(end),
+        _ => Err(end),
+    }
+}
+
+/// Where the orbit beside `node` is sought: on the parabola through the last three.
+fn guess(node: &Orbit, orbits: &[Known]) -> Section {
+    let weights: &[f64] = match orbits.len() {
+        1 => &[1.0],
+        2 => &[-1.0, 2.0],
+        _ => &[1.0, -3.0, 3.0],
+    };
+    let mut guess = node.at();
+    for (known, weight) in orbits[orbits.len() - weights.len()..].iter().zip(weights) {
+        for (x, beside) in guess.iter_mut().zip(known.beside) {
+            *x += weight * beside;
+        }
+    }
+    guess
+}
+
+/// The 1/1 of `rig` near `guess`, if it is stable: to what a picture shows where it is far from unstable and from another
+/// contact, else exactly.
+fn surely_stable(rig: &RigParams, hz: f64, guess: Section) -> Option<Orbit> {
+    /// The largest modulus of a multiplier that is far from 1.
+    const CALM: f64 = 0.95;
+    /// A near miss that is none, as a share of A0.
+    const CLEAR: f64 = 0.01;
+    let drawn = shoot_to(Exactness::DRAWN, rig, hz, guess, 1)?;
+    let near_miss_m = drawn.seen.near_miss_m;
+    let calm = drawn.multipliers().modulus() < CALM
+        && near_miss_m.is_none_or(|m| m > CLEAR * rig.amplitude_m);
+    if calm && drawn.is_stable_one_one() {
+        return Some(drawn);
+    }
+    shoot_at(rig, hz, drawn.at(), 1).filter(Orbit::is_stable_one_one)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::branch::one_one_branches;
+    use crate::uncertainty::Uncertainty;
+    use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
+    use shared::model::params::WIRES;
+
+    /// What is found beside the nominal orbits is what is found by following each member's whole branch: where the common
+    /// range ends, and the force between.
+    #[test]
+    fn members_beside_the_nominal_orbits_end_where_their_branches_do() {
+        let params = RigParams {
+            cart: CartDrive::Loop(ASSUMED_SHAKER),
+            ..WIRES
+        };
+        let rig = NamedRig::new("wires", params);
+        let uncertainty = Uncertainty {
+            samples: 6,
+            ..Uncertainty::usual(true)
+        };
+        let members: Vec<_> = uncertainty.members().into_iter().rev().take(20).collect();
+        let branch = one_one_branches(&params, (1.0, 3.0)).swap_remove(0);
+        let nominal = branch.at(&params, 3.4).unwrap();
+        let found = common_range(&rig, &members, &branch, &nominal, &()).unwrap();
+        let whole = members
+            .iter()
+            .map(|m| own_branch(&params, m, &branch, 3.4, range(&branch)).unwrap())
+            .collect::<Vec<_>>();
+        let ends = whole.iter().map(range);
+        let (low, high) = ends.fold((0.0_f64, f64::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
+        let off = (found.hz.0 - low).abs().max((found.hz.1 - high).abs());
+        assert!(off < 2e-6 * (high - low), "{:?} {low} {high}", found.hz);
+        for (known, own) in found.members.iter().zip(&whole) {
+            let rig = known.member.apply(&params, 1.0);
+            for hz in [low + 0.1, 3.0, 3.4, high - 0.1] {
+                let exact = own.at(&rig, hz).unwrap().force_n;
+                let drawn = known.known_at(hz).unwrap().force_n;
+                assert!((drawn / exact - 1.0).abs() < 1e-3, "{hz}: {drawn} {exact}");
+            }
+        }
+    }
 }

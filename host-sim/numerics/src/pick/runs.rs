@@ -5,8 +5,8 @@ use shared::model::params::RigParams;
 use shared::model::regime::Regime;
 
 use super::range;
-use crate::branch::{Branch, End};
-use crate::engine::{Engine, Plan, Start, machine, within_reach};
+use crate::branch::{Branch, End, settle};
+use crate::engine::{Arrival, Engine, Plan, STILL, Start, machine, within_reach};
 use crate::error::Error;
 use crate::orbit::Orbit;
 use crate::progress::Progress;
@@ -71,12 +71,19 @@ impl Jumps {
 /// [`Runs::settling_cycles`].
 fn settling_cycles(params: &RigParams, chosen: &Orbit) -> Result<Option<u32>, Error> {
     let mut hammer = machine(Engine::Event, params, chosen.frequency_hz, Start::Rest)?;
+    let mut arrival = Arrival::of(hammer.as_ref(), STILL);
     let mut last_apart = 0;
     for cycle in 1..=SETTLED.cycles {
         let force_n = hammer.period(None).peak_force;
         within_reach(hammer.as_ref())?;
         if (force_n / chosen.force_n - 1.0).abs() > SETTLED_SHARE {
             last_apart = cycle;
+        }
+        if arrival.at(hammer.section()) {
+            if last_apart == cycle {
+                return Ok(None);
+            }
+            break;
         }
     }
     Ok((last_apart <= SETTLED.transient).then_some(last_apart))
@@ -113,8 +120,7 @@ impl Runs {
         let corners = uncertainty.map_or(Vec::new(), |u| u.corners());
         let reaches = |corner: &&Member| {
             let rig = corner.apply(params, 1.0);
-            let run = single(&rig, chosen.frequency_hz, Start::Rest, SETTLED);
-            run.is_ok_and(|row| row.regime.is(1, 1))
+            settle(&rig, chosen.frequency_hz, Start::Rest, SETTLED).is_some()
         };
         Ok(Self {
             force_ratio_at_natural: at_natural.force_ratio,

@@ -6,9 +6,9 @@ use shared::model::cart::CartDrive;
 use shared::model::contact::Law;
 use shared::model::params::{RigParams, SupportParams};
 
-use crate::branch::Branch;
-use crate::orbit::{Orbit, shoot};
-use crate::root::halved;
+use super::search::FREQUENCY_TOLERANCE;
+use crate::orbit::{Orbit, shoot_at};
+use crate::root::{halved, maximum};
 use crate::uncertainty::{Uncertainty, scale_contact};
 
 /// Change of the nominal optimum with one parameter.
@@ -375,16 +375,24 @@ fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
 
 /// The best 1/1 of a slightly different rig, near `best`.
 fn optimum(rig: &RigParams, best: &Orbit) -> Option<Orbit> {
-    let half = 0.05 * best.frequency_hz;
-    let (low, high) = (best.frequency_hz - half, best.frequency_hz + half);
-    let start = shoot(rig, best.frequency_hz, best.section)?;
-    let near = Branch::follow(rig, start, (low, high));
-    let within = (near.low.frequency_hz, near.high.frequency_hz);
-    let (_, orbit) = super::search::maximise(&near, within, |hz| {
-        let orbit = near.at(rig, hz)?;
-        Some((orbit.force_n, orbit))
-    })?;
-    Some(orbit)
+    let hz = best.frequency_hz;
+    let mut known = vec![shoot_at(rig, hz, best.at(), 1).filter(Orbit::is_stable_one_one)?];
+    let mut force = |hz: f64| {
+        let apart = |orbit: &&Orbit| (orbit.frequency_hz - hz).abs();
+        let near = known.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        let found = shoot_at(rig, hz, near.at(), 1).filter(Orbit::is_stable_one_one)?;
+        known.push(found);
+        known.last().map(|orbit| orbit.force_n)
+    };
+    maximum(
+        |hz| force(hz).unwrap_or(f64::NEG_INFINITY),
+        (0.95 * hz, 1.05 * hz),
+        FREQUENCY_TOLERANCE * hz,
+        hz,
+    );
+    known
+        .into_iter()
+        .max_by(|a, b| a.force_n.total_cmp(&b.force_n))
 }
 
 #[cfg(test)]
@@ -408,7 +416,7 @@ mod tests {
         let scale = Rig::<f64>::new(&WIRES).unwrap().coordinate_scale();
         let [q, v] = nominal.section;
         let section = [q * scale, v * scale * std::f64::consts::TAU * hz];
-        let best = shoot(&WIRES, hz, section).unwrap();
+        let best = crate::orbit::shoot(&WIRES, hz, section).unwrap();
         let known = Uncertainty {
             contact_damping_percent: 40.0,
             ..Uncertainty::default()

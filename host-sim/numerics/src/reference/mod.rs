@@ -49,6 +49,7 @@ pub struct Reference<R> {
     cart: Option<Cart<R>>,
     omega: f64,
     period_s: f64,
+    tolerance: f64,
     units: (f64, f64),
     max_step: f64,
     point: Point<R>,
@@ -118,6 +119,7 @@ impl<R: Scalar> Reference<R> {
             cart: None,
             omega: 0.0,
             period_s: f64::MAX,
+            tolerance: TOLERANCE,
             units,
             max_step: f64::INFINITY,
             point: Point::on_course(R::ZERO, q, v),
@@ -141,6 +143,15 @@ impl<R: Scalar> Reference<R> {
             open.onset_s = self.point.t.to_f64();
             open.peak_at_s = open.onset_s;
         }
+        self
+    }
+
+    /// The same with errors per step kept below another share of A0 and A0 Ω than [`TOLERANCE`].
+    #[must_use]
+    pub(crate) fn with_tolerance(mut self, tolerance: f64) -> Self {
+        let by = tolerance / self.tolerance;
+        self.units = (self.units.0 * by, self.units.1 * by);
+        self.tolerance = tolerance;
         self
     }
 
@@ -205,7 +216,7 @@ impl<R: Scalar> Reference<R> {
             smoothed: self.smoothed,
             units: self.units,
             recoil: self.cart.as_ref().map(|cart| {
-                let unit = TOLERANCE * amplitude;
+                let unit = self.tolerance * amplitude;
                 (cart, (unit, unit * self.omega.max(cart.omega())))
             }),
         }
