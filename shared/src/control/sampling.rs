@@ -121,6 +121,15 @@ impl Controller {
         self.rig.identification.pulse(pulse);
         if let Some(trip) = self.plausibility.pulse(pulse) {
             self.trip(trip);
+            return;
+        }
+        // A blow of which the samples showed less, as the ringing fell, than the most of those before it.
+        if pulse.peak_n * self.doubt().force > self.settings.trips.force_n {
+            self.trip(Trip {
+                fault: Fault::OverForce,
+                origin: Origin::Force,
+                value: pulse.peak_n,
+            });
         }
     }
 
@@ -193,6 +202,7 @@ impl Controller {
         let command_m = 0.5 * (now_m + self.seen.command_m);
         self.seen.command_m = now_m;
         self.note_clean_period(strobe);
+        self.note_old_bound();
         let ratio = self.rig.identification.hammer_over_cart();
         let clean = self.seen.clean >= CLEAN_PERIODS;
         let hz = self.oscillator.frequency_hz();
@@ -215,6 +225,10 @@ impl Controller {
             .forecast
             .largest_force_n((hz, hz), self.trim.wanted_m());
         let may = (closed, steady);
+        // On the way to a set-point by hand the force may grow faster than the limit answers.
+        let by_hand = matches!(self.life.phase, Phase::Manual);
+        self.trim
+            .set_under_way(by_hand && !self.oscillator.frequency_has_arrived());
         self.trim.strobe(strobe, command_m, hz, may, nominal_n);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();
@@ -233,6 +247,16 @@ impl Controller {
             self.rig.identification.at_amplitude();
         }
         self.seen.clean = clean;
+    }
+
+    /// What flights show is forgotten while a bound of an old forecast holds the frequency: far below its best, a hammer that is
+    /// pressed on the surface makes contacts too weak to be seen between its blows.
+    fn note_old_bound(&mut self) {
+        let awaited = self.forecast.is_awaited();
+        let seeking = self.life.phase.seeking_mut();
+        if awaited && seeking.is_some_and(|seeking| seeking.search.is_at_bound()) {
+            self.rig.identification.at_amplitude();
+        }
     }
 
     /// Nothing reduces the amplitude of a motor drive: beyond a limit it is switched off. Whether it was.

@@ -56,6 +56,8 @@ pub struct Trim {
     gain: f32,
     /// Share of the wanted amplitude that the limits allow.
     draw: f32,
+    /// Whether the frequency is on its way to a set-point by hand.
+    under_way: bool,
     /// Drive periods until the next reduction or recovery.
     wait: u8,
     limits: ActiveLimits,
@@ -73,6 +75,7 @@ impl Trim {
             travel_m: settings.limits.travel_m,
             gain: 1.0,
             draw: 1.0,
+            under_way: false,
             wait: 0,
             limits: ActiveLimits::NONE,
         }
@@ -83,6 +86,11 @@ impl Trim {
         self.force_n = limits.force_n / doubt.force;
         self.travel_m = limits.travel_m / doubt.travel;
         self.cart_doubt = doubt.cart;
+    }
+
+    /// Whether the frequency is on its way to a set-point by hand from now on.
+    pub fn set_under_way(&mut self, under_way: bool) {
+        self.under_way = under_way;
     }
 
     /// The amplitude wanted, m: at most what the limit leaves, which then clamps.
@@ -116,8 +124,9 @@ impl Trim {
         self.wanted_m
     }
 
-    /// A period without contact shows nothing of the force: the amplitude is at most what keeps the limit by the forecast of
-    /// `nominal_n` at the wanted amplitude; without a forecast it does not rise. The share that this leaves.
+    /// A period without contact, or on the way to another frequency, does not show the force that comes: the amplitude is at
+    /// most what keeps the limit by the forecast of `nominal_n` at the wanted amplitude; without a forecast it does not rise.
+    /// The share that this leaves.
     fn by_forecast(&self, nominal_n: Option<f32>) -> f32 {
         let share = nominal_n.map(|n| EXPECTED * self.force_n / n);
         share.unwrap_or(self.draw).clamp(LEAST_DRAW, 1.0)
@@ -139,7 +148,7 @@ impl Trim {
         if expected_m > LEAST_COMMAND * self.wanted_m {
             self.correct(strobe.amplitude_m / expected_m, closed);
         }
-        let blind = if strobe.contacts == 0 {
+        let blind = if strobe.contacts == 0 || self.under_way {
             self.by_forecast(nominal_n)
         } else {
             1.0

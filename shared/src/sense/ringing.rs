@@ -29,6 +29,9 @@ const MARGIN: f32 = 3.5;
 const LAGS: usize = 12;
 /// Contacts in the correlation and in the mean of peaks.
 const MEMORY: f32 = 16.0;
+/// Contacts for which the most that two samples in a row have reached is remembered. How much that is changes with where the
+/// samples fall in the ringing: at 5 kHz there are four of them to a swing.
+const TWO_MEMORY: f32 = 64.0;
 /// Contacts before anything is known.
 const FEW: u8 = 4;
 /// True peak over largest sample, at most, where nothing is known yet.
@@ -269,7 +272,8 @@ impl Ringing {
             mean.sum_n += weight * (new.sum_n - mean.sum_n);
         }
         let share = two_n / found.peak_n;
-        self.two_share = share.max(self.two_share + weight * (share - self.two_share));
+        let faded = self.two_share + (share - self.two_share) / TWO_MEMORY;
+        self.two_share = share.max(faded);
     }
 }
 

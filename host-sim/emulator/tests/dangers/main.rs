@@ -85,8 +85,13 @@ fn truth_of(rig: &str, duration_s: f64, tables: &str) -> Truth {
 
 /// The same with noise of this seed.
 fn truth_seeded(rig: &str, seed: u32, duration_s: f64, tables: &str) -> Truth {
+    truth_noisy(rig, 1.0, seed, duration_s, tables)
+}
+
+/// The same with so much noise, %.
+fn truth_noisy(rig: &str, noise: f64, seed: u32, duration_s: f64, tables: &str) -> Truth {
     let text = format!(
-        "duration_s = {duration_s:?}\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = 1.0\n{tables}"
+        "duration_s = {duration_s:?}\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\n{tables}"
     );
     let scenario = parse("danger", &text, "danger").unwrap();
     let mut truth = Truth {

@@ -147,3 +147,24 @@ fn after_a_surface_that_receded_the_next_start_finds_it_wherever_it_is() {
         assert_eq!(truth.end, State::Hold, "{rig} {back_mm}");
     });
 }
+
+/// The tool is fed back too far, so that the surface presses on the hammer. (On the beams, the hammer's sensor was named.)
+#[test]
+fn after_a_surface_that_receded_a_tool_fed_back_too_far_is_no_sensor_that_lies() {
+    let each = RIGS
+        .iter()
+        .flat_map(|rig| [(2.1, 2.4), (2.1, 2.6)].map(|ways| (rig, ways)));
+    let each: Vec<_> = each.collect();
+    each.par_iter().for_each(|(rig, (far_mm, back_mm))| {
+        let drift =
+            |mm: f64, s: f64| format!("kind = \"drift\"\ngap_offset_mm = {mm:?}\nover_s = {s:?}");
+        let tables = start()
+            + &event(13.0, &drift(*far_mm, 40.0))
+            + &event(62.0, "kind = \"stop\"")
+            + &event(65.0, &drift(-back_mm, 0.7))
+            + &event(67.0, "kind = \"start\"");
+        let truth = truth_of(rig, 110.0, &tables);
+        assert_eq!(faults(&truth), [], "{rig} {back_mm}");
+        assert_eq!(truth.end, State::Hold, "{rig} {back_mm}");
+    });
+}
