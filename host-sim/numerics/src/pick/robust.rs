@@ -227,24 +227,21 @@ fn one_way<'a>(
     let mut orbits = vec![Known::of(start, middle)];
     for node in nodes {
         let guess = guess(node, &orbits);
-        let next = surely_stable(rig, node.frequency_hz, guess);
-        let next = next.map_or_else(|| to_the_end(rig, &last, node.frequency_hz), Ok);
-        let next = match next {
-            Ok(next) => next,
-            Err(end) => {
-                let known = nominal(end.frequency_hz).map(|nominal| Known::of(&end, &nominal));
-                orbits.extend(known.filter(|_| end.frequency_hz != last.frequency_hz));
-                return (orbits, end.frequency_hz);
-            }
-        };
+        let sure = surely_stable(rig, node.frequency_hz, guess).map(|next| (next, true));
+        let (next, goes_on) = sure.unwrap_or_else(|| to_the_end(rig, &last, node.frequency_hz));
+        if !goes_on {
+            let known = nominal(next.frequency_hz).map(|nominal| Known::of(&next, &nominal));
+            orbits.extend(known.filter(|_| next.frequency_hz != last.frequency_hz));
+            return (orbits, next.frequency_hz);
+        }
         orbits.push(Known::of(&next, node));
         last = next;
     }
     (orbits, last.frequency_hz)
 }
 
-/// The stable 1/1 of `rig` at `to_hz`, followed from `last`; where it ends before, its last orbit as the error.
-fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> Result<Orbit, Orbit> {
+/// The stable 1/1 of `rig` at `to_hz`, followed from `last`, or its last orbit before, and whether it goes on there.
+fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> (Orbit, bool) {
     let (from_hz, up) = (last.frequency_hz, to_hz > last.frequency_hz);
     let mut near = Branch::follow(rig, last.clone(), (from_hz.min(to_hz), from_hz.max(to_hz)));
     let edge = if up { near.high } else { near.low };
@@ -252,10 +249,7 @@ fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> Result<Orbit, Orbit>
         near.orbits.reverse();
     }
     let end = near.orbits.pop().unwrap_or_else(|| last.clone());
-    match edge.end {
-        End::SearchLimit => Ok(end),
-        _ => Err(end),
-    }
+    (end, edge.end == End::SearchLimit)
 }
 
 /// Where the orbit beside `node` is sought: on the parabola through the last three.
