@@ -119,21 +119,23 @@ impl Controller {
             self.plausibility.believe_surface(surface_m);
         }
         self.rig.identification.pulse(pulse);
-        if let Some(trip) = self.plausibility.pulse(pulse) {
-            self.trip(trip);
-            return;
-        }
+        let trip = self.plausibility.pulse(pulse);
         // A blow of which the samples showed less, as the ringing fell, than the most of those before it.
-        if pulse.peak_n * self.doubt().force > self.settings.trips.force_n {
-            self.trip(Trip {
+        let beyond = || pulse.peak_n * self.doubt().force > self.settings.trips.force_n;
+        let trip = trip.or_else(|| {
+            beyond().then_some(Trip {
                 fault: Fault::OverForce,
                 origin: Origin::Force,
                 value: pulse.peak_n,
-            });
+            })
+        });
+        if let Some(trip) = trip {
+            self.trip(trip);
         }
     }
 
-    /// How much too little the sensors may read, with what the surface's ringing may hide.
+    /// How much too little the sensors may read, with what the surface's ringing may hide. Four ask for it: one copy is enough.
+    #[inline(never)]
     fn doubt(&self) -> Doubt {
         let doubt = self.plausibility.doubt();
         Doubt {

@@ -332,6 +332,7 @@ impl Controller {
 
     /// Switches the drive off; records the fault only then. In Fault, the fault joins the episode: the episode
     /// latches if any of its faults does.
+    #[inline(never)]
     pub(super) fn trip(&mut self, trip: Trip) {
         if trip.fault == Fault::EmergencyStop {
             let required = self.settings.operator.acknowledge;
