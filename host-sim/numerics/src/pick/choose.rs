@@ -1,8 +1,9 @@
 //! The choice on the robust range, within the limits asked for.
 
 use super::answer::{drive_force, shaker_force};
+use super::follow::Followed;
 use super::robust::with_reserve;
-use super::search::{Followed, Spread, interval_where, maximise, spread_of_members};
+use super::search::{Spread, interval_where, maximise, spread_of_members};
 use crate::branch::Branch;
 use crate::error::{Error, PickError};
 use crate::limits::{LimitUse, Limits};

@@ -10,6 +10,7 @@ pub(crate) mod amplitude;
 pub mod answer;
 pub mod bending;
 pub mod choose;
+pub mod follow;
 mod found;
 pub mod gaps;
 pub mod outline;

@@ -2,16 +2,13 @@
 
 use rayon::prelude::*;
 
-use shared::model::params::RigParams;
-
+use super::follow::{Followed, across, along, nodes};
 use super::range;
-use super::search::{Followed, Known, follow_member, own_branch};
-use crate::branch::{Branch, End};
+use crate::branch::Branch;
 use crate::error::{Error, PickError};
-use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
+use crate::orbit::Orbit;
 use crate::progress::{Progress, WithinStep, check, step};
 use crate::row::NamedRig;
-use crate::sweep::spread;
 use crate::uncertainty::Member;
 
 /// The largest share of `members` with which every one of them has a stable 1/1 at a common frequency, in hundredths.
@@ -158,140 +155,14 @@ fn common_range(
     })
 }
 
-/// Where a member's 1/1 is stable, Hz, and what is known of it.
-type Own = ((f64, f64), Followed);
-
-/// A member whose branch has to be looked for.
-fn along(
-    params: &RigParams,
-    member: &Member,
-    branch: &Branch,
-    nominal: &Orbit,
-    limits_hz: (f64, f64),
-) -> Option<Own> {
-    let own = own_branch(params, member, branch, nominal.frequency_hz, limits_hz)?;
-    let known = own.orbits.iter().filter_map(|orbit| {
-        let nominal = branch.at(params, orbit.frequency_hz)?;
-        Some(Known::of(orbit, &nominal))
-    });
-    let mut orbits: Vec<_> = known.collect();
-    orbits.dedup_by(|a, b| a.frequency_hz == b.frequency_hz);
-    let member = *member;
-    Some((range(&own), Followed { member, orbits }))
-}
-
-/// How far apart the frequencies are at which members are followed, as a share of the natural frequency.
-const SPACING: f64 = 0.1;
-
-/// Nominal orbits at both ends of a range and between them. None without those at the ends.
-fn nodes(params: &RigParams, branch: &Branch, (low, high): (f64, f64)) -> Option<Vec<Orbit>> {
-    let steps = ((high - low) / (SPACING * params.natural_frequency_hz())).ceil();
-    let hz = spread(low, high, steps.max(2.0) as usize + 1);
-    let inside = &hz[1..hz.len() - 1];
-    let at = |hz: f64| branch.at(params, hz);
-    let inside = inside.par_iter().filter_map(|hz| at(*hz));
-    let mut nodes = vec![at(low)?];
-    nodes.extend(inside.collect::<Vec<_>>());
-    nodes.push(at(high)?);
-    Some(nodes)
-}
-
-/// A member whose 1/1 is found beside that of the nominal `nodes`, from their middle both ways. None if it has no stable one
-/// at the middle.
-fn across(params: &RigParams, member: &Member, branch: &Branch, nodes: &[Orbit]) -> Option<Own> {
-    let rig = member.apply(params, 1.0);
-    let (below, above) = nodes.split_at(nodes.len() / 2);
-    let (middle, above) = above.split_first()?;
-    let hz = middle.frequency_hz;
-    let start = surely_stable(&rig, hz, middle.at())
-        .or_else(|| follow_member(params, member, middle, hz).filter(Orbit::is_stable_one_one))?;
-    let nominal = |hz| branch.at(params, hz);
-    let (mut orbits, low) = one_way(&rig, (&start, middle), below.iter().rev(), nominal);
-    let (up, high) = one_way(&rig, (&start, middle), above.iter(), nominal);
-    orbits.reverse();
-    // Both begin with the middle.
-    orbits.extend(&up[1..]);
-    let member = *member;
-    Some(((low, high), Followed { member, orbits }))
-}
-
-/// Orbits of `rig` at the frequencies of the nominal `nodes`, `start` first, which lies beside the nominal `middle`, and the
-/// frequency at which its 1/1 ends: that of the last node at most.
-fn one_way<'a>(
-    rig: &RigParams,
-    (start, middle): (&Orbit, &Orbit),
-    nodes: impl Iterator<Item = &'a Orbit>,
-    nominal: impl Fn(f64) -> Option<Orbit>,
-) -> (Vec<Known>, f64) {
-    let mut last = start.clone();
-    let mut orbits = vec![Known::of(start, middle)];
-    for node in nodes {
-        let guess = guess(node, &orbits);
-        let sure = surely_stable(rig, node.frequency_hz, guess).map(|next| (next, true));
-        let (next, goes_on) = sure.unwrap_or_else(|| to_the_end(rig, &last, node.frequency_hz));
-        if !goes_on {
-            let known = nominal(next.frequency_hz).map(|nominal| Known::of(&next, &nominal));
-            orbits.extend(known.filter(|_| next.frequency_hz != last.frequency_hz));
-            return (orbits, next.frequency_hz);
-        }
-        orbits.push(Known::of(&next, node));
-        last = next;
-    }
-    (orbits, last.frequency_hz)
-}
-
-/// The stable 1/1 of `rig` at `to_hz`, followed from `last`, or its last orbit before, and whether it goes on there.
-fn to_the_end(rig: &RigParams, last: &Orbit, to_hz: f64) -> (Orbit, bool) {
-    let (from_hz, up) = (last.frequency_hz, to_hz > last.frequency_hz);
-    let mut near = Branch::follow(rig, last.clone(), (from_hz.min(to_hz), from_hz.max(to_hz)));
-    let edge = if up { near.high } else { near.low };
-    if !up {
-        near.orbits.reverse();
-    }
-    let end = near.orbits.pop().unwrap_or_else(|| last.clone());
-    (end, edge.end == End::SearchLimit)
-}
-
-/// Where the orbit beside `node` is sought: on the parabola through the last three.
-fn guess(node: &Orbit, orbits: &[Known]) -> Section {
-    let weights: &[f64] = match orbits.len() {
-        1 => &[1.0],
-        2 => &[-1.0, 2.0],
-        _ => &[1.0, -3.0, 3.0],
-    };
-    let mut guess = node.at();
-    for (known, weight) in orbits[orbits.len() - weights.len()..].iter().zip(weights) {
-        for (x, beside) in guess.iter_mut().zip(known.beside) {
-            *x += weight * beside;
-        }
-    }
-    guess
-}
-
-/// The 1/1 of `rig` near `guess`, if it is stable: to what a picture shows where it is far from unstable and from another
-/// contact, else exactly.
-fn surely_stable(rig: &RigParams, hz: f64, guess: Section) -> Option<Orbit> {
-    /// The largest modulus of a multiplier that is far from 1.
-    const CALM: f64 = 0.95;
-    /// A near miss that is none, as a share of A0.
-    const CLEAR: f64 = 0.01;
-    let drawn = shoot_to(Exactness::DRAWN, rig, hz, guess, 1)?;
-    let near_miss_m = drawn.seen.near_miss_m;
-    let calm = drawn.multipliers().modulus() < CALM
-        && near_miss_m.is_none_or(|m| m > CLEAR * rig.amplitude_m);
-    if calm && drawn.is_stable_one_one() {
-        return Some(drawn);
-    }
-    shoot_at(rig, hz, drawn.at(), 1).filter(Orbit::is_stable_one_one)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::branch::one_one_branches;
+    use crate::pick::search::own_branch;
     use crate::uncertainty::Uncertainty;
     use shared::model::cart::{ASSUMED_SHAKER, CartDrive};
-    use shared::model::params::WIRES;
+    use shared::model::params::{RigParams, WIRES};
 
     /// What is found beside the nominal orbits is what is found by following each member's whole branch: where the common
     /// range ends, and the force between.

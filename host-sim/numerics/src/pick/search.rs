@@ -4,8 +4,9 @@
 use rayon::prelude::*;
 use shared::model::params::RigParams;
 
+use super::follow::Followed;
 use crate::branch::Branch;
-use crate::orbit::{Exactness, Orbit, Section, shoot_at, shoot_to};
+use crate::orbit::{Orbit, shoot_at};
 use crate::root::{maximum, narrowed};
 use crate::uncertainty::Member;
 
@@ -58,91 +59,6 @@ pub fn own_branch(
             follow_member(nominal, member, &orbit, hz).filter(Orbit::is_stable_one_one)
         })?;
     Some(Branch::follow(&rig, seed, limits_hz))
-}
-
-/// A rig of the uncertainty and what is known of its stable 1/1.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
-    /// Which.
-    pub member: Member,
-    /// Its orbits by rising frequency; empty where it has not been followed.
-    pub orbits: Vec<Known>,
-}
-
-/// An orbit of a rig of the uncertainty, to what a picture shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Known {
-    /// Drive frequency, Hz.
-    pub frequency_hz: f64,
-    /// Its contact force, N.
-    pub force_n: f64,
-    /// Where it lies on the section beside the nominal orbit.
-    pub beside: Section,
-}
-
-impl Known {
-    /// Of an orbit and the nominal one at the same frequency.
-    pub fn of(orbit: &Orbit, nominal: &Orbit) -> Self {
-        let (a, b) = (orbit.at(), nominal.at());
-        Self {
-            frequency_hz: orbit.frequency_hz,
-            force_n: orbit.force_n,
-            beside: [0, 1, 2, 3].map(|i| a[i] - b[i]),
-        }
-    }
-
-    /// Between some of rising frequency: on the polynomial through them.
-    fn between(orbits: &[Self], frequency_hz: f64) -> Self {
-        let mut sum = Self {
-            frequency_hz,
-            force_n: 0.0,
-            beside: [0.0; 4],
-        };
-        for own in orbits {
-            let others = orbits.iter().map(|o| o.frequency_hz);
-            let others = others.filter(|hz| *hz != own.frequency_hz);
-            let factors = others.map(|hz| (frequency_hz - hz) / (own.frequency_hz - hz));
-            let weight: f64 = factors.product();
-            sum.force_n += weight * own.force_n;
-            for (sum, beside) in sum.beside.iter_mut().zip(own.beside) {
-                *sum += weight * beside;
-            }
-        }
-        sum
-    }
-}
-
-impl From<Member> for Followed {
-    /// One that has not been followed.
-    fn from(member: Member) -> Self {
-        let orbits = Vec::new();
-        Self { member, orbits }
-    }
-}
-
-impl Followed {
-    /// What is known at `frequency_hz`, from the two orbits on either side. None beyond the orbits.
-    pub fn known_at(&self, frequency_hz: f64) -> Option<Known> {
-        let above = (self.orbits).partition_point(|o| o.frequency_hz < frequency_hz);
-        if above == 0 || above == self.orbits.len() {
-            return None;
-        }
-        let near = above.saturating_sub(2)..(above + 2).min(self.orbits.len());
-        Some(Known::between(&self.orbits[near], frequency_hz))
-    }
-
-    /// Its 1/1 at the frequency of the nominal `orbit`, if that is stable.
-    fn stable_at(&self, nominal: &RigParams, orbit: &Orbit) -> Option<Orbit> {
-        let hz = orbit.frequency_hz;
-        let known = self.known_at(hz).and_then(|known| {
-            let own = self.member.apply(nominal, 1.0);
-            let at = orbit.at();
-            let guess = [0, 1, 2, 3].map(|i| at[i] + known.beside[i]);
-            shoot_to(Exactness::OF_MANY, &own, hz, guess, 1).filter(Orbit::is_stable_one_one)
-        });
-        let followed = || follow_member(nominal, &self.member, orbit, hz);
-        known.or_else(followed).filter(Orbit::is_stable_one_one)
-    }
 }
 
 /// Forces of the nominal `orbit` and of every member at its frequency. `None` if a member has no stable
