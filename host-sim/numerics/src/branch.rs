@@ -61,6 +61,11 @@ impl Branch {
         }
     }
 
+    /// The frequencies of its orbits, Hz, rising.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
+        self.orbits.iter().map(|o| o.frequency_hz)
+    }
+
     /// The 1/1 orbit at `frequency_hz`, found from its nearest neighbours on the branch. `None` outside
     /// the branch.
     pub fn at(&self, params: &RigParams, frequency_hz: f64) -> Option<Orbit> {

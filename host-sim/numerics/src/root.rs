@@ -1,5 +1,7 @@
 //! Roots and largest values of a function of one number.
 
+use std::iter;
+
 /// Halves the interval `rounds` times about where `beyond` becomes true, which it is at the second end and not at the
 /// first; the first may be the larger. Gives the ends that are left, in the order given.
 pub fn halved(
@@ -126,6 +128,71 @@ pub fn maximum(
             }
         }
     }
+}
+
+/// Where in `within` the `value` is largest, and what comes with it; `value` is `None` where a place is not allowed. The
+/// rising `nodes` bracket the maximum, [`maximum`] finds it to within `tolerance`; a maximum against the edge of what is
+/// allowed is found as that edge.
+pub fn largest<T>(
+    nodes: impl Iterator<Item = f64>,
+    (low, high): (f64, f64),
+    tolerance: f64,
+    value: impl Fn(f64) -> Option<(f64, T)>,
+) -> Option<(f64, T)> {
+    let inside = nodes.filter(|x| *x > low && *x < high);
+    let nodes: Vec<f64> = iter::once(low).chain(inside).chain([high]).collect();
+    let mut best: Option<(usize, f64, T)> = None;
+    for (i, x) in nodes.iter().enumerate() {
+        if let Some((y, what)) = value(*x)
+            && best.as_ref().is_none_or(|b| y > b.1)
+        {
+            best = Some((i, y, what));
+        }
+    }
+    let (i, mut top, what) = best?;
+    let anchor = nodes[i];
+    let mut found = (anchor, what);
+    let around = (
+        nodes[i.saturating_sub(1)],
+        nodes[(i + 1).min(nodes.len() - 1)],
+    );
+    let value_at = |x: f64| {
+        let Some((y, what)) = value(x) else {
+            return f64::NEG_INFINITY;
+        };
+        if y > top {
+            top = y;
+            found = (x, what);
+        }
+        y
+    };
+    maximum(value_at, around, tolerance, anchor);
+    Some(found)
+}
+
+/// The interval about `from`, inside `within`, on which `holds` is true, assumed connected: the rising `nodes` bracket its
+/// ends, which are halved to `width`.
+pub fn stretch(
+    nodes: impl Iterator<Item = f64>,
+    from: f64,
+    within: (f64, f64),
+    width: f64,
+    holds: impl Fn(f64) -> bool,
+) -> (f64, f64) {
+    let walk = |nodes: &mut dyn Iterator<Item = f64>| {
+        let mut last = from;
+        for x in nodes {
+            if !holds(x) {
+                return narrowed((last, x), width, |x| !holds(x)).0;
+            }
+            last = x;
+        }
+        last
+    };
+    let inside = nodes.filter(|x| *x > within.0 && *x < within.1 && *x != from);
+    let (down, up): (Vec<f64>, Vec<f64>) = inside.partition(|x| *x < from);
+    let low = walk(&mut down.into_iter().rev().chain([within.0]));
+    (low, walk(&mut up.into_iter().chain([within.1])))
 }
 
 #[cfg(test)]

@@ -2,11 +2,13 @@
 
 mod dialect;
 mod read;
+mod selection;
 
 use serde::Serialize;
 
 pub use self::dialect::{Plain, plain};
 pub use self::read::{Line, Measurements};
+pub use self::selection::Selection;
 
 /// Rows as CSV with a header line; none at all leave it empty.
 pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {

@@ -319,7 +319,7 @@ fn force_band(params: &RigParams, branch: &Branch, chosen: &Orbit) -> (f64, f64)
 fn curve(params: &RigParams, branch: &Branch) -> Vec<(f64, f64)> {
     let (low, high) = range(branch);
     let mut nodes = spread(low, high, CURVE_POINTS);
-    nodes.extend(branch.orbits.iter().map(|o| o.frequency_hz));
+    nodes.extend(branch.frequencies());
     nodes.sort_by(f64::total_cmp);
     let weight = params.weight_n();
     let on_curve = |hz: &f64| branch.at(params, *hz).map(|o| (*hz, o.force_n / weight));

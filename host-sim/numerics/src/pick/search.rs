@@ -7,7 +7,7 @@ use shared::model::params::RigParams;
 use super::follow::Followed;
 use crate::branch::Branch;
 use crate::orbit::{Orbit, shoot_at};
-use crate::root::{maximum, narrowed};
+use crate::root::{largest, stretch};
 use crate::uncertainty::Member;
 
 /// Frequencies are found to this share of themselves.
@@ -116,73 +116,25 @@ impl Spread {
     }
 }
 
-/// The frequency in `within_hz` at which `value` is largest; `value` is `None` where a frequency is not
-/// allowed. The branch's own orbits bracket the maximum, golden section finds it; a maximum against the
-/// edge of what is allowed is found as that edge.
+/// The frequency in `within_hz` at which `value` is largest ([`largest`]).
 pub fn maximise<T>(
     branch: &Branch,
     within_hz: (f64, f64),
     value: impl Fn(f64) -> Option<(f64, T)>,
 ) -> Option<(f64, T)> {
-    let (low, high) = within_hz;
-    let mut nodes: Vec<f64> = vec![low];
-    let inside = branch.orbits.iter().map(|o| o.frequency_hz);
-    nodes.extend(inside.filter(|hz| *hz > low && *hz < high));
-    nodes.push(high);
-    let mut best: Option<(usize, f64, T)> = None;
-    for (i, hz) in nodes.iter().enumerate() {
-        if let Some((force, what)) = value(*hz)
-            && best.as_ref().is_none_or(|b| force > b.1)
-        {
-            best = Some((i, force, what));
-        }
-    }
-    let (i, mut top, what) = best?;
-    let anchor = nodes[i];
-    let mut found = (anchor, what);
-    let around = (
-        nodes[i.saturating_sub(1)],
-        nodes[(i + 1).min(nodes.len() - 1)],
-    );
-    let value_at = |hz: f64| {
-        let Some((force, what)) = value(hz) else {
-            return f64::NEG_INFINITY;
-        };
-        if force > top {
-            top = force;
-            found = (hz, what);
-        }
-        force
-    };
-    maximum(value_at, around, FREQUENCY_TOLERANCE * high, anchor);
-    Some(found)
+    let tolerance = FREQUENCY_TOLERANCE * within_hz.1;
+    largest(branch.frequencies(), within_hz, tolerance, value)
 }
 
-/// The interval about `from_hz`, inside `within_hz`, on which `holds` is true, assumed connected: its
-/// ends are bracketed by the branch's own orbits and bisected.
+/// The interval about `from_hz`, inside `within_hz`, on which `holds` is true ([`stretch`]).
 pub fn interval_where(
     branch: &Branch,
     from_hz: f64,
     within_hz: (f64, f64),
     holds: impl Fn(f64) -> bool,
 ) -> (f64, f64) {
-    let walk = |nodes: Vec<f64>| {
-        let mut last = from_hz;
-        for hz in nodes {
-            if !holds(hz) {
-                return narrowed((last, hz), FREQUENCY_TOLERANCE * from_hz, |hz| !holds(hz)).0;
-            }
-            last = hz;
-        }
-        last
-    };
-    let hz = || branch.orbits.iter().map(|o| o.frequency_hz);
-    let mut down: Vec<f64> = hz().filter(|f| *f < from_hz && *f > within_hz.0).collect();
-    down.reverse();
-    down.push(within_hz.0);
-    let mut up: Vec<f64> = hz().filter(|f| *f > from_hz && *f < within_hz.1).collect();
-    up.push(within_hz.1);
-    (walk(down), walk(up))
+    let width = FREQUENCY_TOLERANCE * from_hz;
+    stretch(branch.frequencies(), from_hz, within_hz, width, holds)
 }
 
 #[cfg(test)]

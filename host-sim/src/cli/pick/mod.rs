@@ -27,9 +27,9 @@ use crate::pictures::pick::figure;
 use crate::progress::Progress;
 use files::UserError;
 use files::decimal::comma;
-use files::table::to_csv;
+use files::table::{Selection, to_csv};
 use files::words::pick::Worded;
-use line::{Line, curve_rows};
+use line::{COLUMNS, curve_rows};
 use numerics::Limits;
 use numerics::NamedRig;
 use numerics::drill::pick::Request;
@@ -185,7 +185,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
         let before = report::write(file, rig, pick, output.made_from())?;
         output.note(&format!("wrote {}{}", file.display(), replaced(before)));
     }
-    let rows: Vec<_> = picks.iter().map(|p| Line::from(&p.answer)).collect();
+    let rows: Vec<_> = picks
+        .iter()
+        .map(|p| Selection::of(&p.answer, COLUMNS))
+        .collect();
     output.emit(&json(&picks)?, &rows, || {
         if args.beside.is_empty() {
             text::text(&picks)

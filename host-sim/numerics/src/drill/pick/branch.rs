@@ -9,16 +9,13 @@ use super::super::run::{observe, settle};
 use super::observe::on;
 use crate::branch::{Edge, End};
 use crate::orbit::Section;
-use crate::root::maximum;
+use crate::root::{largest, stretch};
 
 /// Steps along the branch, as a share of the natural frequency.
 const STEP: f64 = 0.02;
 
-/// Ends are found to this share of the natural frequency.
+/// Ends and best frequencies are found to this share of the natural frequency.
 const END: f64 = 1e-5;
-
-/// The best frequency is found to this share of the natural frequency.
-const RESOLUTION: f64 = 1e-5;
 
 /// A multiplier beyond this, of either sign, at an end says how the branch ends.
 const NEAR_ONE: f64 = 0.9;
@@ -101,30 +98,15 @@ impl GroundBranch {
         range_hz: (f64, f64),
         value: impl Fn(&DrillOrbit) -> Option<f64>,
     ) -> Option<DrillOrbit> {
-        let (low, high) = range_hz;
-        if low > high {
+        if range_hz.0 > range_hz.1 {
             return None;
         }
-        let inside = self.orbits.iter().map(|o| o.frequency_hz);
-        let mut nodes = vec![low];
-        nodes.extend(inside.filter(|hz| *hz > low && *hz < high));
-        nodes.push(high);
-        let worth = |hz: f64| self.at(hz).and_then(|o| value(&o));
-        let values: Vec<_> = nodes.iter().map(|hz| worth(*hz)).collect();
-        let best = (0..nodes.len()).max_by(|a, b| {
-            let of = |i: usize| values[i].unwrap_or(f64::NEG_INFINITY);
-            of(*a).total_cmp(&of(*b))
-        })?;
-        let top = values[best]?;
-        let around = (
-            nodes[best.saturating_sub(1)],
-            nodes[(best + 1).min(nodes.len() - 1)],
-        );
-        let tolerance = RESOLUTION * self.case.params.natural_frequency_hz();
-        let worth = |hz: f64| worth(hz).unwrap_or(f64::NEG_INFINITY);
-        let hz = maximum(worth, around, tolerance, nodes[best]);
-        let hz = if worth(hz) > top { hz } else { nodes[best] };
-        self.at(hz)
+        let worth = |hz: f64| {
+            let orbit = self.at(hz)?;
+            Some((value(&orbit)?, orbit))
+        };
+        let found = largest(self.frequencies(), range_hz, self.resolution(), worth)?;
+        Some(found.1)
     }
 
     /// How far the stretch about `from_hz` goes, within `range_hz`, on which `holds`.
@@ -134,41 +116,17 @@ impl GroundBranch {
         range_hz: (f64, f64),
         holds: impl Fn(f64) -> bool,
     ) -> (f64, f64) {
-        let to = |end: f64| {
-            let ahead = |hz: &f64| (hz - from_hz) * (end - from_hz) > 0.0;
-            let within = |hz: &f64| (hz - from_hz).abs() < (end - from_hz).abs();
-            let nodes = self.orbits.iter().map(|o| o.frequency_hz);
-            let mut nodes: Vec<f64> = nodes.filter(|hz| ahead(hz) && within(hz)).collect();
-            nodes.push(end);
-            nodes.sort_by(|a, b| (a - from_hz).abs().total_cmp(&(b - from_hz).abs()));
-            let mut last = from_hz;
-            for hz in nodes {
-                if !holds(hz) {
-                    return edge(last, hz, self.resolution(), &holds);
-                }
-                last = hz;
-            }
-            last
-        };
-        (to(range_hz.0), to(range_hz.1))
+        let nodes = self.frequencies();
+        stretch(nodes, from_hz, range_hz, self.resolution(), holds)
+    }
+
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
+        self.orbits.iter().map(|o| o.frequency_hz)
     }
 
     fn resolution(&self) -> f64 {
         END * self.case.params.natural_frequency_hz()
     }
-}
-
-/// The last frequency at which `holds`, between `with`, where it does, and `without`.
-pub fn edge(mut with: f64, mut without: f64, resolution: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    while (without - with).abs() > resolution {
-        let middle = 0.5 * (with + without);
-        if holds(middle) {
-            with = middle;
-        } else {
-            without = middle;
-        }
-    }
-    with
 }
 
 /// Orbits from `seed` to where the stable 1/1 ends or to `limit_hz`, `seed` first.

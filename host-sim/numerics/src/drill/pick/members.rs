@@ -7,7 +7,8 @@ use shared::model::slider::Slider;
 
 use super::super::orbit::DrillOrbit;
 use super::super::search::GroundUncertainty;
-use super::branch::{Case, GroundBranch, edge};
+use super::branch::{Case, GroundBranch};
+use crate::root::narrowed;
 use crate::uncertainty::{Member, Uncertainty};
 
 /// Steps in which the deviations grow where the orbit is not found at once.
@@ -154,7 +155,7 @@ impl Crowd<'_> {
             if self.has(member, end) {
                 end
             } else {
-                edge(seed, end, resolution, |hz| self.has(member, hz))
+                narrowed((seed, end), resolution, |hz| !self.has(member, hz)).0
             }
         };
         let own = |member: &Member| (to(member, range.0), to(member, range.1));

@@ -347,7 +347,7 @@ fn other_cart(rig: &NamedRig, case: &Case, progress: &dyn Progress) -> Option<Dr
 fn curve(branch: &GroundBranch) -> Vec<(f64, f64)> {
     let (low, high) = branch.range();
     let mut nodes = spread(low, high, CURVE_POINTS);
-    nodes.extend(branch.orbits.iter().map(|o| o.frequency_hz));
+    nodes.extend(branch.frequencies());
     nodes.sort_by(f64::total_cmp);
     let point = |hz: &f64| Some((*hz, 1e6 * branch.at(*hz)?.rate_m_per_s()));
     nodes.iter().filter_map(point).collect()

@@ -1,19 +1,16 @@
 //! `pick --objective rop`: the frequency of the largest rate of penetration on ground that gives way.
 
-mod line;
-
 use std::path::Path;
 
 use serde::Serialize;
 
-use self::line::RopLine;
 use super::text::{decides, ending};
 use crate::cli::arguments::output::{OutputArgs, to_json};
 use crate::pictures::drawn;
 use crate::pictures::rop::figure;
 use crate::progress::Progress;
 use files::UserError;
-use files::table::to_csv;
+use files::table::{Selection, to_csv};
 use files::words::digits::{decimals, significant};
 use numerics::CartModel;
 use numerics::NamedRig;
@@ -33,7 +30,7 @@ pub fn run(rig: &NamedRig, request: &Request, output: &OutputArgs) -> Result<(),
     if let Some(dir) = &output.out {
         write(output, dir, &pick, &value)?;
     }
-    output.emit(&value, &[RopLine::from(&pick)], || text(&pick))
+    output.emit(&value, &[Selection::of(&value, COLUMNS)], || text(&pick))
 }
 
 /// The answer with its sentence, as JSON has it.
@@ -45,6 +42,45 @@ struct Worded<'a> {
     ground: &'a numerics::drill::pick::answer::OnGround,
     why: String,
 }
+
+/// The columns of the answer as a line of a table. What every pick has, has the name that it has there.
+const COLUMNS: &[&str] = &[
+    "rig",
+    "gap_mm",
+    "objective",
+    "threshold_n",
+    "ground_stiffness_n_per_m",
+    "ground_damping_n_s_per_m",
+    "operating_frequency_hz",
+    "frequency_ratio",
+    "rate_of_penetration_um_per_s",
+    "rate_worst_um_per_s",
+    "rate_largest_um_per_s",
+    "progress_per_blow_um",
+    "energy_per_blow_mj",
+    "share_into_progress",
+    "feed_needed_mm_per_s",
+    "force_ratio",
+    "force_n",
+    "band_low_hz",
+    "band_high_hz",
+    "safe_band_low_hz",
+    "safe_band_high_hz",
+    "period_doubling_hz",
+    "multipliers",
+    "jump_free",
+    "cart",
+    "force_optimum_hz",
+    "force_optimum_rate_um_per_s",
+    "recoil_frequency_hz",
+    "recoil_rate_um_per_s",
+    "prescribed_frequency_hz",
+    "prescribed_rate_um_per_s",
+    "amplitude_mm",
+    "loop_force_n",
+    "bit_mass_kg",
+    "bit_feed_force_n",
+];
 
 /// A point of the nominal stable 1/1.
 #[derive(Serialize)]
