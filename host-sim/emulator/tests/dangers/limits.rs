@@ -19,6 +19,24 @@ fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
     }
 }
 
+/// A limit little above the force of detection leaves an amplitude that carries the hammer over a gap near resonance only: the
+/// drive went off after a minute without a contact.
+#[test]
+fn a_low_force_limit_is_kept_across_a_gap_of_an_amplitude() {
+    // 2.05 times the force of detection.
+    let rigs = [("beam-135", 105.8), ("beam-150", 85.5), ("beam-170", 73.2)];
+    rigs.par_iter().for_each(|(rig, limit_n)| {
+        let truth = truth_told(&format!(
+            "duration_s = 30.0\nseed = 1\n[true_rig]\npreset = \"{rig}\"\ngap_mm = 0.9\nnatural_frequency_percent = 6.0\n\
+             [sensors]\nnoise_percent = 1.0\n[limits]\nforce_n = {limit_n:?}\n{}",
+            start()
+        ));
+        assert!(truth.hold_s.is_some_and(|s| s < 25.0), "{rig}: {truth:?}");
+        assert!(truth.force_n < 1.05 * limit_n, "{rig}: {truth:?}");
+        assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{rig}");
+    });
+}
+
 /// From far above the best frequency the force grows while the frequency falls: it was 113 % of the limit.
 #[test]
 fn the_force_limit_holds_on_the_way_down_to_a_set_point() {

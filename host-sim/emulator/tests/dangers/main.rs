@@ -90,10 +90,14 @@ fn truth_seeded(rig: &str, seed: u32, duration_s: f64, tables: &str) -> Truth {
 
 /// The same with so much noise, %.
 fn truth_noisy(rig: &str, noise: f64, seed: u32, duration_s: f64, tables: &str) -> Truth {
-    let text = format!(
+    truth_told(&format!(
         "duration_s = {duration_s:?}\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\n[sensors]\nnoise_percent = {noise:?}\n{tables}"
-    );
-    let scenario = parse("danger", &text, "danger").unwrap();
+    ))
+}
+
+/// What a whole scenario comes to.
+fn truth_told(text: &str) -> Truth {
+    let scenario = parse("danger", text, "danger").unwrap();
     let mut truth = Truth {
         verbose: std::env::var_os("VERBOSE").is_some(),
         ..Truth::default()

@@ -27,7 +27,7 @@ fn a_larger_stroke_and_a_soft_contact_have_settings_that_suit_them() {
 fn a_force_wanted_that_is_hardly_detected_is_refused() {
     let mut settings = Settings::for_rig(&PRESETS[3].1);
     let on_n = settings.detection.on_n;
-    for (force_n, holds) in [(0.0, true), (2.51 * on_n, true), (2.49 * on_n, false)] {
+    for (force_n, holds) in [(0.0, true), (2.01 * on_n, true), (1.99 * on_n, false)] {
         settings.aim.force_n = force_n;
         assert_eq!(settings.check().is_ok(), holds, "{force_n}");
     }
@@ -38,7 +38,7 @@ fn a_force_limit_that_cannot_be_kept_is_refused_by_name() {
     for (_, rig) in PRESETS {
         let mut settings = Settings::for_rig(&rig);
         let on_n = settings.detection.on_n;
-        for (limit_n, holds) in [(2.51 * on_n, true), (2.49 * on_n, false)] {
+        for (limit_n, holds) in [(2.01 * on_n, true), (1.99 * on_n, false)] {
             settings.limits.force_n = limit_n;
             settings.trips.force_n = 1.5 * limit_n;
             let key = settings.check().map_err(|error| error.key);

@@ -120,6 +120,7 @@ impl GroundBranch {
         stretch(nodes, from_hz, range_hz, self.resolution(), holds)
     }
 
+    /// The frequencies of its orbits, Hz, rising.
     pub fn frequencies(&self) -> impl Iterator<Item = f64> {
         self.orbits.iter().map(|o| o.frequency_hz)
     }
