@@ -565,7 +565,8 @@ fn a_start_with_a_heartbeat_stays_and_its_end_switches_the_drive_off() {
     let out = start.stdout.take().expect("a pipe");
     // Longer on than the timeout of 2 s.
     let lines = BufReader::new(out).lines().map(|line| line.expect("UTF-8"));
-    let driving = lines.filter(|line| line.contains("ramp") || line.contains("seek"));
+    let drives = |line: &String| ["ramp", "seek", "hold"].iter().any(|s| line.contains(s));
+    let driving = lines.filter(drives);
     assert_eq!(driving.take(15).count(), 15);
     start.kill().expect("it is still there");
     wait(start);
