@@ -297,8 +297,8 @@ impl Controller {
 
     /// Moves the amplitude towards the force wanted, while 1/1 is held at its phase.
     fn make_the_force(&mut self, strobe: &Strobe) {
-        let resting = self.life.phase.seeking_mut();
-        if strobe.contacts != 1 || !resting.is_some_and(|seeking| seeking.search.is_resting()) {
+        let seeking = self.life.phase.seeking_mut();
+        if strobe.contacts != 1 || !seeking.is_some_and(|seeking| seeking.search.has_found()) {
             self.force.interrupt();
             return;
         }

@@ -155,9 +155,9 @@ impl Search {
         self.goal_hz
     }
 
-    /// Whether the frequency follows the phase and has found it.
-    pub fn is_resting(&self) -> bool {
-        matches!(self.leg, SearchLeg::Rest { .. })
+    /// Whether the frequency follows the phase and has found it; also while a climb corrects it.
+    pub fn has_found(&self) -> bool {
+        matches!(self.leg, SearchLeg::Rest { .. } | SearchLeg::Climb(_))
     }
 
     /// Whether a bound holds the goal.
