@@ -36,11 +36,11 @@ pub struct Args {
     frame: Frame,
 
     /// Compare from this time of the record, s
-    #[arg(long, alias = "from", value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, alias = "from", value_name = "S")]
     from_s: Option<f64>,
 
     /// Compare to this time of the record, s
-    #[arg(long, alias = "to", value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, alias = "to", value_name = "S")]
     to_s: Option<f64>,
 
     #[command(flatten)]

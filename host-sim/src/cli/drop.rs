@@ -14,8 +14,7 @@ pub struct Args {
     #[arg(
         long,
         value_name = "MM",
-        default_value_t = -3.0,
-        allow_negative_numbers = true
+        default_value_t = -3.0
     )]
     release_mm: f64,
 
@@ -24,38 +23,23 @@ pub struct Args {
     impacts: usize,
 
     /// Samples per second
-    #[arg(
-        long,
-        value_name = "HZ",
-        default_value_t = 50e3,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "HZ", default_value_t = 50e3)]
     sampling_hz: f64,
 
     /// Standard deviation of a force sample, N
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
     noise_n: f64,
 
     /// The surface's ringing: its first amplitude over the impact's peak (the emulator's surface: 0.5)
-    #[arg(
-        long,
-        value_name = "SHARE",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     ringing: f64,
 
     /// Frequency of the ringing, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, default_value_t = DropTest::default().ringing_hz)]
+    #[arg(long, value_name = "HZ", default_value_t = DropTest::default().ringing_hz)]
     ringing_hz: f64,
 
     /// Time constant of the ringing, ms
-    #[arg(long, value_name = "MS", allow_negative_numbers = true, default_value_t = DropTest::default().ringing_decay_s * 1e3)]
+    #[arg(long, value_name = "MS", default_value_t = DropTest::default().ringing_decay_s * 1e3)]
     ringing_decay_ms: f64,
 
     /// Bits of the force channel; 0: not quantised
@@ -63,48 +47,23 @@ pub struct Args {
     bits: u32,
 
     /// Range of the force channel, from minus to plus this many N
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 100.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", default_value_t = 100.0)]
     full_scale_n: f64,
 
     /// The force channel reads this many percent too much
-    #[arg(
-        long,
-        value_name = "PERCENT",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     force_gain_percent: f64,
 
     /// What the force channel reads at the release without force, N
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
     offset_n: f64,
 
     /// How fast that reading rises, N/s
-    #[arg(
-        long,
-        value_name = "N_PER_S",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N_PER_S", default_value_t = 0.0)]
     drift_n_per_s: f64,
 
     /// Corner of the force channel's second-order Butterworth filter, Hz; 0: no filter (the emulator's: 6000)
-    #[arg(
-        long,
-        value_name = "HZ",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "HZ", default_value_t = 0.0)]
     filter_hz: f64,
 
     /// What the force channel's converter does to the samples
@@ -112,30 +71,15 @@ pub struct Args {
     converter: Converter,
 
     /// The reading without force goes up or down by so many N in each 0.1 s
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", default_value_t = 0.0)]
     step_n: f64,
 
     /// The record's clock is so many percent fast
-    #[arg(
-        long,
-        value_name = "PERCENT",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     clock_fast_percent: f64,
 
     /// The displacement channel reads this many percent too much, so that the release is read wrong
-    #[arg(
-        long,
-        value_name = "PERCENT",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     displacement_gain_percent: f64,
 
     /// Seed of the noise

@@ -43,7 +43,7 @@ pub struct Args {
 
     /// Displacement at which the hammer was released, mm from its rest position; negative: away from the surface [default: the
     /// record's first displacement, or -3]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM")]
     release_mm: Option<f64>,
 
     /// Identify the release, too
@@ -59,15 +59,15 @@ pub struct Args {
     impacts: usize,
 
     /// How uncertain the force sensor's gain is: standard deviation, %
-    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.gain_percent, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.gain_percent)]
     gain_percent: f64,
 
     /// How uncertain the distance of the release from rest is: standard deviation, %
-    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.release_height_percent, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.release_height_percent)]
     release_height_percent: f64,
 
     /// How uncertain the clock of the samples is: standard deviation, %
-    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.clock_percent, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PERCENT", default_value_t = Settings::DEFAULT.clock_percent)]
     clock_percent: f64,
 
     #[command(flatten)]

@@ -198,9 +198,22 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
     })
 }
 
+/// The parser. A negative number is a value everywhere, so that its refusal names the option.
+fn parser() -> clap::Command {
+    fn with_negative_numbers(command: clap::Command) -> clap::Command {
+        command
+            .mut_args(|arg| {
+                let takes_values = arg.get_action().takes_values();
+                arg.allow_negative_numbers(takes_values)
+            })
+            .mut_subcommands(with_negative_numbers)
+    }
+    with_negative_numbers(Cli::command())
+}
+
 /// The command line, with the request as a whole in the output options of its command.
 fn parsed(arguments: &[OsString]) -> Result<Cli, clap::Error> {
-    let mut parser = Cli::command();
+    let mut parser = parser();
     let matches = parser.try_get_matches_from_mut(arguments)?;
     let mut cli = Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut parser))?;
     if let Some((name, given)) = matches.subcommand()

@@ -24,12 +24,7 @@ pub struct Args {
     modes: Vec<usize>,
 
     /// Mass of the beam springs over the hammer's (assumed: the chapter gives none)
-    #[arg(
-        long,
-        value_name = "RATIO",
-        default_value_t = 0.1,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "RATIO", default_value_t = 0.1)]
     springs_mass: f64,
 
     /// How the hammer holds the springs' end

@@ -3,9 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::CommandFactory;
-
-use super::Cli;
+use super::parser;
 
 /// Words of the pages that stand for a value of the reader's.
 const PLACEHOLDERS: &[(&str, &str)] = &[
@@ -50,7 +48,7 @@ fn pages() -> Vec<PathBuf> {
 
 #[test]
 fn every_command_line_of_the_pages_is_understood() {
-    let mut command = Cli::command();
+    let mut command = parser();
     let mut count = 0;
     let mut wrong = Vec::new();
     for page in pages() {

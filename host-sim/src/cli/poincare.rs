@@ -40,7 +40,7 @@ pub struct Args {
     transient: u32,
 
     /// Drive phase of the section, turns from 0 to below 1; may be given several times [default: 0]
-    #[arg(long, value_name = "TURNS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TURNS")]
     phase: Vec<f64>,
 
     /// Where to start: rest, fixed, or DISPLACEMENT_MM,VELOCITY_M_PER_S relative to the cart
@@ -56,12 +56,7 @@ pub struct Args {
     against: Option<Other>,
 
     /// Width of the smoothed switch in penetration, m; may be given several times [default: 1e-6, 3e-7 and 1e-7]
-    #[arg(
-        long,
-        value_name = "M",
-        allow_negative_numbers = true,
-        requires = "against"
-    )]
+    #[arg(long, value_name = "M", requires = "against")]
     epsilon_m: Vec<f64>,
 
     #[command(flatten)]

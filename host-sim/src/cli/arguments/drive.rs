@@ -10,11 +10,11 @@ use super::range::range_or_value;
 #[group(skip)]
 pub struct Drive {
     /// Drive frequency over the natural frequency, Ω/ω
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R")]
     ratio: Option<f64>,
 
     /// Drive frequency, Hz
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ")]
     frequency: Option<f64>,
 }
 

@@ -47,7 +47,7 @@ pub struct EngineArgs {
     precision: Option<PrecisionName>,
 
     /// Tick of the switch engine, microseconds [default: 50]
-    #[arg(long, value_name = "US", allow_negative_numbers = true)]
+    #[arg(long, value_name = "US")]
     tick_us: Option<f64>,
 
     /// How the switch engine handles the switch [default: corrected]
@@ -55,11 +55,11 @@ pub struct EngineArgs {
     stepper: Option<StepperName>,
 
     /// Width of the banded or smoothed switch in penetration, m [default: 5e-8]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     eta_alpha_m: Option<f64>,
 
     /// Width of the banded or smoothed switch in force, N [default: 0.01]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     eta_beta_n: Option<f64>,
 }
 

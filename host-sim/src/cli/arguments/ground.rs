@@ -7,49 +7,39 @@ use files::ground::Asked;
 #[command(next_help_heading = "Ground that gives way")]
 pub struct GroundArgs {
     /// Contact force at which the ground gives way (Pf), N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     threshold_n: Option<f64>,
 
     /// Stiffness of the ground (k), N/m [default: the rig's contact stiffness]
-    #[arg(long, value_name = "N_PER_M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N_PER_M")]
     ground_stiffness_n_per_m: Option<f64>,
 
     /// Damping of the ground (c), N·s/m [default: the rig's contact damping]
-    #[arg(long, value_name = "N_S_PER_M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N_S_PER_M")]
     ground_damping_n_s_per_m: Option<f64>,
 
     /// Uncertainty of the threshold, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 20.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "P", default_value_t = 20.0)]
     threshold_percent: f64,
 
     /// Uncertainty of the ground's stiffness, % either way; its damping goes with it
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 20.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "P", default_value_t = 20.0)]
     ground_stiffness_percent: f64,
 
     /// Mass of a bit between hammer and ground, kg [default: no bit]
-    #[arg(long, value_name = "KG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "KG")]
     bit_mass_kg: Option<f64>,
 
     /// With a bit: stiffness of the hammer's contact with it, N/m [default: the rig's contact stiffness]
-    #[arg(long, value_name = "N_PER_M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N_PER_M")]
     bit_stiffness_n_per_m: Option<f64>,
 
     /// With a bit: damping of that contact, N·s/m [default: the rig's contact damping]
-    #[arg(long, value_name = "N_S_PER_M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N_S_PER_M")]
     bit_damping_n_s_per_m: Option<f64>,
 
     /// With a bit: static force that presses it on the ground, N [default: its weight]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     bit_feed_force_n: Option<f64>,
 }
 

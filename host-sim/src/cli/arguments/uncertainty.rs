@@ -21,48 +21,48 @@ pub struct UncertaintyArgs {
     nominal: bool,
 
     /// Natural frequency, % either way [default: the rig file's, else 2]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     natural_frequency_percent: Option<f64>,
 
     /// Cart amplitude, % either way [default: the rig file's, else 5]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     amplitude_percent: Option<f64>,
 
     /// Contact stiffness, % either way [default: the rig file's, else 20]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     contact_stiffness_percent: Option<f64>,
 
     /// In its place a factor: the stiffness is up to so many times as large or as small
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X")]
     contact_stiffness_factor: Option<f64>,
 
     /// Contact damping, % either way [default: the rig file's, else 20]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     contact_damping_percent: Option<f64>,
 
     /// In its place the contact's damping ratio, % either way: the damping goes with the stiffness, as where one contact time
     /// gave both
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     contact_damping_ratio_percent: Option<f64>,
 
     /// Gap, mm either way [default: the rig file's, else 0.05]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM")]
     gap_tolerance_mm: Option<f64>,
 
     /// Hammer mass, % either way [default: the rig file's, else 0]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     mass_percent: Option<f64>,
 
     /// Cart mass, % either way; counts where the cart recoils [default: the rig file's, else 5]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     cart_mass_percent: Option<f64>,
 
     /// Natural frequency of the shaker's loop, % either way; counts where the cart recoils [default: the rig file's, else 30]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     shaker_loop_percent: Option<f64>,
 
     /// Damping ratio of that loop, % either way; counts where the cart recoils [default: the rig file's, else 30]
-    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P")]
     shaker_damping_percent: Option<f64>,
 
     /// Random rigs within the uncertainty, in addition to its corners

@@ -30,21 +30,11 @@ pub struct Args {
     chapter: bool,
 
     /// Clearance at rest over the cart's amplitude, gap/A0
-    #[arg(
-        long,
-        value_name = "G",
-        conflicts_with = "gap",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "G", conflicts_with = "gap")]
     gap_ratio: Option<f64>,
 
     /// Drive phase at the start, turns from 0 to below 1
-    #[arg(
-        long,
-        value_name = "TURNS",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "TURNS", default_value_t = 0.0)]
     phase: f64,
 
     /// Starts along displacement and velocity: COLUMNSxROWS, or one number for both

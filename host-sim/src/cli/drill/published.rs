@@ -19,15 +19,15 @@ pub struct Oscillator {
     static_force: Forces,
 
     /// With --published: amplitude a of the harmonic force over the threshold
-    #[arg(long, value_name = "A", default_value_t = PERIOD_TWO.a, allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", default_value_t = PERIOD_TWO.a)]
     force_amplitude: f64,
 
     /// With --published: damping ratio ξ
-    #[arg(long, value_name = "XI", default_value_t = PERIOD_TWO.xi, allow_negative_numbers = true)]
+    #[arg(long, value_name = "XI", default_value_t = PERIOD_TWO.xi)]
     damping_ratio: f64,
 
     /// With --published: drive frequency ω over √(k/m)
-    #[arg(long, value_name = "W", default_value_t = PERIOD_TWO.omega, allow_negative_numbers = true)]
+    #[arg(long, value_name = "W", default_value_t = PERIOD_TWO.omega)]
     omega: f64,
 }
 

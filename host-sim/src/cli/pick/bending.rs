@@ -15,8 +15,7 @@ pub struct SpringsArgs {
     #[arg(
         long,
         value_name = "RATIO",
-        default_value_t = SPRINGS_MASS,
-        allow_negative_numbers = true
+        default_value_t = SPRINGS_MASS
     )]
     springs_mass: f64,
 
@@ -24,8 +23,7 @@ pub struct SpringsArgs {
     #[arg(
         long,
         value_name = "P",
-        default_value_t = SPRINGS_MASS_PERCENT,
-        allow_negative_numbers = true
+        default_value_t = SPRINGS_MASS_PERCENT
     )]
     springs_mass_percent: f64,
 }

@@ -72,37 +72,21 @@ pub struct Args {
     #[arg(
         long,
         value_name = "N",
-        allow_negative_numbers = true,
         conflicts_with_all = ["max_force_n", "all", "beside", "gaps", "over"]
     )]
     want_force_n: Option<f64>,
 
     /// Largest contact force allowed, N
-    #[arg(
-        long,
-        value_name = "N",
-        allow_negative_numbers = true,
-        help_heading = "Limits"
-    )]
+    #[arg(long, value_name = "N", help_heading = "Limits")]
     max_force_n: Option<f64>,
 
     /// Largest drive frequency allowed, Hz
-    #[arg(
-        long,
-        value_name = "HZ",
-        allow_negative_numbers = true,
-        help_heading = "Limits"
-    )]
+    #[arg(long, value_name = "HZ", help_heading = "Limits")]
     max_frequency_hz: Option<f64>,
 
     /// Largest force the shaker can give, N: with a cart that recoils the recoil is included. It takes the place of the rig's
     /// shaker_max_force_n
-    #[arg(
-        long,
-        value_name = "N",
-        allow_negative_numbers = true,
-        help_heading = "Limits"
-    )]
+    #[arg(long, value_name = "N", help_heading = "Limits")]
     max_shaker_force_n: Option<f64>,
 
     #[command(flatten)]

@@ -133,7 +133,6 @@ pub struct Answers {
     #[arg(
         long,
         value_name = "MM",
-        allow_negative_numbers = true,
         requires = "drop_test",
         help_heading = "Contact"
     )]
