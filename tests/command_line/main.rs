@@ -20,6 +20,7 @@ mod failed_cells;
 mod figures;
 #[cfg(unix)]
 mod link;
+mod link_shared;
 mod made_from;
 mod map;
 mod modes;
