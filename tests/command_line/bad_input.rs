@@ -131,6 +131,11 @@ fn basins_and_gaps_that_cannot_be() {
             "--gaps and --set gap_mm both say what it is",
         ),
         ("pick --starts 5", "--gaps"),
+        (
+            "pick --samples -1",
+            "'--samples <N>': -1 must be a whole number from 0 to",
+        ),
+        ("pick --seed -3", "'--seed <N>': write a whole number"),
     ]);
 }
 

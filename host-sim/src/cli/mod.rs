@@ -351,7 +351,8 @@ fn one_line(error: &clap::Error, arguments: &[OsString]) -> String {
     // What the parsers of numbers say of themselves.
     let words = (words.join(" "))
         .replace("invalid float literal", "write a number, such as 3.5")
-        .replace("invalid digit found in string", "write a whole number");
+        .replace("invalid digit found in string", "write a whole number")
+        .replace("is not in 0..=", "must be a whole number from 0 to ");
     let tip = || {
         let tips = message.lines().map(str::trim);
         let tip = tips.clone().find(|line| line.starts_with("tip:"));
