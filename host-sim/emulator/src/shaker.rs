@@ -315,6 +315,20 @@ mod tests {
         }
     }
 
+    /// Numbers that are subnormal slow a processor down a hundredfold.
+    #[test]
+    fn a_set_point_that_dies_away_ends_at_nothing() {
+        let mut smoother = Smoother::new(&ShakerParams::default(), 5e-5);
+        smoother.tick(1e-3);
+        for _ in 0..100_000 {
+            let path = smoother.tick(0.0);
+            let (y, rate, acceleration) = path.at(5e-5);
+            let all = [path.sixth_jerk, path.half_bend, y, rate, acceleration];
+            assert!(all.iter().all(|x| !x.is_subnormal()), "{path:?}");
+        }
+        assert_eq!(smoother.tick(0.0), Path::default());
+    }
+
     #[test]
     fn force_is_finite_and_off_is_off() {
         let gains = Gains::new(&ShakerParams::default(), 5.38);
