@@ -149,6 +149,22 @@ fn every_corner_is_followed_without_samples_too() {
     assert!(worst(wires()) <= worst(&bare) * (1.0 + 1e-9));
 }
 
+/// A column is looked up in the answer by its name: one that it does not have would be empty.
+#[test]
+fn every_column_of_a_line_is_one_of_the_answer_s() {
+    for line in [
+        "pick --rig beam-150 --nominal",
+        "pick --objective rop --threshold-n 25 --bit-mass-kg 0.2 --nominal",
+    ] {
+        let ran = Folder::new().run(&format!("{line} --format csv")).well();
+        let rows = csv_rows(&ran.out);
+        assert_eq!(rows.len(), 1, "{line}");
+        for (column, value) in rows[0].as_object().expect("a row") {
+            assert!(!value.is_null() && value != "", "{line}: {column}");
+        }
+    }
+}
+
 #[test]
 fn json_has_every_field_promised() {
     let promised = [

@@ -11,11 +11,7 @@ use plot::{Axis, Color, Figure, Item, Panel};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Displacement at which the hammer is released, mm from its rest position; negative: away from the surface
-    #[arg(
-        long,
-        value_name = "MM",
-        default_value_t = -3.0
-    )]
+    #[arg(long, value_name = "MM", default_value_t = -3.0)]
     release_mm: f64,
 
     /// Impacts in the record

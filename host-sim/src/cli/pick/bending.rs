@@ -12,19 +12,11 @@ const SPRINGS_MASS_PERCENT: f64 = 20.0;
 #[command(next_help_heading = "Beam springs")]
 pub struct SpringsArgs {
     /// Mass of the beam springs over the hammer's (assumed: the chapter gives none)
-    #[arg(
-        long,
-        value_name = "RATIO",
-        default_value_t = SPRINGS_MASS
-    )]
+    #[arg(long, value_name = "RATIO", default_value_t = SPRINGS_MASS)]
     springs_mass: f64,
 
     /// Uncertainty of that mass, % either way
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = SPRINGS_MASS_PERCENT
-    )]
+    #[arg(long, value_name = "P", default_value_t = SPRINGS_MASS_PERCENT)]
     springs_mass_percent: f64,
 }
 

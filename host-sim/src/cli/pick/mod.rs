@@ -69,11 +69,7 @@ pub struct Args {
     objective: Objective,
 
     /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker can
-    #[arg(
-        long,
-        value_name = "N",
-        conflicts_with_all = ["max_force_n", "all", "beside", "gaps", "over"]
-    )]
+    #[arg(long, value_name = "N", conflicts_with_all = ["max_force_n", "all", "beside", "gaps", "over"])]
     want_force_n: Option<f64>,
 
     /// Largest contact force allowed, N
