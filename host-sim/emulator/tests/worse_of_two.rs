@@ -187,15 +187,15 @@ fn a_trip_level_of_a_cart_that_reads_less_trips_by_the_truth() {
 
 #[test]
 fn a_trip_level_is_not_passed_by_a_hammer_whose_zero_is_off() {
-    // By hand, the travel goes to 3.48 mm before its limit has come to act. With a zero that was 1.2 mm off, such a travel
-    // tripped nothing.
+    // A push makes the travel 3.7 mm. With a zero that was 1.2 mm off, such a travel tripped nothing.
+    let push = "[[events]]\nat_s = 15.0\nkind = \"push\"\nspeed_m_per_s = -0.01\n";
     let with = |trip_mm: f64, offset_um: f64| {
         truth(&format!(
-            "hammer_offset_um = {offset_um:?}\n[limits]\ntravel_mm = 3.4\n[trips]\ntravel_mm = {trip_mm:?}\n{BY_HAND}"
+            "hammer_offset_um = {offset_um:?}\n[limits]\ntravel_mm = 3.4\n[trips]\ntravel_mm = {trip_mm:?}\n{BY_HAND}{push}"
         ))
     };
     for offset_um in [0.0, 1200.0, -1200.0] {
-        let faults = with(3.45, offset_um).faults;
+        let faults = with(3.6, offset_um).faults;
         assert_eq!(faults, [Fault::OverTravel], "{offset_um}");
     }
 }

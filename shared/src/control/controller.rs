@@ -71,8 +71,9 @@ pub(super) struct Seen {
     pub half: u32,
     /// Drive periods in a row with a motor drive beyond a limit.
     pub beyond: u8,
-    /// Drive periods in a row with one contact each.
+    /// Drive periods in a row with one contact each, about as hard as the last, and the force of the last, N.
     pub clean: u8,
+    pub blow_n: f32,
 }
 
 impl Seen {
@@ -90,6 +91,7 @@ impl Seen {
         half: 0,
         beyond: 0,
         clean: 0,
+        blow_n: 0.0,
     };
 }
 

@@ -86,7 +86,9 @@ impl ForecastCache {
     }
 
     /// The largest force that the forecast has between these frequencies and one row beyond, for an amplitude of
-    /// `amplitude_m` and in proportion to it, N. None without a forecast.
+    /// `amplitude_m` and in proportion to it, N. Above its last row, where the hammer strikes every second period or more
+    /// rarely, as hard as the target's speed over the cart's makes it, at most: a 1/n at n times the target's frequency.
+    /// None without a forecast.
     pub fn largest_force_n(&self, (from_hz, to_hz): (f32, f32), amplitude_m: f32) -> Option<f32> {
         let share = self.free.share_of_full(amplitude_m);
         let (low, high) = (from_hz.min(to_hz), from_hz.max(to_hz));
@@ -106,6 +108,13 @@ impl ForecastCache {
             if row_hz > high {
                 break;
             }
+        }
+        let is_beyond = self
+            .strikes
+            .last()
+            .is_some_and(|&(last_hz, _)| last_hz < high);
+        if is_beyond && target_hz > 0.0 {
+            largest_n = largest_n.max(target_n * high / target_hz);
         }
         self.has_come.then(|| largest_n.max(below) * share)
     }
@@ -268,6 +277,24 @@ mod tests {
         let target = cache.entered_target().unwrap();
         assert!((2.0..2.6).contains(&target.entry_hz), "{target:?}");
         assert_eq!(target.frequency_hz, 3.7);
+    }
+
+    #[test]
+    fn above_its_last_row_the_largest_force_goes_with_the_frequency() {
+        let mut cache = ForecastCache::default();
+        cache.request(0, &WIRES, (1.0, 5.0));
+        assert!(cache.take_in(&forecast(0, &[(2.0, true), (5.0, true)], 3.7), &WIRES));
+        let full_m = WIRES.amplitude_m as f32;
+        // 80 N at 3.7 Hz.
+        for (hz, share, expected_n) in [
+            (4.9, 1.0, 80.0),
+            (5.0, 1.0, 80.0),
+            (7.4, 1.0, 160.0),
+            (7.4, 0.5, 80.0),
+        ] {
+            let largest_n = cache.largest_force_n((hz, hz), share * full_m).unwrap();
+            assert!((largest_n - expected_n).abs() < 1e-3, "{hz}: {largest_n}");
+        }
     }
 
     #[test]

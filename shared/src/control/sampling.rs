@@ -7,6 +7,7 @@ use super::phase::Phase;
 use super::plausibility::Doubt;
 use super::proof::Proven;
 use super::search::{Beat, Step};
+use super::trim::Way;
 use super::{ActiveLimits, State};
 use crate::fault::{Fault, Origin};
 use crate::io::Frame;
@@ -14,6 +15,12 @@ use crate::sense::{Pulse, Sample, Strobe};
 
 /// Drive periods with one contact each, in a row, after which no contact too weak to be seen hides in the flights.
 const CLEAN_PERIODS: u8 = 4;
+/// Factor between two blows in a row, at which there may be weaker ones between them that are not seen.
+const UNLIKE: f32 = 2.0;
+/// Factor within which the natural frequency is known: as far to either side the force that the forecast has is reckoned with.
+const NATURAL_SPREAD: f32 = 1.06;
+/// Natural frequencies below which a hammer at no gap makes several contacts in a drive period (chapter, 3.4: 1.16).
+const CHATTER: f32 = 1.2;
 /// Drive periods in a row beyond a limit after which a motor is switched off.
 const BEYOND_PERIODS: u8 = 2;
 
@@ -223,24 +230,29 @@ impl Controller {
         }
         let closed = !self.plausibility.doubts_the_cart();
         let steady = self.plausibility.is_steady();
-        let nominal_n = self
-            .forecast
-            .largest_force_n((hz, hz), self.trim.wanted_m());
-        let may = (closed, steady);
-        // On the way to a set-point by hand the force may grow faster than the limit answers.
-        let by_hand = matches!(self.life.phase, Phase::Manual);
+        let near_hz = (hz / NATURAL_SPREAD, hz * NATURAL_SPREAD);
+        let nominal_n = (self.forecast).largest_force_n(near_hz, self.trim.wanted_m());
+        self.trim.set_way(match self.life.phase {
+            Phase::Manual if !self.oscillator.frequency_has_arrived() => Way::ByHand,
+            Phase::Seek(_) => Way::Seeks,
+            _ => Way::Stays,
+        });
         self.trim
-            .set_under_way(by_hand && !self.oscillator.frequency_has_arrived());
-        self.trim.strobe(strobe, command_m, hz, may, nominal_n);
+            .strobe(strobe, command_m, hz, (closed, steady), nominal_n);
         if !matches!(self.life.phase, Phase::Stop) {
             self.command_amplitude();
         }
         false
     }
 
-    /// Counts the periods with one contact each. What flights showed before, with chatter in them, is forgotten.
+    /// Counts the periods with one contact each, about as hard as the last. What flights showed before, with chatter in them, is
+    /// forgotten.
     fn note_clean_period(&mut self, strobe: &Strobe) {
-        let clean = if strobe.contacts == 1 {
+        let before_n = core::mem::replace(&mut self.seen.blow_n, strobe.peak_n);
+        let alike = strobe.peak_n.max(before_n) < UNLIKE * strobe.peak_n.min(before_n);
+        let natural_hz = self.rig.rig().natural_frequency_hz() as f32;
+        let chatters = self.oscillator.frequency_hz() < CHATTER * natural_hz;
+        let clean = if strobe.contacts == 1 && alike && !chatters {
             self.seen.clean.saturating_add(1)
         } else {
             0

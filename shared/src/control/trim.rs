@@ -35,10 +35,26 @@ const LEAST_DRAW: f32 = 0.05;
 const RELEASE: f32 = 1.01;
 /// The same after a period without contact, which says nothing of the force: share per second.
 const BLIND_RELEASE: f32 = 0.02;
+/// Drive periods in a row within a limit before what it took returns: the blows of an aperiodic motion differ.
+const CALM_PERIODS: u8 = 12;
+/// As much more of a limit as was reached in the last drive period is expected in the next, at most this, while the frequency
+/// moves.
+const GROWTH: f32 = 0.2;
 /// What rounding may add to an amplitude at its limit.
 const ROUNDING: f32 = 1e-6;
 /// Travel of the strongest 1/1 over its amplitude: wires and beams alike.
 const STRONG_TRAVEL: f32 = 5.0;
+
+/// What the frequency does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// It stays, or nearly so.
+    Stays,
+    /// It is searched for: the force may grow faster than a limit answers.
+    Seeks,
+    /// It is on its way to a set-point by hand: the same, and the forecast there counts.
+    ByHand,
+}
 
 /// The amplitude loop.
 #[derive(Clone, Copy, Debug)]
@@ -56,10 +72,13 @@ pub struct Trim {
     gain: f32,
     /// Share of the wanted amplitude that the limits allow.
     draw: f32,
-    /// Whether the frequency is on its way to a set-point by hand.
-    under_way: bool,
-    /// Drive periods until the next reduction or recovery.
+    way: Way,
+    /// Drive periods until the next reduction.
     wait: u8,
+    /// Drive periods in a row within the limits.
+    calm: u8,
+    /// The larger of force and travel over their limits, in the last drive period.
+    over: f32,
     limits: ActiveLimits,
 }
 
@@ -75,8 +94,10 @@ impl Trim {
             travel_m: settings.limits.travel_m,
             gain: 1.0,
             draw: 1.0,
-            under_way: false,
+            way: Way::Stays,
             wait: 0,
+            calm: 0,
+            over: 0.0,
             limits: ActiveLimits::NONE,
         }
     }
@@ -88,9 +109,9 @@ impl Trim {
         self.cart_doubt = doubt.cart;
     }
 
-    /// Whether the frequency is on its way to a set-point by hand from now on.
-    pub fn set_under_way(&mut self, under_way: bool) {
-        self.under_way = under_way;
+    /// What the frequency does from now on.
+    pub fn set_way(&mut self, way: Way) {
+        self.way = way;
     }
 
     /// The amplitude wanted, m: at most what the limit leaves, which then clamps.
@@ -148,7 +169,7 @@ impl Trim {
         if expected_m > LEAST_COMMAND * self.wanted_m {
             self.correct(strobe.amplitude_m / expected_m, closed);
         }
-        let blind = if strobe.contacts == 0 || self.under_way {
+        let blind = if strobe.contacts == 0 || self.way == Way::ByHand {
             self.by_forecast(nominal_n)
         } else {
             1.0
@@ -157,8 +178,18 @@ impl Trim {
         let over_force = strobe.peak_n / self.force_n;
         let over_travel = strobe.travel_m / self.travel_m;
         let over = over_force.max(over_travel);
+        let growth = over - core::mem::replace(&mut self.over, over);
+        let over = match self.way {
+            Way::Stays => over,
+            Way::Seeks | Way::ByHand => over + growth.clamp(0.0, GROWTH),
+        };
         let urgent = over > 1.1;
         self.wait = self.wait.saturating_sub(1);
+        self.calm = if over > 1.0 {
+            0
+        } else {
+            self.calm.saturating_add(1)
+        };
         if over > 1.0 && (self.wait == 0 || urgent && self.wait <= ANSWER_PERIODS - URGENT_PERIODS)
         {
             // On the way up it is the amplitude reached so far that is too much.
@@ -169,7 +200,7 @@ impl Trim {
             };
             self.draw = (reached / over.min(2.0)).max(LEAST_DRAW);
             self.wait = ANSWER_PERIODS + 1;
-        } else if self.wait == 0 && over < 0.95 && steady {
+        } else if self.calm > CALM_PERIODS && over < 0.95 && steady {
             let release = if strobe.contacts > 0 {
                 RELEASE
             } else {

@@ -20,18 +20,26 @@ fn the_force_limit_holds_on_the_way_to_a_far_set_point() {
 }
 
 /// A limit little above the force of detection leaves an amplitude that carries the hammer over a gap near resonance only: the
-/// drive went off after a minute without a contact.
+/// drive went off after a minute without a contact (at 0.9 mm), or the force grew while the frequency rose, to 110 to 119 % (at
+/// 1.6 mm).
 #[test]
-fn a_low_force_limit_is_kept_across_a_gap_of_an_amplitude() {
-    // 2.05 times the force of detection.
-    let rigs = [("beam-135", 105.8), ("beam-150", 85.5), ("beam-170", 73.2)];
-    rigs.par_iter().for_each(|(rig, limit_n)| {
+fn a_low_force_limit_is_kept_across_a_gap_of_one_or_two_amplitudes() {
+    // 2.05 times the force of detection; for the wires 2.5 times.
+    let rigs = [
+        ("beam-135", 105.8, 0.9, 6.0, 1),
+        ("beam-150", 85.5, 0.9, 6.0, 1),
+        ("beam-170", 73.2, 0.9, 6.0, 1),
+        ("beam-150", 85.5, 1.6, 0.0, 2),
+        ("beam-170", 73.2, 1.6, -8.0, 2),
+        ("wires", 35.2, 1.6, 0.0, 2),
+    ];
+    rigs.par_iter().for_each(|(rig, limit_n, gap_mm, natural, seed)| {
         let truth = truth_told(&format!(
-            "duration_s = 30.0\nseed = 1\n[true_rig]\npreset = \"{rig}\"\ngap_mm = 0.9\nnatural_frequency_percent = 6.0\n\
-             [sensors]\nnoise_percent = 1.0\n[limits]\nforce_n = {limit_n:?}\n{}",
+            "duration_s = 45.0\nseed = {seed}\n[true_rig]\npreset = \"{rig}\"\ngap_mm = {gap_mm:?}\n\
+             natural_frequency_percent = {natural:?}\n[sensors]\nnoise_percent = 1.0\n[limits]\nforce_n = {limit_n:?}\n{}",
             start()
         ));
-        assert!(truth.hold_s.is_some_and(|s| s < 25.0), "{rig}: {truth:?}");
+        assert!(truth.hold_s.is_some_and(|s| s < 40.0), "{rig}: {truth:?}");
         assert!(truth.force_n < 1.05 * limit_n, "{rig}: {truth:?}");
         assert_eq!((faults(&truth), truth.end), (vec![], State::Hold), "{rig}");
     });
@@ -63,6 +71,42 @@ fn the_force_limit_holds_on_the_way_down_to_a_set_point() {
             );
             // It is there in the end.
             assert!(last > 0.9, "{rig} {limit_n}: {last}");
+        });
+}
+
+/// Above three natural frequencies, where the hammer strikes every second or third period, the forecast ends: the force was 108 to
+/// 121 % of the limit there, for up to a few seconds. Just below, blows differ from each other, or some are too weak to be seen, and
+/// the hammer's sensor was named.
+#[test]
+fn the_force_limit_holds_at_any_set_point_by_hand_and_no_sensor_is_named() {
+    let ways = [
+        ("wires", 73.0, (6.04, 6.99), 5.0),
+        ("wires", 70.0, (2.52, 6.84), 1.0),
+        ("beam-170", 100.0, (17.13, 17.67), 4.0),
+        ("beam-150", 99.0, (15.77, 18.97), -3.0),
+        ("beam-135", 182.0, (8.66, 22.57), -1.0),
+        // Aperiodic.
+        ("beam-135", 151.0, (9.18, 19.37), 3.0),
+        // The rig is 6 % off: on the way down the force is larger than the forecast has it.
+        ("wires", 55.0, (5.31, 4.13), 6.0),
+        // Between 137 and 59 N there is a blow of 22 N, which is not detected; at 7.7 Hz there are several.
+        ("beam-135", 277.0, (18.0, 12.72), -6.0),
+        ("beam-135", 233.0, (7.72, 23.96), 5.0),
+        ("beam-135", 148.0, (8.34, 19.88), 2.0),
+    ];
+    ways.par_iter()
+        .for_each(|(rig, limit_n, (first_hz, then_hz), natural)| {
+            let truth = truth_told(&format!(
+                "duration_s = 50.0\nseed = 7\n[true_rig]\npreset = \"{rig}\"\nnatural_frequency_percent = {natural:?}\n\
+                 [sensors]\nnoise_percent = 1.0\n[limits]\nforce_n = {limit_n:?}\n{}{}{}",
+                by_hand(),
+                set_point(4.0, *first_hz, 0.89),
+                set_point(25.0, *then_hz, 0.89)
+            ));
+            let way = format!("{rig} {limit_n} {first_hz} {then_hz}");
+            assert_eq!(faults(&truth), [], "{way}");
+            let most = truth.force_n / limit_n;
+            assert!(most < 1.05, "{way}: {most} {:.0?}", truth.forces_n);
         });
 }
 
