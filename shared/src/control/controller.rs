@@ -71,9 +71,8 @@ pub(super) struct Seen {
     pub half: u32,
     /// Drive periods in a row with a motor drive beyond a limit.
     pub beyond: u8,
-    /// Drive periods in a row with one contact each, about as hard as the last, and the force of the last, N.
+    /// Drive periods in a row with one contact each.
     pub clean: u8,
-    pub blow_n: f32,
 }
 
 impl Seen {
@@ -91,7 +90,6 @@ impl Seen {
         half: 0,
         beyond: 0,
         clean: 0,
-        blow_n: 0.0,
     };
 }
 

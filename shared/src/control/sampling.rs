@@ -15,12 +15,8 @@ use crate::sense::{Pulse, Sample, Strobe};
 
 /// Drive periods with one contact each, in a row, after which no contact too weak to be seen hides in the flights.
 const CLEAN_PERIODS: u8 = 4;
-/// Factor between two blows in a row, at which there may be weaker ones between them that are not seen.
-const UNLIKE: f32 = 2.0;
 /// Factor within which the natural frequency is known: as far to either side the force that the forecast has is reckoned with.
 const NATURAL_SPREAD: f32 = 1.06;
-/// Natural frequencies below which a hammer at no gap makes several contacts in a drive period (chapter, 3.4: 1.16).
-const CHATTER: f32 = 1.2;
 /// Drive periods in a row beyond a limit after which a motor is switched off.
 const BEYOND_PERIODS: u8 = 2;
 
@@ -245,14 +241,9 @@ impl Controller {
         false
     }
 
-    /// Counts the periods with one contact each, about as hard as the last. What flights showed before, with chatter in them, is
-    /// forgotten.
+    /// Counts the periods with one contact each. What flights showed before, with chatter in them, is forgotten.
     fn note_clean_period(&mut self, strobe: &Strobe) {
-        let before_n = core::mem::replace(&mut self.seen.blow_n, strobe.peak_n);
-        let alike = strobe.peak_n.max(before_n) < UNLIKE * strobe.peak_n.min(before_n);
-        let natural_hz = self.rig.rig().natural_frequency_hz() as f32;
-        let chatters = self.oscillator.frequency_hz() < CHATTER * natural_hz;
-        let clean = if strobe.contacts == 1 && alike && !chatters {
+        let clean = if strobe.contacts == 1 {
             self.seen.clean.saturating_add(1)
         } else {
             0

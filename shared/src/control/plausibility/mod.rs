@@ -8,7 +8,7 @@
 //! | zero | mean force of a drive period outside contacts, against the zero of the self test | more than [`ZERO_SHARE`] of `limits.force_n` | [`ZERO_PERIODS`] drive periods in a row | force |
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
-//! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on, of flights in which no contact hides | hammer |
+//! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
 //! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
 //! | sense | lag of the cart behind the command, beyond that of the rig's own loop | more than [`follow::LARGEST_MORE_LAG`] | the same | cart |
 //!
@@ -174,17 +174,16 @@ impl Plausibility {
     }
 
     /// A drive period at `hz` has ended with this gain of the hammer's sensor over the cart's, from so many windows; `clean`:
-    /// of flights in which no contact hides. Of others it says nothing.
+    /// of flights in which no contact hides, so that limits may go by it.
     pub fn ratio(&mut self, found: Option<(f32, u32)>, clean: bool, hz: f32) -> Option<Trip> {
         self.late = core::f32::consts::TAU * LATE_S * hz;
         let (ratio, windows) = found?;
         let (low, high) = RATIO_RANGE;
         let (low, high) = (low - self.late, high + self.late);
-        let known = clean && windows >= RATIO_WINDOWS;
-        if known && ratio > 0.0 {
+        if clean && windows >= RATIO_WINDOWS && ratio > 0.0 {
             self.hammer_over_cart = ratio;
         }
-        let outside = known && !(low..=high).contains(&ratio);
+        let outside = !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
         let trips = run(&mut self.bad_ratios, outside, RATIO_PERIODS);
         trips.then_some(())?;
         trip(Origin::Hammer, ratio)
