@@ -86,9 +86,10 @@ impl ForecastCache {
     }
 
     /// The largest force that the forecast has between these frequencies and one row beyond, for an amplitude of
-    /// `amplitude_m` and in proportion to it, N. Above its last row, where the hammer strikes every second period or more
-    /// rarely, as hard as the target's speed over the cart's makes it, at most: a 1/n at n times the target's frequency.
-    /// None without a forecast.
+    /// `amplitude_m` and in proportion to it, N. None without a forecast.
+    ///
+    /// Above its last row the hammer strikes in every second or third period only, at most as hard as at the target, in
+    /// proportion to the frequency: a 1/n at n times the target's frequency is a 1/1 of a cart n times as fast.
     pub fn largest_force_n(&self, (from_hz, to_hz): (f32, f32), amplitude_m: f32) -> Option<f32> {
         let share = self.free.share_of_full(amplitude_m);
         let (low, high) = (from_hz.min(to_hz), from_hz.max(to_hz));
