@@ -58,16 +58,19 @@ def skipped(first, second):
 
 
 def is_odd(address):
-    """Unicorn has no bit-band, and faults at a store to flash, of which the part only notes an error."""
-    return 0x21F00000 <= address < 0x24100000 or 0x07F00000 <= address < 0x08100000
+    """Unicorn has neither bit-band nor peripherals, and faults at a store to flash, of which the part only notes an error."""
+    return (0x07F00000 <= address < 0x08100000 or 0x21F00000 <= address < 0x24100000
+            or 0x3FF00000 <= address < 0x50100000 or 0xDFF00000 <= address < 0xE0200000)
 
 
 def sum_of_two(first, second, regs):
-    """The address of a load or store that adds two registers; 0 for any other."""
+    """The address of a load, a store or a table branch that adds two registers; 0 for any other."""
     if first >> 12 == 5:
         return regs[first >> 3 & 7] + regs[first >> 6 & 7] & 0xFFFFFFFF
-    if first >> 9 == 0x7C and second & 0xFC0 == 0 and max(first & 15, second & 15) < 14:
+    if first >> 9 == 0x7C and second & 0xFC0 == 0 and max(first & 15, second & 15) < 15:
         return regs[first & 15] + (regs[second & 15] << (second >> 4 & 3)) & 0xFFFFFFFF
+    if first >> 4 == 0xE8D and second & 0xE0 == 0 and second & 15 < 15:
+        return (regs + [AT + 4])[first & 15] + (regs[second & 15] << (second >> 4 & 1)) & 0xFFFFFFFF
     return 0
 
 
@@ -85,7 +88,7 @@ def state(rng):
     def single():
         return rng.choice([rng.choice(ODD_SINGLES), rng.getrandbits(32),
                            struct.unpack("<I", struct.pack("<f", rng.uniform(-1e3, 1e3)))[0]])
-    regs = [word() for _ in range(13)] + [RAM + 4 * rng.randrange(0x2000, 0x4000), rng.getrandbits(32) | 1]
+    regs = [word() for _ in range(13)] + [RAM + 4 * rng.randrange(0x2000, 0x4000), word() | 1]
     return regs, rng.getrandbits(32) & 0xF8000000, [single() for _ in range(32)], rng.getrandbits(4) << 28
 
 
