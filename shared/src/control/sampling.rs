@@ -137,12 +137,14 @@ impl Controller {
         }
     }
 
-    /// How much too little the sensors may read, with what the surface's ringing may hide. Four ask for it: one copy is enough.
+    /// How much too little the sensors may read, with what a surface that rings or is lossy may hide. Four ask for it: one copy is enough.
     #[inline(never)]
     fn doubt(&self) -> Doubt {
         let doubt = self.plausibility.doubt();
         Doubt {
-            force: doubt.force * self.sense.ringing().doubt(),
+            force: doubt.force
+                * self.sense.ringing().doubt()
+                * self.rig.identification.hidden_peak(),
             ..doubt
         }
     }

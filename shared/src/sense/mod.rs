@@ -23,7 +23,9 @@ pub mod section;
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::contact::Law;
 use crate::model::drive::Drive;
+use crate::model::params::RigParams;
 use crate::model::regime::Regime;
 use crate::settings::{Settings, TICK_S};
 
@@ -386,6 +388,16 @@ impl Sense {
 
 /// rad per unit of the drive's phase.
 const ANGLE_PER_PHASE: f32 = (core::f64::consts::TAU / crate::model::drive::TURN) as f32;
+
+/// ω₀ = √(k/m) of the believed contact, rad/s.
+fn contact_rate(rig: &RigParams) -> f64 {
+    let stiffness = match rig.contact {
+        Law::SpringDashpot { stiffness, .. } => stiffness,
+        // The nonlinear presets make the contact of Table 3.1.
+        _ => 5.5e6,
+    };
+    libm::sqrt(stiffness / rig.mass_kg)
+}
 
 #[inline]
 fn largest(so_far: f32, value: f32) -> f32 {
