@@ -213,7 +213,8 @@ impl Controller {
         let ratio = self.rig.identification.hammer_over_cart();
         let clean = self.seen.clean >= CLEAN_PERIODS;
         let hz = self.oscillator.frequency_hz();
-        if let Some(trip) = self.plausibility.ratio(ratio, clean, hz) {
+        let trip = self.plausibility.ratio(ratio, clean, hz);
+        if let Some(trip) = trip.or_else(|| self.plausibility.still(strobe, command_m, hz)) {
             self.trip(trip);
             return true;
         }

@@ -16,6 +16,7 @@
 
 pub mod harmonic;
 pub mod identification;
+mod motion;
 pub mod observer;
 pub mod pulse;
 pub mod ringing;
@@ -30,6 +31,7 @@ use crate::model::regime::Regime;
 use crate::settings::{Settings, TICK_S};
 
 use harmonic::Harmonic;
+use motion::Motion;
 use observer::Observer;
 use pulse::{PulseDetector, PulseEdge};
 use ringing::{Contact, Ringing};
@@ -83,6 +85,8 @@ pub struct Strobe {
     pub impulse_n_s: f32,
     /// Largest displacement of the hammer relative to the cart in the period, m, either way.
     pub travel_m: f32,
+    /// How much the hammer itself moved, root mean square, m.
+    pub hammer_m: f32,
     /// Cart amplitude at the drive frequency, m.
     pub amplitude_m: f32,
     /// Lag of the cart behind the command, rad.
@@ -123,6 +127,7 @@ pub struct Sense {
     observer: Observer,
     harmonic: Harmonic,
     section: Section,
+    motion: Motion,
     /// A0 believed, m: scale of the section's displacements.
     amplitude_m: f32,
     force_offset_n: f32,
@@ -156,6 +161,7 @@ impl Sense {
             observer: Observer::new(settings, TICK),
             harmonic: Harmonic::default(),
             section: Section::default(),
+            motion: Motion::default(),
             amplitude_m: settings.rig.amplitude_m as f32,
             force_offset_n: 0.0,
             force_drift_n: 0.0,
@@ -175,6 +181,7 @@ impl Sense {
         self.observer.reset();
         self.harmonic.reset();
         self.section.restart();
+        self.motion = Motion::default();
         self.last_cycle = None;
         self.current = None;
         self.period = Strobe::default();
@@ -204,6 +211,7 @@ impl Sense {
         let strobe = self.strobe(now.cycle, increment);
         let (sin, cos) = (drive.sin(), drive.cos());
         self.harmonic.tick(sample.cart_m, sin, cos);
+        self.motion.tick(sample.hammer_m);
         let cart = self.harmonic.last();
         // A jump of the phase is a restart of the drive, not a frequency.
         let angle = if increment <= crate::model::drive::MAX_INCREMENT {
@@ -266,6 +274,7 @@ impl Sense {
             amplitude_m: cart.amplitude_m(),
             lag_rad: cart.lag_rad(),
             peak_n: self.ringing.take_largest(),
+            hammer_m: self.motion.take_rms_m(),
             ..self.period
         };
         self.period = Strobe::default();

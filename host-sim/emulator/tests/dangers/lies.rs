@@ -160,6 +160,32 @@ fn a_dead_force_sensor_is_found_by_hand_as_well() {
     assert_eq!(faults(&truth(40.0, &dead(1.0))), []);
 }
 
+/// By hand the contacts may be too weak, or too few, to tell that a hammer's sensor is dead; its standing still tells it. (Not found,
+/// the reduced amplitude came back, and the travel was 125 % of its limit to the end.)
+#[test]
+fn a_dead_hammers_sensor_is_found_by_hand_before_what_a_travel_limit_took_returns() {
+    let cases = [
+        ("wires", 2.562, 1.6),
+        ("wires", 5.49, 3.214),
+        ("beam-135", 8.82, 1.514),
+    ];
+    cases.par_iter().for_each(|(rig, hz, limit_mm)| {
+        let tables = format!(
+            "[limits]\ntravel_mm = {limit_mm:?}\n[trips]\ntravel_mm = {:?}\n{}{}{}",
+            1.3 * limit_mm,
+            by_hand(),
+            set_point(4.0, *hz, 0.89),
+            lie(20.0, "hammer", "fault = \"dead\"")
+        );
+        let truth = truth_of(rig, 60.0, &tables);
+        let [(Fault::SensorOutOfFamily, at_s)] = truth.faults[..] else {
+            panic!("{rig} {hz}: {truth:?}");
+        };
+        assert!((20.0..26.0).contains(&at_s), "{rig} {hz}: {at_s}");
+        assert!(truth.travel_mm < 1.1 * limit_mm, "{rig} {hz}: {truth:?}");
+    });
+}
+
 /// A cart that reads 50 ms late is later than the rig's own loop makes it. (Not found, the travel was 125 % of its limit.)
 #[test]
 fn a_cart_s_sensor_that_is_late_is_found_before_a_limit_is_passed() {

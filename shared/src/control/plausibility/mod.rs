@@ -9,6 +9,7 @@
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
 //! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
+//! | still | motion of the hammer in a drive period, root mean square, against the cart's amplitude | less than [`STILL_SHARE`], without a contact less than half of a free swing | [`STILL_PERIODS`] drive periods in a row | hammer |
 //! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
 //! | sense | lag of the cart behind the command, beyond that of the rig's own loop | more than [`follow::LARGEST_MORE_LAG`] | the same | cart |
 //!
@@ -50,6 +51,14 @@ pub const RATIO_PERIODS: u8 = 16;
 /// Windows in flight at full amplitude before the ratio is judged.
 pub const RATIO_WINDOWS: u32 = 48;
 
+/// Least motion of a hammer that strikes, root mean square, in amplitudes of the cart. A healthy one has 0.21 in its weakest period
+/// and 0.3 in one of four in a row (four rigs at 0.5 to 2.2 times the best frequency, gaps of 0 and 0.9 mm).
+pub const STILL_SHARE: f32 = 0.2;
+/// How far off the natural frequency may be where the free swing is reckoned.
+const NATURAL_OFF: f32 = 1.1;
+/// Drive periods in a row below it that trip: fewer than after which a reduced amplitude returns.
+pub const STILL_PERIODS: u8 = 8;
+
 /// Largest force outside contacts, as a share of the force limit.
 pub const ZERO_SHARE: f32 = 0.05;
 /// Drive periods in a row beyond it that trip.
@@ -76,11 +85,13 @@ pub struct Plausibility {
     gap_set_m: f32,
     travel_limit_m: f32,
     amplitude_m: f32,
+    natural_hz: f32,
     zero_n: f32,
     bad_zeros: u8,
     bad_targets: u8,
     far_pulses: u8,
     bad_ratios: u8,
+    still: u8,
     momentum: Momentum,
     follow: Follow,
     /// What the drive turns in [`LATE_S`], rad.
@@ -98,11 +109,13 @@ impl Plausibility {
             gap_set_m: settings.rig.gap_m as f32,
             travel_limit_m: settings.limits.travel_m,
             amplitude_m: settings.rig.amplitude_m as f32,
+            natural_hz: settings.rig.natural_frequency_hz() as f32,
             zero_n: ZERO_SHARE * settings.limits.force_n,
             bad_zeros: 0,
             bad_targets: 0,
             far_pulses: 0,
             bad_ratios: 0,
+            still: 0,
             momentum: Momentum::new(settings),
             follow: Follow::new(settings),
             late: 0.0,
@@ -119,6 +132,7 @@ impl Plausibility {
         self.bad_zeros = 0;
         self.bad_targets = 0;
         self.bad_ratios = 0;
+        self.still = 0;
         self.momentum.restart();
         self.follow.restart();
     }
@@ -162,6 +176,21 @@ impl Plausibility {
             .follow
             .strobe(strobe, command_m, frequency_hz, rising)?;
         trip(Origin::Cart, ratio)
+    }
+
+    /// A drive period at `hz` has ended, in which the command was `command_m` on average: a hammer in a cart that moves moves.
+    pub fn still(&mut self, strobe: &Strobe, command_m: f32, hz: f32) -> Option<Trip> {
+        let share = strobe.hammer_m / strobe.amplitude_m.min(command_m);
+        let off = NATURAL_OFF * hz / self.natural_hz;
+        // A free swing has 1/(r² − 1) of the cart's amplitude.
+        let least = if strobe.contacts == 0 && off > 2.0 {
+            0.5 * core::f32::consts::FRAC_1_SQRT_2 / (off * off - 1.0)
+        } else {
+            STILL_SHARE
+        };
+        let trips = run(&mut self.still, share < least, STILL_PERIODS);
+        trips.then_some(())?;
+        trip(Origin::Hammer, share)
     }
 
     /// A drive period has ended with this sum, N, of so many samples of the force outside contacts.
