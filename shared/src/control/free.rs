@@ -36,6 +36,12 @@ impl FreeSwing {
         amplitude_m * square >= self.gap_m * libm::fabsf(1.0 - square)
     }
 
+    /// How far the hammer itself swings at `hz`, in amplitudes of the cart: 1/|1 − r²|.
+    pub fn own(&self, hz: f32) -> f32 {
+        let r = hz / self.natural_hz;
+        1.0 / libm::fabsf(1.0 - r * r)
+    }
+
     /// `amplitude_m` as a share of A0, 0 without one.
     pub fn share_of_full(&self, amplitude_m: f32) -> f32 {
         if self.amplitude_m > 0.0 {
@@ -68,6 +74,8 @@ mod tests {
         assert_eq!(closed.share_of_full(0.5 * WIRES.amplitude_m as f32), 0.5);
         assert!(closed.must_touch(1.0, 1e-4) && closed.must_touch(9.0, 1e-4));
         assert_eq!(closed.certain_up_to(3.66), 3.66);
+        let natural_hz = WIRES.natural_frequency_hz() as f32;
+        assert!((closed.own(3.0 * natural_hz) - 0.125).abs() < 1e-6);
         let open = FreeSwing::new(&RigParams {
             gap_m: 2.4e-3,
             ..WIRES

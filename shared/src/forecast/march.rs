@@ -68,16 +68,12 @@ const LOCATION: Location = Location {
 pub type Section = [f32; 4];
 
 /// λ, 1/s: the faster of the contact's oscillation, v/δ_max of a typical contact (√(ki/m) for the linear
-/// spring), and its damper's decay ci/m. With a cart that recoils, m is the mass of both against each other.
+/// spring), and its damper's decay ci/m, m being [`RigParams::contact_mass_kg`].
 fn contact_rate(params: &RigParams) -> f64 {
     let (stiffness, n) = (params.contact.stiffness(), params.contact.exponent());
     let omega = core::f64::consts::TAU * params.natural_frequency_hz();
     let speed = CONTACT_SPEED * params.amplitude_m * omega;
-    let mass_kg = if params.cart.recoils() {
-        params.mass_kg / (1.0 + params.mass_kg / params.cart_mass_kg)
-    } else {
-        params.mass_kg
-    };
+    let mass_kg = params.contact_mass_kg();
     let energy = 0.5 * mass_kg * speed * speed;
     let deepest = libm::pow((n + 1.0) * energy / stiffness, 1.0 / (n + 1.0));
     let (_, damping) = params.contact.gradient(deepest, 0.0, speed);

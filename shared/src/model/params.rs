@@ -189,6 +189,15 @@ pub fn preset(name: &str) -> Option<RigParams> {
 }
 
 impl RigParams {
+    /// The mass that a contact turns round, kg: the hammer's, and where the cart recoils that of both against each other.
+    pub fn contact_mass_kg(&self) -> f64 {
+        if self.cart.recoils() {
+            self.mass_kg / (1.0 + self.mass_kg / self.cart_mass_kg)
+        } else {
+            self.mass_kg
+        }
+    }
+
     /// ω/2π, Hz: what frequency ratios are relative to.
     pub fn natural_frequency_hz(&self) -> f64 {
         match self.support {

@@ -399,7 +399,7 @@ impl Sense {
 const ANGLE_PER_PHASE: f32 = (core::f64::consts::TAU / crate::model::drive::TURN) as f32;
 
 /// ω₀ = √(k/m) of the believed contact, rad/s.
-fn contact_rate(rig: &RigParams) -> f64 {
+fn contact_omega(rig: &RigParams) -> f64 {
     let stiffness = match rig.contact {
         Law::SpringDashpot { stiffness, .. } => stiffness,
         // The nonlinear presets make the contact of Table 3.1.

@@ -21,7 +21,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::contact_rate;
+use super::contact_omega;
 use crate::model::params::SupportParams;
 use crate::settings::Settings;
 
@@ -277,7 +277,7 @@ const MARGIN: u32 = 5;
 /// Ticks to look away for: a contact of half a period of the surface's spring, less what damping
 /// shortens it by (Table 3.1: 0.78 of it), and a margin.
 fn hold_ticks(settings: &Settings, tick_s: f32) -> u32 {
-    let half_period = core::f64::consts::PI / contact_rate(&settings.rig);
+    let half_period = core::f64::consts::PI / contact_omega(&settings.rig);
     let ticks = 0.78 * half_period as f32 / tick_s;
     (if ticks < 400.0 { ticks as u32 } else { 400 }) + MARGIN
 }

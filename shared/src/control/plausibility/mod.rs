@@ -29,6 +29,7 @@ use crate::fault::{Fault, Origin};
 use crate::sense::{Pulse, Strobe};
 use crate::settings::Settings;
 
+use super::free::FreeSwing;
 use super::guard::Trip;
 use follow::Follow;
 use momentum::Momentum;
@@ -54,6 +55,8 @@ pub const RATIO_WINDOWS: u32 = 48;
 /// Least motion of a hammer that strikes, root mean square, in amplitudes of the cart. A healthy one has 0.21 in its weakest period
 /// and 0.3 in one of four in a row (four rigs at 0.5 to 2.2 times the best frequency, gaps of 0 and 0.9 mm).
 pub const STILL_SHARE: f32 = 0.2;
+/// The same of one that swings free, in amplitudes of its swing: half of what that has, 1/√2.
+const FREE_SHARE: f32 = 0.5 * core::f32::consts::FRAC_1_SQRT_2;
 /// How far off the natural frequency may be where the free swing is reckoned.
 const NATURAL_OFF: f32 = 1.1;
 /// Drive periods in a row below it that trip: fewer than after which a reduced amplitude returns.
@@ -85,7 +88,7 @@ pub struct Plausibility {
     gap_set_m: f32,
     travel_limit_m: f32,
     amplitude_m: f32,
-    natural_hz: f32,
+    free: FreeSwing,
     zero_n: f32,
     bad_zeros: u8,
     bad_targets: u8,
@@ -109,7 +112,7 @@ impl Plausibility {
             gap_set_m: settings.rig.gap_m as f32,
             travel_limit_m: settings.limits.travel_m,
             amplitude_m: settings.rig.amplitude_m as f32,
-            natural_hz: settings.rig.natural_frequency_hz() as f32,
+            free: FreeSwing::new(&settings.rig),
             zero_n: ZERO_SHARE * settings.limits.force_n,
             bad_zeros: 0,
             bad_targets: 0,
@@ -181,10 +184,8 @@ impl Plausibility {
     /// A drive period at `hz` has ended, in which the command was `command_m` on average: a hammer in a cart that moves moves.
     pub fn still(&mut self, strobe: &Strobe, command_m: f32, hz: f32) -> Option<Trip> {
         let share = strobe.hammer_m / strobe.amplitude_m.min(command_m);
-        let off = NATURAL_OFF * hz / self.natural_hz;
-        // A free swing has 1/(r² − 1) of the cart's amplitude.
-        let least = if strobe.contacts == 0 && off > 2.0 {
-            0.5 * core::f32::consts::FRAC_1_SQRT_2 / (off * off - 1.0)
+        let least = if strobe.contacts == 0 {
+            STILL_SHARE.min(FREE_SHARE * self.free.own(NATURAL_OFF * hz))
         } else {
             STILL_SHARE
         };

@@ -45,7 +45,7 @@ mod statistics;
 
 use crate::model::contact::Law;
 use crate::model::params::SupportParams;
-use crate::sense::{Pulse, Sample, contact_rate};
+use crate::sense::{Pulse, Sample, contact_omega};
 use crate::settings::{Settings, TICK_S};
 use contact::{Above, spring_dashpot};
 pub use gap::GAP_MEMORY;
@@ -76,10 +76,12 @@ const LATE_S: (f32, f32) = (85e-6, 235e-6);
 /// Ticks after a contact before a window may open (2 ms).
 const SETTLE: u32 = 40;
 
-/// On a lossy surface the force is largest at the onset, and has fallen before the sensor's filter has followed. Restitution below
-/// which that hides some of the peak; and by how much more the true peak is larger for each unit of restitution below it, in units
-/// of ω₀ s: fitted to the emulator's contacts of restitution 0.14 to 0.3 (spring-dashpot).
-const HIDDEN: (f32, f32) = (0.31, 0.55e-3);
+/// Restitution below which a surface is lossy: its force is largest at the onset, and has fallen before the sensor's filter has
+/// followed.
+const LOSSY: f32 = 0.31;
+/// By how much the true peak is larger for each unit of restitution below that, in units of ω₀ s: fitted to the emulator's contacts
+/// of restitution 0.14 to 0.3 (spring-dashpot).
+const HIDES: f32 = 0.55e-3;
 
 /// Points needed for a natural frequency.
 const FEWEST_WINDOWS: u32 = 24;
@@ -134,7 +136,7 @@ pub struct Identification {
     on_n: f32,
     /// 1 + m/M of a cart that recoils.
     recoil: f32,
-    /// By how much a lossy surface hides the peak of its force: the slope of [`HIDDEN`].
+    /// [`HIDES`] for this contact.
     hides: f32,
     /// c/m, 1/s.
     damping: f32,
@@ -200,12 +202,8 @@ impl Identification {
                 amplitude_m,
             },
             on_n: settings.detection.on_n,
-            recoil: if rig.cart.recoils() {
-                1.0 + (rig.mass_kg / rig.cart_mass_kg) as f32
-            } else {
-                1.0
-            },
-            hides: HIDDEN.1 * contact_rate(rig) as f32,
+            recoil: (rig.mass_kg / rig.contact_mass_kg()) as f32,
+            hides: HIDES * contact_omega(rig) as f32,
             damping: 2.0 * ratio * omega,
             slowest: 0.5 * amplitude_m * omega,
             window_ticks,
@@ -350,11 +348,10 @@ impl Identification {
 
     /// How many times what the force sensor shows of it a contact's true peak may be on a surface as lossy as this one.
     pub fn hidden_peak(&self) -> f32 {
-        let (from, _) = HIDDEN;
         if self.restitution.count < FEW_CONTACTS {
             return 1.0;
         }
-        1.0 + self.hides * (from - self.restitution.mean).clamp(0.0, from)
+        1.0 + self.hides * (LOSSY - self.restitution.mean).clamp(0.0, LOSSY)
     }
 
     /// What has been identified. Some thousand instructions: for now and then.
