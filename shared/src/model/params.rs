@@ -189,8 +189,8 @@ pub fn preset(name: &str) -> Option<RigParams> {
 }
 
 impl RigParams {
-    /// The mass that a contact turns round, kg: the hammer's, and where the cart recoils that of both against each other. One copy of it in the image
-    /// is enough.
+    /// The mass that a contact turns round, kg: the hammer's, and where the cart recoils that of both against each other.
+    // One copy of it in the image is enough.
     #[inline(never)]
     pub fn contact_mass_kg(&self) -> f64 {
         if self.cart.recoils() {
