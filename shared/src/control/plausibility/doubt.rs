@@ -4,7 +4,7 @@
 //! known, the more dangerous of the two counts: the limit and the trip level of what may be larger than it reads are divided
 //! by how much larger. Nothing here ever makes a limit or a trip level wider.
 
-/// How many times its reading each value may truly be, from 1 to [`Doubt::MOST`].
+/// How many times its reading each value may truly be, from 1 to [`Doubt::MOST`]; the travel to 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
     /// Contact force.
@@ -14,6 +14,9 @@ pub struct Doubt {
     /// Displacement of the cart.
     pub cart: f32,
 }
+
+/// The most by what nothing trips by.
+const MOST_UNSURE: f32 = 2.0;
 
 /// Sensors that differ by no more than this agree: those of a healthy rig are within 2 %.
 const AGREES: f32 = 0.98;
@@ -37,6 +40,14 @@ impl Doubt {
             cart: at_least_one(AGREES * ratio),
         }
     }
+
+    /// The same, if the hammer's sensor may have this gain over the cart's. Nothing trips by it, so it may go further than [`Doubt::MOST`].
+    pub fn or_hammer_reads(self, ratio: f32) -> Self {
+        Self {
+            travel: self.travel.max(within(AGREES / ratio, MOST_UNSURE)),
+            ..self
+        }
+    }
 }
 
 /// What is left below a limit may truly be passed by this: a surface that has receded is no sensor that lies.
@@ -53,12 +64,13 @@ fn shifted(share: f32) -> f32 {
 }
 
 fn at_least_one(factor: f32) -> f32 {
-    // Written so that NaN doubts nothing.
-    if factor > 1.0 {
-        factor.min(Doubt::MOST)
-    } else {
-        1.0
-    }
+    within(factor, Doubt::MOST)
+}
+
+/// Written so that NaN doubts nothing. Six ask for it: one copy is enough.
+#[inline(never)]
+fn within(factor: f32, most: f32) -> f32 {
+    if factor > 1.0 { factor.min(most) } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -95,6 +107,21 @@ mod tests {
             assert!(enough(cart.cart) && cart.force == 1.0, "{cart:?}");
             let both = Doubt::new(1.0, times, 0.0);
             assert!(enough(both.force), "force and hammer alike: {both:?}");
+        }
+    }
+
+    #[test]
+    fn a_hammer_that_may_read_less_narrows_the_travel_alone() {
+        let sure = Doubt::new(0.9, 1.0, 0.0);
+        for (ratio, travel) in [
+            (0.75, 0.98 / 0.75),
+            (0.5, 1.96),
+            (0.3, 2.0),
+            (1.3, 1.0),
+            (f32::INFINITY, 1.0),
+        ] {
+            let unsure = sure.or_hammer_reads(ratio);
+            assert_eq!(unsure, Doubt { travel, ..sure }, "{ratio}");
         }
     }
 

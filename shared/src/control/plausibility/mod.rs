@@ -8,7 +8,7 @@
 //! | zero | mean force of a drive period outside contacts, against the zero of the self test | more than [`ZERO_SHARE`] of `limits.force_n` | [`ZERO_PERIODS`] drive periods in a row | force |
 //! | follow | cart amplitude against the command as it was put out, whatever the amplitude loop has made of it | below [`follow::LEAST_FOLLOW`] | [`BAD_PERIODS`] drive periods in a row | cart |
 //! | step | the same against what it was before at this frequency | by more than [`follow::STEP_RANGE`] | the same | cart |
-//! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods in a row, from [`RATIO_WINDOWS`] windows on | hammer |
+//! | ratio | gain of the hammer's sensor over the cart's, from the flights alone ([`crate::sense::identification`]) | outside [`RATIO_RANGE`] | [`RATIO_PERIODS`] drive periods with one contact each in a row, from [`RATIO_WINDOWS`] windows on | hammer |
 //! | still | motion of the hammer in a drive period, root mean square, against the cart's amplitude | less than [`STILL_SHARE`], without a contact less than half of a free swing | [`STILL_PERIODS`] drive periods in a row | hammer |
 //! | target | frequency held in Hold against the newest forecast's target | more than [`TARGET_SHARE`] off | [`TARGET_PERIODS`] drive periods in a row | cart |
 //! | sense | lag of the cart behind the command, beyond that of the rig's own loop | more than [`follow::LARGEST_MORE_LAG`] | the same | cart |
@@ -102,6 +102,8 @@ pub struct Plausibility {
     /// Impulse over momentum, and gain of the hammer's sensor over the cart's, as last known.
     impulse_over_momentum: f32,
     hammer_over_cart: f32,
+    /// The latter, from flights in which contacts may hide, too.
+    unsure_ratio: f32,
 }
 
 impl Plausibility {
@@ -124,6 +126,7 @@ impl Plausibility {
             late: 0.0,
             impulse_over_momentum: 1.0,
             hammer_over_cart: 1.0,
+            unsure_ratio: 1.0,
         }
     }
 
@@ -204,16 +207,19 @@ impl Plausibility {
     }
 
     /// A drive period at `hz` has ended with this gain of the hammer's sensor over the cart's, from so many windows; `clean`:
-    /// of flights in which no contact hides, so that limits may go by it.
+    /// of flights in which no contact hides. With contacts in them, a healthy sensor reads 0.5 to 0.8: then the travel limit alone goes by it.
     pub fn ratio(&mut self, found: Option<(f32, u32)>, clean: bool, hz: f32) -> Option<Trip> {
         self.late = core::f32::consts::TAU * LATE_S * hz;
         let (ratio, windows) = found?;
         let (low, high) = RATIO_RANGE;
         let (low, high) = (low - self.late, high + self.late);
-        if clean && windows >= RATIO_WINDOWS && ratio > 0.0 {
-            self.hammer_over_cart = ratio;
+        if windows >= RATIO_WINDOWS && ratio > 0.0 {
+            self.unsure_ratio = ratio;
+            if clean {
+                self.hammer_over_cart = ratio;
+            }
         }
-        let outside = !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
+        let outside = clean && !(low..=high).contains(&ratio) && windows >= RATIO_WINDOWS;
         let trips = run(&mut self.bad_ratios, outside, RATIO_PERIODS);
         trips.then_some(())?;
         trip(Origin::Hammer, ratio)
@@ -238,6 +244,7 @@ impl Plausibility {
             .map_or(0.0, |surface_m| surface_m - self.gap_set_m);
         let farther = farther_m / self.travel_limit_m;
         Doubt::new(self.impulse_over_momentum, self.hammer_over_cart, farther)
+            .or_hammer_reads(self.unsure_ratio)
     }
 
     /// Whether contacts tell the same of the sensors as before. Nothing is made larger while they do not: a gain may have
