@@ -7,10 +7,9 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 
 /// Options of the command line whose arguments are called otherwise here.
-const RENAMED: [(&str, &str); 9] = [
+const RENAMED: [(&str, &str); 8] = [
     ("--gap-tolerance-mm", "gap_tolerance_mm"),
     ("--gap-ratio", "gap_ratio"),
-    ("--gaps", "gaps_mm"),
     ("--gap", "gap_mm"),
     ("--frequency", "frequency_hz"),
     ("--displacement", "displacement_mm"),

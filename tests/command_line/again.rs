@@ -9,7 +9,7 @@ use crate::support::{Folder, assert_refused};
 /// The cheapest form of each. `chapter` has its test in `chapter.rs`, as it takes long.
 const WRITE: &[&str] = &[
     "pick --samples 0 --cart prescribed --rig mine.toml --report mine.html",
-    "pick --samples 0 --cart prescribed --rig mine.toml --gaps 0:0:1 --starts 1",
+    "pick --samples 0 --cart prescribed --rig mine.toml --gap 0:0:1 --starts 1",
     "pick --samples 0 --cart prescribed --rig mine.toml --over gap_mm=0",
     "pick --nominal --cart prescribed --rig mine.toml --beside wires",
     "pick --nominal --cart prescribed --rig mine.toml --objective rop --threshold-n 50",
@@ -88,8 +88,9 @@ fn every_command_answers_again_and_after_an_edit_and_says_what_it_replaced() {
     let folder = edited(folder, 0.305);
     let replaced = |line: &str| folder.run(line).well().err.contains("(replaced)");
     // Every form of `pick` writes in the same way: of those that take long, one is enough behind an edit.
-    let long =
-        |line: &&&str| line.contains("--gaps") || line.contains("--beside") || line.contains("rop");
+    let long = |line: &&&str| {
+        line.contains("--starts") || line.contains("--beside") || line.contains("rop")
+    };
     let lines = WRITE.iter().filter(|line| line.contains(".toml"));
     for line in lines.filter(|line| !long(line)) {
         let before = contents(&folder);

@@ -1,4 +1,4 @@
-//! `host-sim basins`, and `host-sim pick --gaps`.
+//! `host-sim basins`, and `host-sim pick --gap`.
 
 use serde_json::Value;
 
@@ -142,7 +142,7 @@ fn the_chapter_has_twelve_points() {
 #[test]
 fn gaps_stand_beside_each_other_and_one_is_advised() {
     let folder = Folder::new();
-    let line = "pick --gaps 0:2.4:2.4 --nominal --starts 20 --out o";
+    let line = "pick --gap 0:2.4:2.4 --nominal --starts 20 --out o";
     let text = folder.run(line).well();
     assert!(
         text.out
@@ -150,14 +150,14 @@ fn gaps_stand_beside_each_other_and_one_is_advised() {
         "{text:?}"
     );
     assert_eq!(folder.ends("o/pick"), [".csv", ".json", ".png", ".svg"]);
-    let rows = csv_rows(&folder.read_made("o/pick-wires-gaps", ".csv"));
+    let rows = csv_rows(&folder.read_made("o/pick-wires-starts-20-nominal-gap", ".csv"));
     assert_eq!(rows.len(), 2);
     let alone = answer("pick --gap 2.4 --nominal");
     for key in ["operating_frequency_hz", "force_ratio"] {
         assert_eq!(rows[1][key], alone[key], "{key}");
     }
     assert_svg_shows(
-        &folder.read_made("o/pick-wires-gaps", ".svg"),
+        &folder.read_made("o/pick-wires-starts-20-nominal-gap", ".svg"),
         &["where starts end", "gap, mm"],
     );
 }

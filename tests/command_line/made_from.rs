@@ -228,7 +228,7 @@ const DRIVEN: &[(&str, &str)] = &[
         "orbits",
     ),
     (
-        "orbits --curves --gaps 0:0.05:0.05 --ratio 2.4:2.8 --starts 2",
+        "orbits --curves --gap 0:0.05:0.05 --ratio 2.4:2.8 --starts 2",
         "orbits",
     ),
     (

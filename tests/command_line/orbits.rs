@@ -82,7 +82,7 @@ fn along_the_gap_the_graze_is_where_the_frequency_s_is() {
     // At Ω/ω = 1.26058 the swing without contact reaches 2.4 mm (docs/orbits.md): there the unstable 1/1 ends that comes
     // back from the fold.
     let answer = answer(
-        "orbits --along gap --ratio 1.26058 --gaps 0.5:10 --starts 4 --periods 1 --impacts 1",
+        "orbits --along gap --ratio 1.26058 --gap 0.5:10 --starts 4 --periods 1 --impacts 1",
     );
     let specials = answer["special_points"].as_array().unwrap();
     let graze = specials.iter().find(|s| s["special"] == "grazing_lost");
@@ -93,7 +93,7 @@ fn along_the_gap_the_graze_is_where_the_frequency_s_is() {
 
 #[test]
 fn curves_give_a_row_per_gap_and_special_point() {
-    let answer = answer("orbits --curves --gaps 0:0.1:0.05 --ratio 2.4:2.8 --starts 3");
+    let answer = answer("orbits --curves --gap 0:0.1:0.05 --ratio 2.4:2.8 --starts 3");
     let rows = answer.as_array().unwrap();
     let doubling = |r: &&Value| r["special"] == "period_doubling";
     let gaps: Vec<_> = rows
@@ -171,12 +171,12 @@ fn what_cannot_be_used_is_refused_in_one_line() {
         ),
         (
             "orbits --along gap --ratio 1.5 --gap 1",
-            "use --gaps FROM:TO",
+            "--gap 1: write FROM:TO",
         ),
-        ("orbits --along gap --ratio 1.5 --gaps 0:200", "--gaps"),
-        ("orbits --gaps 0:1", "--along gap or --curves"),
-        ("orbits --curves --gap 1", "use --gaps FROM:TO:STEP"),
-        ("orbits --curves --gaps 0:1", "FROM:TO:STEP"),
+        ("orbits --along gap --ratio 1.5 --gap 0:200", "--gap"),
+        ("orbits --gap 0:1", "FROM:TO goes with --along gap"),
+        ("orbits --curves --gap 1", "--gap 1: write FROM:TO:STEP"),
+        ("orbits --curves --gap 0:1", "FROM:TO:STEP"),
         ("orbits --curve gap_mm", "write KEY=FROM:TO"),
         ("orbits --curve gap=0:3", "did you mean 'gap_mm'?"),
         ("orbits --curve gap_mm=3:0", "swap them"),

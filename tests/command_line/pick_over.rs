@@ -133,7 +133,7 @@ fn what_makes_no_sense_is_refused() {
         ("pick --over mass=1,2", "there is no parameter 'mass'"),
         ("pick --over mass_kg=1.0,2 --all", "cannot be used with"),
         (
-            "pick --over mass_kg=1.0,2 --gaps 0:1:1",
+            "pick --over mass_kg=1.0,2 --gap 0:1:1",
             "cannot be used with",
         ),
         (

@@ -108,8 +108,8 @@ fn what_cannot_be_is_refused_in_one_line() {
                 "--beside cannot be used with --objective rop",
             ),
             (
-                "pick --objective rop --threshold-n 25 --gaps 0:1:0.5",
-                "--gaps cannot be used with --objective rop",
+                "pick --objective rop --threshold-n 25 --gap 0:1:0.5",
+                "--objective rop is for one rig at one gap",
             ),
             (
                 "pick --objective rop --threshold-n 25 --report r.html",

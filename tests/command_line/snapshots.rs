@@ -17,7 +17,7 @@ const ANSWERS: &[(&str, &str)] = &[
         "pick --rig beam-150 --nominal --max-force-n 80",
     ),
     ("pick-all", "pick --all --nominal"),
-    ("pick-gaps", "pick --gaps 0:2.4:1.2 --nominal --starts 20"),
+    ("pick-gaps", "pick --gap 0:2.4:1.2 --nominal --starts 20"),
     ("simulate", "simulate --gap 1 --ratio 1.5"),
     ("simulate-silent", "simulate --gap 2.4 --ratio 0.8"),
     (
@@ -32,7 +32,7 @@ const ANSWERS: &[(&str, &str)] = &[
     ),
     (
         "orbits-curves",
-        "orbits --curves --gaps 0:1:0.5 --ratio 1:3 --starts 6",
+        "orbits --curves --gap 0:1:0.5 --ratio 1:3 --starts 6",
     ),
     (
         "basins",
@@ -146,7 +146,7 @@ const REFUSED: &[&str] = &[
     "sweep --ratio 1.5 --measured column.csv",
     "map --gap 0:1:0.5 --ratio 1:2:0.5 --recorded 0",
     "map --gap 0 --ratio 1.5 --beside wires --out o",
-    "orbits --gaps 0:1",
+    "orbits --gap 0:1",
     "rig new mine.toml --support wires --mass 298g",
     "rig new mine.toml --support beams --mass 298g --swings 20 --swing-time 4.4s --stroke 1.8mm --cart-mass heavy",
     "pick --report mine.doc",

@@ -29,7 +29,7 @@ const REQUESTS: &str = "\
 pick: pick --samples 4
 pick-all: pick --all --nominal --cart prescribed
 pick-beside: pick --beside wires,amplitude_mm=1.2 --nominal --cart prescribed
-pick-gaps: pick --gaps 0:0.4:0.4 --starts 20 --nominal --cart prescribed
+pick-gaps: pick --gap 0:0.4:0.4 --starts 20 --nominal --cart prescribed
 pick-over: pick --over mass_kg=0.2,0.3 --nominal --cart prescribed
 pick-rop: pick --objective rop --threshold-n 50 --samples 4 --cart prescribed
 simulate: simulate --ratio 2
@@ -39,7 +39,7 @@ sweep-over: sweep --ratio 2 --over mass_kg=0.1:1:log4
 map: map --gap 0:3:0.5 --ratio 0.8:4:0.1
 map-prescribed: map --gap 0:3:0.5 --ratio 0.8:4:0.1 --cart prescribed
 orbits: orbits --gap 1 --ratio 1.5:2.5 --starts 4 --behind 20
-orbits-curves: orbits --curves --gaps 0:1:0.5 --ratio 1:3
+orbits-curves: orbits --curves --gap 0:1:0.5 --ratio 1:3
 orbits-curve: orbits --curve gap_mm=0:1 --ratio 1.5:2.5 --starts 4 --searches 2
 drill: drill --threshold-n 25 --ratio 2
 drill-published: drill --published --static-force 0.05:0.3:0.05

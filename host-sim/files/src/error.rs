@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use numerics::error::{Error, MapError, MotionError, StartError};
 use shared::model::drive::DriveError;
 use shared::model::params::ParamError;
 
@@ -37,14 +38,21 @@ impl fmt::Display for UserError {
 
 impl std::error::Error for UserError {}
 
-impl From<ParamError> for UserError {
-    fn from(error: ParamError) -> Self {
-        Self(error.to_string())
-    }
+macro_rules! from {
+    ($($error:ty),*) => {$(
+        impl From<$error> for UserError {
+            fn from(error: $error) -> Self {
+                Self(error.to_string())
+            }
+        }
+    )*};
 }
 
-impl From<DriveError> for UserError {
-    fn from(error: DriveError) -> Self {
-        Self(error.to_string())
-    }
-}
+from!(
+    ParamError,
+    DriveError,
+    Error,
+    MapError,
+    StartError,
+    MotionError
+);

@@ -15,7 +15,6 @@ mod read;
 pub mod rigfile;
 pub mod settings_file;
 pub mod table;
-mod wording;
 pub mod words;
 #[cfg(feature = "disk")]
 pub mod write;
@@ -23,4 +22,3 @@ pub mod write;
 pub use error::UserError;
 pub use read::{line_at, open_file, read_bytes, read_table, read_text};
 pub use table::{Line, Measurements};
-pub use wording::failure;

@@ -1,24 +1,40 @@
-//! Why an analysis has no answer, as values: what is wrong, and where. The words for people are the caller's.
+//! Why an analysis has no answer, as values: what is wrong, where, and in one line for a person how to mend it. What the line calls an
+//! option is the command line's; others put their own name in its place.
 
 use std::fmt;
 
 use shared::model::drive::DriveError;
 use shared::model::params::ParamError;
+use thiserror::Error;
+
+use crate::engine::RATIOS;
+use crate::limits::Limits;
+use crate::row::{significant, tidy};
 
 /// Why there is no answer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum Error {
     /// The work was asked to stop ([`crate::progress::Progress::interrupted`]).
+    #[error("interrupted")]
     Interrupted,
     /// A parameter of the rig is out of range.
-    Parameter(ParamError),
+    #[error(transparent)]
+    Parameter(#[from] ParamError),
     /// The switch model cannot be driven at this frequency and tick.
-    Drive(DriveError),
+    #[error(transparent)]
+    Drive(#[from] DriveError),
     /// There is no preset of this name.
+    #[error("there is no preset {0}")]
     Preset(String),
     /// The drive frequency, Hz, is not a positive number.
+    #[error("the drive frequency is {0} Hz, must be a positive number, and finite")]
     Frequency(f64),
     /// The drive frequency is too far from the natural frequency ([`crate::engine::RATIOS`]).
+    #[error(
+        "the drive frequency is {frequency_hz} Hz, {ratio} times the natural frequency; it must be from {} to {} times",
+        RATIOS.start(),
+        RATIOS.end()
+    )]
     FrequencyRatio {
         /// Hz.
         frequency_hz: f64,
@@ -26,14 +42,21 @@ pub enum Error {
         ratio: f64,
     },
     /// A run cannot begin so.
-    Start(StartError),
+    #[error(transparent)]
+    Start(#[from] StartError),
     /// The motion cannot be followed.
-    Motion(MotionError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// A drive phase at which a section is taken, turns, is not from 0 to below 1.
+    #[error("the drive phase {0} is not from 0 to below 1 turn")]
     SectionPhase(f64),
     /// The drive phases of the sections do not rise.
+    #[error("the drive phases of the sections must rise, each given once")]
     SectionPhaseOrder,
     /// Too few drive periods for a Lyapunov exponent.
+    #[error(
+        "{periods} drive periods are too few for a Lyapunov exponent; take at least {least}, better thousands"
+    )]
     LyapunovPeriods {
         /// How many were asked for.
         periods: u32,
@@ -41,23 +64,37 @@ pub enum Error {
         least: u32,
     },
     /// The width of the smoothing, m, is not a positive number.
+    #[error("the smoothing's width is {0} m, must be a positive number")]
     SmoothingWidth(f64),
     /// The ground does not give way anywhere in the range of frequencies.
+    #[error(
+        "the ground holds at every frequency of the range: no force on it reaches {threshold_n} N; widen --ratio or lower --threshold-n"
+    )]
     NoProgress {
         /// Pf, N.
         threshold_n: f64,
     },
     /// This moves the cart as prescribed only; the rig's recoils.
+    #[error("{0} moves the cart as prescribed only; use --cart prescribed")]
     Recoil(&'static str),
     /// The smoothing method has no onset, which the Lankarani–Nikravesh law needs.
+    #[error(
+        "the smoothing method has no onset, which the Lankarani-Nikravesh law needs; choose another law"
+    )]
     SmoothingLaw,
     /// A map cannot be made so.
-    Map(MapError),
+    #[error(transparent)]
+    Map(#[from] MapError),
     /// Basins cannot be computed so.
-    Basins(BasinsError),
+    #[error(transparent)]
+    Basins(#[from] BasinsError),
     /// A beam with several bending modes cannot be computed so.
-    Modes(ModesError),
+    #[error(transparent)]
+    Modes(#[from] ModesError),
     /// At this speed the contact of a free mass with a wall does not end.
+    #[error(
+        "{law}: at {speed_m_per_s} m/s the contact does not end; use less damping or a stiffer contact"
+    )]
     EndlessContact {
         /// Name of the contact law.
         law: String,
@@ -65,8 +102,10 @@ pub enum Error {
         speed_m_per_s: f64,
     },
     /// A drop test cannot be made so.
-    DropTest(DropTestError),
+    #[error(transparent)]
+    DropTest(#[from] DropTestError),
     /// A record does not hold what is sought in it.
+    #[error("{}", in_record(.record, .what))]
     Record {
         /// Name of the record.
         record: String,
@@ -74,8 +113,10 @@ pub enum Error {
         what: RecordError,
     },
     /// The search for contact parameters ends outside their range.
+    #[error("the search left the range of the parameters")]
     SearchLeftRange,
     /// There is no operating point.
+    #[error("rig {rig}{what}")]
     Pick {
         /// Name of the rig.
         rig: String,
@@ -85,14 +126,23 @@ pub enum Error {
 }
 
 /// Why a run cannot begin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum StartError {
     /// The rig cannot be displaced so far.
+    #[error(
+        "the start displacement {} mm is out of the rig's reach; choose a smaller one",
+        .displacement_m * 1e3
+    )]
     OutOfReach {
         /// Displacement relative to the cart, m.
         displacement_m: f64,
     },
     /// The hammer would begin inside the impact surface.
+    #[error(
+        "the start displacement {} mm is {} mm inside the impact surface; start at the gap or below",
+        .displacement_m * 1e3,
+        .depth_m * 1e3
+    )]
     InsideSurface {
         /// Displacement relative to the cart, m.
         displacement_m: f64,
@@ -100,25 +150,37 @@ pub enum StartError {
         depth_m: f64,
     },
     /// The drive phase, turns, is not from 0 to below 1.
+    #[error("the drive phase at the start is {0} turns, must be from 0 to below 1")]
     Phase(f64),
     /// The switch model begins at drive phase 0 only.
+    #[error("the switch engine starts at drive phase 0; use the event engine for other phases")]
     SwitchPhase,
 }
 
 /// Why a motion cannot be followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MotionError {
     /// The hammer leaves what the model describes: beyond 1 rad or 1 m.
+    #[error(
+        "at {frequency_hz:.6} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m); use a smaller amplitude or start, and with the switch engine a shorter tick"
+    )]
     LeftModel {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
     /// The state is no longer a number.
+    #[error(
+        "at {frequency_hz:.6} Hz the motion cannot be followed; check contact stiffness, damping and amplitude, and with the switch engine use a shorter tick"
+    )]
     Lost {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
     /// The switch model's tick is too long for a contact under a nonlinear law.
+    #[error(
+        "at {frequency_hz:.6} Hz a contact under this nonlinear law is too short for the switch engine's tick; use --tick-us {} or less, or the event engine",
+        short_of_us(*.needed_s)
+    )]
     TickTooLong {
         /// Drive frequency, Hz.
         frequency_hz: f64,
@@ -126,21 +188,29 @@ pub enum MotionError {
         needed_s: f64,
     },
     /// The same two, where the section is collected.
+    #[error(
+        "at {frequency_hz} Hz the hammer leaves what the model describes (beyond 1 rad or 1 m) or cannot be followed; use a smaller amplitude or start"
+    )]
     LostOnSection {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
     /// A drive period forgets the one before beyond what a number can hold: there is no Lyapunov exponent.
+    #[error(
+        "at {frequency_hz} Hz one drive period forgets the one before beyond what a number can hold (the hammer stays pressed on); there is no exponent to give"
+    )]
     Forgotten {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
     /// The state is no longer a number while a Lyapunov exponent is computed.
+    #[error("at {frequency_hz} Hz the motion cannot be followed; check amplitude and start")]
     LostTangent {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
     /// The smoothed motion cannot be followed at this width.
+    #[error("the smoothed motion of width {width_m} m cannot be followed; take a wider one")]
     LostSmoothed {
         /// Width of the smoothing, m.
         width_m: f64,
@@ -148,9 +218,10 @@ pub enum MotionError {
 }
 
 /// Why a map cannot be made.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum MapError {
     /// No cells, or too many.
+    #[error("the map has {cells} cells, must have from 1 to {most}; choose other ranges or steps")]
     Cells {
         /// How many.
         cells: usize,
@@ -158,8 +229,12 @@ pub enum MapError {
         most: usize,
     },
     /// No cycles to run.
+    #[error("--cycles is 0, must be at least 1")]
     NoCycles,
     /// The recorded cycles are none, or more than are run.
+    #[error(
+        "--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)"
+    )]
     Recorded {
         /// How many are to be recorded.
         recorded: u32,
@@ -167,6 +242,9 @@ pub enum MapError {
         cycles: u32,
     },
     /// Cells that have not settled would run no further than the others.
+    #[error(
+        "--settle is {settle}, must be more than the {cycles} drive cycles of a run (--cycles)"
+    )]
     Settle {
         /// Cycles they run to.
         settle: u32,
@@ -174,13 +252,19 @@ pub enum MapError {
         cycles: u32,
     },
     /// Single cells cannot be audited where each begins as its neighbour ended.
+    #[error(
+        "--audit runs cells alone, and with --direction up or down each begins where its neighbour ended; leave one of the two out"
+    )]
     AuditCarried,
 }
 
 /// Why basins cannot be computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BasinsError {
     /// A side of the window of starts does not rise.
+    #[error(
+        "the window's {side} goes from {from} to {to} (m or m/s); the second must be the larger"
+    )]
     Window {
         /// Which.
         side: Side,
@@ -190,8 +274,13 @@ pub enum BasinsError {
         to: f64,
     },
     /// The drive phase at the start, turns, is not from 0 to below 1.
+    #[error("{}", StartError::Phase(*.0))]
     Phase(f64),
     /// The grid has no cells, or too many.
+    #[error(
+        "a grid of {columns} by {rows} has {} cells; it must have from 1 to {most}",
+        .columns.saturating_mul(*.rows)
+    )]
     Cells {
         /// Columns.
         columns: usize,
@@ -201,6 +290,9 @@ pub enum BasinsError {
         most: usize,
     },
     /// The recorded cycles are none, or more than are run.
+    #[error(
+        "--recorded is {recorded}, must be from 1 to the {cycles} drive cycles of a run (--cycles)"
+    )]
     Recorded {
         /// How many are to be recorded.
         recorded: u32,
@@ -208,6 +300,7 @@ pub enum BasinsError {
         cycles: u32,
     },
     /// The random starts would run no further than the grid's.
+    #[error("--until is {until}, must be at least the {cycles} drive cycles of a run (--cycles)")]
     Until {
         /// Cycles they run to.
         until: u32,
@@ -226,17 +319,25 @@ pub enum Side {
 }
 
 /// Why a beam with several bending modes cannot be computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ModesError {
     /// The rig hangs on wires.
+    #[error("bending modes are those of beam springs; use --rig beam-170, beam-150 or beam-135")]
     NotBeams,
     /// The contact law is not the spring-dashpot.
+    #[error("the beam with modes knows one contact law; leave it at spring-dashpot")]
     Law,
     /// The gap, m, is negative: the hammer would rest pressed against the surface.
+    #[error(
+        "gap_mm is {}; the beam with modes starts at rest, free of the surface: 0 or more",
+        .0 * 1e3
+    )]
     Gap(f64),
     /// The beam has a cubic stiffness.
+    #[error("the beam with modes is linear; leave cubic_stiffness_n_per_m3 out")]
     Cubic,
     /// So many modes cannot be computed.
+    #[error("{count} modes are asked for; choose from 1 to {most}")]
     Count {
         /// How many were asked for.
         count: usize,
@@ -244,6 +345,11 @@ pub enum ModesError {
         most: usize,
     },
     /// The mass of the beam springs over the hammer's is out of range.
+    #[error(
+        "the beam springs' mass is {ratio} of the hammer's; it must be from {} to {}",
+        .allowed.0,
+        .allowed.1
+    )]
     MassRatio {
         /// The ratio.
         ratio: f64,
@@ -251,6 +357,9 @@ pub enum ModesError {
         allowed: (f64, f64),
     },
     /// The motion cannot be followed.
+    #[error(
+        "at {frequency_hz} Hz the motion cannot be followed; check contact stiffness, damping and amplitude"
+    )]
     Lost {
         /// Drive frequency, Hz.
         frequency_hz: f64,
@@ -258,14 +367,20 @@ pub enum ModesError {
 }
 
 /// Why a drop test cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum DropTestError {
     /// The rig cannot be displaced so far.
+    #[error("a release at {} mm is out of the rig's reach; choose a smaller one", mm(*.release_m))]
     OutOfReach {
         /// Displacement at the release, m.
         release_m: f64,
     },
     /// The release is not clear of the surface.
+    #[error(
+        "a release at {} mm is not clear of the surface, which is at {} mm; let go further out (negative: away from it)",
+        mm(*.release_m),
+        mm(*.gap_m)
+    )]
     NotClear {
         /// Displacement at the release, m.
         release_m: f64,
@@ -273,13 +388,21 @@ pub enum DropTestError {
         gap_m: f64,
     },
     /// The hammer never reaches the surface.
+    #[error("the hammer never strikes: let go further out, or choose a smaller gap")]
     NoContact,
     /// The hammer of the identification never reaches the surface.
+    #[error(
+        "let go at {} mm, this rig's hammer never strikes: check --release-mm and --gap",
+        mm(*.release_m)
+    )]
     NoContactAt {
         /// Displacement at the release, m.
         release_m: f64,
     },
     /// Too many samples.
+    #[error(
+        "that is {count:.0} samples, more than {most:.0}; use fewer impacts or a lower sampling rate"
+    )]
     Samples {
         /// How many it would be.
         count: f64,
@@ -287,13 +410,18 @@ pub enum DropTestError {
         most: f64,
     },
     /// The motion cannot be followed.
+    #[error("the motion cannot be followed; check contact stiffness, damping and release")]
     Lost,
 }
 
 /// What a record lacks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordError {
     /// Too few samples in the chosen part.
+    #[error(
+        "samples from {} to {} s: {count}, at least 16 are needed; it goes from {} to {} s",
+        .part_s.0, .part_s.1, .whole_s.0, .whole_s.1
+    )]
     Samples {
         /// How many there are.
         count: usize,
@@ -303,18 +431,29 @@ pub enum RecordError {
         whole_s: (f64, f64),
     },
     /// The contact force.
+    #[error("there is no column force_n; a drop test is identified from its force")]
     NoForce,
     /// Displacement and force.
+    #[error("neither displacement_mm nor force_n is there to compare")]
     NothingToCompare,
     /// A cart that moves at one frequency and phase throughout.
+    #[error(
+        "the cart does not move at one frequency and phase throughout; cut out a part where it does with --from-s and --to-s, or give --frequency"
+    )]
     UnsteadyCart,
     /// Any contact.
+    #[error("no contact in the record")]
     NoContacts,
     /// Enough contacts to find the drive frequency from.
+    #[error("{0} contacts are too few to find the drive from; give --frequency or --ratio")]
     FewContacts(usize),
     /// A drive frequency to try.
+    #[error("no drive frequency to try")]
     NoFrequency,
     /// A whole drive period.
+    #[error(
+        "{span_s:.3} s are less than a drive period at {frequency_hz:.4} Hz; record longer, or give --frequency"
+    )]
     ShorterThanPeriod {
         /// Length of the record, s.
         span_s: f64,
@@ -322,6 +461,7 @@ pub enum RecordError {
         frequency_hz: f64,
     },
     /// A contact that stands out of the noise.
+    #[error("{}", only_noise(*.largest_n, *.noise_n))]
     OnlyNoise {
         /// Largest force, N.
         largest_n: f64,
@@ -329,15 +469,24 @@ pub enum RecordError {
         noise_n: f64,
     },
     /// A sample before the first contact.
+    #[error("no impact has a sample before it; begin the record at the release")]
     NothingBeforeContact,
     /// Parameters to search for.
+    #[error("there is nothing to search for")]
     NothingToSearch,
 }
 
 /// Why there is no operating point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Error)]
 pub enum PickError {
     /// There is no stable 1/1.
+    #[error(
+        " has no stable 1/1 at a gap of {:?} mm between {} and {} times its natural frequency; {}",
+        mm(*.gap_m),
+        .ratios.0,
+        .ratios.1,
+        other_gap(*.nearest_gap_m)
+    )]
     NoOneOne {
         /// Clearance at rest, m.
         gap_m: f64,
@@ -347,57 +496,158 @@ pub enum PickError {
         nearest_gap_m: Option<f64>,
     },
     /// No frequency has a stable 1/1 for every rig within the uncertainty.
+    #[error(
+        ": no frequency gives a stable 1/1 for every rig within the uncertainty; {}: narrow it (--amplitude-percent and the like) or use --nominal",
+        share_left(*.share)
+    )]
     NoneRobust {
         /// With this share of the uncertainty there is one. None if there is none even for a hundredth of it.
         share: Option<f64>,
     },
     /// A rig within the uncertainty has no stable 1/1.
+    #[error(
+        ": at {frequency_hz:.4} Hz a rig within the uncertainty has no stable 1/1; narrow the uncertainty"
+    )]
     MemberLost {
         /// Drive frequency, Hz.
         frequency_hz: f64,
     },
     /// No amplitude gives the force wanted.
+    #[error(
+        ": no amplitude of the cart gives {wanted_n} N with a stable 1/1; ask for another force, or change the gap"
+    )]
     NoAmplitude {
         /// That force, N.
         wanted_n: f64,
     },
     /// No frequency keeps the limits.
+    #[error(
+        ": no frequency with a stable 1/1 ({:.4} to {:.4} Hz) keeps {}; {}",
+        .range_hz.0,
+        .range_hz.1,
+        named(*.limits).join(" and "),
+        nearest_limits(**.feasible)
+    )]
     Limits {
         /// Where a stable 1/1 is, Hz.
         range_hz: (f64, f64),
         /// The limits.
-        limits: crate::limits::Limits,
+        limits: Limits,
         /// What those of them that cannot be kept would have to be at least.
-        feasible: Box<crate::limits::Limits>,
+        feasible: Box<Limits>,
     },
 }
 
-impl fmt::Display for Error {
-    /// The variant and its values. The words for people are the caller's.
+impl fmt::Display for Side {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{self:?}")
+        f.write_str(match self {
+            Self::Displacement => "displacement",
+            Self::Velocity => "velocity",
+        })
     }
 }
 
-impl std::error::Error for Error {}
-
-macro_rules! from {
-    ($($source:ty => $variant:ident),* $(,)?) => {$(
-        impl From<$source> for Error {
-            fn from(error: $source) -> Self {
-                Self::$variant(error)
+impl MotionError {
+    /// The same in a few words, for a row of a table that has the frequency beside it.
+    pub fn in_few_words(self) -> &'static str {
+        match self {
+            MotionError::LeftModel { .. } => {
+                "the hammer leaves what the model describes (beyond 1 rad or 1 m)"
             }
+            MotionError::TickTooLong { .. } => "a contact is too short for the tick",
+            MotionError::LostOnSection { .. } => {
+                "the hammer leaves what the model describes, or cannot be followed"
+            }
+            MotionError::Forgotten { .. } => "a drive period forgets the one before",
+            MotionError::Lost { .. }
+            | MotionError::LostTangent { .. }
+            | MotionError::LostSmoothed { .. } => "the motion cannot be followed",
         }
-    )*};
+    }
 }
 
-from!(
-    ParamError => Parameter,
-    DriveError => Drive,
-    StartError => Start,
-    MotionError => Motion,
-    MapError => Map,
-    BasinsError => Basins,
-    ModesError => Modes,
-    DropTestError => DropTest,
-);
+/// A time in microseconds, rounded down to two digits.
+fn short_of_us(time_s: f64) -> f64 {
+    let us = time_s * 1e6;
+    let digit = 10.0_f64.powf(us.log10().floor() - 1.0);
+    // Dividing by a whole number prints without a tail of digits.
+    if digit < 1.0 {
+        let per_us = (1.0 / digit).round();
+        (us * per_us).floor() / per_us
+    } else {
+        (us / digit).floor() * digit
+    }
+}
+
+fn mm(metres: f64) -> f64 {
+    tidy(metres * 1e3)
+}
+
+/// What a record lacks, behind the record's name where that says more.
+fn in_record(record: &str, what: &RecordError) -> String {
+    match what {
+        RecordError::NoContacts | RecordError::NoFrequency | RecordError::NothingToSearch => {
+            what.to_string()
+        }
+        _ => format!("{record}: {what}"),
+    }
+}
+
+fn only_noise(largest_n: f64, noise_n: f64) -> String {
+    if largest_n == 0.0 {
+        return "the force is the same in every sample: no impact to identify from; was the record cut before the first impact?".to_owned();
+    }
+    format!(
+        "the largest force, {} N, does not stand out of the noise of {} N: no impact to identify from",
+        significant(largest_n, 3),
+        significant(noise_n, 3)
+    )
+}
+
+fn other_gap(nearest_gap_m: Option<f64>) -> String {
+    match nearest_gap_m {
+        Some(gap_m) => format!("there is one at {:.3} mm", gap_m * 1e3),
+        None => "try a larger amplitude".to_owned(),
+    }
+}
+
+fn share_left(share: Option<f64>) -> String {
+    match share {
+        Some(share) => format!(
+            "{:.0} % of that uncertainty still allows one",
+            100.0 * share
+        ),
+        None => "not even a hundredth of it allows one".to_owned(),
+    }
+}
+
+/// What the limits would have to be at least, four digits, rounded up so that they can be kept.
+fn nearest_limits(feasible: Limits) -> String {
+    let up = |x: f64| {
+        let scale = 10f64.powi(3 - x.abs().log10().floor() as i32);
+        (x * scale).ceil() / scale
+    };
+    let least = named(Limits {
+        max_force_n: feasible.max_force_n.map(up),
+        max_frequency_hz: feasible.max_frequency_hz.map(up),
+        max_shaker_force_n: feasible.max_shaker_force_n.map(up),
+        rig_shaker_force_n: feasible.rig_shaker_force_n.map(up),
+    });
+    match least.as_slice() {
+        [] => "relax one of them".to_owned(),
+        least => format!("the nearest that can be kept: {}", least.join(" and ")),
+    }
+}
+
+fn named(limits: Limits) -> Vec<String> {
+    let one = |name: &str, limit: Option<f64>| limit.map(|limit| format!("{name} = {limit}"));
+    [
+        one("max_force_n", limits.max_force_n),
+        one("max_frequency_hz", limits.max_frequency_hz),
+        one("max_shaker_force_n", limits.max_shaker_force_n),
+        one("shaker_max_force_n", limits.rig_shaker_force_n),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}

@@ -283,6 +283,19 @@ pub fn kind(regime: Regime) -> Regime {
     }
 }
 
+/// `value` with `digits` significant digits, without an exponent.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let place = digits as i32 - 1 - value.abs().log10().floor() as i32;
+    if place >= 0 {
+        return format!("{value:.*}", place as usize);
+    }
+    let scale = 10f64.powi(-place);
+    format!("{:.0}", (value / scale).round() * scale)
+}
+
 /// Removes the last-digit noise of a unit conversion, so that 2.4 mm prints as 2.4.
 pub fn tidy(x: f64) -> f64 {
     let rounded = (x * 1e9).round() / 1e9;
@@ -290,5 +303,23 @@ pub fn tidy(x: f64) -> f64 {
         rounded
     } else {
         x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn significant_digits_need_no_exponent() {
+        for (value, digits, shown) in [
+            (0.004_216, 2, "0.0042"),
+            (3.676_7, 2, "3.7"),
+            (86.94, 2, "87"),
+            (1234.0, 2, "1200"),
+            (0.0, 2, "0"),
+        ] {
+            assert_eq!(significant(value, digits), shown);
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The chapter's conclusion: why a gap of 0.0 mm in the field. `pick --gaps` for every rig, at the gaps that the chapter measures.
+//! The chapter's conclusion: why a gap of 0.0 mm in the field. `pick` over gaps for every rig, at the gaps that the chapter measures.
 
 use super::{Effort, Page, stem};
 use crate::pictures::drawn;
@@ -50,7 +50,7 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         title: "Why 0.0 mm: the pick at the chapter's gaps".to_owned(),
         chapter: "3.5: \"it is recommended to operate with 0.0 mm gap\": forces are \"in the same range\" as at higher gaps, where nonlinear jumps occur, and near the maximum \"for a wider frequency range\".",
         found: found(&tables),
-        command: "host-sim pick --gaps 0:3.5:0.5 --cart prescribed".to_owned(),
+        command: "host-sim pick --gap 0:3.5:0.5 --cart prescribed".to_owned(),
         files,
     }])
 }

@@ -1,6 +1,7 @@
 //! Digits for a person: those that the uncertainty leaves. Tables and JSON have all of them.
 
 use numerics::pick::Answer;
+pub use numerics::row::significant;
 
 /// Decimals of the quantities of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,19 +133,6 @@ fn places(value: f64, digits: i32) -> usize {
     }
 }
 
-/// `value` with `digits` significant digits, without an exponent.
-pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let place = digits as i32 - 1 - value.abs().log10().floor() as i32;
-    if place >= 0 {
-        return format!("{value:.*}", place as usize);
-    }
-    let scale = 10f64.powi(-place);
-    format!("{:.0}", (value / scale).round() * scale)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,18 +161,5 @@ mod tests {
         assert_eq!(digits.band([3.33, 4.03]), "3.33 to 4.03");
         // A band narrower than a digit keeps its digits.
         assert_eq!(digits.band([3.3312, 3.3391]), "3.3312 to 3.3391");
-    }
-
-    #[test]
-    fn significant_digits_need_no_exponent() {
-        for (value, digits, shown) in [
-            (0.004_216, 2, "0.0042"),
-            (3.676_7, 2, "3.7"),
-            (86.94, 2, "87"),
-            (1234.0, 2, "1200"),
-            (0.0, 2, "0"),
-        ] {
-            assert_eq!(significant(value, digits), shown);
-        }
     }
 }

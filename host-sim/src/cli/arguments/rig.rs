@@ -61,8 +61,19 @@ impl RigName {
         keys.map(str::trim).any(|set| set == key)
     }
 
+    /// This rig at the gap `gap_mm`; None: its own.
+    pub fn at(&self, gap_mm: Option<f64>) -> RigArgs {
+        RigArgs {
+            name: self.clone(),
+            gap: gap_mm,
+        }
+    }
+
     /// Refuses an override of the gap where `--gap` is there, too.
-    fn check_gap(&self) -> Result<(), UserError> {
+    ///
+    /// # Errors
+    /// If there is one.
+    pub fn check_gap(&self) -> Result<(), UserError> {
         if self.overrides("gap_mm") {
             return Err(UserError::new(
                 "--gap and --set gap_mm both say what it is; leave one of them out",
@@ -179,7 +190,7 @@ pub struct RigAtGaps {
     pub name: RigName,
 
     /// Clearances at rest, mm: one, or FROM:TO:STEP; may be given several times
-    #[arg(long = "gap", value_name = "MM", value_parser = parse_gaps, allow_hyphen_values = true)]
+    #[arg(long = "gap", alias = "gaps", value_name = "MM", value_parser = parse_gaps, allow_hyphen_values = true)]
     gaps: Vec<Gaps>,
 }
 
@@ -194,6 +205,21 @@ impl RigAtGaps {
         }
         self.name.check_gap()?;
         Ok(Some(self.gaps.iter().flat_map(|g| g.0.clone()).collect()))
+    }
+
+    /// The same; none too where one number is given.
+    ///
+    /// # Errors
+    /// As [`RigAtGaps::gaps_mm`].
+    pub fn several_mm(&self) -> Result<Option<Vec<f64>>, UserError> {
+        let one = matches!(self.gaps.as_slice(), [Gaps(_, Form::One)]);
+        if one { Ok(None) } else { self.gaps_mm() }
+    }
+
+    /// The rig at the gap given, where it is one.
+    pub fn at_one(&self) -> RigArgs {
+        let first = self.gaps.first().and_then(|g| g.0.first());
+        self.name.at(first.copied())
     }
 }
 
@@ -212,18 +238,29 @@ pub fn at_gap(
 
 /// The gaps of one `--gap`, mm.
 #[derive(Clone, Debug, PartialEq)]
-struct Gaps(Vec<f64>);
+struct Gaps(Vec<f64>, Form);
 
-fn parse_gap(text: &str) -> Result<f64, String> {
+/// How they were written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    One,
+    Range,
+}
+
+/// Reads one gap, mm.
+///
+/// # Errors
+/// In words: it is no number.
+pub fn parse_gap(text: &str) -> Result<f64, String> {
     let number = text.trim().parse();
     number.map_err(|_| "write a number of millimetres; this command takes one gap".to_owned())
 }
 
 fn parse_gaps(text: &str) -> Result<Gaps, String> {
     if text.contains(':') {
-        return parse_range(text).map(Gaps);
+        return parse_range(text).map(|gaps| Gaps(gaps, Form::Range));
     }
     let number = text.trim().parse();
     let number = number.map_err(|_| "write a number of millimetres, or FROM:TO:STEP".to_owned())?;
-    Ok(Gaps(vec![number]))
+    Ok(Gaps(vec![number], Form::One))
 }

@@ -1,6 +1,6 @@
 //! `orbits --curve`: doublings, folds and grazes over two parameters, each followed as one continuation.
 
-use super::{Args, Axis, end_words, ends, ratios};
+use super::{Args, Axis, end_words, gap_ends, ratios};
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::{parse_finite, rising};
 use crate::pictures;
@@ -102,17 +102,16 @@ fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
     let of =
         |over: &CurveOver| Dimension::new(Varied::Rig(over.knob), over.range, over.log, params);
     let gap = |over: &&CurveOver| over.knob.name() == "gap_mm";
-    let uses_gap = args.along == Axis::Gap || args.curve.iter().any(|c| gap(&c));
-    if uses_gap && args.rig.has_gap_option() {
+    let over_gap = args.along != Axis::Gap && args.curve.iter().any(|c| gap(&c));
+    if over_gap && args.gap.is_some() {
         return Err(UserError::new(
             "--gap does not go with a curve over the gap; leave it out",
         ));
     }
     let (first, second) = match args.curve.as_slice() {
         [second] if args.along == Axis::Gap => {
-            let gaps = args.gaps.as_deref().unwrap_or("0:3.56");
             let knob = Knob::named("gap_mm").map(Varied::Rig);
-            let range = ends("--gaps", gaps)?;
+            let range = gap_ends(args)?;
             let first = knob.map(|gap| Dimension::new(gap, range, false, params));
             (first.unwrap_or_else(|| of(second)), second)
         }
@@ -133,11 +132,6 @@ fn plane(args: &Args, rig: &NamedRig) -> Result<Plane, UserError> {
             ));
         }
     };
-    if args.gaps.is_some() && args.along != Axis::Gap {
-        return Err(UserError::new(
-            "--gaps goes with --along gap; write --curve gap_mm=FROM:TO",
-        ));
-    }
     let second_dimension = of(second);
     if first.varied == second_dimension.varied {
         return Err(UserError::new(format!(

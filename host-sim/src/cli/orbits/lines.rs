@@ -18,20 +18,16 @@ use plot::chart::Chart;
 /// # Errors
 /// If the request makes no sense, or the work is interrupted.
 pub fn run(args: &Args, output: &OutputArgs, rig: &NamedRig) -> Result<(), UserError> {
-    let misplaced = [
-        ("--gap", args.rig.has_gap_option(), "--gaps"),
-        ("--along gap", args.along == Axis::Gap, "--gaps"),
-    ];
-    if let Some((option, _, mend)) = misplaced.iter().find(|(_, given, _)| *given) {
-        return Err(UserError::new(format!(
-            "{option} does not go with --curves, which takes many gaps; use {mend} FROM:TO:STEP"
-        )));
+    if args.along == Axis::Gap {
+        return Err(UserError::new(
+            "--along gap does not go with --curves, which takes many gaps; use --gap FROM:TO:STEP",
+        ));
     }
-    let gaps = args.gaps.as_deref().unwrap_or("0:3.56:0.04");
-    let gaps_m = parse_range(gaps).map_err(|e| UserError::new(format!("--gaps {gaps}: {e}")))?;
+    let gaps = args.gap.as_deref().unwrap_or("0:3.56:0.04");
+    let gaps_m = parse_range(gaps).map_err(|e| UserError::new(format!("--gap {gaps}: {e}")))?;
     let gaps_m: Vec<f64> = gaps_m.into_iter().map(|mm| mm * 1e-3).collect();
     for gap_m in [gaps_m.first(), gaps_m.last()].into_iter().flatten() {
-        at_gap(&rig.params, gap_m * 1e3, "--gaps")?;
+        at_gap(&rig.params, gap_m * 1e3, "--gap")?;
     }
     let ratios = ratios(args, rig)?;
     let progress = Progress::new("gaps", gaps_m.len() as u64, output.quiet);

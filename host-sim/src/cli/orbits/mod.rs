@@ -9,7 +9,7 @@ use curve::{CurveOver, parse_curve};
 
 use crate::cli::arguments::output::OutputArgs;
 use crate::cli::arguments::range::rising;
-use crate::cli::arguments::rig::{CartArg, RigArgs, at_gap};
+use crate::cli::arguments::rig::{CartArg, RigName, at_gap, parse_gap};
 use crate::pictures;
 use crate::progress::Progress;
 use files::UserError;
@@ -43,10 +43,6 @@ pub struct Args {
     /// Frequencies, Hz; one value with --along gap
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     frequency: Option<String>,
-
-    /// Gaps, mm: FROM:TO with --along gap, FROM:TO:STEP with --curves [default: 0:3.56:0.04]
-    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
-    gaps: Option<String>,
 
     /// Orbits of up to so many drive periods
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=8))]
@@ -83,7 +79,18 @@ pub struct Args {
     searches: u16,
 
     #[command(flatten)]
-    rig: RigArgs,
+    rig: RigName,
+
+    /// Clearance at rest, mm [default: the rig's]; FROM:TO with --along gap [default: 0:3.56], FROM:TO:STEP with --curves
+    /// [default: 0:3.56:0.04]
+    #[arg(
+        long,
+        alias = "gaps",
+        value_name = "MM|FROM:TO[:STEP]",
+        allow_hyphen_values = true,
+        help_heading = "Rig"
+    )]
+    gap: Option<String>,
 
     #[command(flatten)]
     cart: CartArg,
@@ -95,7 +102,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), UserError> {
     let output = &args.output;
     output.check()?;
-    let rig = args.cart.apply(args.rig.load()?)?;
+    let rig = args.cart.apply(args.rig.at(one_gap(args)?).load()?)?;
     let output = &output.about([&rig])?;
     output.doubt_without_uncertainty(&rig);
     if args.curves {
@@ -122,23 +129,28 @@ pub fn run(args: &Args) -> Result<(), UserError> {
     output.answer(&answer, &answer.orbits, picture, || text(&answer))
 }
 
+/// The one gap given, mm, where none is varied.
+fn one_gap(args: &Args) -> Result<Option<f64>, UserError> {
+    let Some(text) = &args.gap else {
+        return Ok(None);
+    };
+    if args.curves || args.along == Axis::Gap {
+        args.rig.check_gap()?;
+        return Ok(None);
+    }
+    let gap = parse_gap(text).map_err(|_| {
+        UserError::new(format!(
+            "--gap {text}: write one number of millimetres; FROM:TO goes with --along gap, FROM:TO:STEP with --curves"
+        ))
+    });
+    gap.map(Some)
+}
+
 fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
     let natural_hz = rig.params.natural_frequency_hz();
     let (along, limits) = match args.along {
-        Axis::Frequency => {
-            if args.gaps.is_some() {
-                return Err(UserError::new(
-                    "--gaps goes with --along gap or --curves; use --gap for one gap",
-                ));
-            }
-            (Along::Frequency, ratios(args, rig)?)
-        }
+        Axis::Frequency => (Along::Frequency, ratios(args, rig)?),
         Axis::Gap => {
-            if args.rig.has_gap_option() {
-                return Err(UserError::new(
-                    "--gap does not go with --along gap; use --gaps FROM:TO",
-                ));
-            }
             let one = |option: &str, text: &str| {
                 let value = text.trim().parse::<f64>().ok();
                 let value = value.filter(|x| *x > 0.0 && x.is_finite());
@@ -158,10 +170,9 @@ fn request(args: &Args, rig: &NamedRig) -> Result<OrbitsRequest, UserError> {
                     ));
                 }
             };
-            let gaps = args.gaps.as_deref().unwrap_or("0:3.56");
-            let (from, to) = ends("--gaps", gaps)?;
+            let (from, to) = gap_ends(args)?;
             for mm in [from, to] {
-                at_gap(&rig.params, mm, "--gaps")?;
+                at_gap(&rig.params, mm, "--gap")?;
             }
             let unit = rig.params.amplitude_m * 1e3;
             (Along::Gap(hz), (from / unit, to / unit))
@@ -202,6 +213,11 @@ fn ratios(args: &Args, rig: &NamedRig) -> Result<(f64, f64), UserError> {
         )));
     }
     Ok((from / unit, to / unit))
+}
+
+/// The range of gaps asked for with `--along gap`, mm.
+fn gap_ends(args: &Args) -> Result<(f64, f64), UserError> {
+    ends("--gap", args.gap.as_deref().unwrap_or("0:3.56"))
 }
 
 /// `FROM:TO`.

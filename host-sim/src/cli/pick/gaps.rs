@@ -1,7 +1,6 @@
-//! `host-sim pick --gaps`.
+//! `host-sim pick --gap FROM:TO:STEP`.
 
 use crate::cli::arguments::output::OutputArgs;
-use crate::cli::arguments::range::parse_range;
 use crate::cli::arguments::rig::at_gap;
 use crate::pictures::gaps::figure;
 use crate::progress::Progress;
@@ -22,9 +21,9 @@ const MOST_GAPS: usize = 1000;
 /// Random starts per gap at most.
 const MOST_STARTS: u32 = 1_000_000;
 
-/// What `--gaps` needs besides.
-pub struct Gaps<'a> {
-    pub text: &'a str,
+/// The gaps, mm, and what they need besides.
+pub struct Gaps {
+    pub mm: Vec<f64>,
     pub springs: Springs,
     pub starts: u32,
     pub seed: u64,
@@ -33,15 +32,14 @@ pub struct Gaps<'a> {
 pub fn run(
     rig: &NamedRig,
     output: &OutputArgs,
-    gaps: &Gaps<'_>,
+    gaps: &Gaps,
     uncertainty: Option<Uncertainty>,
     limits: Limits,
 ) -> Result<(), UserError> {
-    let text = gaps.text;
-    let list = parse_range(text).map_err(|e| UserError::new(format!("--gaps {text}: {e}")))?;
+    let list = &gaps.mm;
     if list.len() > MOST_GAPS {
         return Err(UserError::new(format!(
-            "--gaps {text}: that is {} gaps, at most {MOST_GAPS} are tried; use a larger STEP",
+            "--gap: that is {} gaps, at most {MOST_GAPS} are tried; use a larger STEP",
             list.len()
         )));
     }
@@ -54,12 +52,12 @@ pub fn run(
     let total = gap_steps(list.len(), uncertainty, gaps.starts);
     let progress = Progress::new("rigs and starts tried", total, output.quiet);
     let starts = (gaps.starts, gaps.seed);
-    for gap_mm in &list {
-        at_gap(&rig.params, tidy(*gap_mm), "--gaps")?;
+    for gap_mm in list {
+        at_gap(&rig.params, tidy(*gap_mm), "--gap")?;
     }
     let advice = advise(
         rig,
-        &list,
+        list,
         (uncertainty, gaps.springs),
         limits,
         starts,

@@ -20,7 +20,7 @@ use super::arguments::ground::GroundArgs;
 use super::arguments::output::{OutputArgs, replaced, to_json};
 use super::arguments::over::{Over, parse_over};
 use super::arguments::request::object;
-use super::arguments::rig::{CartArg, RigArgs};
+use super::arguments::rig::{CartArg, RigAtGaps};
 use super::arguments::uncertainty::UncertaintyArgs;
 use crate::pictures::drawn;
 use crate::pictures::pick::figure;
@@ -36,32 +36,31 @@ use numerics::drill::pick::Request;
 use numerics::pick::{Pick, pick_for_force, pick_on, steps};
 use numerics::uncertainty::Uncertainty;
 
+/// Random starts per gap, if nothing else is asked for.
+const STARTS: u32 = 400;
+
 #[derive(Debug, clap::Args)]
-#[command(mut_arg("gap", |gap| gap.help("Clearance at rest, mm [default: 0.0, whatever the rig's]")))]
+#[command(mut_arg("gaps", |gaps| gaps.help("Clearance at rest, mm [default: 0.0, whatever the rig's]. FROM:TO:STEP, or several: pick at each, and advise at which to run")))]
 pub struct Args {
     /// All four rigs side by side
     #[arg(long, conflicts_with = "rig")]
     all: bool,
 
     /// Another rig, or other settings of one, side by side with --rig: NAME|FILE.toml,KEY=VALUE,...; may be given several times
-    #[arg(long, value_name = "RIG[,KEY=VALUE]", conflicts_with_all = ["all", "gaps"])]
+    #[arg(long, value_name = "RIG[,KEY=VALUE]", conflicts_with = "all")]
     beside: Vec<String>,
 
     /// Also write a report of one page, to print: answer, picture, assumptions, what to measure first
-    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["all", "gaps", "beside"], help_heading = "Output")]
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["all", "beside"], help_heading = "Output")]
     report: Option<PathBuf>,
 
-    /// Pick at each of these gaps (mm), and advise at which to run
-    #[arg(long, value_name = "FROM:TO:STEP", allow_hyphen_values = true, conflicts_with_all = ["all", "gap"])]
-    gaps: Option<String>,
-
-    /// With --gaps: random initial conditions per gap, for the share that settles on the orbit picked
-    #[arg(long, value_name = "N", default_value_t = 400, requires = "gaps")]
+    /// With several gaps: random initial conditions per gap, for the share that settles on the orbit picked
+    #[arg(long, value_name = "N", default_value_t = STARTS)]
     starts: u32,
 
     /// Pick at each of these values of a parameter of the rig: FROM:TO:STEP, FROM:TO:linN, FROM:TO:logN, or values with
     /// commas: contact_stiffness_n_per_m=1e6:1e7:log5
-    #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with_all = ["all", "gaps", "beside", "report"])]
+    #[arg(long, value_name = "KEY=VALUES", value_parser = parse_over, conflicts_with_all = ["all", "beside", "report"])]
     over: Option<Over>,
 
     /// What to make largest
@@ -69,7 +68,7 @@ pub struct Args {
     objective: Objective,
 
     /// Contact force wanted at the recommended point, N: the answer has the stroke that gives it, and whether the shaker can
-    #[arg(long, value_name = "N", conflicts_with_all = ["max_force_n", "all", "beside", "gaps", "over"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["max_force_n", "all", "beside", "over"])]
     want_force_n: Option<f64>,
 
     /// Largest contact force allowed, N
@@ -89,7 +88,7 @@ pub struct Args {
     uncertainty: UncertaintyArgs,
 
     #[command(flatten)]
-    rig: RigArgs,
+    rig: RigAtGaps,
 
     #[command(flatten)]
     cart: CartArg,
@@ -119,24 +118,25 @@ pub fn run(args: &Args) -> Result<(), UserError> {
             "{option} is for --objective rop; the other objective is on a surface that stays"
         )));
     }
-    if let Some(text) = &args.gaps {
+    if let Some(gaps_mm) = args.rig.several_mm()? {
+        refuse_others(args, "several gaps")?;
         let gaps = gaps::Gaps {
-            text,
+            mm: gaps_mm,
             springs,
             starts: args.starts,
             seed: args.uncertainty.seed(),
         };
-        if args.rig.name.overrides("gap_mm") {
-            return Err(UserError::new(
-                "--gaps and --set gap_mm both say what it is; leave one of them out",
-            ));
-        }
-        let rig = args.cart.apply(args.rig.load()?)?;
+        let rig = args.cart.apply(args.rig.name.load()?)?;
         output.doubt(&rig);
         let uncertainty = args.uncertainty.of(&rig)?;
         let output = output.about([&rig])?;
         let output = output.with_uncertainty(uncertainty.map(stated));
         return gaps::run(&rig, &output, &gaps, uncertainty, limits);
+    }
+    if args.starts != STARTS {
+        return Err(UserError::new(
+            "--starts goes with several gaps: --gap FROM:TO:STEP",
+        ));
     }
     if let Some(asked) = &args.over {
         return over::run(args, asked, springs, limits);
@@ -180,18 +180,11 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 /// For the largest rate of penetration.
 fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), UserError> {
-    let others = [
-        ("--all", args.all),
-        ("--beside", !args.beside.is_empty()),
-        ("--gaps", args.gaps.is_some()),
-        ("--over", args.over.is_some()),
-        ("--report", args.report.is_some()),
-        ("--want-force-n", args.want_force_n.is_some()),
-    ];
-    if let Some((option, _)) = others.iter().find(|(_, given)| *given) {
-        return Err(UserError::new(format!(
-            "{option} cannot be used with --objective rop, which is for one rig at one gap (host-sim drill --gap FROM:TO:STEP goes over gaps)"
-        )));
+    refuse_others(args, "--objective rop, which is for one rig at one gap")?;
+    if args.rig.several_mm()?.is_some() {
+        return Err(UserError::new(
+            "--objective rop is for one rig at one gap; host-sim drill --gap FROM:TO:STEP goes over gaps",
+        ));
     }
     if let Some(option) = args.springs.given() {
         return Err(UserError::new(format!(
@@ -221,6 +214,23 @@ fn for_progress(args: &Args, output: &OutputArgs, limits: Limits) -> Result<(), 
     });
     let output = output.about([&rig])?.with_uncertainty(carried);
     rop::run(&rig, &request, &output)
+}
+
+/// Refuses what asks for more than one rig, or another kind of answer, where `beside` is asked for.
+fn refuse_others(args: &Args, beside: &str) -> Result<(), UserError> {
+    let others = [
+        ("--all", args.all),
+        ("--beside", !args.beside.is_empty()),
+        ("--over", args.over.is_some()),
+        ("--report", args.report.is_some()),
+        ("--want-force-n", args.want_force_n.is_some()),
+    ];
+    match others.iter().find(|(_, given)| *given) {
+        Some((option, _)) => Err(UserError::new(format!(
+            "{option} cannot be used with {beside}"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The uncertainty as an answer carries it.
@@ -278,12 +288,13 @@ fn load(
     name: &str,
     settings: &[String],
 ) -> Result<NamedRig, UserError> {
-    let loaded = args.rig.load_with(name, settings)?;
+    let rig_args = args.rig.at_one();
+    let loaded = rig_args.load_with(name, settings)?;
     let mut rig = args.cart.apply(loaded)?;
     let gap_set = settings
         .iter()
         .any(|setting| setting.trim_start().starts_with("gap_mm"));
-    if !args.rig.sets_gap() && !gap_set {
+    if !rig_args.sets_gap() && !gap_set {
         default_to_zero_gap(&mut rig, output);
     }
     Ok(rig)

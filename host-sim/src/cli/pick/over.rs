@@ -17,7 +17,7 @@ use numerics::{Error, NamedRig};
 use plot::chart::Chart;
 
 pub fn run(args: &Args, asked: &Over, springs: Springs, limits: Limits) -> Result<(), UserError> {
-    asked.check(&args.rig)?;
+    asked.check(&args.rig.at_one())?;
     let base = rig(args, asked, &[])?;
     let output = &args.output;
     if base.gap_set_to_zero {
@@ -58,9 +58,10 @@ struct There {
 
 /// The rig with `settings` on top, at 0.0 mm unless the command line says otherwise.
 fn rig(args: &Args, asked: &Over, settings: &[String]) -> Result<There, UserError> {
-    let loaded = args.rig.load_with(args.rig.name.name(), settings)?;
+    let rig_args = args.rig.at_one();
+    let loaded = rig_args.load_with(args.rig.name.name(), settings)?;
     let mut rig = args.cart.apply(loaded)?;
-    let keeps = args.rig.sets_gap() || asked.key == "gap_mm";
+    let keeps = rig_args.sets_gap() || asked.key == "gap_mm";
     let gap_set_to_zero = !keeps && rig.params.gap_m != 0.0;
     if gap_set_to_zero {
         rig.params.gap_m = 0.0;

@@ -18,6 +18,7 @@ use crate::pictures::regimes::regime_points;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
+use numerics::error::MotionError;
 use numerics::row::Row;
 use numerics::sweep::{Direction, Measured, MeasuredError, sweep};
 use plot::chart::Chart;
@@ -124,8 +125,10 @@ pub fn run(args: &Args) -> Result<(), UserError> {
 
 /// Why the run of `row` failed, if it did.
 fn why_failed(row: &Row) -> Option<&'static str> {
-    row.failed
-        .then(|| row.failure.map_or("the run did not end", files::failure))
+    row.failed.then(|| {
+        row.failure
+            .map_or("the run did not end", MotionError::in_few_words)
+    })
 }
 
 /// Says how many rows failed.

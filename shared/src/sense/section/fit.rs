@@ -109,7 +109,7 @@ fn scatter(
     squares
 }
 
-/// The lower median of at most [`WINDOW`] counts.
+/// The lower median of at most [`WINDOW`](super::WINDOW) counts.
 fn median(counts: impl Iterator<Item = u8> + Clone) -> u8 {
     let size = counts.clone().count();
     let below = |limit: u8| counts.clone().filter(|c| *c < limit).count();
