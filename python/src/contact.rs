@@ -1,14 +1,14 @@
 //! The contact itself: its laws, drop tests, and contact parameters from a record.
 
 use files::words::identify::Worded;
-use numerics::contact_law::{four_laws, rows};
+use numerics::contact_law::{all_laws, rows};
 use numerics::drop_test::{DropTest, record as record_of};
-use numerics::identify::{Family, Fit, Misfit, Settings, fit, free_cart_percent, measure};
+use numerics::identify::{Fit, Misfit, Settings, fit, free_cart_percent, measure};
 use numerics::row::tidy;
 use numerics::signal::Signal;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use shared::model::params::law_name;
+use shared::model::contact::{LAWS, LawKind};
 
 use crate::arguments;
 use crate::error::wrong;
@@ -39,8 +39,8 @@ pub fn contact<'py>(
     let params = rig.named.params;
     let own = params.contact;
     let laws = match law {
-        "all" => four_laws(own),
-        "own" => vec![(law_name(&own), own)],
+        "all" => all_laws(own),
+        "own" => vec![(own.kind().name(), own)],
         other => return Err(arguments::choice("law", other, &["all", "own"])),
     };
     let how = How {
@@ -155,7 +155,12 @@ pub fn identify<'py>(
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let families = chosen("law", &laws, &Family::ALL, Family::name)?;
+    let families = chosen(
+        "law",
+        &laws,
+        &LAWS.map(|(_, law)| law.kind()),
+        LawKind::name,
+    )?;
     let misfits = chosen(
         "misfit",
         &misfits,

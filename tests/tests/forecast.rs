@@ -9,8 +9,8 @@ use shared::forecast::march::ForecastModel;
 use shared::forecast::shoot::{Progress, Shoot, Solution};
 use shared::forecast::{Forecast, ForecastRequest, Forecaster, Target};
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams};
-use shared::model::contact::Law;
-use shared::model::params::{BEAM_150, LAWS, PRESETS, RigParams, WIRES};
+use shared::model::contact::{LAWS, Law};
+use shared::model::params::{BEAM_150, PRESETS, RigParams, WIRES};
 
 fn forecast(request: &ForecastRequest) -> Forecast {
     let mut forecaster = Forecaster::new();

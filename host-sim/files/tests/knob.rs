@@ -1,7 +1,8 @@
 //! Numbers of a rig that are varied are those that rig files name: both give the same rig.
 
 use files::rigfile;
-use numerics::knob::{KNOBS, Knob};
+use numerics::knob::Knob;
+use shared::model::contact::LAWS;
 
 #[test]
 fn a_knob_does_what_the_key_of_a_rig_file_does() {
@@ -17,18 +18,14 @@ fn a_knob_does_what_the_key_of_a_rig_file_does() {
     };
     let mut set = 0;
     for rig in ["wires", "beam-170"] {
-        for law in [
-            "spring-dashpot",
-            "hertz",
-            "hunt-crossley",
-            "lankarani-nikravesh",
-        ] {
+        for (law, _) in LAWS {
             let law = [format!("contact_law={law}")];
             let base = rigfile::load(rig, &law).unwrap();
             let base = base.recoiling().unwrap();
-            for name in KNOBS {
+            for knob in Knob::all() {
+                let name = knob.name();
                 let value = values(name);
-                let by_knob = Knob::named(name).unwrap().set(&base.params, value);
+                let by_knob = knob.set(&base.params, value);
                 let settings = [law[0].clone(), format!("{name}={value}")];
                 let by_file = rigfile::load(rig, &settings).ok();
                 let by_file = by_file.map(|r| r.recoiling().unwrap().params);

@@ -8,7 +8,7 @@ mod member;
 #[cfg(test)]
 mod tests;
 
-pub use member::{Member, scale_contact};
+pub use member::Member;
 
 /// Half-widths of what is not known exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

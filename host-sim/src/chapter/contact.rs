@@ -1,7 +1,6 @@
 //! Sections 3.1 to 3.3.2: contact laws, the switch, the impact's parameters.
 
-use shared::model::contact::Law;
-use shared::model::params::{LAWS, TABLE_3_1};
+use shared::model::contact::{Law, LawKind, TABLE_3_1};
 
 use super::{Statement, Verdict};
 use crate::figures::Effort;
@@ -29,29 +28,16 @@ fn one(law: Law<f64>) -> Result<Row, UserError> {
         .ok_or_else(|| UserError::new("a contact that was asked for was not made"))
 }
 
-/// ci v: the force at the onset, N.
-fn at_onset(law: Law<f64>) -> f64 {
-    match law {
-        Law::SpringDashpot { damping, .. } => damping * SPEED,
-        _ => 0.0,
-    }
-}
-
-fn law(name: &str) -> Law<f64> {
-    let found = LAWS.iter().find(|(known, _)| *known == name);
-    found.map_or(TABLE_3_1, |(_, law)| *law)
-}
-
 fn laws() -> Result<Vec<Statement>, UserError> {
-    let hertz = one(law("hertz"))?;
+    let hertz = one(LawKind::Hertz.preset())?;
     let dashpot = one(TABLE_3_1)?;
-    let onset = at_onset(TABLE_3_1);
+    let onset = TABLE_3_1.onset_force(SPEED);
     let speeds = [0.1, 0.3, 0.5];
     let crossley = rows("", FIGURE_3_3, FIGURE_3_3_MASS_KG, &speeds)?;
     let never_pulls = crossley.iter().all(|row| row.pull_n == 0.0);
     let given = 0.3;
     let lankarani = one(Law::LankaraniNikravesh {
-        stiffness: law("lankarani-nikravesh").stiffness(),
+        stiffness: LawKind::LankaraniNikravesh.preset().stiffness(),
         exponent: 1.5,
         restitution: given,
     })?;
@@ -152,7 +138,7 @@ fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
 
 fn identified() -> Result<Vec<Statement>, UserError> {
     let table = one(TABLE_3_1)?;
-    let hertz = one(law("hertz"))?;
+    let hertz = one(LawKind::Hertz.preset())?;
     Ok(vec![
         Statement::measured(
             "3.3.2, figure 3.8",

@@ -6,9 +6,8 @@ use super::arguments::rig::RigName;
 use crate::pictures::contact_law::{blows, grid, over_speed};
 use files::UserError;
 use numerics::NamedRig;
-use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
+use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, all_laws, rows};
 use shared::model::contact::Law;
-use shared::model::params::law_name;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Which {
@@ -73,7 +72,7 @@ fn case(args: &Args) -> Result<Case, UserError> {
         return Ok(Case {
             title: format!("{FIGURE_3_3_MASS_KG} kg against a wall, Hunt-Crossley (figure 3.3)"),
             mass_kg: FIGURE_3_3_MASS_KG,
-            laws: vec![(law_name(&FIGURE_3_3), FIGURE_3_3)],
+            laws: vec![(FIGURE_3_3.kind().name(), FIGURE_3_3)],
             speeds,
             rig: None,
         });
@@ -88,8 +87,8 @@ fn case(args: &Args) -> Result<Case, UserError> {
         ),
         mass_kg: rig.params.mass_kg,
         laws: match args.law {
-            Which::All => four_laws(own),
-            Which::Own => vec![(law_name(&own), own)],
+            Which::All => all_laws(own),
+            Which::Own => vec![(own.kind().name(), own)],
         },
         speeds,
         rig: Some(rig),

@@ -1,5 +1,6 @@
 //! `host-sim identify`.
 
+use shared::model::contact::LawKind;
 use std::path::PathBuf;
 
 use serde::Serialize;
@@ -17,8 +18,7 @@ use files::words::identify::Worded;
 use numerics::NamedRig;
 use numerics::identify::ring::Ring;
 use numerics::identify::{
-    Estimate, Family, Fit, ImpactRow, Measured, Misfit, Model, Settings, fit, free_cart_percent,
-    measure,
+    Estimate, Fit, ImpactRow, Measured, Misfit, Model, Settings, fit, free_cart_percent, measure,
 };
 use numerics::signal::Signal;
 use plot::chart::Chart;
@@ -30,8 +30,8 @@ pub struct Args {
     file: Option<PathBuf>,
 
     /// Contact law to identify; may be given several times [default: spring-dashpot]
-    #[arg(long, value_parser = choice::<Family>())]
-    law: Vec<Family>,
+    #[arg(long, value_parser = choice::<LawKind>())]
+    law: Vec<LawKind>,
 
     /// All four laws
     #[arg(long, conflicts_with = "law")]
@@ -104,7 +104,7 @@ struct Answer<'a> {
 /// A line of the table.
 #[derive(Serialize)]
 struct Row {
-    law: Family,
+    law: LawKind,
     misfit: Misfit,
     parameter: &'static str,
     value: f64,
@@ -192,13 +192,13 @@ fn refuse(answer: &Answer, all_laws: bool) -> Result<(), UserError> {
 }
 
 /// The laws to identify.
-fn families(args: &Args) -> Result<Vec<Family>, UserError> {
+fn families(args: &Args) -> Result<Vec<LawKind>, UserError> {
     let families = match (args.all_laws, args.law.as_slice()) {
-        (true, _) => Family::ALL.to_vec(),
-        (false, []) => vec![Family::SpringDashpot],
+        (true, _) => LawKind::all().collect(),
+        (false, []) => vec![LawKind::SpringDashpot],
         (false, some) => some.to_vec(),
     };
-    if args.seek_exponent && families.contains(&Family::SpringDashpot) {
+    if args.seek_exponent && families.contains(&LawKind::SpringDashpot) {
         if families.len() == 1 {
             return Err(UserError::new(
                 "--seek-exponent: the spring-dashpot law has no exponent; add --law hertz, hunt-crossley or lankarani-nikravesh, or leave the option out",

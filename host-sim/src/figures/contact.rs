@@ -1,7 +1,8 @@
 //! Figures 3.3 (impacts of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the four laws over
 //! approach speed.
 
-use shared::model::params::{RigParams, TABLE_3_1, WIRES};
+use shared::model::contact::{LawKind, TABLE_3_1};
+use shared::model::params::{RigParams, WIRES};
 
 use super::{Effort, Page, stem};
 use crate::pictures;
@@ -10,9 +11,9 @@ use crate::pictures::drawn;
 use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
-use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, four_laws, rows};
+use numerics::contact_law::{FIGURE_3_3, FIGURE_3_3_MASS_KG, Row, all_laws, rows};
 use numerics::drop_test::{DropTest, record};
-use numerics::identify::{Family, Fit, Measured, Misfit, Settings, fit, measure};
+use numerics::identify::{Fit, Measured, Misfit, Settings, fit, measure};
 use numerics::signal::Signal;
 use plot::Figure;
 
@@ -169,7 +170,7 @@ const USUAL_SPEED: f64 = 0.08;
 
 fn laws() -> Result<Page, UserError> {
     let speeds: Vec<f64> = (1..=30).map(|i| f64::from(i) * 0.01).collect();
-    let laws = four_laws(TABLE_3_1);
+    let laws = all_laws(TABLE_3_1);
     let mut seen: Vec<Row> = Vec::new();
     for (name, law) in &laws {
         seen.extend(rows(name, *law, WIRES.mass_kg, &speeds)?);
@@ -249,7 +250,7 @@ fn drop_page(&(number, release_mm, seed): &(&'static str, f64, u64)) -> Result<P
         ..Settings::DEFAULT
     };
     let measured = synthetic(&WIRES, &test, &settings)?;
-    let law = Family::SpringDashpot;
+    let law = LawKind::SpringDashpot;
     let peaks = fit(&measured, &WIRES, law, Misfit::Peaks, &settings)?;
     let force = fit(&measured, &WIRES, law, Misfit::Force, &settings)?;
     let calm = DropTest {

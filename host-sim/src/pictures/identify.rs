@@ -1,8 +1,9 @@
 //! Figures 3.9 and 3.10, and what they are derived from: force of the first impacts, peaks over impact number, and the
 //! misfit over each parameter.
 
-use numerics::identify::{Family, Fit, Measured, beside};
+use numerics::identify::{Fit, Measured, beside};
 use plot::{Axis, Color, Figure, Item, Panel};
+use shared::model::contact::LawKind;
 
 /// Impacts whose force is drawn.
 const DRAWN: usize = 2;
@@ -133,9 +134,9 @@ fn profile(fit: &Fit, i: usize) -> Option<Panel> {
 }
 
 /// The label of a parameter's axis, and the factor of its values.
-fn unit(key: &str, law: Family) -> (&str, f64) {
+fn unit(key: &str, law: LawKind) -> (&str, f64) {
     match key {
-        "contact_stiffness_n_per_m" if law == Family::SpringDashpot => ("ki, 10⁶ N/m", 1e-6),
+        "contact_stiffness_n_per_m" if law == LawKind::SpringDashpot => ("ki, 10⁶ N/m", 1e-6),
         "contact_stiffness_n_per_m" => ("ki, 10⁶ N/mⁿ", 1e-6),
         "contact_damping_n_s_per_m" => ("ci, N·s/m", 1.0),
         "contact_damping_ratio_s_per_m" => ("λ, s/m", 1.0),

@@ -3,10 +3,8 @@
 use emulator::bodies::State;
 use emulator::plant::Plant;
 use emulator::shaker::{Path, ShakerParams};
-use shared::model::contact::Law;
-use shared::model::params::{
-    BEAM_150, LAWS, PRESETS, RigParams, SupportParams, TABLE_3_1, Torque, WIRES,
-};
+use shared::model::contact::{LAWS, Law, TABLE_3_1};
+use shared::model::params::{BEAM_150, PRESETS, RigParams, SupportParams, Torque, WIRES};
 
 use crate::support::{TICK_S, sine};
 

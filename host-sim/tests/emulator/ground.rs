@@ -5,7 +5,8 @@ use emulator::scenario::{Act, Change, Scenario, parse};
 use emulator::shaker::Path;
 use emulator::world::World;
 use shared::io::{DacCode, Output};
-use shared::model::params::{LAWS, RigParams, WIRES};
+use shared::model::contact::LAWS;
+use shared::model::params::{RigParams, WIRES};
 use std::f64::consts::TAU;
 
 use crate::mounting::free_hammer;

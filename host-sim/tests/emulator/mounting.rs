@@ -5,9 +5,8 @@ use emulator::bodies::State;
 use emulator::cart::{Friction, Mounting, Stops};
 use emulator::plant::{Drive, Plant};
 use emulator::shaker::{ArmatureParams, Path, ShakerParams};
-use shared::model::params::{
-    BEAM_150, GRAVITY_M_PER_S2, RigParams, SupportParams, TABLE_3_1, WIRES,
-};
+use shared::model::contact::TABLE_3_1;
+use shared::model::params::{BEAM_150, GRAVITY_M_PER_S2, RigParams, SupportParams, WIRES};
 use std::f64::consts::TAU;
 
 use crate::support::{TICK_S, sine};

@@ -304,7 +304,7 @@ fn grazing_is_told_rightly_or_flagged() {
 
 #[test]
 fn what_lanes_cannot_run_goes_to_the_reference_and_what_cannot_be_is_an_error() {
-    let hertz = shared::model::params::LAWS[1].1;
+    let hertz = shared::model::contact::LAWS[1].1;
     let mut one = cell(WIRES, 0.5e-3, 3.0);
     one.params.contact = hertz;
     let plan = CellPlan {

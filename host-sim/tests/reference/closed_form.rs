@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use shared::model::contact::TABLE_3_1;
 use shared::model::drive::Drive;
-use shared::model::params::TABLE_3_1;
 use shared::model::rig::Rig;
 use shared::model::step::{Banded, Corrected, State};
 use shared::model::switch::Band;

@@ -1,7 +1,6 @@
-//! The laws' presets in `shared::model::params::LAWS`, solved anew.
+//! The laws' presets in `shared::model::contact::LAWS`, solved anew.
 
-use shared::model::contact::Law;
-use shared::model::params::LAWS;
+use shared::model::contact::{Law, LawKind};
 
 use crate::support::{close, reference_contact};
 
@@ -12,11 +11,6 @@ fn time_and_restitution(law: Law<f64>) -> (f64, f64) {
     let contact = reference_contact(MASS_KG, law, APPROACH);
     let restitution = contact.rebound_speed_m_per_s / contact.approach_speed_m_per_s;
     (contact.duration_s, restitution)
-}
-
-fn preset(name: &str) -> Law<f64> {
-    let found = LAWS.iter().find(|(n, _)| *n == name);
-    found.unwrap().1
 }
 
 /// The stiffness at which `law` lasts `target_s`: at fixed approach and damping, a contact with exponent
@@ -37,16 +31,17 @@ fn hunt_crossley(stiffness: f64, damping_ratio: f64) -> Law<f64> {
 
 #[test]
 fn every_preset_makes_the_contact_of_table_3_1_as_far_as_its_law_can() {
-    let (target_s, target_e) = time_and_restitution(preset("spring-dashpot"));
+    let (target_s, target_e) = time_and_restitution(LawKind::SpringDashpot.preset());
     close("duration", target_s, 0.570751e-3, 1e-6);
     close("restitution", target_e, 0.316902, 1e-6);
     let outcomes = [
-        ("hertz", 1.0),
-        ("hunt-crossley", target_e),
-        ("lankarani-nikravesh", 0.662_962),
+        (LawKind::Hertz, 1.0),
+        (LawKind::HuntCrossley, target_e),
+        (LawKind::LankaraniNikravesh, 0.662_962),
     ];
-    for (name, restitution) in outcomes {
-        let (duration_s, e) = time_and_restitution(preset(name));
+    for (law, restitution) in outcomes {
+        let name = law.name();
+        let (duration_s, e) = time_and_restitution(law.preset());
         println!("{name}: {duration_s} {e}");
         close(&format!("{name}: duration"), duration_s, target_s, 1e-5);
         close(&format!("{name}: restitution"), e, restitution, 1e-5);
@@ -55,7 +50,7 @@ fn every_preset_makes_the_contact_of_table_3_1_as_far_as_its_law_can() {
 
 #[test]
 fn solving_the_presets_anew_gives_their_constants() {
-    let (target_s, target_e) = time_and_restitution(preset("spring-dashpot"));
+    let (target_s, target_e) = time_and_restitution(LawKind::SpringDashpot.preset());
     let hertz = |stiffness| Law::Hertz {
         stiffness,
         exponent: 1.5,
@@ -77,21 +72,24 @@ fn solving_the_presets_anew_gives_their_constants() {
     }
     let damping_ratio = 0.5 * (a + b);
     let solved = [
-        ("hertz", stiffness_for(hertz, target_s)),
+        (LawKind::Hertz, stiffness_for(hertz, target_s)),
         (
-            "hunt-crossley",
+            LawKind::HuntCrossley,
             stiffness_for(|k| hunt_crossley(k, damping_ratio), target_s),
         ),
-        ("lankarani-nikravesh", stiffness_for(lankarani, target_s)),
+        (
+            LawKind::LankaraniNikravesh,
+            stiffness_for(lankarani, target_s),
+        ),
     ];
     println!("lambda {damping_ratio:.8} {solved:?}");
-    for (name, stiffness) in solved {
-        close(name, preset(name).stiffness(), stiffness, 1e-6);
+    for (law, stiffness) in solved {
+        close(law.name(), law.preset().stiffness(), stiffness, 1e-6);
     }
     let Law::HuntCrossley {
         damping_ratio: preset_ratio,
         ..
-    } = preset("hunt-crossley")
+    } = LawKind::HuntCrossley.preset()
     else {
         panic!("hunt-crossley is what it is called");
     };
@@ -101,7 +99,7 @@ fn solving_the_presets_anew_gives_their_constants() {
 #[test]
 fn lankarani_nikravesh_cannot_rebound_less_at_any_speed_above_its_floor() {
     let lowest = |approach: f64| {
-        let law = preset("lankarani-nikravesh");
+        let law = LawKind::LankaraniNikravesh.preset();
         let contact = reference_contact(MASS_KG, law, approach);
         contact.rebound_speed_m_per_s / approach
     };

@@ -5,7 +5,8 @@ use numerics::engine::Switch;
 use numerics::engine::{Machine, Precision};
 use numerics::orbit::{Orbit, shoot};
 use numerics::reference::Reference;
-use shared::model::params::{BEAM_150, RigParams, TABLE_3_1};
+use shared::model::contact::TABLE_3_1;
+use shared::model::params::{BEAM_150, RigParams};
 use shared::model::step::{Banded, Corrected, Smoothed, Stepper};
 use shared::model::switch::Band;
 

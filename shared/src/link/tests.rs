@@ -11,7 +11,8 @@ use crate::control::{Basin, Command, MAX_BLOCK, Mode, Refused, SettingsState, St
 use crate::fault::{Fault, FaultSet, Origin, Record};
 use crate::forecast::{Forecast, Orbit, Row, Target};
 use crate::io::{Frame, Output};
-use crate::model::params::{LAWS, PRESETS, WIRES};
+use crate::model::contact::LAWS;
+use crate::model::params::{PRESETS, WIRES};
 use crate::model::regime::Regime;
 use crate::settings::Settings;
 

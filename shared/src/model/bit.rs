@@ -24,7 +24,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::contact::Law;
-use crate::model::params::{Allowed, GRAVITY_M_PER_S2, ParamError, within};
+use crate::model::number::{Allowed, ParamError, within};
+use crate::model::params::GRAVITY_M_PER_S2;
 use crate::model::scalar::Real;
 use crate::model::slider::Slider;
 

@@ -6,6 +6,7 @@ pub mod cart;
 pub mod contact;
 pub mod contacts;
 pub mod drive;
+pub mod number;
 pub mod params;
 pub mod regime;
 pub mod rig;

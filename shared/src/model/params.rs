@@ -1,12 +1,13 @@
 //! The parameters of a rig, in SI units, and the presets of Tables 3.1 to 3.3.
 
 use core::f64::consts::TAU;
-use core::mem::discriminant;
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::cart::{CartDrive, LoopParams};
-use crate::model::contact::Law;
+use crate::model::contact::{self, Law, TABLE_3_1};
+pub use crate::model::number::ParamError;
+use crate::model::number::{Allowed, Number, ensure};
 
 /// Standard gravity as the chapter uses it, m/s².
 pub const GRAVITY_M_PER_S2: f64 = 9.81;
@@ -65,42 +66,6 @@ pub struct RigParams {
     pub cart: CartDrive,
 }
 
-/// A parameter out of range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParamError {
-    /// Which parameter, with its unit, as the command line and rig files name it.
-    pub key: &'static str,
-    /// What it was, in the unit of `key`.
-    pub value: f64,
-    /// What it must be.
-    pub must_be: &'static str,
-}
-
-impl core::fmt::Display for ParamError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self {
-            key,
-            value,
-            must_be,
-        } = self;
-        let size = value.abs();
-        if size != 0.0 && !(1e-4..1e7).contains(&size) {
-            // Without hundreds of digits.
-            write!(f, "{key} is {value:e}, must be {must_be}")
-        } else {
-            write!(f, "{key} is {value}, must be {must_be}")
-        }
-    }
-}
-
-impl core::error::Error for ParamError {}
-
-/// The spring-dashpot of Table 3.1.
-pub const TABLE_3_1: Law<f64> = Law::SpringDashpot {
-    stiffness: 5.5e6,
-    damping: 1.2e3,
-};
-
 const fn rig(support: SupportParams) -> RigParams {
     RigParams {
         support,
@@ -142,45 +107,6 @@ pub const PRESETS: [(&str, RigParams); 4] = [
     ("beam-150", BEAM_150),
     ("beam-135", BEAM_135),
 ];
-
-/// The contact laws by name, each with parameters that make the contact of Table 3.1 (0.570751 ms and
-/// restitution 0.316902 at 0.08 m/s, 0.298 kg against a fixed wall) as far as the law can: Table 3.1's ki
-/// is in N/m and fits the spring-dashpot alone. All last as long. Hunt–Crossley also rebounds as much;
-/// Hertz loses nothing (restitution 1); Lankarani–Nikravesh rebounds at 0.662962 even at e = 0, its
-/// lowest. A test in host-sim solves them anew.
-pub const LAWS: [(&str, Law<f64>); 4] = [
-    ("spring-dashpot", TABLE_3_1),
-    (
-        "hertz",
-        Law::Hertz {
-            stiffness: 2.515_020e9,
-            exponent: 1.5,
-        },
-    ),
-    (
-        "hunt-crossley",
-        Law::HuntCrossley {
-            stiffness: 4.520_403e9,
-            exponent: 1.5,
-            damping_ratio: 35.993_66,
-        },
-    ),
-    (
-        "lankarani-nikravesh",
-        Law::LankaraniNikravesh {
-            stiffness: 2.897_038e9,
-            exponent: 1.5,
-            restitution: 0.0,
-        },
-    ),
-];
-
-/// The name of a contact law: that of its kind in [`LAWS`].
-pub fn law_name(law: &Law<f64>) -> &'static str {
-    let same = |known: &Law<f64>| discriminant(known) == discriminant(law);
-    let found = LAWS.iter().find(|(_, known)| same(known));
-    found.map_or("", |(name, _)| name)
-}
 
 /// The preset called `name`.
 pub fn preset(name: &str) -> Option<RigParams> {
@@ -260,9 +186,9 @@ impl RigParams {
     /// # Errors
     /// If a parameter is out of range: the first such.
     pub fn check(&self) -> Result<(), ParamError> {
-        within("mass_kg", self.mass_kg, &MASS_KG)?;
-        within("cart_mass_kg", self.cart_mass_kg, &MASS_KG)?;
-        within("amplitude_mm", self.amplitude_m * 1e3, &AMPLITUDE_MM)?;
+        MASS.check(self.mass_kg)?;
+        CART_MASS.check(self.cart_mass_kg)?;
+        AMPLITUDE.check(self.amplitude_m)?;
         match self.support {
             SupportParams::Wires {
                 length_m,
@@ -270,18 +196,18 @@ impl RigParams {
                 natural_frequency_hz,
                 ..
             } => {
-                within("wire_length_mm", length_m * 1e3, &WIRE_LENGTH_MM)?;
-                within("gravity_m_per_s2", gravity_m_per_s2, &GRAVITY)?;
+                WIRE_LENGTH.check(length_m)?;
+                GRAVITY.check(gravity_m_per_s2)?;
                 let derived = libm::sqrt(gravity_m_per_s2 / length_m) / TAU;
                 ensure(
                     libm::fabs(natural_frequency_hz / derived - 1.0) <= 1e-3,
-                    "natural_frequency_hz",
+                    NATURAL_FREQUENCY.key,
                     natural_frequency_hz,
                     "within 0.1 % of what wire_length_mm and gravity_m_per_s2 give (leave one of them out)",
                 )?;
                 ensure(
                     libm::fabs(self.gap_m) <= 0.5 * length_m,
-                    "gap_mm",
+                    GAP.key,
                     self.gap_m * 1e3,
                     "a number of at most half the wire length, either sign",
                 )?;
@@ -291,104 +217,157 @@ impl RigParams {
                 damping_ratio,
                 cubic_stiffness_n_per_m3,
             } => {
-                within(
-                    "natural_frequency_hz",
-                    natural_frequency_hz,
-                    &NATURAL_FREQUENCY_HZ,
-                )?;
-                let below_one = "a number from 0 to below 1";
-                ensure(
-                    (0.0..1.0).contains(&damping_ratio),
-                    "damping_ratio",
-                    damping_ratio,
-                    below_one,
-                )?;
-                let cubic = cubic_stiffness_n_per_m3.unwrap_or(0.0);
-                within("cubic_stiffness_n_per_m3", cubic, &CUBIC_STIFFNESS)?;
+                NATURAL_FREQUENCY.check(natural_frequency_hz)?;
+                DAMPING_RATIO.check(damping_ratio)?;
+                CUBIC_STIFFNESS.check(cubic_stiffness_n_per_m3.unwrap_or(0.0))?;
             }
         }
-        ensure(
-            libm::fabs(self.gap_m) <= 0.1,
-            "gap_mm",
-            self.gap_m * 1e3,
-            "a number from -100 to 100",
-        )?;
+        GAP.check(self.gap_m)?;
         if let CartDrive::Loop(held) = &self.cart {
             check_loop(held)?;
         }
-        check_law(&self.contact)
+        self.contact.check()
     }
 }
 
 fn check_loop(held: &LoopParams) -> Result<(), ParamError> {
-    within("shaker_loop_hz", held.frequency_hz, &LOOP_HZ)?;
-    within("shaker_damping_ratio", held.damping_ratio, &LOOP_DAMPING)?;
-    within("shaker_feed_forward", held.feed_forward, &FEED_FORWARD)?;
-    within("shaker_max_force_n", held.max_force_n, &SHAKER_FORCE)
+    LOOP_FREQUENCY.check(held.frequency_hz)?;
+    LOOP_DAMPING_RATIO.check(held.damping_ratio)?;
+    FEED_FORWARD.check(held.feed_forward)?;
+    SHAKER_FORCE.check(held.max_force_n)
 }
 
-fn check_law(law: &Law<f64>) -> Result<(), ParamError> {
-    within(
-        "contact_stiffness_n_per_m",
-        law.stiffness(),
-        &CONTACT_STIFFNESS,
-    )?;
-    if let Law::SpringDashpot { damping, .. } = *law {
-        return within("contact_damping_n_s_per_m", damping, &CONTACT_DAMPING);
+const POSITIVE_MASS: Allowed = Allowed(1e-6, 1e6, "a positive number from 1e-6 to 1e6");
+const MASS: Number = Number::new("mass_kg", "hammer mass m", &POSITIVE_MASS);
+const CART_MASS: Number = Number::new(
+    "cart_mass_kg",
+    "cart mass M (what the shaker must give, and how far the cart recoils)",
+    &POSITIVE_MASS,
+);
+const AMPLITUDE: Number = Number::new(
+    "amplitude_mm",
+    "cart amplitude A0",
+    &Allowed(1e-6, 100.0, "a positive number from 1e-6 to 100"),
+)
+.in_mm();
+const GAP: Number = Number::new(
+    "gap_mm",
+    "clearance at rest; negative: pressed on",
+    &Allowed(-100.0, 100.0, "a number from -100 to 100"),
+)
+.in_mm();
+const NATURAL_FREQUENCY: Number = Number::new(
+    "natural_frequency_hz",
+    "natural frequency; sets the wire length on wires",
+    &Allowed(1e-6, 1e4, "a positive number from 1e-6 to 1e4"),
+);
+const WIRE_LENGTH: Number = Number::new(
+    "wire_length_mm",
+    "wire length l; sets the natural frequency",
+    &Allowed(0.1, 1e5, "a positive number from 0.1 to 1e5"),
+)
+.in_mm();
+const GRAVITY: Number = Number::new(
+    "gravity_m_per_s2",
+    "gravity g (wires)",
+    &Allowed(1e-3, 1e3, "a positive number from 0.001 to 1000"),
+);
+const DAMPING_RATIO: Number = Number::new(
+    "damping_ratio",
+    "damping ratio of the beams",
+    &Allowed(0.0, 1.0 - f64::EPSILON / 2.0, "a number from 0 to below 1"),
+);
+const CUBIC_STIFFNESS: Number = Number::new(
+    "cubic_stiffness_n_per_m3",
+    "cubic stiffness of the beams; left out: numerically k",
+    &Allowed(0.0, 1e15, "a number from 0 to 1e15"),
+);
+const LOOP_FREQUENCY: Number = Number::new(
+    "shaker_loop_hz",
+    "natural frequency of the shaker's position loop with the cart alone; left out: the cart does not recoil",
+    &Allowed(0.1, 1e4, "a number from 0.1 to 1e4"),
+);
+const LOOP_DAMPING_RATIO: Number = Number::new(
+    "shaker_damping_ratio",
+    "damping ratio of that loop",
+    &Allowed(0.0, 100.0, "a number from 0 to 100"),
+);
+const FEED_FORWARD: Number = Number::new(
+    "shaker_feed_forward",
+    "share of the force on the cart's mass that the shaker feeds forward",
+    &Allowed(0.0, 2.0, "a number from 0 to 2"),
+);
+const SHAKER_FORCE: Number = Number::new(
+    "shaker_max_force_n",
+    "largest force that the shaker can give",
+    &Allowed(1e-3, 1e9, "a number from 0.001 to 1e9"),
+);
+
+impl RigParams {
+    /// The numbers that a rig may have, in the order of a rig file.
+    pub fn numbers() -> impl Iterator<Item = Number> {
+        let support = [
+            MASS,
+            CART_MASS,
+            AMPLITUDE,
+            GAP,
+            NATURAL_FREQUENCY,
+            WIRE_LENGTH,
+            GRAVITY,
+            DAMPING_RATIO,
+            CUBIC_STIFFNESS,
+        ];
+        let shaker = [
+            LOOP_FREQUENCY,
+            LOOP_DAMPING_RATIO,
+            FEED_FORWARD,
+            SHAKER_FORCE,
+        ];
+        let all = support.into_iter().chain(contact::NUMBERS);
+        all.chain(shaker)
     }
-    within("contact_exponent", law.exponent(), &CONTACT_EXPONENT)?;
-    match *law {
-        Law::HuntCrossley { damping_ratio, .. } => within(
-            "contact_damping_ratio_s_per_m",
-            damping_ratio,
-            &CONTACT_DAMPING_RATIO,
-        ),
-        Law::LankaraniNikravesh { restitution, .. } => {
-            within("contact_restitution", restitution, &RESTITUTION)
+
+    /// Where the number called `key` stands, in SI units. None if there is none, or such a rig has none.
+    pub fn number_mut(&mut self, key: &str) -> Option<&mut f64> {
+        let held = match &mut self.cart {
+            CartDrive::Loop(held) => Some(held),
+            CartDrive::Prescribed => None,
+        };
+        let is = |number: Number| number.key == key;
+        match &mut self.support {
+            SupportParams::Wires {
+                natural_frequency_hz: hz,
+                ..
+            }
+            | SupportParams::Beams {
+                natural_frequency_hz: hz,
+                ..
+            } if is(NATURAL_FREQUENCY) => return Some(hz),
+            SupportParams::Wires { length_m, .. } if is(WIRE_LENGTH) => return Some(length_m),
+            SupportParams::Wires {
+                gravity_m_per_s2: g,
+                ..
+            } if is(GRAVITY) => return Some(g),
+            SupportParams::Beams { damping_ratio, .. } if is(DAMPING_RATIO) => {
+                return Some(damping_ratio);
+            }
+            SupportParams::Beams {
+                cubic_stiffness_n_per_m3: cubic,
+                ..
+            } if is(CUBIC_STIFFNESS) => return cubic.as_mut(),
+            _ => {}
         }
-        Law::Hertz { .. } | Law::SpringDashpot { .. } => Ok(()),
-    }
-}
-
-/// Range of a parameter: lowest, highest, and the range in words. It is far wider than any rig; beyond it the
-/// arithmetic overflows.
-pub(super) struct Allowed(pub(super) f64, pub(super) f64, pub(super) &'static str);
-
-const MASS_KG: Allowed = Allowed(1e-6, 1e6, "a positive number from 1e-6 to 1e6");
-const AMPLITUDE_MM: Allowed = Allowed(1e-6, 100.0, "a positive number from 1e-6 to 100");
-const WIRE_LENGTH_MM: Allowed = Allowed(0.1, 1e5, "a positive number from 0.1 to 1e5");
-const GRAVITY: Allowed = Allowed(1e-3, 1e3, "a positive number from 0.001 to 1000");
-const NATURAL_FREQUENCY_HZ: Allowed = Allowed(1e-6, 1e4, "a positive number from 1e-6 to 1e4");
-const LOOP_HZ: Allowed = Allowed(0.1, 1e4, "a number from 0.1 to 1e4");
-const LOOP_DAMPING: Allowed = Allowed(0.0, 100.0, "a number from 0 to 100");
-const FEED_FORWARD: Allowed = Allowed(0.0, 2.0, "a number from 0 to 2");
-const SHAKER_FORCE: Allowed = Allowed(1e-3, 1e9, "a number from 0.001 to 1e9");
-const CUBIC_STIFFNESS: Allowed = Allowed(0.0, 1e15, "a number from 0 to 1e15");
-const CONTACT_STIFFNESS: Allowed = Allowed(1e-3, 1e18, "a positive number from 0.001 to 1e18");
-const CONTACT_DAMPING: Allowed = Allowed(0.0, 1e12, "a number from 0 to 1e12");
-const CONTACT_EXPONENT: Allowed = Allowed(1.0, 4.0, "a number from 1 to 4");
-const CONTACT_DAMPING_RATIO: Allowed = Allowed(0.0, 1e6, "a number from 0 to 1e6");
-const RESTITUTION: Allowed = Allowed(0.0, 1.0, "a number from 0 to 1");
-
-pub(super) fn within(key: &'static str, value: f64, allowed: &Allowed) -> Result<(), ParamError> {
-    let Allowed(from, to, must_be) = *allowed;
-    ensure((from..=to).contains(&value), key, value, must_be)
-}
-
-fn ensure(
-    holds: bool,
-    key: &'static str,
-    value: f64,
-    must_be: &'static str,
-) -> Result<(), ParamError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(ParamError {
-            key,
-            value,
-            must_be,
-        })
+        match held {
+            Some(held) if is(LOOP_FREQUENCY) => Some(&mut held.frequency_hz),
+            Some(held) if is(LOOP_DAMPING_RATIO) => Some(&mut held.damping_ratio),
+            Some(held) if is(FEED_FORWARD) => Some(&mut held.feed_forward),
+            Some(held) if is(SHAKER_FORCE) => Some(&mut held.max_force_n),
+            _ if is(MASS) => Some(&mut self.mass_kg),
+            _ if is(CART_MASS) => Some(&mut self.cart_mass_kg),
+            _ if is(AMPLITUDE) => Some(&mut self.amplitude_m),
+            _ if is(GAP) => Some(&mut self.gap_m),
+            _ => self.contact.number_mut(key),
+        }
     }
 }
 
@@ -401,7 +380,7 @@ mod tests {
         for (name, params) in PRESETS {
             assert_eq!(params.check(), Ok(()), "{name}");
             assert_eq!(preset(name), Some(params));
-            for (_, contact) in LAWS {
+            for (_, contact) in contact::LAWS {
                 assert_eq!(RigParams { contact, ..params }.check(), Ok(()));
             }
         }

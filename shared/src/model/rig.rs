@@ -460,7 +460,7 @@ mod tests {
             stiffness: 200.0,
             damping: 1.0,
         };
-        let laws = crate::model::params::LAWS.iter().map(|(_, law)| *law);
+        let laws = crate::model::contact::LAWS.iter().map(|(_, law)| *law);
         for contact in laws.chain([soft]) {
             for (_, params) in PRESETS {
                 for gap_m in [-1e-20, -1e-9, -0.05e-3, -1e-3] {

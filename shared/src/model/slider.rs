@@ -16,7 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::params::{Allowed, ParamError, within};
+use crate::model::number::{Allowed, ParamError, within};
 use crate::model::scalar::{Compensated, Real};
 
 /// Ground that gives way (SI: N, m, s).

@@ -69,7 +69,7 @@ pub fn banded_force<R: Real>(law: &Law<R>, delta: R, rate: R, approach: R, band:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::params::TABLE_3_1;
+    use crate::model::contact::TABLE_3_1;
 
     #[test]
     fn the_four_subspaces() {

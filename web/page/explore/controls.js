@@ -12,11 +12,6 @@ const STRAIGHT = {
   shaker_feed_forward: [0, 1, 0.01],
 };
 
-const CHOICES = {
-  contact_law: ["spring-dashpot", "hertz", "hunt-crossley", "lankarani-nikravesh"],
-  torque: ["literal", "cosine"],
-};
-
 // What decides for another: the one that is set last counts.
 export const DECIDES = ["natural_frequency_hz", "wire_length_mm", "gravity_m_per_s2"];
 const EITHER = { natural_frequency_hz: ["wire_length_mm"], wire_length_mm: ["natural_frequency_hz"] };
@@ -39,10 +34,11 @@ function inWords(message, keys) {
 }
 
 export class Controls {
-  // `hear` is called with what has changed: { source, text } or { key, value } or { cart }.
-  constructor(presets, hear) {
+  // `choices` has the words that can be chosen, by their key. `hear` is called with what has changed: { source, text } or { key, value } or { cart }.
+  constructor(choices, hear) {
+    this.choices = choices;
     this.hear = hear;
-    this.preset = element("select", { id: "preset", onchange: () => hear({ source: this.preset.value, text: null }) }, ...presets.map((name) => element("option", { value: name }, name)));
+    this.preset = element("select", { id: "preset", onchange: () => hear({ source: this.preset.value, text: null }) }, ...choices.preset.map((name) => element("option", { value: name }, name)));
     this.cart = element("select", { id: "cart", onchange: () => hear({ cart: this.cart.value }) },
       element("option", { value: "machine" }, "as the machine's, if known"),
       element("option", { value: "prescribed" }, "as prescribed (the chapter's model)"),
@@ -122,8 +118,8 @@ export class Controls {
     const id = fresh(key);
     const name = element("label", { for: id, title: meaning }, title(key));
     const change = (value) => this.hear({ key, value, without: EITHER[key] ?? [] });
-    if (CHOICES[key]) {
-      const select = element("select", { id, "data-key": key, onchange: () => change(select.value) }, ...CHOICES[key].map((one) => element("option", { value: one }, one)));
+    if (this.choices[key]) {
+      const select = element("select", { id, "data-key": key, onchange: () => change(select.value) }, ...this.choices[key].map((one) => element("option", { value: one }, one)));
       const pair = element("div", { class: "pair" }, name, select);
       this.rows.set(key, { set: (value) => { select.value = value; }, refuse: refusal(pair, [select]) });
       return pair;

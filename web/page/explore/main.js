@@ -18,9 +18,9 @@ export async function start(container) {
   const status = element("p", { role: "status", class: "note", id: "explore-status" }, "loading the computing part …");
   container.append(status);
   let state = fromFragment(location.hash);
-  let presets;
+  let choices;
   try {
-    presets = (await pool.json("explore.presets", null)).value;
+    choices = (await pool.json("explore.choices", null)).value;
   } catch (error) {
     status.textContent = `This browser cannot run the page's computing part (it needs WebAssembly with 128-bit vectors, as every browser since 2023 has): ${error.message}`;
     status.classList.add("wrong");
@@ -90,7 +90,7 @@ export async function start(container) {
     },
     inWords: (error) => controls.inWords(error.message),
   });
-  const controls = new Controls(presets, (change) => {
+  const controls = new Controls(choices, (change) => {
     if (change.wrong) {
       problem.textContent = change.wrong;
       return;

@@ -10,7 +10,7 @@ use crate::Function;
 /// Its functions.
 pub const FUNCTIONS: &[(&str, Function)] = &[
     ("explore.rig", rig::rig),
-    ("explore.presets", rig::presets),
+    ("explore.choices", rig::choices),
     ("explore.map", map::map),
     ("explore.orbit", orbit::orbit),
     ("explore.neighbours", orbit::neighbours),

@@ -4,6 +4,7 @@ use files::rigfile::{self, KEYS};
 use numerics::NamedRig;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use shared::model::contact::LAWS;
 use shared::model::params::PRESETS;
 
 use crate::json::{read, write};
@@ -89,10 +90,12 @@ pub fn rig(argument: &[u8]) -> Result<Vec<u8>, String> {
         let value = serde_json::to_value(value).ok()?;
         Some((key, value))
     });
-    let meanings = KEYS.map(|(key, meaning)| (key.to_owned(), meaning.into()));
+    let meanings = KEYS
+        .iter()
+        .map(|(key, meaning)| ((*key).to_owned(), meaning.as_str().into()));
     write(&Whole {
         parameters: parameters.collect(),
-        meanings: meanings.into_iter().collect(),
+        meanings: meanings.collect(),
         toml: rigfile::to_toml(&rig),
         notes: rigfile::doubts(&rig.params),
         shaker_known: rig.shaker.is_some(),
@@ -104,9 +107,13 @@ pub fn rig(argument: &[u8]) -> Result<Vec<u8>, String> {
     })
 }
 
-/// The names of the presets.
-pub fn presets(_: &[u8]) -> Result<Vec<u8>, String> {
-    write(&PRESETS.map(|(name, _)| name))
+/// The words that can be chosen, by their key.
+pub fn choices(_: &[u8]) -> Result<Vec<u8>, String> {
+    write(&serde_json::json!({
+        "preset": PRESETS.map(|(name, _)| name),
+        "contact_law": LAWS.map(|(name, _)| name),
+        "torque": ["literal", "cosine"],
+    }))
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! The licences of everything that is compiled into the program and the Python package: gathered from the folders of the
-//! crates, and held to the list of `deny.toml`.
+//! The licences of everything that is compiled into the program and the Python package, gathered from the folders of the
+//! crates. Which licences may be used at all, `cargo deny` holds to the list of `deny.toml`.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -9,7 +9,6 @@ use std::{
 
 use serde::Deserialize;
 
-use super::expression::satisfied;
 use crate::{
     Outcome,
     command::{self, cargo, root},
@@ -75,10 +74,9 @@ pub fn gather(target: &str) -> Outcome<String> {
     ask.args(["metadata", "--locked", "--format-version", "1"]);
     ask.args(["--filter-platform", target]);
     let metadata: Metadata = serde_json::from_str(&command::output(&mut ask)?)?;
-    let allowed = Allowed::read(&fs::read_to_string(root().join("deny.toml"))?)?;
     let ours = fs::read_to_string(root().join("LICENSE"))?;
     let crates = reached(&metadata);
-    text_of(&crates, &allowed, &ours)
+    text_of(&crates, &ours)
 }
 
 /// The crates of others that stand below ours, build scripts and tests aside, sorted.
@@ -115,47 +113,7 @@ fn reached(metadata: &Metadata) -> Vec<Package> {
     crates
 }
 
-/// What `deny.toml` allows.
-struct Allowed {
-    all: Vec<String>,
-    exceptions: Vec<Exception>,
-}
-
-#[derive(Deserialize)]
-struct Exception {
-    #[serde(rename = "crate")]
-    package: String,
-    allow: Vec<String>,
-}
-
-impl Allowed {
-    fn read(text: &str) -> Outcome<Self> {
-        #[derive(Deserialize)]
-        struct Deny {
-            licenses: Licenses,
-        }
-        #[derive(Deserialize)]
-        struct Licenses {
-            allow: Vec<String>,
-            #[serde(default)]
-            exceptions: Vec<Exception>,
-        }
-        let deny: Deny = toml::from_str(text).map_err(|error| format!("deny.toml: {error}"))?;
-        Ok(Self {
-            all: deny.licenses.allow,
-            exceptions: deny.licenses.exceptions,
-        })
-    }
-
-    fn holds(&self, package: &str, licence: &str) -> bool {
-        let exception = |each: &Exception| {
-            each.package == package && each.allow.iter().any(|name| name == licence)
-        };
-        self.all.iter().any(|name| name == licence) || self.exceptions.iter().any(exception)
-    }
-}
-
-fn text_of(crates: &[Package], allowed: &Allowed, ours: &str) -> Outcome<String> {
+fn text_of(crates: &[Package], ours: &str) -> Outcome<String> {
     let mut list = String::new();
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for package in crates {
@@ -164,13 +122,6 @@ fn text_of(crates: &[Package], allowed: &Allowed, ours: &str) -> Outcome<String>
             .license
             .as_deref()
             .ok_or_else(|| format!("the crate {called} names no licence"))?;
-        let may = satisfied(licence, &|name| allowed.holds(&package.name, name))
-            .map_err(|error| format!("the crate {called}: {error}"))?;
-        if !may {
-            let no =
-                format!("the crate {called} is under '{licence}', which deny.toml does not allow");
-            return Err(no.into());
-        }
         let source = package.repository.as_deref().unwrap_or_default();
         list += format!("{called}: {licence} {source}").trim_end();
         list.push('\n');
@@ -204,7 +155,11 @@ fn texts_of(package: &Package, licence: &str, ours: &str) -> Outcome<Vec<String>
     find(folder, &mut files)?;
     files.sort();
     if files.is_empty() {
-        let mit = satisfied(licence, &|name| name == "MIT")?;
+        // A choice: no crate asks for another licence as well.
+        let mit = licence
+            .split([' ', '/', '(', ')'])
+            .any(|word| word == "MIT")
+            && !licence.contains("AND");
         return match under_mit(package, ours) {
             Some(text) if mit => Ok(vec![text]),
             _ => Err(format!(
@@ -253,8 +208,6 @@ fn find(folder: &Path, files: &mut Vec<PathBuf>) -> Outcome {
 mod tests {
     use super::*;
 
-    const DENY: &str =
-        "[licenses]\nallow = [\"MIT\"]\nexceptions = [{ crate = \"a\", allow = [\"MPL-2.0\"] }]\n";
     const OURS: &str = "MIT License\n\nCopyright (c) 2026 us\n\nPermission";
 
     fn package(folder: &Path, name: &str, licence: Option<&str>) -> Package {
@@ -271,8 +224,7 @@ mod tests {
     }
 
     fn gathered(package: Package) -> Result<String, String> {
-        let allowed = Allowed::read(DENY).unwrap();
-        text_of(&[package], &allowed, OURS).map_err(|error| error.to_string())
+        text_of(&[package], OURS).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -297,21 +249,20 @@ mod tests {
             "{text}"
         );
         assert!(!text.contains("2026 us"), "{text}");
-        let error = gathered(package(folder.path(), "a", Some("MPL-2.0"))).unwrap_err();
-        assert!(
-            error.contains("no text of its licence 'MPL-2.0'"),
-            "{error}"
-        );
+        for licence in ["MPL-2.0", "MIT AND MPL-2.0"] {
+            let error = gathered(package(folder.path(), "a", Some(licence))).unwrap_err();
+            assert!(
+                error.contains(&format!("no text of its licence '{licence}'")),
+                "{error}"
+            );
+        }
     }
 
     #[test]
-    fn what_is_not_allowed_is_an_error() {
+    fn a_crate_that_names_no_licence_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("COPYING"), "text").unwrap();
-        let of = |name, licence| gathered(package(folder.path(), name, licence));
-        assert!(of("a", Some("MPL-2.0")).is_ok());
-        let error = of("b", Some("MPL-2.0")).unwrap_err();
-        assert!(error.contains("b 1.0.0 is under 'MPL-2.0'"), "{error}");
-        assert!(of("b", None).unwrap_err().contains("names no licence"));
+        let error = gathered(package(folder.path(), "b", None)).unwrap_err();
+        assert!(error.contains("b 1.0.0 names no licence"), "{error}");
     }
 }

@@ -3,7 +3,6 @@
 
 mod archive;
 mod build;
-mod expression;
 mod glibc;
 mod licences;
 

@@ -76,23 +76,7 @@ impl Change {
         changed.gap_m += 1e-3 * self.gap_offset_mm * share;
         let stiffer = times(self.contact_stiffness_percent);
         let damped = times(self.contact_damping_percent);
-        match &mut changed.contact {
-            Law::Hertz { stiffness, .. } | Law::LankaraniNikravesh { stiffness, .. } => {
-                *stiffness *= stiffer;
-            }
-            Law::SpringDashpot { stiffness, damping } => {
-                *stiffness *= stiffer;
-                *damping *= damped;
-            }
-            Law::HuntCrossley {
-                stiffness,
-                damping_ratio,
-                ..
-            } => {
-                *stiffness *= stiffer;
-                *damping_ratio *= damped;
-            }
-        }
+        changed.contact = changed.contact.scaled(stiffer, damped);
         if let Some((wanted, now)) = self.restitution.zip(restitution_of(&changed)) {
             set_restitution(&mut changed, now + share * (wanted - now));
         }

@@ -1,71 +1,45 @@
 //! The keys of a rig file, and the error that names one.
 
-use shared::model::params::ParamError;
+use std::sync::LazyLock;
+
+use shared::model::contact::LawKind;
+use shared::model::params::{ParamError, RigParams};
 
 use crate::UserError;
 
-/// Every key a rig file or `--set` may use, with what it means.
-pub const KEYS: [(&str, &str); 23] = [
-    (
-        "preset",
-        "rig to start from: wires, beam-170, beam-150 or beam-135",
-    ),
-    ("support", "what the hammer hangs on: wires or beams"),
-    ("mass_kg", "hammer mass m"),
-    (
-        "cart_mass_kg",
-        "cart mass M (what the shaker must give, and how far the cart recoils)",
-    ),
-    ("amplitude_mm", "cart amplitude A0"),
-    ("gap_mm", "clearance at rest; negative: pressed on"),
-    (
-        "natural_frequency_hz",
-        "natural frequency; sets the wire length on wires",
-    ),
-    (
-        "wire_length_mm",
-        "wire length l; sets the natural frequency",
-    ),
-    ("gravity_m_per_s2", "gravity g (wires)"),
-    (
-        "torque",
-        "moment of the contact force on wires: literal (F l, as printed) or cosine (F l cos)",
-    ),
-    ("damping_ratio", "damping ratio of the beams"),
-    (
-        "cubic_stiffness_n_per_m3",
-        "cubic stiffness of the beams; left out: numerically k",
-    ),
-    (
-        "contact_law",
-        "spring-dashpot, hertz, hunt-crossley or lankarani-nikravesh",
-    ),
-    (
-        "contact_stiffness_n_per_m",
-        "ki (N/m^n for the nonlinear laws)",
-    ),
-    ("contact_damping_n_s_per_m", "ci (spring-dashpot)"),
-    ("contact_exponent", "n (nonlinear laws)"),
-    (
-        "contact_damping_ratio_s_per_m",
-        "lambda = ci/ki (hunt-crossley)",
-    ),
-    ("contact_restitution", "e (lankarani-nikravesh)"),
-    (
-        "shaker_loop_hz",
-        "natural frequency of the shaker's position loop with the cart alone; left out: the cart does not recoil",
-    ),
-    ("shaker_damping_ratio", "damping ratio of that loop"),
-    (
-        "shaker_feed_forward",
-        "share of the force on the cart's mass that the shaker feeds forward",
-    ),
-    (
-        "shaker_max_force_n",
-        "largest force that the shaker can give",
-    ),
-    ("description", "free text"),
-];
+/// Every key a rig file or `--set` may use, with what it means: the numbers of a rig, and among them the words.
+pub static KEYS: LazyLock<Vec<(&'static str, String)>> = LazyLock::new(|| {
+    let laws: Vec<_> = LawKind::all().map(LawKind::name).collect();
+    let word = |key: &'static str, meaning: &str| (key, meaning.to_owned());
+    let mut keys = vec![
+        word(
+            "preset",
+            "rig to start from: wires, beam-170, beam-150 or beam-135",
+        ),
+        word("support", "what the hammer hangs on: wires or beams"),
+    ];
+    for number in RigParams::numbers() {
+        match number.key {
+            "damping_ratio" => keys.push(word(
+                "torque",
+                "moment of the contact force on wires: literal (F l, as printed) or cosine (F l cos)",
+            )),
+            "contact_stiffness_n_per_m" => keys.push(("contact_law", either(&laws))),
+            _ => {}
+        }
+        keys.push(word(number.key, number.meaning));
+    }
+    keys.push(word("description", "free text"));
+    keys
+});
+
+/// `a, b or c`.
+fn either(words: &[&str]) -> String {
+    match words {
+        [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+        _ => words.concat(),
+    }
+}
 
 /// ` (did you mean 'x'?)`, if one of the names is like `word`; else nothing.
 pub fn nearest<'a>(word: &str, among: impl Iterator<Item = &'a str>) -> String {

@@ -345,8 +345,9 @@ pub fn force_wanted(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::model::contact::LAWS;
     use shared::model::contact::Law;
-    use shared::model::params::{LAWS, SupportParams};
+    use shared::model::params::SupportParams;
 
     fn file(text: &str) -> Result<NamedRig, UserError> {
         let dir = tempfile::tempdir().unwrap();

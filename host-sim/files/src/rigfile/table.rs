@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use shared::model::cart::{ASSUMED_SHAKER, CartDrive, LoopParams, UNLIMITED_N};
-use shared::model::contact::Law;
-use shared::model::params::{LAWS, ParamError, RigParams, SupportParams, Torque, WIRES, law_name};
+use shared::model::contact::{Law, LawKind};
+use shared::model::params::{ParamError, RigParams, SupportParams, Torque, WIRES};
 use toml::Value;
 
 use numerics::knob::Knob;
@@ -36,8 +36,8 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
     let has = |key: &str| changes.contains_key(key);
     if has("contact_law") {
         let law = text(&changes, "contact_law")?;
-        let (_, preset) = LAWS.iter().find(|(n, _)| *n == law).ok_or_else(|| {
-            let names: Vec<_> = LAWS.iter().map(|(n, _)| *n).collect();
+        let kind = LawKind::named(law).ok_or_else(|| {
+            let names: Vec<_> = LawKind::all().map(LawKind::name).collect();
             let names = names.join(", ");
             NoRig::new(
                 "contact_law",
@@ -46,7 +46,7 @@ pub(super) fn overlay(base: &mut Table, changes: Table) -> Result<(), NoRig> {
         })?;
         if base.get("contact_law").and_then(Value::as_str) != Some(law) {
             base.retain(|key, _| !key.starts_with("contact_"));
-            let with = to_table(&of_contact(preset)).into_iter();
+            let with = to_table(&of_contact(&kind.preset())).into_iter();
             base.extend(with.filter(|(key, _)| key.starts_with("contact_")));
         }
     }
@@ -81,7 +81,7 @@ pub(super) fn to_table(params: &RigParams) -> Table {
     });
     let words = [
         Some(("support", word(support))),
-        Some(("contact_law", word(law_name(&params.contact)))),
+        Some(("contact_law", word(params.contact.kind().name()))),
         torque.map(|torque| ("torque", torque)),
     ];
     let words = words.into_iter().flatten();
@@ -211,19 +211,17 @@ fn cart_from(table: &mut Table) -> Result<CartDrive, NoRig> {
 fn law_from(table: &mut Table) -> Result<Law<f64>, NoRig> {
     let name = text(table, "contact_law")?.to_owned();
     table.remove("contact_law");
-    let law = LAWS.iter().find(|(known, _)| *known == name);
-    let (_, preset) = law.ok_or_else(|| {
+    let kind = LawKind::named(&name).ok_or_else(|| {
         let line = format!("contact_law is '{name}', which is not known");
         NoRig::new("contact_law", line)
     })?;
-    let mut rig = of_contact(preset);
-    for knob in Knob::all().filter(|knob| knob.name().starts_with("contact_")) {
-        if knob.of(&rig).is_some() {
-            let value = take(table, knob.name())?;
-            rig = knob.set(&rig, value).unwrap_or(rig);
+    let mut law = kind.preset();
+    for number in kind.numbers() {
+        if let Some(place) = law.number_mut(number.key) {
+            *place = take(table, number.key)?;
         }
     }
-    Ok(rig.contact)
+    Ok(law)
 }
 
 /// A rig with this contact.

@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 use shared::Real;
+use shared::model::contact::TABLE_3_1;
 use shared::model::contacts::Contact;
 use shared::model::drive::Drive;
-use shared::model::params::{BEAM_170, RigParams, SupportParams, TABLE_3_1};
+use shared::model::params::{BEAM_170, RigParams, SupportParams};
 use shared::model::rig::Rig;
 use shared::model::step::{Banded, State, Stepper};
 use shared::model::switch::Band;

@@ -5,8 +5,8 @@ mod pull;
 pub mod undriven;
 
 use serde::Serialize;
-use shared::model::contact::Law;
-use shared::model::params::{BEAM_170, LAWS, RigParams, SupportParams};
+use shared::model::contact::{LAWS, Law};
+use shared::model::params::{BEAM_170, RigParams, SupportParams};
 use shared::model::rig::Rig;
 
 use crate::error::Error;
@@ -164,12 +164,11 @@ pub fn motion(rig: &Rig<f64>, course: &Course, count: usize) -> Vec<Instant> {
     (0..=count).map(instant).collect()
 }
 
-/// The four laws by name; the one of the same kind as `own` is `own`, the others are the presets made for the
+/// The laws by name; the one of the same kind as `own` is `own`, the others are the presets made for the
 /// contact of Table 3.1 ([`LAWS`]).
-pub fn four_laws(own: Law<f64>) -> Vec<(&'static str, Law<f64>)> {
-    let same = |law: &Law<f64>| std::mem::discriminant(law) == std::mem::discriminant(&own);
-    let pick = |(name, law): &(&'static str, Law<f64>)| (*name, if same(law) { own } else { *law });
-    LAWS.iter().map(pick).collect()
+pub fn all_laws(own: Law<f64>) -> Vec<(&'static str, Law<f64>)> {
+    LAWS.map(|(name, law)| (name, if law.kind() == own.kind() { own } else { law }))
+        .to_vec()
 }
 
 #[cfg(test)]

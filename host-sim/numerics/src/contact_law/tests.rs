@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use shared::model::params::TABLE_3_1;
+use shared::model::contact::TABLE_3_1;
 
 const MASS_KG: f64 = 0.298;
 

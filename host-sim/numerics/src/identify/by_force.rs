@@ -6,7 +6,8 @@ use super::search::Found;
 use super::shape::{self, Shape};
 use super::unknowns::Unknowns;
 use super::whole::Whole;
-use super::{Family, Fit, ImpactRow, Misfit, SensorFound};
+use super::{Fit, ImpactRow, Misfit, SensorFound};
+use shared::model::contact::LawKind;
 
 /// A law that misses the whole force by more than this share of it, noise apart, is refused.
 pub const REFUSED_SHARE: f64 = 0.02;
@@ -59,7 +60,7 @@ pub fn fit(measured: &Measured, unknowns: &Unknowns, whole: &Whole) -> Option<Fi
     let (profiles, sought) = profile::all(&ByForce(shape), unknowns, &mut best, per_cost);
     let (found, _) = unknowns.read(&best.x[..unknowns.list().len()])?;
     Some(Fit {
-        law: Family::SpringDashpot,
+        law: LawKind::SpringDashpot,
         misfit: Misfit::Force,
         refused: whole.beyond_noise > REFUSED_SHARE,
         intervals: whole.intervals,

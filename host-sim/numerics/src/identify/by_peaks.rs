@@ -1,5 +1,6 @@
 //! A fit by the peaks, with the sensor as the whole force shows it.
 
+use shared::model::contact::LawKind;
 use shared::model::params::RigParams;
 
 use super::by_force::{PROFILE_ROUNDS, REFUSED_SHARE, impact_rows};
@@ -9,7 +10,7 @@ use super::profile::{self, Landscape};
 use super::search::{self, Found};
 use super::unknowns::Unknowns;
 use super::whole::Whole;
-use super::{Family, Fit, Misfit, SensorFound};
+use super::{Fit, Misfit, SensorFound};
 
 /// The peaks as χ².
 struct ByPeaks<'a> {
@@ -99,7 +100,7 @@ pub fn fit(
     let shape = &whole.shape;
     let x = shape.solve(&x, &held, PROFILE_ROUNDS).map_or(x, |s| s.x);
     Some(Fit {
-        law: Family::SpringDashpot,
+        law: LawKind::SpringDashpot,
         misfit: Misfit::Peaks,
         refused: whole.beyond_noise > REFUSED_SHARE,
         intervals: whole.intervals,

@@ -3,10 +3,11 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use shared::model::contact::Law;
-use shared::model::params::{LAWS, RigParams, WIRES};
+use shared::model::contact::{LAWS, Law, LawKind};
+use shared::model::number::Number;
+use shared::model::params::{RigParams, WIRES};
 
-use super::{Family, Fit, Misfit, Settings, fit, measure};
+use super::{Fit, Misfit, Settings, fit, measure};
 use crate::drop_test::{Converter, DropTest, record};
 use crate::error::Error;
 use crate::noise::Noise;
@@ -32,37 +33,22 @@ pub struct Case {
     /// The law the record is made with.
     pub truth: Law<f64>,
     /// The law that is fitted.
-    pub family: Family,
+    pub family: LawKind,
 }
 
 impl Case {
     /// Whether the fitted law is the record's.
     pub fn law_is_right(&self) -> bool {
-        matches!(
-            (self.truth, self.family),
-            (Law::SpringDashpot { .. }, Family::SpringDashpot)
-                | (Law::Hertz { .. }, Family::Hertz)
-                | (Law::HuntCrossley { .. }, Family::HuntCrossley)
-                | (Law::LankaraniNikravesh { .. }, Family::LankaraniNikravesh)
-        )
+        self.truth.kind() == self.family
     }
 
     /// What the parameters should be.
     fn sought(&self) -> Vec<f64> {
-        match self.truth {
-            Law::SpringDashpot { stiffness, damping } => vec![stiffness, damping],
-            Law::Hertz { stiffness, .. } => vec![stiffness],
-            Law::HuntCrossley {
-                stiffness,
-                damping_ratio,
-                ..
-            } => vec![stiffness, damping_ratio],
-            Law::LankaraniNikravesh {
-                stiffness,
-                restitution,
-                ..
-            } => vec![stiffness, restitution],
-        }
+        let mut truth = self.truth;
+        let sought = truth.kind().without_exponent();
+        sought
+            .filter_map(|number| truth.number_mut(number.key).copied())
+            .collect()
     }
 }
 
@@ -77,7 +63,7 @@ pub fn cases() -> Vec<Case> {
         name,
         test,
         truth: LAWS[0].1,
-        family: Family::SpringDashpot,
+        family: LawKind::SpringDashpot,
     };
     let filtered = |filter_hz| DropTest { filter_hz, ..usual };
     let mut cases = vec![
@@ -170,7 +156,7 @@ pub fn cases() -> Vec<Case> {
     cases.push(crossley);
     cases.push(Case {
         name: "hunt-crossley",
-        family: Family::HuntCrossley,
+        family: LawKind::HuntCrossley,
         ..crossley
     });
     cases
@@ -306,14 +292,8 @@ pub fn identified(case: &Case, test: &DropTest, misfit: Misfit) -> Result<Fit, E
 }
 
 fn summary(case: &Case, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Row> {
-    let keys: &[&'static str] = match case.family {
-        Family::SpringDashpot => &["contact_stiffness_n_per_m", "contact_damping_n_s_per_m"],
-        Family::Hertz => &["contact_stiffness_n_per_m"],
-        Family::HuntCrossley => &["contact_stiffness_n_per_m", "contact_damping_ratio_s_per_m"],
-        Family::LankaraniNikravesh => &["contact_stiffness_n_per_m", "contact_restitution"],
-    };
     let right_law = case.law_is_right();
-    let row = |(i, key): (usize, &&'static str)| {
+    let row = |(i, number): (usize, Number)| {
         let seen: Vec<Seen> = outcomes
             .iter()
             .filter_map(|o| o.as_ref().ok()?.as_ref()?.get(i).copied())
@@ -325,7 +305,7 @@ fn summary(case: &Case, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Row> {
         Row {
             case: case.name,
             misfit,
-            parameter: key,
+            parameter: number.key,
             tests: outcomes.len(),
             right: if right_law {
                 seen.iter().filter(holds).count()
@@ -343,7 +323,11 @@ fn summary(case: &Case, misfit: Misfit, outcomes: &[Outcome]) -> Vec<Row> {
             median_half_width_percent: median(widths.collect()).filter(|_| right_law),
         }
     };
-    keys.iter().enumerate().map(row).collect()
+    case.family
+        .without_exponent()
+        .enumerate()
+        .map(row)
+        .collect()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

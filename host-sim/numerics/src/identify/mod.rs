@@ -21,7 +21,7 @@ mod warnings;
 mod whole;
 
 use serde::Serialize;
-use shared::model::contact::Law;
+use shared::model::contact::{Law, LawKind};
 use shared::model::params::RigParams;
 
 use crate::error::{Error, RecordError};
@@ -33,40 +33,6 @@ pub use sensor::Model;
 use sensor::Sensor;
 use unknowns::Unknowns;
 pub use warnings::Warning;
-
-/// A kind of contact law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Family {
-    /// F = ki δ + ci δ̇ (3-3): ki and ci
-    SpringDashpot,
-    /// F = ki δⁿ (3-2): ki
-    Hertz,
-    /// F = ki δⁿ(1 + λ δ̇) (3-4): ki and λ
-    HuntCrossley,
-    /// F = ki δⁿ(1 + ¾(1 − e²) δ̇/δ̇⁻) (3-5): ki and e
-    LankaraniNikravesh,
-}
-
-impl Family {
-    /// All of them.
-    pub const ALL: [Self; 4] = [
-        Self::SpringDashpot,
-        Self::Hertz,
-        Self::HuntCrossley,
-        Self::LankaraniNikravesh,
-    ];
-
-    /// Its name, as rig files have it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::SpringDashpot => "spring-dashpot",
-            Self::Hertz => "hertz",
-            Self::HuntCrossley => "hunt-crossley",
-            Self::LankaraniNikravesh => "lankarani-nikravesh",
-        }
-    }
-}
 
 /// What is made small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -184,7 +150,7 @@ impl SensorFound {
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// The law.
-    pub law: Family,
+    pub law: LawKind,
     /// What was made small.
     pub misfit: Misfit,
     /// Whether the law is refused, because it does not fit the record: the values are then the best it can do and
@@ -243,7 +209,7 @@ pub struct Fit {
 pub fn fit(
     measured: &Measured,
     params: &RigParams,
-    family: Family,
+    family: LawKind,
     misfit: Misfit,
     settings: &Settings,
 ) -> Result<Fit, Error> {

@@ -1,10 +1,11 @@
 //! What biases a release that is sought.
 
 use rayon::prelude::*;
+use shared::model::contact::LawKind;
 use shared::model::params::WIRES;
 
 use super::unknowns::Unknowns;
-use super::{Family, Settings, measure, whole};
+use super::{Settings, measure, whole};
 use crate::drop_test::{DropTest, record};
 use crate::signal::Signal;
 
@@ -37,7 +38,7 @@ fn bias(spread: bool) -> (f64, f64) {
                 ..Signal::default()
             };
             let data = measure(&signal, &settings).unwrap();
-            let unknowns = Unknowns::new(&data, &WIRES, Family::SpringDashpot, &settings).unwrap();
+            let unknowns = Unknowns::new(&data, &WIRES, LawKind::SpringDashpot, &settings).unwrap();
             let whole = whole::fit(&data, &WIRES, &unknowns, &settings).unwrap();
             // Gain and release make up for each other; the stated gain decides.
             let gain = whole.shape.sensor(&whole.best.x).gain;

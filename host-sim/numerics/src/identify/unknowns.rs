@@ -1,11 +1,12 @@
 //! What is sought, where it is sought, and where the searches begin.
 
-use shared::model::contact::Law;
+use shared::model::contact::{Law, LawKind};
+use shared::model::number::Number;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 
+use super::Settings;
 use super::contacts::{Impact, Measured};
-use super::{Family, Settings};
 use crate::drop_test::impacts;
 use crate::error::{DropTestError, Error};
 
@@ -49,12 +50,11 @@ impl Unknown {
 /// All that is sought.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknowns {
-    family: Family,
+    family: LawKind,
     list: Vec<Unknown>,
     steps: Vec<f64>,
     release_m: f64,
     seek_release: bool,
-    seek_exponent: bool,
 }
 
 /// A first guess of the contact from the first impact.
@@ -83,33 +83,38 @@ impl Guess {
     }
 
     /// The parameters of `family`, its exponent apart.
-    fn unknowns(&self, family: Family) -> Vec<Unknown> {
+    fn unknowns(&self, family: LawKind) -> Vec<Unknown> {
+        let linear = !has_exponent(family);
+        let unknown = |number: Number| self.unknown(number.key, linear);
+        family.without_exponent().map(unknown).collect()
+    }
+
+    fn unknown(&self, key: &'static str, linear: bool) -> Unknown {
         let (omega, restitution) = (self.omega, self.restitution);
-        let deepest = self.speed / omega;
-        let hertz = self.peak_n / deepest.powf(EXPONENT);
-        let key = "contact_stiffness_n_per_m";
-        match family {
-            Family::SpringDashpot => {
+        match key {
+            "contact_stiffness_n_per_m" if linear => {
+                log(key, self.mass_kg * omega * omega, DECADES)
+            }
+            "contact_stiffness_n_per_m" => {
+                let deepest = self.speed / omega;
+                log(key, self.peak_n / deepest.powf(EXPONENT), DECADES)
+            }
+            "contact_damping_n_s_per_m" => {
                 // Peak ≈ m v ω₀, and e = exp(−2ζφ/√(1 − ζ²)), near enough e^(−2.4 ζ).
                 let zeta = -restitution.ln() / 2.4;
-                let stiffness = self.mass_kg * omega * omega;
-                let damping = 2.0 * zeta * self.mass_kg * omega;
-                let key_c = "contact_damping_n_s_per_m";
-                vec![log(key, stiffness, DECADES), log(key_c, damping, DECADES)]
+                log(key, 2.0 * zeta * self.mass_kg * omega, DECADES)
             }
-            Family::Hertz => vec![log(key, hertz, DECADES)],
-            Family::HuntCrossley => {
+            "contact_damping_ratio_s_per_m" => {
                 let lambda = 1.5 * (1.0 - restitution) / (restitution * self.speed);
-                let key_l = "contact_damping_ratio_s_per_m";
-                vec![log(key, hertz, DECADES), log(key_l, lambda, DECADES)]
+                log(key, lambda, DECADES)
             }
-            Family::LankaraniNikravesh => {
-                let e = restitution.min(0.9);
-                let key_e = "contact_restitution";
-                vec![log(key, hertz, DECADES), plain(key_e, e, (0.0, 0.999), 0.1)]
-            }
+            _ => plain(key, restitution.min(0.9), (0.0, 0.999), 0.1),
         }
     }
+}
+
+fn has_exponent(family: LawKind) -> bool {
+    family.numbers().len() > family.without_exponent().count()
 }
 
 /// A parameter searched for by its logarithm, up to `up` decades above the guess.
@@ -146,7 +151,7 @@ impl Unknowns {
     pub fn new(
         measured: &Measured,
         params: &RigParams,
-        family: Family,
+        family: LawKind,
         settings: &Settings,
     ) -> Result<Self, Error> {
         let rig = Rig::<f64>::new(params)?;
@@ -163,7 +168,7 @@ impl Unknowns {
             first.contact.approach_speed_m_per_s,
         );
         let mut list = guess.unknowns(family);
-        let seek_exponent = settings.seek_exponent && family != Family::SpringDashpot;
+        let seek_exponent = settings.seek_exponent && has_exponent(family);
         if seek_exponent {
             list.push(plain("contact_exponent", EXPONENT, (1.0, 3.0), 0.1));
         }
@@ -183,7 +188,6 @@ impl Unknowns {
             list,
             release_m: settings.release_m,
             seek_release: settings.seek_release,
-            seek_exponent,
         })
     }
 
@@ -201,7 +205,7 @@ impl Unknowns {
     /// damping, and all of these together.
     pub fn starts(&self) -> Vec<Vec<f64>> {
         let guess: Vec<f64> = self.list.iter().map(|u| u.guess).collect();
-        let damped = self.family != Family::Hertz;
+        let damped = self.family.is_lossy();
         let second = if damped {
             vec![0.0, -1.0, 1.0]
         } else {
@@ -232,39 +236,18 @@ impl Unknowns {
         if !self.list.iter().zip(x).all(inside) {
             return None;
         }
-        let at = |i: usize| self.list[i].value(x[i]);
-        let laws = match self.family {
-            Family::Hertz => 1,
-            _ => 2,
-        };
-        let stiffness = at(0);
-        let exponent = if self.seek_exponent {
-            at(laws)
-        } else {
-            EXPONENT
-        };
-        let law = match self.family {
-            Family::SpringDashpot => Law::SpringDashpot {
-                stiffness,
-                damping: at(1),
-            },
-            Family::Hertz => Law::Hertz {
-                stiffness,
-                exponent,
-            },
-            Family::HuntCrossley => Law::HuntCrossley {
-                stiffness,
-                exponent,
-                damping_ratio: at(1),
-            },
-            Family::LankaraniNikravesh => Law::LankaraniNikravesh {
-                stiffness,
-                exponent,
-                restitution: at(1),
-            },
-        };
+        let mut law = self.family.preset();
+        if let Some(exponent) = law.number_mut("contact_exponent") {
+            *exponent = EXPONENT;
+        }
+        for (unknown, x) in self.list.iter().zip(x) {
+            if let Some(number) = law.number_mut(unknown.key) {
+                *number = unknown.value(*x);
+            }
+        }
         let release_m = if self.seek_release {
-            at(self.list.len() - 1) * 1e-3
+            let last = self.list.len() - 1;
+            self.list[last].value(x[last]) * 1e-3
         } else {
             self.release_m
         };

@@ -1,6 +1,7 @@
 //! What to keep in mind about a fit, as values.
 
-use super::{Family, Fit, Measured, Misfit};
+use super::{Fit, Measured, Misfit};
+use shared::model::contact::LawKind;
 
 /// Correlations closer to 1 than this leave only a combination of the two parameters known.
 const CLOSE_CORRELATION: f64 = 0.95;
@@ -109,7 +110,7 @@ pub(super) fn of(fit: &Fit, measured: &Measured) -> Vec<Warning> {
     if measured.zero_steps {
         found.push(Warning::ZeroSteps);
     }
-    if fit.law == Family::Hertz && peaks > 1 {
+    if fit.law == LawKind::Hertz && peaks > 1 {
         found.push(Warning::NoEnergyLoss);
     }
     if measured.noise_n == 0.0 {

@@ -265,7 +265,7 @@ fn what_cannot_be_modelled_is_refused() {
     let pressed = refused(at_gap(BEAM_170, -1e-3), BEAM, 2);
     assert_eq!(pressed, ModesError::Gap(-1e-3));
     let hertz = RigParams {
-        contact: shared::model::params::LAWS[1].1,
+        contact: shared::model::contact::LAWS[1].1,
         ..BEAM_170
     };
     assert_eq!(refused(hertz, BEAM, 2), ModesError::Law);

@@ -9,7 +9,7 @@ use shared::model::params::{RigParams, SupportParams};
 use super::search::FREQUENCY_TOLERANCE;
 use crate::orbit::{Orbit, shoot_at};
 use crate::root::{halved, maximum};
-use crate::uncertainty::{Uncertainty, scale_contact};
+use crate::uncertainty::Uncertainty;
 
 /// Change of the nominal optimum with one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -240,7 +240,7 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
         (
             CONTACT_STIFFNESS,
             percent,
-            relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, 1.0)),
+            relative(|rig, by| rig.contact = rig.contact.scaled(by, 1.0)),
         ),
         (
             GAP,
@@ -304,12 +304,12 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
             rows.push((
                 CONTACT_DAMPING,
                 percent,
-                relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
+                relative(|rig, by| rig.contact = rig.contact.scaled(1.0, by)),
             ));
             rows.push((
                 STIFFNESS_AND_DAMPING,
                 percent,
-                relative(|rig, by| rig.contact = scale_contact(&rig.contact, by, by.sqrt())),
+                relative(|rig, by| rig.contact = rig.contact.scaled(by, by.sqrt())),
             ));
             rows.push((
                 "contact restitution (same stiffness)",
@@ -319,12 +319,12 @@ fn changes(params: &RigParams) -> Vec<(&'static str, &'static str, Change)> {
                 }),
             ));
         }
-        Law::HuntCrossley { .. } | Law::LankaraniNikravesh { .. } => rows.push((
+        law if law.kind().is_lossy() => rows.push((
             OTHER_CONTACT_DAMPING,
             percent,
-            relative(|rig, by| rig.contact = scale_contact(&rig.contact, 1.0, by)),
+            relative(|rig, by| rig.contact = rig.contact.scaled(1.0, by)),
         )),
-        Law::Hertz { .. } => {}
+        _ => {}
     }
     rows
 }
@@ -369,7 +369,7 @@ fn with_restitution(params: &RigParams, by: f64) -> Option<RigParams> {
         return None;
     }
     let scaled = damping_ratio_of_restitution(by * restitution(zeta))?;
-    let contact = scale_contact(&params.contact, 1.0, scaled / zeta);
+    let contact = params.contact.scaled(1.0, scaled / zeta);
     Some(RigParams { contact, ..*params })
 }
 
@@ -432,7 +432,7 @@ mod tests {
             panic!("{computed:?}");
         };
         let change = |by: f64| {
-            let contact = scale_contact(&WIRES.contact, 1.0, by);
+            let contact = WIRES.contact.scaled(1.0, by);
             let there = picked(RigParams { contact, ..WIRES }).answer.force_n;
             100.0 * (there / nominal.answer.force_n - 1.0)
         };

@@ -2,7 +2,6 @@
 //!
 //! It is the reference's march with a flow that has one phase, so the steps of the two can be counted against each other.
 
-use shared::model::contact::Law;
 use shared::model::params::RigParams;
 use shared::model::rig::Rig;
 use shared::model::step::Smoothed;
@@ -35,7 +34,7 @@ impl<R: Scalar> Reference<R> {
         if !(epsilon_m > 0.0 && epsilon_m.is_finite()) {
             return Err(Error::SmoothingWidth(epsilon_m));
         }
-        if matches!(params.contact, Law::LankaraniNikravesh { .. }) {
+        if params.contact.kind().needs_approach_speed() {
             return Err(Error::SmoothingLaw);
         }
         let smoothed = Smoothed {

@@ -43,7 +43,7 @@ impl Member {
             _ => 1.0,
         };
         let by_damping = with_stiffness * (1.0 + damping);
-        rig.contact = scale_contact(&rig.contact, by_stiffness, by_damping);
+        rig.contact = rig.contact.scaled(by_stiffness, by_damping);
         rig.mass_kg *= 1.0 + mass;
         rig.cart_mass_kg *= 1.0 + cart_mass;
         if let CartDrive::Loop(held) = &mut rig.cart {
@@ -66,34 +66,4 @@ impl Member {
     pub fn natural_frequency_factor(&self) -> f64 {
         1.0 + self.deviations[0]
     }
-}
-
-/// A contact law with stiffness and damping scaled. What damps is ci, λ, or 1 − e² (kept at or below 1).
-pub fn scale_contact(law: &Law<f64>, by_stiffness: f64, by_damping: f64) -> Law<f64> {
-    let mut law = *law;
-    match &mut law {
-        Law::Hertz { stiffness, .. } => *stiffness *= by_stiffness,
-        Law::SpringDashpot { stiffness, damping } => {
-            *stiffness *= by_stiffness;
-            *damping *= by_damping;
-        }
-        Law::HuntCrossley {
-            stiffness,
-            damping_ratio,
-            ..
-        } => {
-            *stiffness *= by_stiffness;
-            *damping_ratio *= by_damping;
-        }
-        Law::LankaraniNikravesh {
-            stiffness,
-            restitution,
-            ..
-        } => {
-            *stiffness *= by_stiffness;
-            let loss = ((1.0 - *restitution * *restitution) * by_damping).min(1.0);
-            *restitution = (1.0 - loss).sqrt();
-        }
-    }
-    law
 }

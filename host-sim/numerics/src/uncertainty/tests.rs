@@ -128,7 +128,7 @@ fn stiffness_and_damping_ratio_deviate_by_themselves() {
         ..WIRES
     };
     let moved = uncertainty.corners()[0].apply(&rig, 1.0).contact;
-    assert_eq!(moved, scale_contact(&law, 1.0 - 0.81, 1.0 - 0.1));
+    assert_eq!(moved, law.scaled(1.0 - 0.81, 1.0 - 0.1));
     // The two ways to state the damping take each other's place.
     let other = Stated {
         contact_damping_percent: Some(5.0),

@@ -3,9 +3,10 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use numerics::compare::Frame;
 use numerics::drop_test::Converter;
-use numerics::identify::{Family, Misfit};
+use numerics::identify::Misfit;
 use numerics::modes::Tip;
 use numerics::sweep::Direction;
+use shared::model::contact::{LAWS, LawKind};
 
 /// A value that can be chosen by name.
 pub trait Choice: Clone + Send + Sync + 'static {
@@ -138,25 +139,17 @@ impl Choice for Tip {
     ];
 }
 
-impl Choice for Family {
-    const CHOICES: &'static [(&'static str, &'static str, Self)] = &[
-        (
-            "spring-dashpot",
-            "F = ki δ + ci δ̇ (3-3): ki and ci",
-            Self::SpringDashpot,
-        ),
-        ("hertz", "F = ki δⁿ (3-2): ki", Self::Hertz),
-        (
-            "hunt-crossley",
-            "F = ki δⁿ(1 + λ δ̇) (3-4): ki and λ",
-            Self::HuntCrossley,
-        ),
-        (
-            "lankarani-nikravesh",
-            "F = ki δⁿ(1 + ¾(1 − e²) δ̇/δ̇⁻) (3-5): ki and e",
-            Self::LankaraniNikravesh,
-        ),
-    ];
+impl Choice for LawKind {
+    const CHOICES: &'static [(&'static str, &'static str, Self)] = &{
+        let mut all = [("", "", Self::Hertz); LAWS.len()];
+        let mut i = 0;
+        while i < all.len() {
+            let kind = LAWS[i].1.kind();
+            all[i] = (kind.name(), kind.formula(), kind);
+            i += 1;
+        }
+        all
+    };
 }
 
 impl Choice for Misfit {

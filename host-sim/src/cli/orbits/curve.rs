@@ -10,7 +10,7 @@ use numerics::NamedRig;
 use numerics::continuation::two::table::{Answer, CurveRow, PointRow};
 use numerics::continuation::two::{Condition, Dimension, Plane, Varied, followed, seeds};
 use numerics::continuation::{Drive, OrbitsRequest};
-use numerics::knob::{KNOBS, Knob};
+use numerics::knob::Knob;
 use plot::chart::Chart;
 
 /// `KEY=FROM:TO` or `KEY=FROM:TO:log`.
@@ -30,10 +30,10 @@ pub fn parse_curve(text: &str) -> Result<CurveOver, String> {
     let (key, range) = text.split_once('=').ok_or(form)?;
     let key = key.trim();
     let knob = Knob::named(key).ok_or_else(|| {
-        let hint = rigfile::nearest(key, KNOBS.iter().copied());
+        let hint = rigfile::nearest(key, Knob::all().map(Knob::name));
         format!(
             "there is no number '{key}' of a rig{hint}; one of {}",
-            KNOBS.join(", ")
+            Knob::all().map(Knob::name).collect::<Vec<_>>().join(", ")
         )
     })?;
     let parts: Vec<&str> = range.split(':').map(str::trim).collect();

@@ -139,7 +139,7 @@ impl<'a> Table<'a> {
 /// The parameters that are not the same in all rigs.
 fn differing(rigs: &[NamedRig]) -> String {
     let mut text = String::new();
-    for (key, _) in rigfile::KEYS {
+    for (key, _) in rigfile::KEYS.iter() {
         let values = rigs.iter().map(|rig| rigfile::shown(&rig.params, key));
         let values: Vec<String> = values
             .map(|v| v.unwrap_or_else(|| "-".to_owned()))

@@ -4,6 +4,7 @@ mod answers;
 mod ask;
 mod describe;
 
+use shared::model::contact::LawKind;
 use std::io::{IsTerminal, stderr, stdin};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,7 @@ use files::words::identify::Worded;
 use files::{UserError, rigfile};
 use numerics::Limits;
 use numerics::NamedRig;
-use numerics::identify::{Family, Fit, Misfit, Settings, fit, measure};
+use numerics::identify::{Fit, Misfit, Settings, fit, measure};
 use numerics::pick::pick;
 use numerics::uncertainty::Stated;
 use shared::model::params::RigParams;
@@ -107,7 +108,7 @@ fn identified(
     let fit = fit(
         &measured,
         &params,
-        Family::SpringDashpot,
+        LawKind::SpringDashpot,
         Misfit::Force,
         &settings,
     )?;

@@ -7,7 +7,8 @@ use std::vec::Vec;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind};
 
 use super::*;
-use crate::model::params::{LAWS, PRESETS, RigParams, WIRES};
+use crate::model::contact::LAWS;
+use crate::model::params::{PRESETS, RigParams, WIRES};
 
 const SLOT: usize = 1024;
 const SLOTS: [Range<u32>; 2] = [0..SLOT as u32, SLOT as u32..2 * SLOT as u32];

@@ -1,10 +1,10 @@
 //! One Runge–Kutta step against closed forms, and what each stepper records.
 
 use super::*;
-use crate::model::contact::Law;
+use crate::model::contact::{LAWS, Law, TABLE_3_1};
 use crate::model::contacts::Contact;
 use crate::model::drive::TURN;
-use crate::model::params::{BEAM_170, LAWS, RigParams, SupportParams, TABLE_3_1, WIRES};
+use crate::model::params::{BEAM_170, RigParams, SupportParams, WIRES};
 use crate::model::switch::Band;
 use core::f64::consts::TAU;
 

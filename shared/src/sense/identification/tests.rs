@@ -310,7 +310,7 @@ fn a_contact_beyond_its_range_is_not_reported() {
     assert_eq!(reported(1.0, 1.05 * range), (true, false));
     assert_eq!(reported(1.0, 0.95 / range), (true, false));
     let mut hertz = WIRES;
-    hertz.contact = crate::model::params::LAWS[1].1;
+    hertz.contact = crate::model::contact::LAWS[1].1;
     let mut identification = Identification::new(&Settings::for_rig(&hertz));
     for _ in 0..FEWEST_CONTACTS {
         identification.pulse(&pulse);
