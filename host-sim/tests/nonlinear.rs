@@ -34,10 +34,15 @@ fn law(rng: &mut ChaCha8Rng, kind: usize) -> Law<f64> {
             exponent,
             damping_ratio: 10.0_f64.powf(rng.random_range(0.0..2.0)),
         },
-        _ => Law::LankaraniNikravesh {
+        2 => Law::LankaraniNikravesh {
             stiffness,
             exponent,
             restitution: rng.random_range(0.3..0.95),
+        },
+        _ => Law::Flores {
+            stiffness,
+            exponent,
+            restitution: rng.random_range(0.1..0.95),
         },
     }
 }
@@ -61,7 +66,7 @@ fn survey(seed: u64, drawn: usize, tick_s: f64) -> (usize, usize, f64, Vec<Strin
         let (name, preset) = PRESETS[i % PRESETS.len()];
         let params = RigParams {
             gap_m: rng.random_range(0.0..3.56e-3),
-            contact: law(&mut rng, i % 3),
+            contact: law(&mut rng, i % 5 % 4),
             ..preset
         };
         let ratio = rng.random_range(0.8..4.6);

@@ -25,7 +25,7 @@
 //!    ([`model::scalar::Compensated`]). [`model::trig`]: sine for small angles, with its error.
 //! 2. [`model::drive`]: the shaker's phase. A 32-bit accumulator wraps once per period and is the only time there
 //!    is; a phasor is rotated beside it and set afresh four times per turn.
-//! 3. [`model::contact`]: force from penetration. Four laws; when a contact pushes, and when it would pull.
+//! 3. [`model::contact`]: force from penetration: the contact laws; when a contact pushes, and when it would pull.
 //! 4. [`model::params`]: what a rig is, and the four presets. [`model::rig`]: the equations of motion of both rigs.
 //! 5. [`model::switch`]: the Filippov model. Two indicators, h_α = δ (touching) and h_β = F (pushing), four fields.
 //! 6. [`model::step`]: three ways across the switch at a fixed step. [`model::contacts`]: the record of each contact.

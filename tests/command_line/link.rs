@@ -89,17 +89,21 @@ fn the_forecast_comes_whole_in_every_format() {
 }
 
 /// Records. The board sends in real time and waits for nobody: on a machine with too much to do ticks are lost, which the
-/// program must say and leave no file; then it is tried again.
+/// program must say and leave no file; then it is tried again, once the cart of the recording that was given up stands.
 fn record(folder: &Folder, line: &str) {
-    for _ in 0..10 {
+    for _ in 0..40 {
         let ran = folder.run(line);
         if ran.code == Some(0) {
             return;
         }
-        assert!(ran.err.contains("ticks were lost"), "{ran:?}");
+        let stopping = ran.err.contains("the controller is in stop");
+        assert!(stopping || ran.err.contains("ticks were lost"), "{ran:?}");
+        if stopping {
+            thread::sleep(Duration::from_millis(500));
+        }
         assert!(!folder.path("run.parquet").exists(), "{ran:?}");
     }
-    panic!("ticks were lost in ten recordings");
+    panic!("no recording without a loss");
 }
 
 #[test]

@@ -103,8 +103,8 @@ fn multipliers_are_the_reference_s_on_both_rigs_before_and_after_the_doubling() 
     assert!(before > 150 && after > 40, "{before} {after}");
 }
 
-/// Hunt–Crossley and Lankarani–Nikravesh; under Hertz no 1/1 is stable with these rigs.
-const NONLINEAR: [(&str, Law<f64>); 2] = [LAWS[2], LAWS[3]];
+/// Hunt–Crossley, Lankarani–Nikravesh and Flores; under Hertz no 1/1 is stable with these rigs.
+const NONLINEAR: [(&str, Law<f64>); 3] = [LAWS[2], LAWS[3], LAWS[4]];
 
 /// δⁿ is not smooth where the contact begins and ends, so the derivative is coarser than the spring-dashpot's.
 #[test]

@@ -77,9 +77,9 @@ pub enum Error {
     /// This moves the cart as prescribed only; the rig's recoils.
     #[error("{0} moves the cart as prescribed only; use --cart prescribed")]
     Recoil(&'static str),
-    /// The smoothing method has no onset, which the Lankarani–Nikravesh law needs.
+    /// The smoothing method has no onset, whose speed the contact law needs.
     #[error(
-        "the smoothing method has no onset, which the Lankarani-Nikravesh law needs; choose another law"
+        "the smoothing method has no onset, whose speed this contact law needs; choose another contact_law"
     )]
     SmoothingLaw,
     /// A map cannot be made so.

@@ -11,7 +11,7 @@ use shared::model::contact::Law;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Which {
-    /// All four: the rig's own law, the others made for the contact of Table 3.1
+    /// The rig's own law, and the others made for the contact of Table 3.1
     All,
     /// The rig's own law alone
     Own,

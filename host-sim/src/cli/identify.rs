@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long, value_parser = choice::<LawKind>())]
     law: Vec<LawKind>,
 
-    /// All four laws
+    /// All laws
     #[arg(long, conflicts_with = "law")]
     all_laws: bool,
 
@@ -201,7 +201,7 @@ fn families(args: &Args) -> Result<Vec<LawKind>, UserError> {
     if args.seek_exponent && families.contains(&LawKind::SpringDashpot) {
         if families.len() == 1 {
             return Err(UserError::new(
-                "--seek-exponent: the spring-dashpot law has no exponent; add --law hertz, hunt-crossley or lankarani-nikravesh, or leave the option out",
+                "--seek-exponent: the spring-dashpot law has no exponent; name another with --law, or leave the option out",
             ));
         }
         args.output.note(

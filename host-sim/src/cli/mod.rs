@@ -148,7 +148,7 @@ enum Command {
         after_help = "Examples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"
     )]
     Figures(figures::Args),
-    /// One impact of a free mass on a wall under the four contact laws: force, restitution, energy, where a law would pull
+    /// One impact of a free mass on a wall under each contact law: force, restitution, energy, where a law would pull
     #[command(
         after_help = "Examples:\n  host-sim contact --speed 0.1\n  host-sim contact --figure-3-3"
     )]
@@ -156,7 +156,7 @@ enum Command {
     /// Make a synthetic drop test: the released hammer falls back and strikes; with noise, ringing, quantisation
     #[command(after_help = "Examples:\n  host-sim drop --noise-n 0.2 --format csv > drop.csv")]
     Drop(drop::Args),
-    /// Identify the contact parameters of any of the four laws from a drop test (CSV), with 95 % intervals
+    /// Identify the contact parameters of any contact law from a drop test (CSV), with 95 % intervals
     #[command(after_help = "Examples:\n  host-sim identify drop.csv --misfit force --out out")]
     Identify(identify::Args),
     /// Compare measured displacement or force with a simulation: both curves, and the errors

@@ -1,4 +1,4 @@
-//! Figures 3.3 (impacts of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the four laws over
+//! Figures 3.3 (impacts of a mass on a wall), 3.9 and 3.10 (contact parameters from drop tests), and the contact laws over
 //! approach speed.
 
 use shared::model::contact::{LawKind, TABLE_3_1};
@@ -17,7 +17,7 @@ use numerics::identify::{Fit, Measured, Misfit, Settings, fit, measure};
 use numerics::signal::Signal;
 use plot::Figure;
 
-/// Figures 3.2 and 3.3, and the four laws beside each other.
+/// Figures 3.2 and 3.3, and the contact laws beside each other.
 ///
 /// # Errors
 /// If a picture cannot be drawn.
@@ -182,7 +182,7 @@ fn laws() -> Result<Page, UserError> {
     let mut panels = blows(WIRES.mass_kg, &blows_drawn)?.to_vec();
     panels.extend(over_speed(&seen));
     let figure = grid(
-        "The rig's hammer on a wall under the four laws".into(),
+        "The rig's hammer on a wall under each contact law".into(),
         format!(
             "0.298 kg; above at {USUAL_SPEED} m/s. The spring-dashpot is Table 3.1's, the others are made for the same contact as far as they can. Dashed: if the law could pull."
         ),
@@ -200,10 +200,10 @@ fn laws() -> Result<Page, UserError> {
         .collect();
     Ok(Page {
         figure: "contact laws",
-        title: "The four contact laws: force, pull, restitution over speed".into(),
+        title: "The contact laws: force, pull, restitution over speed".into(),
         chapter: "The spring-dashpot's force jumps at the onset, and as the bodies separate it turns negative and holds them; Hunt-Crossley and Lankarani-Nikravesh begin and end at zero; Hertz loses nothing.",
         found: format!(
-            "{}: of the four, {} would pull. Not let go at F = 0 it pulls over the last {:.0} % of its contact, by up to {:.1} N after a peak of {:.1} N, and rebounds at {:.3} instead of {:.3}. Contact {:.3} ms and restitution {:.3} at {USUAL_SPEED} m/s, whatever the speed; work of the force and energy gone differ by {:.0e} of the energy at most.",
+            "{}: of these laws, {} would pull. Not let go at F = 0 it pulls over the last {:.0} % of its contact, by up to {:.1} N after a peak of {:.1} N, and rebounds at {:.3} instead of {:.3}. Contact {:.3} ms and restitution {:.3} at {USUAL_SPEED} m/s, whatever the speed; work of the force and energy gone differ by {:.0e} of the energy at most.",
             if pulling == ["spring-dashpot"] {
                 "Agrees"
             } else {

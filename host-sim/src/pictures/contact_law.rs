@@ -42,8 +42,13 @@ pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
         let path = by(|p| (p.penetration_m * 1e6, p.rate_m_per_s));
         let mut forces = by(|p| (p.time_s * 1e3, p.force_n));
         forces.insert(0, (0.0, 0.0));
-        plane = plane.item(Item::line(name, color, path));
-        force = force.item(Item::line(name, color, forces));
+        let laws_differ = drawn.iter().any(|(_, other, _)| other != law);
+        let line = |points| match laws_differ {
+            true => over_another(name, i, points),
+            false => Item::line(name, color, points),
+        };
+        plane = plane.item(line(path));
+        force = force.item(line(forces));
         if pull.share > 0.0 {
             let tail = |f: fn(&[f64; 4]) -> (f64, f64)| pull.tail.iter().map(f).collect();
             let label = format!("{name}, if it could pull");
@@ -52,6 +57,17 @@ pub fn blows(mass_kg: f64, drawn: &[Drawn]) -> Result<[Panel; 2], UserError> {
         }
     }
     Ok([plane, force])
+}
+
+/// The curve of the `i`-th law. Two laws may give the same: the later is drawn narrower over the earlier, so that both show.
+fn over_another(name: &str, i: usize, points: Vec<(f64, f64)>) -> Item {
+    Item::Line {
+        points,
+        color: Color::series(i),
+        label: name.to_owned(),
+        width: (5.0 - 1.2 * i as f64).max(1.4),
+        stroke: Stroke::Solid,
+    }
 }
 
 /// Restitution and contact time over approach speed, a curve per law.
@@ -67,16 +83,7 @@ pub fn over_speed(rows: &[Row]) -> [Panel; 2] {
     let mut duration =
         Panel::new(speed(), Axis::new("contact time, ms").with_zero()).titled("Onset to release");
     for (i, law) in rows.chunk_by(|a, b| a.law == b.law).enumerate() {
-        let color = Color::series(i);
-        let name = law[0].law.as_str();
-        // Two laws may give the same curve: the later is drawn narrower over the earlier, so that both show.
-        let drawn = |points| Item::Line {
-            points,
-            color,
-            label: name.to_owned(),
-            width: 5.0 - 1.2 * i as f64,
-            stroke: Stroke::Solid,
-        };
+        let drawn = |points| over_another(&law[0].law, i, points);
         restitution = restitution.item(drawn(curve(|r| r.restitution, law)));
         duration = duration.item(drawn(curve(|r| r.contact_time_ms, law)));
     }

@@ -38,6 +38,7 @@ fn every_preset_makes_the_contact_of_table_3_1_as_far_as_its_law_can() {
         (LawKind::Hertz, 1.0),
         (LawKind::HuntCrossley, target_e),
         (LawKind::LankaraniNikravesh, 0.662_962),
+        (LawKind::Flores, target_e),
     ];
     for (law, restitution) in outcomes {
         let name = law.name();
@@ -94,6 +95,14 @@ fn solving_the_presets_anew_gives_their_constants() {
         panic!("hunt-crossley is what it is called");
     };
     close("lambda", preset_ratio, damping_ratio, 1e-6);
+    // At this approach speed Flores's law is Hunt and Crossley's: 8 (1 − e)/(5 e) = λ v.
+    let Law::Flores { restitution, .. } = LawKind::Flores.preset() else {
+        panic!("flores is what it is called");
+    };
+    let same = 8.0 / (8.0 + 5.0 * damping_ratio * APPROACH);
+    close("flores", restitution, same, 1e-6);
+    let stiffness = LawKind::Flores.preset().stiffness();
+    close("flores", stiffness, solved[1].1, 1e-6);
 }
 
 #[test]

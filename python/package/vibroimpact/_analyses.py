@@ -613,7 +613,7 @@ def identify(
     impacts:
         How many impacts are fitted. Of a driven run, which is no drop test, take one.
     law:
-        ``"spring-dashpot"``, ``"hertz"``, ``"hunt-crossley"``, ``"lankarani-nikravesh"``, or several.
+        ``"spring-dashpot"``, ``"hertz"``, ``"hunt-crossley"``, ``"lankarani-nikravesh"``, ``"flores"``, or several.
     misfit:
         ``"force"`` (the whole force) and ``"peaks"`` (the chapter's).
     gain_percent, release_height_percent, clock_percent:

@@ -62,7 +62,7 @@ impl Change {
     pub fn fits(&self, rig: &RigParams) -> Result<(), UserError> {
         if self.restitution.is_some() && restitution_of(rig).is_none() {
             return Err(UserError::new(
-                "restitution goes with the spring-dashpot (underdamped) and the Lankarani-Nikravesh law; change contact_damping_percent instead",
+                "restitution goes with the spring-dashpot (underdamped) and the laws with a contact_restitution; change contact_damping_percent instead",
             ));
         }
         Ok(())
@@ -84,26 +84,26 @@ impl Change {
     }
 }
 
+/// The key of the laws that are given a restitution.
+const RESTITUTION: &str = "contact_restitution";
+
 /// Restitution of the hammer against the surface held still; none where the law has none that is the same at every
 /// speed.
 fn restitution_of(rig: &RigParams) -> Option<f64> {
-    match rig.contact {
-        Law::LankaraniNikravesh { restitution, .. } => Some(restitution),
-        _ => {
-            let zeta = contact_damping_ratio(rig)?;
-            (zeta > 0.0 && zeta < 1.0).then(|| restitution(zeta))
-        }
+    let mut law = rig.contact;
+    if let Some(own) = law.number_mut(RESTITUTION) {
+        return Some(*own);
     }
+    let zeta = contact_damping_ratio(rig)?;
+    (zeta > 0.0 && zeta < 1.0).then(|| restitution(zeta))
 }
 
 fn set_restitution(rig: &mut RigParams, wanted: f64) {
-    match &mut rig.contact {
-        Law::LankaraniNikravesh { restitution, .. } => *restitution = wanted,
-        Law::SpringDashpot { stiffness, damping } => {
-            // Falls with the damping ratio.
-            let (_, ratio) = halved((1e-9, 1.0 - 1e-9), 60, |zeta| restitution(zeta) <= wanted);
-            *damping = 2.0 * ratio * (*stiffness * rig.mass_kg).sqrt();
-        }
-        _ => {}
+    if let Law::SpringDashpot { stiffness, damping } = &mut rig.contact {
+        // Falls with the damping ratio.
+        let (_, ratio) = halved((1e-9, 1.0 - 1e-9), 60, |zeta| restitution(zeta) <= wanted);
+        *damping = 2.0 * ratio * (*stiffness * rig.mass_kg).sqrt();
+    } else if let Some(own) = rig.contact.number_mut(RESTITUTION) {
+        *own = wanted;
     }
 }

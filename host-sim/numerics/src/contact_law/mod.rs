@@ -106,6 +106,8 @@ fn row(name: &str, params: &RigParams, rig: &Rig<f64>, course: &Course, pull: &P
         contact.approach_speed_m_per_s,
         contact.rebound_speed_m_per_s,
     );
+    // A force that has died away changes its sign by rounding.
+    let pulls = pull.force_n > 1e-9 * contact.peak_force_n;
     let energy = |speed: f64| 0.5 * params.mass_kg * speed * speed;
     let missing = energy(v) - energy(u);
     let deepest = motion(rig, course, 400)
@@ -124,8 +126,8 @@ fn row(name: &str, params: &RigParams, rig: &Rig<f64>, course: &Course, pull: &P
         energy_in_j: energy(v),
         energy_lost_j: contact.energy_lost_j,
         energy_imbalance: (contact.energy_lost_j - missing) / energy(v),
-        pull_share: pull.share,
-        pull_n: pull.force_n,
+        pull_share: if pulls { pull.share } else { 0.0 },
+        pull_n: if pulls { pull.force_n } else { 0.0 },
         pulling_restitution: pull.restitution,
     }
 }

@@ -113,6 +113,23 @@ fn lankarani_nikravesh_rebounds_more_than_it_is_told_and_never_below_two_thirds(
 }
 
 #[test]
+fn flores_rebounds_about_as_it_is_told_at_any_speed() {
+    for given in [0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 0.95_f64] {
+        for speed in [0.05, 1.0] {
+            let law = Law::Flores {
+                stiffness: 2.9e9,
+                exponent: 1.5,
+                restitution: given,
+            };
+            let seen = one(law, MASS_KG, speed);
+            let expected = implicit(1.6 * (1.0 - given) / given);
+            close(seen.restitution, expected, 1e-8);
+            assert!((seen.restitution - given).abs() < 0.05 && seen.pull_share == 0.0);
+        }
+    }
+}
+
+#[test]
 fn the_force_between_steps_is_that_of_the_closed_form() {
     let rig = Rig::new(&free_mass(MASS_KG, TABLE_3_1)).unwrap();
     let speed = 0.08;
