@@ -304,13 +304,12 @@ const SHAKER_FORCE: Number = Number::new(
 );
 
 impl RigParams {
+    /// The numbers that every rig has.
+    pub const OWN_NUMBERS: [Number; 4] = [MASS, CART_MASS, AMPLITUDE, GAP];
+
     /// The numbers that a rig may have, in the order of a rig file.
     pub fn numbers() -> impl Iterator<Item = Number> {
         let support = [
-            MASS,
-            CART_MASS,
-            AMPLITUDE,
-            GAP,
             NATURAL_FREQUENCY,
             WIRE_LENGTH,
             GRAVITY,
@@ -323,8 +322,8 @@ impl RigParams {
             FEED_FORWARD,
             SHAKER_FORCE,
         ];
-        let all = support.into_iter().chain(contact::NUMBERS);
-        all.chain(shaker)
+        let all = Self::OWN_NUMBERS.into_iter().chain(support);
+        all.chain(contact::NUMBERS).chain(shaker)
     }
 
     /// Where the number called `key` stands, in SI units. None if there is none, or such a rig has none.

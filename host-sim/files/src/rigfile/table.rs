@@ -95,15 +95,17 @@ pub(super) fn to_table(params: &RigParams) -> Table {
 /// A key that is missing, out of place or out of range.
 pub(super) fn from_table(table: &Table) -> Result<RigParams, NoRig> {
     let mut left = table.clone();
-    let params = RigParams {
+    let mut params = RigParams {
         support: support_from(&mut left)?,
-        mass_kg: take(&mut left, "mass_kg")?,
-        cart_mass_kg: take(&mut left, "cart_mass_kg")?,
-        amplitude_m: take(&mut left, "amplitude_mm")? / 1e3,
-        gap_m: take(&mut left, "gap_mm")? / 1e3,
         contact: law_from(&mut left)?,
         cart: cart_from(&mut left)?,
+        ..WIRES
     };
+    for number in RigParams::OWN_NUMBERS {
+        if let Some(place) = params.number_mut(number.key) {
+            *place = take(&mut left, number.key)? / number.per_si_unit;
+        }
+    }
     if let Some(key) = left.keys().next() {
         let line = format!(
             "{key} does not apply to this rig's support or contact law; leave it out or change support or contact_law"
