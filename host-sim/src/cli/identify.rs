@@ -286,11 +286,11 @@ fn rows(fits: &[Fit]) -> Vec<Row> {
 
 /// Four significant digits.
 fn short(x: f64) -> String {
-    significant(x, 4)
+    scientific(x, 4)
 }
 
-/// So many significant digits.
-fn significant(x: f64, digits: usize) -> String {
+/// So many significant digits, of small and large values with an exponent.
+fn scientific(x: f64, digits: usize) -> String {
     if x != 0.0 && !(1e-2..1e5).contains(&x.abs()) {
         return format!("{x:.*e}", digits - 1);
     }
@@ -324,7 +324,7 @@ fn text(answer: &Answer) -> String {
         answer.gain_percent,
         answer.release_height_percent,
         answer.clock_percent,
-        significant(answer.free_cart_percent, 2)
+        scientific(answer.free_cart_percent, 2)
     );
     for Worded { fit, warnings } in &answer.fits {
         text += &fit_text(fit, warnings);
@@ -350,7 +350,7 @@ fn fit_text(fit: &Fit, warnings: &[String]) -> String {
     let mut text = format!("\n{}, by {}\n", fit.law.name(), fit.misfit.name());
     for p in &fit.parameters {
         let digits = digits(p);
-        let shown = |x| significant(x, digits);
+        let shown = |x| scientific(x, digits);
         let end = |e: Option<f64>| e.map_or("not bounded".to_owned(), shown);
         let interval = match (fit.refused, fit.intervals) {
             (true, _) => "no interval: the law does not fit".to_owned(),
@@ -417,7 +417,7 @@ fn figure(rig: &NamedRig, measured: &Measured, fits: &[Fit], settings: &Settings
     let found = fits.first().map_or(String::new(), |fit| {
         let each = fit.parameters.iter().map(|p| {
             let digits = digits(p);
-            let shown = |x| significant(x, digits);
+            let shown = |x| scientific(x, digits);
             let end = |e: Option<f64>| e.map_or("?".to_owned(), shown);
             format!(
                 "{} {} ({} to {})",

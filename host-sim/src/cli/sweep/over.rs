@@ -10,10 +10,11 @@ use crate::pictures::pick::by_regime;
 use crate::pictures::regimes::regime_points;
 use crate::progress::Progress;
 use files::UserError;
+use files::table::Selection;
 use files::words::digits::significant;
 use numerics::CartModel;
 use numerics::NamedRig;
-use numerics::row::{Outcome, Row};
+use numerics::row::Row;
 use numerics::sweep::{Direction, over};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
@@ -25,45 +26,26 @@ struct OverRow<'a> {
     parameter: &'a str,
     /// Its value, in the unit of its name.
     value: f64,
-    // What follows is the row of a sweep over frequency: a CSV cannot hold one row inside another.
-    rig: &'a str,
-    gap_mm: f64,
-    cart: CartModel,
-    frequency_hz: f64,
-    frequency_ratio: f64,
-    impacts: Option<u16>,
-    periods: Option<u8>,
-    regime: Outcome,
-    force_ratio: Option<f64>,
-    force_n: Option<f64>,
-    approach_speed_m_per_s: Option<f64>,
-    contact_time_ms: Option<f64>,
-    #[serde(skip)]
     row: &'a Row,
 }
 
-impl<'a> OverRow<'a> {
-    fn new(parameter: &'a str, value: f64, row: &'a Row) -> Self {
-        let known = |x: f64| (!row.failed).then_some(x);
-        Self {
-            parameter,
-            value,
-            rig: &row.rig,
-            gap_mm: row.gap_mm,
-            cart: row.cart,
-            frequency_hz: row.frequency_hz,
-            frequency_ratio: row.frequency_ratio,
-            impacts: (!row.failed).then_some(row.impacts),
-            periods: row.periods,
-            regime: row.outcome(),
-            force_ratio: known(row.force_ratio),
-            force_n: known(row.force_n),
-            approach_speed_m_per_s: row.approach_speed_m_per_s,
-            contact_time_ms: row.contact_time_ms,
-            row,
-        }
-    }
-}
+/// What a table has of it.
+const COLUMNS: &[&str] = &[
+    "parameter",
+    "value",
+    "rig",
+    "gap_mm",
+    "cart",
+    "frequency_hz",
+    "frequency_ratio",
+    "impacts",
+    "periods",
+    "regime",
+    "force_ratio",
+    "force_n",
+    "approach_speed_m_per_s",
+    "contact_time_ms",
+];
 
 /// The sweep over the parameter.
 ///
@@ -84,10 +66,15 @@ pub fn run(args: &Args, asked: &Over) -> Result<(), UserError> {
     let rows: Vec<OverRow<'_>> = rows
         .iter()
         .zip(&asked.values.list)
-        .map(|(row, value)| OverRow::new(&asked.key, *value, row))
+        .map(|(row, value)| OverRow {
+            parameter: &asked.key,
+            value: *value,
+            row,
+        })
         .collect();
+    let lines: Vec<_> = rows.iter().map(|r| Selection::of(r, COLUMNS)).collect();
     let picture = || output.picture(&figure(&rig, args.direction, asked, &rows));
-    output.answer(&rows, &rows, picture, || text(output, &rig, asked, &rows))
+    output.answer(&lines, &lines, picture, || text(output, &rig, asked, &rows))
 }
 
 /// A rig and its drive frequency for each value.
