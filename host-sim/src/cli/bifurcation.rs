@@ -37,7 +37,11 @@ enum Which {
     All,
 }
 
+/// Bifurcation diagram: displacement and force at the section over frequency, per gap, up, down and from rest
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim bifurcation --gap 1 --ratio 1.4:4:0.01 --direction all --out out"
+)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("frequency", chapters))]
 pub struct Args {
     #[command(flatten)]

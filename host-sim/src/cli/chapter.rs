@@ -8,7 +8,11 @@ use files::UserError;
 use numerics::NamedRig;
 use shared::model::params::PRESETS;
 
+/// What the chapter says, statement by statement: its words, the figure computed here, same or different
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim chapter\n  host-sim chapter --coarse --format csv > chapter.csv"
+)]
 pub struct Args {
     /// Coarser grids: the same verdicts in a few seconds, with rougher figures
     #[arg(long)]

@@ -20,7 +20,9 @@ use numerics::engine::Start;
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
+/// Compare measured displacement or force with a simulation: both curves, and the errors
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim compare record.csv --from-s 2 --to-s 10 --out out")]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     /// A record: CSV with the columns time_s and displacement_mm, force_n or both (and cart_mm, if measured), or a

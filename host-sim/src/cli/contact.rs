@@ -17,7 +17,11 @@ enum Which {
     Own,
 }
 
+/// One impact of a free mass on a wall under each contact law: force, restitution, energy, where a law would pull
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim contact --speed 0.1\n  host-sim contact --figure-3-3"
+)]
 pub struct Args {
     /// Approach speeds, m/s: FROM:TO:STEP, or one value [default: 0.02:0.3:0.02; figure 3.3: 0.1:0.5:0.1]
     #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]

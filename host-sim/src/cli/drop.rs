@@ -8,7 +8,9 @@ use numerics::drop_test::{Converter, DropTest, Row, record};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
+/// Make a synthetic drop test: the released hammer falls back and strikes; with noise, ringing, quantisation
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim drop --noise-n 0.2 --format csv > drop.csv")]
 pub struct Args {
     /// Displacement at which the hammer is released, mm from its rest position; negative: away from the surface
     #[arg(long, value_name = "MM", default_value_t = -3.0)]

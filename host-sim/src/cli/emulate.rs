@@ -31,8 +31,9 @@ use numerics::NamedRig;
 #[cfg(unix)]
 const ENDLESS_S: f64 = 1e9;
 
-/// Exit code: 0 the run met the scenario's expectations, 1 it did not, 2 it failed.
+/// Run a scenario: the controller on an emulated rig, with verdict, log and picture
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim emulate\n  host-sim emulate field --out out")]
 pub struct Args {
     /// A built-in scenario (`host-sim scenarios` lists them) or a scenario file
     #[arg(value_name = "NAME|FILE.toml", conflicts_with = "scenario")]

@@ -23,7 +23,9 @@ use numerics::identify::{
 use numerics::signal::Signal;
 use plot::chart::Chart;
 
+/// Identify the contact parameters of any contact law from a drop test (CSV), with 95 % intervals
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim identify drop.csv --misfit force --out out")]
 pub struct Args {
     /// A drop test: CSV with the columns time_s and force_n (displacement_mm, if present, gives the release)
     #[arg(value_name = "FILE.csv", required_unless_present = "coverage")]

@@ -19,8 +19,11 @@ const PAGE: Option<&[u8]> = Some(include_bytes!("../../../target/web/index.html"
 #[cfg(not(feature = "page"))]
 const PAGE: Option<&[u8]> = None;
 
-/// Exit code: 130, as it runs until it is interrupted; 2 if it cannot.
+/// Open the page in a browser: explore a rig, run an emulated one, watch a board
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim lab\n  host-sim lab --port 8420 --no-open\n\nThe page of a board: host-sim link PORT --page"
+)]
 pub struct Args {
     /// Port of this machine's loopback to serve at [default: any that is free]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]

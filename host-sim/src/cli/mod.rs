@@ -5,6 +5,7 @@ mod basins;
 mod bifurcation;
 mod chapter;
 mod compare;
+mod completions;
 mod contact;
 mod coverage;
 mod drill;
@@ -15,6 +16,7 @@ mod identify;
 mod interrupt;
 mod lab;
 mod link;
+mod man;
 mod map;
 mod modes;
 mod orbits;
@@ -28,7 +30,6 @@ mod replay;
 mod rig;
 mod rigs;
 mod scenarios;
-mod shell;
 mod simulate;
 mod sweep;
 mod terminal;
@@ -39,9 +40,8 @@ use std::ffi::OsString;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use arguments::output::OutputArgs;
 use arguments::request::Request;
-use files::rigfile;
+use files::{UserError, rigfile};
 use shared::model::params::preset;
 
 use terminal::{complain, print, say};
@@ -59,127 +59,77 @@ struct Cli {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// Find the frequency to run at: strongest stable 1/1, with band, margins and what the shaker must give
-    #[command(
-        after_help = "Examples:\n  host-sim pick\n  host-sim pick --rig mine.toml --report mine.html\n  host-sim pick --max-force-n 70 --max-frequency-hz 3.5\n  host-sim pick --beside wires,amplitude_mm=1.2\n  host-sim pick --gap 0:2.4:0.4\n  host-sim pick --over contact_stiffness_n_per_m=1e6:1e7:log5\n  host-sim pick --objective rop --threshold-n 50"
-    )]
-    Pick(pick::Args),
-    /// Run at one frequency: time history, phase plane, section, regime and force
-    #[command(
-        after_help = "Examples:\n  host-sim simulate --ratio 2 --out out\n  host-sim simulate --gap 2.4 --frequency 4.9 --initial -2,0"
-    )]
-    Simulate(simulate::Args),
-    /// The force curve over frequency, from rest or carried up or down
-    #[command(
-        after_help = "Examples:\n  host-sim sweep --ratio 0.8:4.5:0.01 --direction up --out out\n  host-sim sweep --ratio 2 --over contact_stiffness_n_per_m=1e5:1e7:log20"
-    )]
-    Sweep(sweep::Args),
-    /// The Peterka map: what the hammer does over gap and frequency
-    #[command(
-        after_help = "Examples:\n  host-sim map --gap 0:3:0.5 --ratio 1:4:0.25\n  host-sim map --direction up --cycles 300 --transient 200 --out out"
-    )]
-    Map(map::Args),
-    /// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
-    #[command(
-        after_help = "Examples:\n  host-sim orbits --gap 1 --ratio 1:2.5\n  host-sim orbits --curves --gap 0:1:0.5 --ratio 1:3\n  host-sim orbits --curve gap_mm=0:3 --periods 1 --impacts 1 --out out\n  host-sim orbits --curve contact_stiffness_n_per_m=1e6:1e8:log --ratio 1:3"
-    )]
-    Orbits(orbits::Args),
-    /// Ground that gives way: rate of penetration over frequency and gap, where it is largest, and the feed it needs
-    #[command(
-        after_help = "Examples:\n  host-sim drill --threshold-n 25\n  host-sim drill --threshold-n 25 --bit-mass-kg 0.1\n  host-sim drill --threshold-n 50 --gap 0:2:0.25 --format csv > drill.csv\n  host-sim drill --published"
-    )]
-    Drill(drill::Args),
-    /// Beam springs with more than one bending mode: force, displacement and where the energy goes
-    #[command(
-        after_help = "Examples:\n  host-sim modes --rig beam-170 --ratio 1.6:2.4:0.05 --modes 1,3"
-    )]
-    Modes(modes::Args),
-    /// Basins of attraction: which initial conditions lead to impact, and what they settle on
-    #[command(
-        after_help = "Examples:\n  host-sim basins --ratio 2 --gap-ratio 2 --grid 100 --out out\n  host-sim basins --chapter --out out"
-    )]
-    Basins(basins::Args),
-    /// Bifurcation diagram: displacement and force at the section over frequency, per gap, up, down and from rest
-    #[command(
-        after_help = "Examples:\n  host-sim bifurcation --gap 1 --ratio 1.4:4:0.01 --direction all --out out"
-    )]
-    Bifurcation(bifurcation::Args),
-    /// Poincaré section with thousands of points, Lyapunov exponents, the smoothing method compared with the switch
-    #[command(
-        after_help = "Examples:\n  host-sim poincare --gap 2.4 --ratio 2.7 --points 2000 --out out"
-    )]
-    Poincare(poincare::Args),
-    /// Run a scenario: the controller on an emulated rig, with verdict, log and picture
-    #[command(after_help = "Examples:\n  host-sim emulate\n  host-sim emulate field --out out")]
-    Emulate(emulate::Args),
-    /// Run the controller on many rigs that differ at random from what it believes: how soon it holds, how hard it strikes
-    #[command(after_help = "Examples:\n  host-sim trials --count 20\n  host-sim trials --long")]
-    Trials(trials::Args),
-    /// List the built-in scenarios, or print one as a TOML file to start from
-    #[command(
-        after_help = "Examples:\n  host-sim scenarios\n  host-sim scenarios field > mine.toml"
-    )]
-    Scenarios(scenarios::Args),
-    /// Run a log through the controller again: the same decisions, bit for bit, or the first tick that differs
-    #[command(after_help = "Examples:\n  host-sim replay out/field.parquet")]
-    Replay(replay::Args),
-    /// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
-    #[command(
-        after_help = "Examples:\n  host-sim link /dev/ttyACM0 status\n  host-sim link /dev/ttyACM0 --page\n  host-sim link /dev/ttyACM0 sweep --from-hz 3 --to-hz 4 --step-hz 0.1 --csv curve.csv"
-    )]
-    Link(link::Args),
-    /// Open the page in a browser: explore a rig, run an emulated one, watch a board
-    #[command(
-        after_help = "Examples:\n  host-sim lab\n  host-sim lab --port 8420 --no-open\n\nThe page of a board: host-sim link PORT --page"
-    )]
-    Lab(lab::Args),
-    /// The desktop's half of `cargo xtask pil`
-    #[command(hide = true)]
-    Pil(pil::Args),
-    /// What the chapter says, statement by statement: its words, the figure computed here, same or different
-    #[command(
-        after_help = "Examples:\n  host-sim chapter\n  host-sim chapter --coarse --format csv > chapter.csv"
-    )]
-    Chapter(chapter::Args),
-    /// Make every figure of the chapter again: pictures, tables and one page to read
-    #[command(
-        after_help = "Examples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"
-    )]
-    Figures(figures::Args),
-    /// One impact of a free mass on a wall under each contact law: force, restitution, energy, where a law would pull
-    #[command(
-        after_help = "Examples:\n  host-sim contact --speed 0.1\n  host-sim contact --figure-3-3"
-    )]
-    Contact(contact::Args),
-    /// Make a synthetic drop test: the released hammer falls back and strikes; with noise, ringing, quantisation
-    #[command(after_help = "Examples:\n  host-sim drop --noise-n 0.2 --format csv > drop.csv")]
-    Drop(drop::Args),
-    /// Identify the contact parameters of any contact law from a drop test (CSV), with 95 % intervals
-    #[command(after_help = "Examples:\n  host-sim identify drop.csv --misfit force --out out")]
-    Identify(identify::Args),
-    /// Compare measured displacement or force with a simulation: both curves, and the errors
-    #[command(
-        after_help = "Examples:\n  host-sim compare record.csv --from-s 2 --to-s 10 --out out"
-    )]
-    Compare(compare::Args),
-    /// Write the file of a rig of one's own from what can be measured: weights, lengths, times
-    #[command(
-        after_help = "Examples:\n  host-sim rig new mine.toml\n  host-sim rig new mine.toml --support wires --mass 298g --swings 20 --swing-time 10.99s --stroke 1.8mm --cart-mass 5.4kg --surface steel"
-    )]
-    Rig(rig::Args),
-    /// List the rigs, or print one as a TOML file to start from
-    #[command(after_help = "Examples:\n  host-sim rigs\n  host-sim rigs wires > mine.toml")]
-    Rigs(rigs::Args),
-    /// Print what a shell needs to complete commands and options
-    #[command(
-        after_help = "Examples:\n  host-sim completions bash > ~/.local/share/bash-completion/completions/host-sim"
-    )]
-    Completions(shell::CompletionsArgs),
-    /// Write the manual as pages for `man`
-    #[command(after_help = "Examples:\n  host-sim man ~/.local/share/man/man1")]
-    Man(shell::ManArgs),
+/// The commands, from a list of modules: each has its `Args`, with help and examples, and its `run`. One that `answers` has
+/// output options, which must know the request; one that `cites` only says in its files what they were made from.
+macro_rules! commands {
+    ($($name:ident($module:ident) $($request:ident)?,)+) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name($module::Args),)+
+        }
+
+        impl Command {
+            /// Gives the request to whatever writes the answer.
+            fn asked(&mut self, request: Request) {
+                match self {
+                    $(Self::$name(_args) => { $(commands!(@$request _args, request);)? })+
+                }
+            }
+
+            fn run(&self) -> Result<i32, UserError> {
+                match self {
+                    $(Self::$name(args) => $module::run(args).map(ExitCode::from).map(|code| code.0),)+
+                }
+            }
+        }
+    };
+    (@answers $args:ident, $request:ident) => { $args.output.asked($request) };
+    (@cites $args:ident, $request:ident) => { $args.made_from = $request.made_from };
+}
+
+commands! {
+    Pick(pick) answers,
+    Simulate(simulate) answers,
+    Sweep(sweep) answers,
+    Map(map) answers,
+    Orbits(orbits) answers,
+    Drill(drill) answers,
+    Modes(modes) answers,
+    Basins(basins) answers,
+    Bifurcation(bifurcation) answers,
+    Poincare(poincare) answers,
+    Emulate(emulate) answers,
+    Trials(trials) answers,
+    Scenarios(scenarios),
+    Replay(replay) cites,
+    Link(link) cites,
+    Lab(lab),
+    Pil(pil),
+    Chapter(chapter) answers,
+    Figures(figures),
+    Contact(contact) answers,
+    Drop(drop) answers,
+    Identify(identify) answers,
+    Compare(compare) answers,
+    Rig(rig),
+    Rigs(rigs),
+    Completions(completions),
+    Man(man),
+}
+
+/// What a command ends with: 0 where it says nothing else.
+struct ExitCode(i32);
+
+impl From<()> for ExitCode {
+    fn from((): ()) -> Self {
+        Self(0)
+    }
+}
+
+impl From<i32> for ExitCode {
+    fn from(code: i32) -> Self {
+        Self(code)
+    }
 }
 
 /// Runs the command line `arguments` (the program's name first) and returns the exit code: 0; 1 when a run did not
@@ -224,53 +174,6 @@ fn parsed(arguments: &[OsString]) -> Result<Cli, clap::Error> {
     Ok(cli)
 }
 
-impl Command {
-    /// Gives the request to whatever writes the answer.
-    fn asked(&mut self, request: Request) {
-        match self.output() {
-            Some(output) => output.asked(request),
-            None => match self {
-                Self::Replay(args) => args.made_from = request.made_from,
-                Self::Link(args) => args.made_from = request.made_from,
-                _ => {}
-            },
-        }
-    }
-
-    /// Where the answer goes; none where a command makes no files of its own name.
-    fn output(&mut self) -> Option<&mut OutputArgs> {
-        match self {
-            Self::Pick(args) => Some(&mut args.output),
-            Self::Simulate(args) => Some(&mut args.output),
-            Self::Sweep(args) => Some(&mut args.output),
-            Self::Map(args) => Some(&mut args.output),
-            Self::Orbits(args) => Some(&mut args.output),
-            Self::Drill(args) => Some(&mut args.output),
-            Self::Modes(args) => Some(&mut args.output),
-            Self::Basins(args) => Some(&mut args.output),
-            Self::Bifurcation(args) => Some(&mut args.output),
-            Self::Poincare(args) => Some(&mut args.output),
-            Self::Trials(args) => Some(&mut args.output),
-            Self::Chapter(args) => Some(&mut args.output),
-            Self::Contact(args) => Some(&mut args.output),
-            Self::Drop(args) => Some(&mut args.output),
-            Self::Identify(args) => Some(&mut args.output),
-            Self::Compare(args) => Some(&mut args.output),
-            Self::Emulate(args) => Some(&mut args.output),
-            Self::Scenarios(_)
-            | Self::Replay(_)
-            | Self::Link(_)
-            | Self::Lab(_)
-            | Self::Pil(_)
-            | Self::Figures(_)
-            | Self::Rig(_)
-            | Self::Rigs(_)
-            | Self::Completions(_)
-            | Self::Man(_) => None,
-        }
-    }
-}
-
 /// Beyond a limit on the size of files (`ulimit -f`) a write then fails, where the signal would end the program without
 /// a word.
 #[cfg(unix)]
@@ -282,39 +185,7 @@ fn file_size_limit_is_an_error() {
 }
 
 fn execute(command: &Command) -> i32 {
-    let done = match command {
-        Command::Pick(args) => pick::run(args).map(|()| 0),
-        Command::Simulate(args) => simulate::run(args).map(|()| 0),
-        Command::Sweep(args) => sweep::run(args).map(|()| 0),
-        Command::Map(args) => map::run(args).map(|()| 0),
-        Command::Orbits(args) => orbits::run(args).map(|()| 0),
-        Command::Drill(args) => drill::run(args).map(|()| 0),
-        Command::Modes(args) => modes::run(args).map(|()| 0),
-        Command::Basins(args) => basins::run(args).map(|()| 0),
-        Command::Bifurcation(args) => bifurcation::run(args).map(|()| 0),
-        Command::Poincare(args) => poincare::run(args).map(|()| 0),
-        Command::Emulate(args) => emulate::run(args),
-        Command::Trials(args) => trials::run(args).map(|()| 0),
-        Command::Scenarios(args) => scenarios::run(args).map(|()| 0),
-        Command::Link(args) => link::run(args),
-        Command::Lab(args) => lab::run(args),
-        Command::Replay(args) => replay::run(args),
-        Command::Pil(args) => pil::run(args),
-        Command::Chapter(args) => chapter::run(args).map(|()| 0),
-        Command::Figures(args) => figures::run(args).map(|()| 0),
-        Command::Contact(args) => contact::run(args).map(|()| 0),
-        Command::Drop(args) => drop::run(args).map(|()| 0),
-        Command::Identify(args) => identify::run(args).map(|()| 0),
-        Command::Compare(args) => compare::run(args).map(|()| 0),
-        Command::Rig(args) => rig::run(args).map(|()| 0),
-        Command::Rigs(args) => rigs::run(args).map(|()| 0),
-        Command::Completions(args) => {
-            shell::completions(args, Cli::command());
-            Ok(0)
-        }
-        Command::Man(args) => shell::man(args, Cli::command()).map(|()| 0),
-    };
-    done.unwrap_or_else(|error| {
+    command.run().unwrap_or_else(|error| {
         complain(&format!("error: {error}"));
         2
     })

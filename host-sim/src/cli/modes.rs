@@ -13,7 +13,11 @@ use numerics::modes::{Beam, BendingMode, ModalRig, ModesRequest, Row, Tip};
 use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 
+/// Beam springs with more than one bending mode: force, displacement and where the energy goes
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim modes --rig beam-170 --ratio 1.6:2.4:0.05 --modes 1,3"
+)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]

@@ -13,8 +13,9 @@ use files::UserError;
 /// Cycles per tick of a processor at 180 MHz with ticks at 20 kHz.
 const CYCLES_PER_TICK: f64 = 180e6 / 20e3;
 
-/// Options of `host-sim pil`.
+/// The desktop's half of `cargo xtask pil`
 #[derive(Debug, clap::Args)]
+#[command(hide = true)]
 pub struct Args {
     /// Pipe to the processor
     #[arg(long, value_name = "PIPE")]

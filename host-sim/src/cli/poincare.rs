@@ -25,7 +25,11 @@ enum Other {
     Smoothed,
 }
 
+/// Poincaré section with thousands of points, Lyapunov exponents, the smoothing method compared with the switch
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim poincare --gap 2.4 --ratio 2.7 --points 2000 --out out"
+)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]

@@ -11,8 +11,9 @@ use emulator::log::{Reader, TICK_US};
 use files::UserError;
 use files::made_from::MadeFrom;
 
-/// Exit code: 0 the decisions are the same, 1 they differ, 2 the log cannot be used.
+/// Run a log through the controller again: the same decisions, bit for bit, or the first tick that differs
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim replay out/field.parquet")]
 pub struct Args {
     /// The log: a .parquet file of `host-sim emulate` or of a board's recording
     #[arg(value_name = "LOG")]

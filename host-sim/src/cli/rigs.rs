@@ -7,7 +7,9 @@ use super::terminal::{print, say};
 use files::UserError;
 use files::rigfile;
 
+/// List the rigs, or print one as a TOML file to start from
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim rigs\n  host-sim rigs wires > mine.toml")]
 pub struct Args {
     /// The rig to print as TOML; without it, the presets are listed
     #[arg(value_name = "NAME|FILE.toml")]

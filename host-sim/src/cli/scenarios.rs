@@ -5,7 +5,9 @@ use emulator::scenario::{self, BUILTIN};
 use files::UserError;
 use files::rigfile::nearest;
 
+/// List the built-in scenarios, or print one as a TOML file to start from
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  host-sim scenarios\n  host-sim scenarios field > mine.toml")]
 pub struct Args {
     /// The scenario to print as TOML; without it, the built-in ones are listed
     #[arg(value_name = "NAME")]

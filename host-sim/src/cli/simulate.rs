@@ -18,7 +18,11 @@ use plot::chart::Chart;
 use plot::{Axis, Color, Figure, Item, Panel};
 use shared::model::regime::Regime;
 
+/// Run at one frequency: time history, phase plane, section, regime and force
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim simulate --ratio 2 --out out\n  host-sim simulate --gap 2.4 --frequency 4.9 --initial -2,0"
+)]
 #[command(group(clap::ArgGroup::new("drive").required(true).args(["ratio", "frequency"])))]
 pub struct Args {
     #[command(flatten)]

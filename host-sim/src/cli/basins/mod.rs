@@ -19,7 +19,11 @@ use numerics::basins::chapter::{POINTS, Point};
 use numerics::basins::{Basins, BasinsRequest, Summary, Window, cells, explore};
 use numerics::engine::Engine;
 
+/// Basins of attraction: which initial conditions lead to impact, and what they settle on
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim basins --ratio 2 --gap-ratio 2 --grid 100 --out out\n  host-sim basins --chapter --out out"
+)]
 #[command(group(clap::ArgGroup::new("where").required(true).args(["ratio", "frequency", "chapter"])))]
 pub struct Args {
     #[command(flatten)]

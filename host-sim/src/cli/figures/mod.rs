@@ -16,7 +16,11 @@ use files::made_from::stamped;
 use crate::progress::Progress;
 use record::Record;
 
+/// Make every figure of the chapter again: pictures, tables and one page to read
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim figures --coarse --out out/figures\n  host-sim figures --only 3.24 --out out/figures"
+)]
 pub struct Args {
     /// Folder for the page (index.html), pictures and tables
     #[arg(long, value_name = "DIR", default_value = "out/figures")]

@@ -34,7 +34,11 @@ type Port = Client<Box<dyn SerialPort>>;
 /// Time between two messages to the board while in command; without them its link timeout trips.
 const PACE: Duration = Duration::from_millis(200);
 
+/// Talk to a board over its serial port: status, start, stop, settings, recording, a sweep by hand
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim link /dev/ttyACM0 status\n  host-sim link /dev/ttyACM0 --page\n  host-sim link /dev/ttyACM0 sweep --from-hz 3 --to-hz 4 --step-hz 0.1 --csv curve.csv"
+)]
 pub struct Args {
     /// The serial port, or an emulated board's pseudo-terminal: /dev/ttyACM0, COM3, /dev/pts/4
     #[arg(value_name = "PORT")]

@@ -26,8 +26,11 @@ use numerics::map::{
 };
 use numerics::sweep::Direction;
 
-/// Exit code: 0; 2 the map could not be made; 130 interrupted.
+/// The Peterka map: what the hammer does over gap and frequency
 #[derive(Clone, Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim map --gap 0:3:0.5 --ratio 1:4:0.25\n  host-sim map --direction up --cycles 300 --transient 200 --out out"
+)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])), mut_arg("frequency", chapters))]
 pub struct Args {
     #[command(flatten)]

@@ -29,7 +29,11 @@ pub enum Axis {
     Gap,
 }
 
+/// Periodic orbits, stable and unstable, followed over frequency or gap, with doublings, folds and grazes
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim orbits --gap 1 --ratio 1:2.5\n  host-sim orbits --curves --gap 0:1:0.5 --ratio 1:3\n  host-sim orbits --curve gap_mm=0:3 --periods 1 --impacts 1 --out out\n  host-sim orbits --curve contact_stiffness_n_per_m=1e6:1e8:log --ratio 1:3"
+)]
 #[command(group(clap::ArgGroup::new("drive").args(["ratio", "frequency"])))]
 pub struct Args {
     /// What is varied

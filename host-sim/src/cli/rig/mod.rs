@@ -23,7 +23,11 @@ use numerics::pick::pick;
 use numerics::uncertainty::Stated;
 use shared::model::params::RigParams;
 
+/// Write the file of a rig of one's own from what can be measured: weights, lengths, times
 #[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  host-sim rig new mine.toml\n  host-sim rig new mine.toml --support wires --mass 298g --swings 20 --swing-time 10.99s --stroke 1.8mm --cart-mass 5.4kg --surface steel"
+)]
 pub struct Args {
     #[command(subcommand)]
     command: Command,

@@ -1,38 +1,25 @@
-//! `host-sim completions` and `host-sim man`: what a shell and `man` know of the command line.
+//! `host-sim man`: a page for the program and one for each of its commands.
 
 use std::path::PathBuf;
 
-use clap_complete::Shell;
+use clap::CommandFactory;
 use files::UserError;
 use files::write::write_all;
 
+use super::Cli;
 use super::arguments::output::replaced;
-use super::terminal::{print_bytes, say};
+use super::terminal::say;
 
+/// Write the manual as pages for `man`
 #[derive(Debug, clap::Args)]
-pub struct CompletionsArgs {
-    /// The shell
-    shell: Shell,
-}
-
-#[derive(Debug, clap::Args)]
-pub struct ManArgs {
+#[command(after_help = "Examples:\n  host-sim man ~/.local/share/man/man1")]
+pub struct Args {
     /// The folder for the pages, made if it is not there
     dir: PathBuf,
 }
 
-/// Prints the completions of `command` for a shell.
-pub fn completions(args: &CompletionsArgs, mut command: clap::Command) {
-    let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut command, "host-sim", &mut script);
-    print_bytes(&script);
-}
-
-/// Writes a page for the program and one for each of its commands.
-///
-/// # Errors
-/// If they cannot be written.
-pub fn man(args: &ManArgs, mut command: clap::Command) -> Result<(), UserError> {
+pub fn run(args: &Args) -> Result<(), UserError> {
+    let mut command = Cli::command();
     command.build();
     let mut pages = vec![page(command.clone(), "host-sim")?];
     for one in command.get_subcommands() {
