@@ -36,6 +36,16 @@ fn words(line: &str) -> Option<Vec<String>> {
     Some(line.split_whitespace().map(value).collect())
 }
 
+/// The same of a line of code, and of every piece of code in a row of a table.
+fn commands(line: &str) -> Vec<Vec<String>> {
+    if !line.starts_with('|') {
+        return words(line).into_iter().collect();
+    }
+    let code = line.split('`').skip(1).step_by(2);
+    code.filter_map(|code| words(&format!("    {code}")))
+        .collect()
+}
+
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let docs = fs::read_dir(root.join("docs")).expect("docs");
@@ -57,14 +67,15 @@ fn every_command_line_of_the_pages_is_understood() {
             .expect("a page")
             .replace("\\\n", " ");
         for line in text.lines() {
-            let Some(words) = words(line) else { continue };
-            count += 1;
-            let line = std::iter::once("host-sim".to_owned()).chain(words);
-            if let Err(error) = command.try_get_matches_from_mut(line.clone()) {
-                let line: Vec<_> = line.collect();
-                let why = error.to_string();
-                let why = why.lines().next().unwrap_or("");
-                wrong.push(format!("{}: {}: {why}", page.display(), line.join(" ")));
+            for words in commands(line) {
+                count += 1;
+                let line = std::iter::once("host-sim".to_owned()).chain(words);
+                if let Err(error) = command.try_get_matches_from_mut(line.clone()) {
+                    let line: Vec<_> = line.collect();
+                    let why = error.to_string();
+                    let why = why.lines().next().unwrap_or("");
+                    wrong.push(format!("{}: {}: {why}", page.display(), line.join(" ")));
+                }
             }
         }
     }
