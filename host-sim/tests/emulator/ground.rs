@@ -97,11 +97,8 @@ fn a_surface_comes_to_rebound_as_it_is_told_to() {
             ..Change::default()
         };
         let fits = change.fits(&rig).is_ok();
-        assert_eq!(
-            fits,
-            name.contains("dashpot") || name.contains("lankarani"),
-            "{name}"
-        );
+        // Hertz's law loses nothing, and Hunt and Crossley's restitution depends on the speed.
+        assert_eq!(fits, !["hertz", "hunt-crossley"].contains(&name), "{name}");
         if !name.contains("dashpot") {
             continue;
         }
