@@ -254,7 +254,7 @@ impl Law<f64> {
     }
 
     /// The same law with its stiffness and what damps it scaled: ci, λ, 1 − e² (kept at or below 1), or
-    /// Flores's (1 − e)/e.
+    /// Flores's (1 − e)/e (as far as e may be).
     #[must_use]
     pub fn scaled(mut self, by_stiffness: f64, by_damping: f64) -> Self {
         match &mut self {
@@ -265,7 +265,10 @@ impl Law<f64> {
                 let loss = ((1.0 - *e * *e) * by_damping).min(1.0);
                 *e = Real::sqrt(1.0 - loss);
             }
-            Self::Flores { restitution: e, .. } => *e /= *e + (1.0 - *e) * by_damping,
+            Self::Flores { restitution: e, .. } => {
+                let scaled = *e / (*e + (1.0 - *e) * by_damping);
+                *e = scaled.max(RESTITUTION_ABOVE_ZERO.range().0);
+            }
         }
         if let Some(stiffness) = self.number_mut(STIFFNESS.key) {
             *stiffness *= by_stiffness;
@@ -460,6 +463,20 @@ mod tests {
             let fr = (force(delta, rate + v) - force(delta, rate - v)) / (2.0 * v);
             assert!((by_delta - fd).abs() <= 1e-4 * fd.abs(), "{law:?}");
             assert!((by_rate - fr).abs() <= 1e-4 * fr.abs() + 1e-9, "{law:?}");
+        }
+    }
+
+    #[test]
+    fn a_law_with_more_or_less_damping_is_one_that_can_be() {
+        for law in LAWS {
+            for mut law in [law, LawKind::preset(law.kind())] {
+                if let Some(e) = law.number_mut(RESTITUTION.key) {
+                    *e = 0.02;
+                }
+                for by in [0.0, 0.5, 1.0, 1.2, 10.0] {
+                    assert_eq!(law.scaled(2.0, by).check(), Ok(()), "{law:?} {by}");
+                }
+            }
         }
     }
 

@@ -35,6 +35,11 @@ impl Number {
         }
     }
 
+    /// Lowest and highest value, in the unit of its key.
+    pub const fn range(&self) -> (f64, f64) {
+        (self.allowed.0, self.allowed.1)
+    }
+
     /// Checks a value in SI units.
     #[inline]
     pub(super) fn check(&self, value: f64) -> Result<(), ParamError> {

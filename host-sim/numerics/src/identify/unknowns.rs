@@ -85,11 +85,12 @@ impl Guess {
     /// The parameters of `family`, its exponent apart.
     fn unknowns(&self, family: LawKind) -> Vec<Unknown> {
         let linear = !has_exponent(family);
-        let unknown = |number: Number| self.unknown(number.key, linear);
+        let unknown = |number: Number| self.unknown(number, linear);
         family.without_exponent().map(unknown).collect()
     }
 
-    fn unknown(&self, key: &'static str, linear: bool) -> Unknown {
+    fn unknown(&self, number: Number, linear: bool) -> Unknown {
+        let key = number.key;
         let (omega, restitution) = (self.omega, self.restitution);
         match key {
             "contact_stiffness_n_per_m" if linear => {
@@ -108,7 +109,7 @@ impl Guess {
                 let lambda = 1.5 * (1.0 - restitution) / (restitution * self.speed);
                 log(key, lambda, DECADES)
             }
-            _ => plain(key, restitution.min(0.9), (0.0, 0.999), 0.1),
+            _ => plain(key, restitution.min(0.9), (number.range().0, 0.999), 0.1),
         }
     }
 }
