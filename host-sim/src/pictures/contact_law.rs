@@ -65,7 +65,7 @@ fn over_another(name: &str, i: usize, points: Vec<(f64, f64)>) -> Item {
         points,
         color: Color::series(i),
         label: name.to_owned(),
-        width: (5.0 - 1.2 * i as f64).max(1.4),
+        width: (5.0 - i as f64).max(1.4),
         stroke: Stroke::Solid,
     }
 }
