@@ -177,12 +177,12 @@ impl Controller {
         self.oscillator.silence();
         if let Some(search) = &search {
             self.oscillator.jump(search.goal_hz());
-            let (_, force_n) = self.forecast.target_point();
+            let (target_hz, force_n) = self.forecast.target_point();
             self.force = ForceLoop::of(&self.settings);
             self.force.expect(force_n);
             let wanted_m = self.wanted_amplitude_m() * self.force.factor();
             self.trim.set_wanted_amplitude(wanted_m);
-            self.trim.expect(force_n * self.force.factor());
+            self.trim.expect(force_n * self.force.factor(), target_hz);
         } else {
             self.oscillator.jump(by_hand.0);
             self.go_by_hand(by_hand);
@@ -288,7 +288,7 @@ impl Controller {
         let force_n = force_n.unwrap_or_else(|| {
             strong_force_n(&self.settings.rig) as f32 * wanted_m / self.wanted_amplitude_m()
         });
-        self.trim.expect(ON_THE_WAY * force_n);
+        self.trim.expect(ON_THE_WAY * force_n, way_hz.0.max(hz));
     }
 
     pub(super) fn alive(&mut self) {

@@ -7,7 +7,7 @@
 use super::limits::ActiveLimits;
 use super::plausibility::Doubt;
 use crate::sense::Strobe;
-use crate::settings::{Limits, Settings};
+use crate::settings::{Limits, Settings, strong_force_n};
 
 /// Share of the amplitude error corrected per drive period.
 const GAIN: f32 = 0.2;
@@ -42,8 +42,12 @@ const CALM_PERIODS: u8 = 12;
 const GROWTH: f32 = 0.2;
 /// What rounding may add to an amplitude at its limit.
 const ROUNDING: f32 = 1e-6;
-/// Travel of the strongest 1/1 over its amplitude: wires and beams alike.
-const STRONG_TRAVEL: f32 = 5.0;
+/// What the rebound of the strongest 1/1 adds to the travel, in amplitudes: 0.32 of its approach speed, 7.9 A0 ω, over ω.
+const REBOUND_TRAVEL: f32 = 2.5;
+/// What the cart itself adds to the travel where it strikes at its own highest speed, in amplitudes: Ω/ω, and so much for its own
+/// displacement. With the rebound of the strongest 1/1, near Ω/ω = 2, that makes 5 amplitudes on wires and beams; at 2.7, where the
+/// 1/1 doubles and its travel jumps from 3.5 to 4.7 amplitudes within a second, 4.7.
+const CART_TRAVEL: f32 = 0.5;
 
 /// What the frequency does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +72,9 @@ pub struct Trim {
     cart_doubt: f32,
     force_n: f32,
     travel_m: f32,
+    /// Travel by the rebound over the force of the blow, m/N.
+    rebound_m_per_n: f32,
+    natural_hz: f32,
     /// Command over amplitude.
     gain: f32,
     /// Share of the wanted amplitude that the limits allow.
@@ -92,6 +99,9 @@ impl Trim {
             cart_doubt: 1.0,
             force_n: settings.limits.force_n,
             travel_m: settings.limits.travel_m,
+            rebound_m_per_n: REBOUND_TRAVEL * settings.rig.amplitude_m as f32
+                / strong_force_n(&settings.rig) as f32,
+            natural_hz: settings.rig.natural_frequency_hz() as f32,
             gain: 1.0,
             draw: 1.0,
             way: Way::Stays,
@@ -120,10 +130,16 @@ impl Trim {
         self.wanted_m = amplitude_m.max(0.0).min(self.largest_m);
     }
 
-    /// Takes the force forecast at the wanted amplitude: if it, or the travel of a strong 1/1, exceeds its limit, the
+    /// The largest travel with blows of `force_n` at `hz` and the wanted amplitude, m.
+    fn expected_travel_m(&self, force_n: f32, hz: f32) -> f32 {
+        let cart_m = self.wanted_m * (hz / self.natural_hz + CART_TRAVEL);
+        self.rebound_m_per_n * force_n + cart_m
+    }
+
+    /// Takes the force forecast at the wanted amplitude and `hz`: if it, or the travel then, exceeds its limit, the
     /// initial amplitude is reduced accordingly (both are proportional to the amplitude of a 1/1 at no gap).
-    pub fn expect(&mut self, force_n: f32) {
-        let travel_m = STRONG_TRAVEL * self.wanted_m;
+    pub fn expect(&mut self, force_n: f32, hz: f32) {
+        let travel_m = self.expected_travel_m(force_n, hz);
         for (share, limit) in [
             (force_n / self.force_n, ActiveLimits::FORCE),
             (travel_m / self.travel_m, ActiveLimits::TRAVEL),
@@ -146,10 +162,13 @@ impl Trim {
     }
 
     /// A period without contact, or on the way to another frequency, does not show the force that comes: the amplitude is at
-    /// most what keeps the limit by the forecast of `nominal_n` at the wanted amplitude; without a forecast it does not rise.
+    /// most what keeps the limits by the forecast of `nominal_n` at the wanted amplitude; without a forecast it does not rise.
     /// The share that this leaves.
-    fn by_forecast(&self, nominal_n: Option<f32>) -> f32 {
-        let share = nominal_n.map(|n| EXPECTED * self.force_n / n);
+    fn by_forecast(&self, nominal_n: Option<f32>, hz: f32) -> f32 {
+        let share = nominal_n.map(|n| {
+            let by_travel = self.travel_m / self.expected_travel_m(n, hz);
+            EXPECTED * by_travel.min(self.force_n / n)
+        });
         share.unwrap_or(self.draw).clamp(LEAST_DRAW, 1.0)
     }
 
@@ -170,7 +189,7 @@ impl Trim {
             self.correct(strobe.amplitude_m / expected_m, closed);
         }
         let blind = if strobe.contacts == 0 || self.way == Way::ByHand {
-            self.by_forecast(nominal_n)
+            self.by_forecast(nominal_n, hz)
         } else {
             1.0
         };

@@ -80,13 +80,14 @@ fn a_dead_shaker_does_not_wind_up_beyond_the_limit() {
 
 #[test]
 fn a_force_that_is_forecast_above_the_limit_is_never_reached() {
-    let settings = Settings::for_rig(&WIRES);
+    let mut settings = Settings::for_rig(&WIRES);
+    settings.limits.travel_m = 1.0;
     let mut trim = Trim::new(&settings);
-    trim.expect(1.5 * settings.limits.force_n);
+    trim.expect(1.5 * settings.limits.force_n, 3.66);
     let command = trim.command();
     assert!((command / 0.89e-3 - 0.6).abs() < 1e-3, "{command}");
     assert_eq!(trim.limits(), ActiveLimits::FORCE);
-    trim.expect(0.5 * settings.limits.force_n);
+    trim.expect(0.5 * settings.limits.force_n, 3.66);
     assert_eq!(
         trim.command(),
         command,
@@ -97,10 +98,18 @@ fn a_force_that_is_forecast_above_the_limit_is_never_reached() {
 #[test]
 fn a_travel_that_is_expected_beyond_the_limit_is_never_reached() {
     let mut settings = Settings::for_rig(&WIRES);
-    for (travel_m, begins) in [(4.5e-3, 1.0), (4.4e-3, 0.89), (3.4e-3, 0.688)] {
+    let strong_n = strong_force_n(&WIRES) as f32;
+    // At Ω/ω = 2 a strong 1/1 travels 5 amplitudes; at 3, and with half of its force, 4.75.
+    for (hz, force_n, travel_m, begins) in [
+        (3.6404, strong_n, 4.5e-3, 1.0),
+        (3.6404, strong_n, 4.4e-3, 0.89),
+        (3.6404, strong_n, 3.4e-3, 0.688),
+        (5.4606, 0.5 * strong_n, 4.3e-3, 1.0),
+        (5.4606, 0.5 * strong_n, 3.4e-3, 0.724),
+    ] {
         settings.limits.travel_m = travel_m;
         let mut trim = Trim::new(&settings);
-        trim.expect(0.5 * settings.limits.force_n);
+        trim.expect(force_n, hz);
         let share = trim.command() / 0.89e-3;
         assert!((share - begins).abs() < 2e-3, "{travel_m}: {share}");
         assert_eq!(trim.limits().is_empty(), begins == 1.0);
@@ -283,7 +292,7 @@ fn a_cart_that_moves_too_far_is_corrected_at_once_and_under_suspicion_only_downw
 fn a_surge_is_one_against_the_amplitude_that_the_limits_leave() {
     let settings = Settings::for_rig(&WIRES);
     let mut trim = Trim::new(&settings);
-    trim.expect(1.5 * settings.limits.force_n);
+    trim.expect(1.5 * settings.limits.force_n, 3.66);
     let command_m = trim.command();
     assert!(!trim.surge(1.2 * command_m, command_m));
     assert!(trim.surge(1.3 * command_m, command_m));
@@ -308,7 +317,7 @@ fn without_contact_the_amplitude_returns_no_further_than_the_forecast_allows() {
     };
     let drawn = || {
         let mut trim = Trim::new(&settings);
-        trim.expect(4.0 * settings.limits.force_n);
+        trim.expect(4.0 * settings.limits.force_n, 3.66);
         trim
     };
     assert!((drawn().command() / 0.89e-3 - 0.225).abs() < 1e-4);
