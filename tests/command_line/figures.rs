@@ -24,7 +24,7 @@ fn asked_for_alone_a_figure_is_made_with_its_page_and_not_made_again() {
     for part in [
         "Figure 3.6",
         "figure-3-6.png",
-        "Found here",
+        "Note",
         "not made yet",
         "a photograph",
     ] {

@@ -10,6 +10,9 @@ use files::UserError;
 use numerics::NamedRig;
 use numerics::sweep::jumps;
 
+/// The figures of the bending modes.
+const PICTURES: &str = "modes 170, modes 150, modes 135, modes mass";
+
 const RIGS: [&str; 3] = ["beam-170", "beam-150", "beam-135"];
 
 pub fn statements(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
@@ -136,24 +139,28 @@ fn modes(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserErro
                 "from one mode to five the swing changes by {swing} (170, 150, 135 mm; medians, springs of 0.1 of the hammer's mass assumed)"
             ),
             Verdict::of(falls),
-        ),
+        )
+        .shown_by(PICTURES),
         Statement::new(
             "3.4.3 and 3.5",
             "amplitude too high \"even when the impact force is presenting equivalent values\"",
             format!("the force changes by {force}, the swing by {swing}"),
             Verdict::of(falls && steady),
-        ),
+        )
+        .shown_by(PICTURES),
         Statement::new(
             "3.4.3 and 3.5",
             "\"dispersion of the experimental points\" in steady motion, from the modes",
             format!("with five modes the section of a 1/1 spreads over {spread:.4} mm at most"),
             Verdict::of(spread > 0.01),
-        ),
+        )
+        .shown_by(PICTURES),
         Statement::new(
             "3.4.3 and 3.5",
             "the difference is \"higher as the beam springs stiffness increases\"",
             format!("change of the swing: {swing} from soft to stiff"),
             Verdict::of(grows),
-        ),
+        )
+        .shown_by(PICTURES),
     ])
 }

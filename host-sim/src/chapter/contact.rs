@@ -47,7 +47,8 @@ fn laws() -> Result<Vec<Statement>, UserError> {
             "\"its equivalent coefficient of restitution is 1\"",
             format!("restitution {:.4} at {SPEED} m/s", hertz.restitution),
             Verdict::of((hertz.restitution - 1.0).abs() < 1e-4),
-        ),
+        )
+        .shown_by("contact laws"),
         Statement::new(
             "3.1.2, figure 3.2, point A",
             "force at the beginning \"is discontinuous, because of the damping term\"",
@@ -77,7 +78,8 @@ fn laws() -> Result<Vec<Statement>, UserError> {
                 speeds[0], speeds[2], crossley[0].restitution, crossley[2].restitution
             ),
             Verdict::of(never_pulls),
-        ),
+        )
+        .shown_by("3.3"),
         Statement::measured(
             "3.1.2, figure 3.3",
             "\"for different velocities before impact\"",
@@ -91,7 +93,8 @@ fn laws() -> Result<Vec<Statement>, UserError> {
                 lankarani.restitution
             ),
             Verdict::of((lankarani.restitution - given).abs() < 0.05),
-        ),
+        )
+        .shown_by("contact laws"),
     ])
 }
 
@@ -123,7 +126,8 @@ fn smoothing(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 "wires, 1.0 mm, Ω/ω = 2.7: up to {most:.0} steps per drive period, the switch {switch:.0}"
             ),
             Verdict::of(most > 1.5 * switch),
-        ),
+        )
+        .shown_by("3.4"),
         Statement::new(
             "3.2.2, figure 3.4",
             "in chaos \"the results using the smoothing method will probably be incorrect\"",
@@ -149,7 +153,8 @@ fn identified() -> Result<Vec<Statement>, UserError> {
             "3.3.2",
             "oscillation \"within the 3 kHz range\" from the cart's surface",
             "a measurement; the emulator's force sensor rings so, the model does not",
-        ),
+        )
+        .shown_by("3.8"),
         Statement::new(
             "3.3.2",
             "Hertz discarded: \"does not take into account any loss of energy\"",
@@ -158,12 +163,14 @@ fn identified() -> Result<Vec<Statement>, UserError> {
                 (hertz.energy_lost_j / hertz.energy_in_j).abs()
             ),
             Verdict::of((hertz.energy_lost_j / hertz.energy_in_j).abs() < 1e-3),
-        ),
+        )
+        .shown_by("contact laws"),
         Statement::measured(
             "3.3.2",
             "the spring-dashpot \"generated the best results\"",
             "needs the measured drop tests",
-        ),
+        )
+        .shown_by("3.9, 3.10"),
         Statement::measured(
             "3.3.2, Table 3.1",
             "ki 5.5·10⁶ N/m, ci 1.2·10³ Ns/m",
@@ -171,6 +178,7 @@ fn identified() -> Result<Vec<Statement>, UserError> {
                 "the value used; it means contacts of {:.3} ms and restitution {:.3}",
                 table.contact_time_ms, table.restitution
             ),
-        ),
+        )
+        .shown_by("3.9, 3.10"),
     ])
 }

@@ -81,16 +81,19 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
     for point in POINTS.iter().filter(|p| p.rig == "wires") {
         all.push(basin(point, effort, progress)?);
     }
-    all.push(Statement::new(
-        "3.3.6, figure 2.20",
-        "a small push: impacts that end, or that \"remain in this state\"",
-        "both fates occur at the points of figures 3.36 to 3.38, above".into(),
-        Verdict::of(all.iter().rev().take(6).all(|s| s.verdict == Verdict::Same)),
-    ));
+    all.push(
+        Statement::new(
+            "3.3.6, figure 2.20",
+            "a small push: impacts that end, or that \"remain in this state\"",
+            "both fates occur at the points of figures 3.36 to 3.38, above".into(),
+            Verdict::of(all.iter().rev().take(6).all(|s| s.verdict == Verdict::Same)),
+        )
+        .shown_by("3.36, 3.37, 3.38"),
+    );
     Ok(all)
 }
 
-fn edge(section: &'static str, words: &'static str, map: &Map) -> Statement {
+fn edge(section: &str, words: &str, map: &Map) -> Statement {
     let rows = strongest_rows(map);
     let edge: Vec<f64> = rows
         .iter()
@@ -130,7 +133,7 @@ fn instability(wires: &Map, beams: &[Map]) -> Statement {
     )
 }
 
-fn unrest(section: &'static str, words: &'static str, map: &Map) -> Statement {
+fn unrest(section: &str, words: &str, map: &Map) -> Statement {
     let [above, below] = unrest_shares(map);
     Statement::new(
         section,
@@ -172,28 +175,20 @@ fn basin(point: &Point, effort: Effort, progress: &Progress) -> Result<Statement
         );
     }
     Ok(Statement::new(
-        section(point),
+        format!(
+            "{}, figure {}{}",
+            if point.rig == "wires" {
+                "3.3.6"
+            } else {
+                "3.4.3"
+            },
+            point.figure,
+            point.part
+        ),
         "\"condition of impact (blue) / no impact (red)\": both",
         ours,
         Verdict::of(here > 0.0 && here < 1.0),
     ))
-}
-
-fn section(point: &Point) -> &'static str {
-    match (point.figure, point.part) {
-        ("3.36", "a") => "3.3.6, figure 3.36a",
-        ("3.36", _) => "3.3.6, figure 3.36b",
-        ("3.37", "a") => "3.3.6, figure 3.37a",
-        ("3.37", _) => "3.3.6, figure 3.37b",
-        ("3.38", "a") => "3.3.6, figure 3.38a",
-        ("3.38", _) => "3.3.6, figure 3.38b",
-        ("3.52", "a") => "3.4.3, figure 3.52a",
-        ("3.52", _) => "3.4.3, figure 3.52b",
-        ("3.53", "a") => "3.4.3, figure 3.53a",
-        ("3.53", _) => "3.4.3, figure 3.53b",
-        ("3.54", "a") => "3.4.3, figure 3.54a",
-        _ => "3.4.3, figure 3.54b",
-    }
 }
 
 pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, UserError> {
@@ -238,7 +233,8 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 least(&pairs, 0)
             ),
             Verdict::of(least(&pairs, 0) > 97.0),
-        ),
+        )
+        .shown_by("beams-alike"),
         Statement::new(
             "3.4.3",
             "the non-dimensional gap \"takes into consideration the hammer's first natural bending vibration frequency\"",

@@ -2,7 +2,7 @@
 
 use super::{Statement, Verdict};
 use crate::figures::force_curves::curves;
-use crate::figures::section::rig;
+use crate::figures::section::{SHOWN, rig};
 use crate::figures::{Effort, bifurcation};
 use crate::progress::Progress;
 use files::UserError;
@@ -51,71 +51,9 @@ fn modelling() -> Result<Vec<Statement>, UserError> {
     ])
 }
 
-/// Figure, gap (mm), Ω/ω, the words, and the regime they name.
-type Named = (&'static str, f64, f64, &'static str, Option<(u16, u8)>);
-
-const NAMED: [Named; 8] = [
-    (
-        "3.3.5, figure 3.16",
-        0.0,
-        2.7,
-        "\"after the bifurcation\" (0.0 mm, 2.7)",
-        None,
-    ),
-    (
-        "3.3.5, figure 3.17",
-        0.0,
-        3.8,
-        "\"second frequency band (z = 1/2)\" (0.0 mm, 3.8)",
-        Some((1, 2)),
-    ),
-    (
-        "3.3.5, figure 3.18",
-        1.0,
-        1.5,
-        "\"first frequency band (z = 1/1)\" (1.0 mm, 1.5)",
-        Some((1, 1)),
-    ),
-    (
-        "3.3.5, figure 3.19",
-        1.0,
-        3.3,
-        "\"second frequency band (z = 1/2)\" (1.0 mm, 3.3)",
-        Some((1, 2)),
-    ),
-    (
-        "3.3.5, figure 3.20",
-        1.0,
-        4.7,
-        "\"after the bifurcation\" (1.0 mm, 4.7)",
-        None,
-    ),
-    (
-        "3.3.5, figure 3.21",
-        2.4,
-        1.2,
-        "\"first frequency band (z = 1/1)\" (2.4 mm, 1.2)",
-        Some((1, 1)),
-    ),
-    (
-        "3.3.5, figure 3.22",
-        2.4,
-        1.4,
-        "shown at 2.4 mm, 1.4; no regime named",
-        None,
-    ),
-    (
-        "3.3.5, figure 3.23",
-        2.4,
-        2.7,
-        "shown at 2.4 mm, 2.7; no regime named",
-        None,
-    ),
-];
-
 fn sections(progress: &Progress) -> Result<Vec<Statement>, UserError> {
     let mut all = Vec::new();
-    for (section, gap_mm, ratio, words, named) in NAMED {
+    for (figure, gap_mm, ratio, words, named) in SHOWN {
         let rig = rig("wires", gap_mm)?;
         let request = SectionRequest {
             params: rig.params,
@@ -134,6 +72,7 @@ fn sections(progress: &Progress) -> Result<Vec<Statement>, UserError> {
             None => Verdict::CannotBeTold,
         };
         let ours = format!("from rest z = {regime}");
+        let section = format!("3.3.5, figure {figure}");
         all.push(Statement::new(section, words, ours, verdict));
     }
     all.push(Statement::measured(
@@ -167,10 +106,21 @@ fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
             }
         ),
         Verdict::Differs,
-    )];
-    for (gap_mm, section, words) in [
-        (1.0, "3.3.6, figure 3.30", "\"chaotic behavior\" at 1.0 mm"),
-        (2.4, "3.3.6, figure 3.33", "\"chaotic behavior\" at 2.4 mm"),
+    )
+    .shown_by("3.27, 3.28, 3.29, orbits at 0.0 mm")];
+    for (gap_mm, section, words, shown_by) in [
+        (
+            1.0,
+            "3.3.6, figure 3.30",
+            "\"chaotic behavior\" at 1.0 mm",
+            "3.30, 3.31, 3.32, orbits at 1.0 mm",
+        ),
+        (
+            2.4,
+            "3.3.6, figure 3.33",
+            "\"chaotic behavior\" at 2.4 mm",
+            "3.33, 3.34, 3.35, orbits at 2.4 mm",
+        ),
     ] {
         let (end, chaos) = bifurcation::end_and_chaos(gap_mm, progress)?;
         let (ours, verdict) = match chaos {
@@ -185,7 +135,7 @@ fn bifurcations(progress: &Progress) -> Result<Vec<Statement>, UserError> {
                 Verdict::Differs,
             ),
         };
-        all.push(Statement::new(section, words, ours, verdict));
+        all.push(Statement::new(section, words, ours, verdict).shown_by(shown_by));
     }
     Ok(all)
 }
@@ -234,7 +184,8 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 zero.force_ratio, one.force_ratio, two.force_ratio
             ),
             Verdict::of(force_same),
-        ),
+        )
+        .shown_by("conclusion"),
         Statement::new(
             "3.3.6 and 3.5",
             "\"non-zero gap values are known to present nonlinear jumps\"",
@@ -245,7 +196,8 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 apart(2)
             ),
             Verdict::of(apart(1) > 0 && apart(2) > 0),
-        ),
+        )
+        .shown_by("conclusion, 3.13, 3.14"),
         Statement::new(
             "3.5",
             "nonlinear jump \"is not the case for the 0.0 mm gap\"",
@@ -255,7 +207,8 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 curves[0].up.len()
             ),
             Verdict::of(still),
-        ),
+        )
+        .shown_by("conclusion, 3.12"),
         Statement::new(
             "3.5",
             "at 0.0 mm about the maximum force \"for a wider frequency range\"",
@@ -266,7 +219,8 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                 width(&two)
             ),
             Verdict::of(wider),
-        ),
+        )
+        .shown_by("conclusion"),
         Statement::new(
             "3.3.6 and 3.5",
             "\"recommended to operate with 0.0 mm gap\"",
@@ -281,7 +235,8 @@ pub fn conclusion(_: Effort, progress: &Progress) -> Result<Vec<Statement>, User
                             periods: 1,
                         },
             ),
-        ),
+        )
+        .shown_by("conclusion"),
         Statement::measured(
             "3.5",
             "comparison with the experiment \"satisfactory\" in both rigs",

@@ -8,11 +8,11 @@ use crate::pictures::bifurcation::{Abscissa, Quantity, View, figure, panel};
 use crate::progress::Progress;
 use files::UserError;
 use numerics::NamedRig;
-use numerics::bifurcation::{Diagram, DiagramRequest, changes, diagrams, rows};
+use numerics::bifurcation::{Diagram, DiagramRequest, diagrams, rows};
 use numerics::engine::Engine;
 use numerics::lanes::CellPlan;
 use numerics::lyapunov;
-use numerics::row::{Outcome, kind};
+use numerics::row::kind;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
 use shared::model::regime::Regime;
@@ -73,19 +73,10 @@ fn band(diagram: &Diagram, regime: Regime, from: f64) -> Option<(f64, f64)> {
     ))
 }
 
-fn words(band: Option<(f64, f64)>) -> String {
-    band.map_or("not found".to_owned(), |(a, b)| {
-        format!("Ω/ω {a:.3} to {b:.3}")
-    })
-}
-
-/// The numbers of the three figures of a gap and what the chapter says.
+/// The three figures of a gap.
 struct Wires {
     gap_mm: f64,
     numbers: [&'static str; 3],
-    chapter: &'static str,
-    /// Whether the chapter sees chaos after the 1/1 (else a doubling).
-    chaos: bool,
 }
 
 /// The detail about the end of the 1/1.
@@ -117,8 +108,7 @@ fn wires(effort: Effort, progress: &Progress, what: &Wires) -> Result<Vec<Page>,
         .map_or(from + 0.8, |b| b.0 + 0.15)
         .clamp(from + 0.3, from + 1.4);
     let detail = detail(effort, &rig, what, (from, to), progress)?;
-    let found = tell(effort, what, &whole, &detail.diagram, (first, second))?;
-    wires_pages(what, &whole, &detail, &found)
+    wires_pages(what, &whole, &detail)
 }
 
 fn detail(
@@ -148,18 +138,12 @@ fn detail(
     })
 }
 
-fn wires_pages(
-    what: &Wires,
-    whole: &[Diagram],
-    detail: &Detail,
-    found: &str,
-) -> Result<Vec<Page>, UserError> {
+fn wires_pages(what: &Wires, whole: &[Diagram], detail: &Detail) -> Result<Vec<Page>, UserError> {
     let gap = what.gap_mm;
     let page = |k: usize, title: &str, command: String, files| Page {
         figure: what.numbers[k],
         title: format!("Wires, {gap:?} mm: {title}"),
-        chapter: what.chapter,
-        found: found.to_owned(),
+        note: String::new(),
         command,
         files,
     };
@@ -217,70 +201,6 @@ fn zoom(detail: &Detail, gap: f64, quantity: Quantity) -> Figure {
     .panel(panel(&[&detail.diagram], view))
 }
 
-type Band = Option<(f64, f64)>;
-
-fn tell(
-    effort: Effort,
-    what: &Wires,
-    whole: &[Diagram],
-    detail: &Diagram,
-    (first, second): (Band, Band),
-) -> Result<String, UserError> {
-    let end = first.map(|b| b.1);
-    let after = detail.changes.iter().find(|c| c.below.is(1, 1));
-    let doubled = after.is_some_and(|c| c.above.is(2, 2));
-    let chaos = most_chaotic(effort, detail)?;
-    let verdict = match (what.chaos, doubled, &chaos) {
-        (false, true, _) | (true, _, Some((_, "chaotic", _))) => "Agrees",
-        _ => "Differs",
-    };
-    let mut text = format!(
-        "{verdict}: from rest 1/1 over {}, 1/2 over {}",
-        words(first),
-        words(second)
-    );
-    if let (Some(change), Some(_)) = (after, end) {
-        text += &format!(
-            "; the 1/1 goes over to {} at Ω/ω = {:.4} ({})",
-            change.above,
-            change.frequency_ratio,
-            change.kind.words()
-        );
-    }
-    if let Some((ratio, meaning, exponent)) = chaos {
-        text += &format!(
-            "; largest Lyapunov exponent at {ratio:.3}: {:+.3} ± {:.3} per drive period ({meaning})",
-            exponent.largest_per_period,
-            exponent.standard_error_per_s / (exponent.largest_per_s / exponent.largest_per_period)
-        );
-    }
-    let twofold = changes::twofold(&whole[1], &whole[2]);
-    let share: usize = twofold.len();
-    text += &match twofold.first() {
-        None => "; carried up and down agree everywhere: no jump".to_owned(),
-        Some(t) => {
-            let orderly = |ended: Outcome| match ended {
-                Outcome::Regime(r) => r.is(1, 1) || r.is(1, 2) || r.is(2, 2),
-                _ => false,
-            };
-            let inside = twofold.iter().any(|t| orderly(t.up) || orderly(t.down));
-            format!(
-                "; ranges of frequency in which carried up and down differ: {share}, the first from {:.3} to {:.3} Hz (up {}, down {}){}",
-                t.from_hz,
-                t.to_hz,
-                t.up,
-                t.down,
-                match inside {
-                    true => "",
-                    false =>
-                        "; none of them touches 1/1, 2/2 or 1/2, so these do not jump, as the chapter says for 0.0 mm",
-                }
-            )
-        }
-    };
-    Ok(text + ". The chapter's measured points are not available as numbers.")
-}
-
 /// Where something does not repeat (Ω/ω), what its exponent says, and the largest exponent per drive period.
 pub type Chaos = (f64, &'static str, f64);
 
@@ -324,28 +244,6 @@ pub fn end_and_chaos(gap_mm: f64, progress: &Progress) -> Result<(f64, Option<Ch
     Ok((end, most))
 }
 
-/// Ω/ω in the middle of the longest stretch that does not repeat, what its exponent says, and the exponent.
-fn most_chaotic(
-    effort: Effort,
-    diagram: &Diagram,
-) -> Result<Option<(f64, &'static str, lyapunov::Exponents)>, UserError> {
-    let runs = diagram
-        .stations
-        .chunk_by(|a, b| kind(a.row.regime) == kind(b.row.regime));
-    let wild = runs.filter(|r| matches!(r[0].row.regime, Regime::Aperiodic { .. }));
-    let Some(longest) = wild.max_by_key(|r| r.len()) else {
-        return Ok(None);
-    };
-    let station = &longest[longest.len() / 2];
-    let plan = lyapunov::Span {
-        transient: 100,
-        periods: if effort == Effort::Full { 2000 } else { 60 },
-    };
-    let hz = station.row.frequency_hz;
-    let found = lyapunov::exponents(&diagram.params, hz, station.end, plan)?;
-    Ok(Some((station.row.frequency_ratio, found.meaning(), found)))
-}
-
 /// Figures 3.27 to 3.29.
 ///
 /// # Errors
@@ -354,8 +252,6 @@ pub fn wires_0(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
     let what = Wires {
         gap_mm: 0.0,
         numbers: ["3.27", "3.28", "3.29"],
-        chapter: "3.3.6: \"pitch-fork bifurcation (for gap 0.0 mm)\" (it is a period doubling). 3.3.5 shows the motion after it at 2.7 and z = 1/2 at 3.8. 3.5: nonlinear jump \"is not the case for the 0.0 mm gap\".",
-        chaos: false,
     };
     wires(effort, progress, &what)
 }
@@ -368,8 +264,6 @@ pub fn wires_1(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
     let what = Wires {
         gap_mm: 1.0,
         numbers: ["3.30", "3.31", "3.32"],
-        chapter: "3.3.6: \"chaotic behavior (gaps 1.0 mm and 2.4 mm)\". 3.3.5 shows z = 1/1 at 1.5 and z = 1/2 at 3.3.",
-        chaos: true,
     };
     wires(effort, progress, &what)
 }
@@ -382,8 +276,6 @@ pub fn wires_2(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserErr
     let what = Wires {
         gap_mm: 2.4,
         numbers: ["3.33", "3.34", "3.35"],
-        chapter: "3.3.6: \"chaotic behavior (gaps 1.0 mm and 2.4 mm)\"; non-zero gaps \"are known to present nonlinear jumps\". 3.3.5 shows z = 1/1 at 1.2.",
-        chaos: true,
     };
     wires(effort, progress, &what)
 }
@@ -407,7 +299,6 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         let mut figure = Figure::new(format!("{name}: bifurcation diagrams of the displacement"))
             .subtitle("Section at drive phase 0, each frequency from rest. One bending mode.")
             .size(1200, 1180);
-        let mut peaks = Vec::new();
         for (letter, diagram) in ["a", "b", "c"].into_iter().zip(&found) {
             let view = View {
                 quantity: Quantity::Displacement,
@@ -418,35 +309,13 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
             };
             let title = format!("{letter}) gap {:?} mm", diagram.gap_mm);
             figure = figure.panel(panel(&[diagram], view).without_legend().titled(title));
-            let first = band(
-                diagram,
-                Regime::Periodic {
-                    impacts: 1,
-                    periods: 1,
-                },
-                0.0,
-            );
-            let inside = diagram.stations.iter().filter(|s| s.row.regime.is(1, 1));
-            let largest = inside
-                .flat_map(|s| &s.points)
-                .map(|p| p.displacement_mm.abs());
-            peaks.push(format!(
-                "{:?} mm: 1/1 over {}, up to {:.2} mm from the middle on the section",
-                diagram.gap_mm,
-                words(first),
-                largest.fold(0.0, f64::max)
-            ));
         }
         Ok(Page {
             figure: number,
             title: format!(
                 "{name}: bifurcation diagrams of the displacement, gaps 0.0, 1.0 and 3.0 mm"
             ),
-            chapter: "3.4.3: measured points disperse \"even in regions where a steady behavior was observed\", and simulated amplitudes are \"always higher\", both for the energy in higher bending modes; \"the transition between frequency bands can be qualitatively observed\".",
-            found: format!(
-                "Found: {}. A steady 1/1 is a single point here: the one-mode model does not scatter. The chapter's measured points are not available as numbers.",
-                peaks.join("; ")
-            ),
+            note: String::new(),
             command: format!(
                 "host-sim bifurcation --rig {name} --cart prescribed --gap 0 --gap 1 --gap 3"
             ),

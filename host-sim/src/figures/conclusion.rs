@@ -48,40 +48,18 @@ pub fn pages(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     Ok(vec![Page {
         figure: "conclusion",
         title: "Why 0.0 mm: the pick at the chapter's gaps".to_owned(),
-        chapter: "3.5: \"it is recommended to operate with 0.0 mm gap\": forces are \"in the same range\" as at higher gaps, where nonlinear jumps occur, and near the maximum \"for a wider frequency range\".",
-        found: found(&tables),
+        note: note(&tables),
         command: "host-sim pick --gap 0:3.5:0.5 --cart prescribed".to_owned(),
         files,
     }])
 }
 
-/// On how many rigs the recommendation holds, and the advice for each.
-fn found(tables: &[GapTable]) -> String {
-    let (mut forceful, mut steady, mut wide) = (0, 0, 0);
-    for table in tables {
-        let Some((zero, others)) = table.gaps.split_first() else {
-            continue;
-        };
-        let best = others.iter().filter_map(|r| r.force_ratio);
-        let best = best.fold(0.0, f64::max);
-        forceful += usize::from(zero.force_ratio >= Some(0.95 * best));
-        steady += usize::from(zero.jumps == Some(false));
-        let narrower = |r: &GapRow| r.safe_band_percent < zero.safe_band_percent;
-        wide += usize::from(others.iter().all(narrower));
-    }
-    let asked = tables.len();
-    let word = if [forceful, steady, wide] == [asked; 3] {
-        "Agrees"
-    } else {
-        "Differs in part"
-    };
-    let advice: String = tables
+/// The advice for each rig.
+fn note(tables: &[GapTable]) -> String {
+    let advice = tables
         .iter()
-        .filter_map(|table| Some(format!(" {}: {}", table.gaps.first()?.rig, table.why)))
-        .collect();
-    format!(
-        "{word}: of {asked} rigs, {forceful} strike at 0.0 mm within 5 % of the hardest of the other gaps or harder, {steady} do not jump there, and {wide} have their widest band there.{advice}"
-    )
+        .filter_map(|table| Some(format!("{}: {}", table.gaps.first()?.rig, table.why)));
+    advice.collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -89,20 +67,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_agrees_with_the_chapter_from_numbers() {
+    fn the_page_gives_the_advice_for_each_rig() {
         let quiet = Progress::new("", 1, true);
         let [page] = &pages(Effort::Coarse, &quiet).unwrap()[..] else {
             panic!("one page");
         };
         assert!(
-            page.found.starts_with("Agrees: of 1 rigs, 1 strike"),
+            page.note.starts_with("wires: Run at a gap of 0.0 mm"),
             "{}",
-            page.found
-        );
-        assert!(
-            page.found.contains("wires: Run at a gap of 0.0 mm"),
-            "{}",
-            page.found
+            page.note
         );
         assert_eq!(page.files.len(), 3);
     }

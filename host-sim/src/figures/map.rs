@@ -5,32 +5,22 @@ use serde::Serialize;
 use shared::model::regime::Regime;
 
 use super::map_force::by_force;
+use super::section::SHOWN;
 use super::{Effort, Page, stem};
 use crate::pictures;
 use crate::pictures::drawn;
 use crate::progress::Progress;
 use crate::words;
-use crate::words::map::percent;
 use files::UserError;
 use files::table::to_csv;
 use numerics::NamedRig;
 use numerics::engine::Setting;
 use numerics::lanes::CellPlan;
-use numerics::map::measured::{Measured, hits};
 use numerics::map::request::{chapter_frequencies_hz, chapter_gaps_mm};
 use numerics::map::{Agreement, Grid, Map, MapRequest, Runner, Share, Summary, run, similarity};
 use numerics::row::Outcome;
 use numerics::sweep::{Direction, spread};
 use plot::Figure;
-
-/// Points at which the chapter shows measurement and computation together and names the regime (3.3.5: figures 3.17,
-/// 3.18, 3.19 and 3.21): gap (mm), Ω/ω, p, n.
-const NAMED: [(f64, f64, u16, u8); 4] = [
-    (0.0, 3.8, 1, 2),
-    (1.0, 1.5, 1, 1),
-    (1.0, 3.3, 1, 2),
-    (2.4, 1.2, 1, 1),
-];
 
 /// The region the chapter calls unstable: Ω/ω and gap/A0 of the details.
 const DETAIL: ((f64, f64), (f64, f64)) = ((1.5, 2.6), (1.2, 4.0));
@@ -44,8 +34,7 @@ pub fn wires(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
     let first = Page {
         figure: "3.24",
         title: "Wires: Peterka map".to_owned(),
-        chapter: "3.3.6: red (z = 1/1) and green (z = 1/2) areas; \"for a gap condition higher than 1.5\" between them various motions that depend on the start. 209,916 simulations took around 120 hours.",
-        found: format!("{} {} {}", areas(&map), shares(&map), unrest(&map)),
+        note: String::new(),
         command: "host-sim map --rig wires --cart prescribed --out out".to_owned(),
         files: with_cells("3.24", &pictures::map::regimes(&map), &map)?,
     };
@@ -74,7 +63,6 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         ("3.50", "3.51", "beam-135", [(2.15, 1.60), (2.25, 1.50)]),
     ];
     let (mut pages, mut maps) = (Vec::new(), Vec::new());
-    let wires = effort_map("wires", effort, progress)?;
     for (regimes, force, rig, basins) in FIGURES {
         let map = effort_map(rig, effort, progress)?;
         let fine = detail_map(rig, effort, progress)?;
@@ -86,8 +74,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         pages.push(Page {
             figure: regimes,
             title: format!("{rig}: Peterka map, and its detail between 1/1 and 1/2"),
-            chapter: "3.4.3: \"similar characteristics to the Peterka map supported by wires\", \"even the instability region\" after 1/1 above 1.5.",
-            found: format!("{} {} {}", like_wires(&wires, &map), shares(&map), unrest(&map)),
+            note: String::new(),
             command: command.clone(),
             files,
         });
@@ -140,8 +127,7 @@ pub fn switch_model(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     Ok(vec![Page {
         figure: "switch-map",
         title: "Where the switch model (f32, 50 µs, as on the microcontroller) and the reference disagree".to_owned(),
-        chapter: "Beyond the chapter, which has one engine.",
-        found: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), words::map::agreement(&agreement)),
+        note: format!("Wires, {} cells of {cycles} cycles: {}.", exact.cells.len(), words::map::agreement(&agreement)),
         command: "host-sim map --rig wires --cart prescribed --against switch --out out".to_owned(),
         files,
     }])
@@ -240,79 +226,6 @@ fn with_cells(
     Ok(files)
 }
 
-/// The share of each regime, and the bands at a gap of 0.
-fn shares(map: &Map) -> String {
-    let most: Vec<String> = counts(map)
-        .iter()
-        .take(6)
-        .map(|c| format!("{} {:.1} %", c.regime, c.share_percent))
-        .collect();
-    let uncertain = map.cells.iter().filter(|c| c.uncertain).count();
-    format!(
-        "{} cells: {}; {} flagged uncertain and run by the reference. At gap 0: {}.",
-        map.cells.len(),
-        most.join(", "),
-        percent(uncertain, map.cells.len()),
-        bands(map, 0)
-    )
-}
-
-/// The regimes along the frequencies of gap `row` that last for more than a fiftieth of them, with Ω/ω.
-fn bands(map: &Map, row: usize) -> String {
-    let ratios = map.frequency_ratios();
-    let columns: Vec<usize> = (0..ratios.len()).collect();
-    let name = |j: usize| map.cell(row, j).label().to_string();
-    let runs = columns.chunk_by(|a, b| name(*a) == name(*b));
-    let long = runs.filter(|run| run.len() * 50 > ratios.len());
-    let text: Vec<String> = long
-        .map(|run| {
-            let (from, to) = (ratios[run[0]], ratios[run[run.len() - 1]]);
-            format!("{} from {from:.2} to {to:.2}", name(run[0]))
-        })
-        .collect();
-    text.join(", ")
-}
-
-/// Whether 1/1 and 1/2 are the two regimes with the largest areas, as the chapter's colours say.
-fn areas(map: &Map) -> &'static str {
-    let counts = counts(map);
-    let periodic = counts.iter().filter_map(|c| match c.regime {
-        Outcome::Regime(regime) => regime.periods().and(Some(regime)),
-        _ => None,
-    });
-    let first: Vec<Regime> = periodic.take(2).collect();
-    match first.len() == 2 && first.iter().all(|r| r.is(1, 1) || r.is(1, 2)) {
-        true => "Agrees: 1/1 and 1/2 have the largest areas of all that repeats.",
-        false => "Differs: 1/1 and 1/2 are not the largest areas of all that repeats.",
-    }
-}
-
-/// How the map of a beam rig compares with that of the wires.
-fn like_wires(wires: &Map, beam: &Map) -> String {
-    let s = similarity(wires, beam);
-    let orderly = 100.0 * s.same_orderly as f64 / s.orderly.max(1) as f64;
-    let silent = [beam, wires].map(silent_after_one_one);
-    let verdict = match (orderly > 90.0, silent[0] < 50.0) {
-        (true, true) => "Agrees",
-        (false, false) => "Differs",
-        _ => "Agrees in part",
-    };
-    let none = |map: &Map| {
-        map.cells
-            .iter()
-            .filter(|c| c.regime == Regime::None)
-            .count()
-    };
-    format!(
-        "{verdict}: the same regime as on wires in {orderly:.1} % of the cells that repeat in one or two periods on both, and in {} of all. Of the cells after 1/1 above 1.5 A0, up to Ω/ω = 2, {:.0} % end without contact, on wires {:.0} %; of all cells {}, on wires {}: wires have no damping, and where beams fall silent they swing on.",
-        percent(s.same, s.cells),
-        silent[0],
-        silent[1],
-        percent(none(beam), beam.cells.len()),
-        percent(none(wires), wires.cells.len())
-    )
-}
-
 /// Of the cells above 1.5 A0 between the upper end of 1/1 and Ω/ω = 2 (the chapter's "instability region"), those that
 /// end without contact, %.
 pub fn silent_after_one_one(map: &Map) -> f64 {
@@ -327,15 +240,6 @@ pub fn silent_after_one_one(map: &Map) -> f64 {
         }
     }
     100.0 * f64::from(silent) / f64::from(cells.max(1))
-}
-
-/// How often neighbours in frequency differ in regime between 1/1 and 1/2, above and below 1.5 A0.
-fn unrest(map: &Map) -> String {
-    let ((from, to), _) = DETAIL;
-    let [above, below] = unrest_shares(map);
-    format!(
-        "Between Ω/ω = {from} and {to} neighbours in frequency differ in regime in {above:.1} % of pairs above 1.5 A0 and in {below:.1} % below: where the regimes lie mixed."
-    )
 }
 
 /// How often neighbours in frequency differ in regime between 1/1 and 1/2, %: above and below 1.5 A0.
@@ -358,22 +262,12 @@ pub fn unrest_shares(map: &Map) -> [f64; 2] {
 /// Figure 3.25, with the points that the chapter names.
 fn measured(map: &Map) -> Result<Page, UserError> {
     let natural_hz = map.rig.params.natural_frequency_hz();
-    let points: Vec<Measured> = NAMED
-        .iter()
-        .map(|(gap_mm, ratio, impacts, periods)| Measured {
-            gap_mm: *gap_mm,
-            frequency_hz: ratio * natural_hz,
-            regime: Regime::Periodic {
-                impacts: *impacts,
-                periods: *periods,
-            },
-        })
-        .collect();
-    let seen: Vec<_> = points
-        .iter()
-        .map(|p| (p.gap_mm, p.frequency_hz, p.regime))
-        .collect();
-    let agree = hits(&points, map);
+    let named = SHOWN.iter().filter_map(|(_, gap_mm, ratio, _, named)| {
+        let (impacts, periods) = (*named)?;
+        let regime = Regime::Periodic { impacts, periods };
+        Some((*gap_mm, ratio * natural_hz, regime))
+    });
+    let seen: Vec<_> = named.collect();
     let stem = stem("3.25");
     let mut files = drawn(&stem, &pictures::map::with_points(map, &seen))?;
     let mut table = String::from("gap_mm,frequency_hz,regime\n");
@@ -384,14 +278,7 @@ fn measured(map: &Map) -> Result<Page, UserError> {
     Ok(Page {
         figure: "3.25",
         title: "Wires: Peterka map with the chapter's measured operating points".to_owned(),
-        chapter: "3.3.6: \"numerical (bright colors) / experiment (dots) comparison\".",
-        found: format!(
-            "No table of measured points is at hand. Drawn are the {} operating points at which the chapter compares displacement with measurement and names the regime (3.3.5, figures 3.17, 3.18, 3.19 and 3.21): {} of the {} on the map lie in a cell of that regime, {} lie outside it. Your own: --measured FILE.csv.",
-            points.len(),
-            agree.same,
-            agree.points,
-            agree.outside
-        ),
+        note: "No table of measured points is public. Drawn are the points whose regime the chapter's text names (figures 3.17, 3.18, 3.19 and 3.21). Your own: --measured FILE.csv.".to_owned(),
         command: "host-sim map --rig wires --cart prescribed --measured figure-3-25.csv --out out"
             .to_owned(),
         files,
@@ -416,8 +303,7 @@ fn alike(maps: &[Map]) -> Result<Page, UserError> {
     Ok(Page {
         figure: "beams-alike",
         title: "The three beams' maps side by side, over Ω/ω and gap/A0".to_owned(),
-        chapter: "3.4.3: the maps \"are identical in all cases, except for the chaotic region between regions z = 1/1 and z = 1/2\".",
-        found: text,
+        note: text,
         command: "host-sim map --beams --cart prescribed --out out".to_owned(),
         files,
     })

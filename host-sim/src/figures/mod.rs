@@ -25,10 +25,8 @@ pub struct Page {
     pub figure: &'static str,
     /// What is shown.
     pub title: String,
-    /// What the chapter says or shows.
-    pub chapter: &'static str,
-    /// What this run finds, in numbers: whether it agrees with the chapter, and by how much it differs.
-    pub found: String,
+    /// What the picture does not say, of what [`crate::chapter`] does not judge; empty if nothing.
+    pub note: String,
     /// A command that makes the like of it for other rigs, gaps and ranges; empty if there is none.
     pub command: String,
     /// Pictures (SVG, PNG) and tables (CSV): name and content. Names are unique and begin with `figure-3-27`.
@@ -47,6 +45,15 @@ pub enum Effort {
 /// Makes the pages of one area.
 pub type Area = fn(Effort, &Progress) -> Result<Vec<Page>, UserError>;
 
+/// What a part makes.
+#[derive(Clone, Copy, Debug)]
+pub enum Make {
+    /// Pages.
+    Pages(Area),
+    /// What the chapter says, with verdicts: [`crate::chapter::statements`].
+    Statements,
+}
+
 /// Figures that are made together because they share their runs. Keep parts small: one figure asked for alone makes its
 /// whole part, and an interrupted part begins again.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +66,7 @@ pub struct Part {
     /// left is estimated from them.
     pub seconds: f64,
     /// Makes them.
-    pub make: Area,
+    pub make: Make,
 }
 
 impl Part {
@@ -74,7 +81,7 @@ impl Part {
             name,
             figures,
             seconds,
-            make,
+            make: Make::Pages(make),
         }
     }
 }
@@ -181,6 +188,12 @@ pub const AREAS: &[Part] = &[
         modes::beams,
     ),
     Part::new("mass of the beams", &["modes mass"], 157.0, modes::mass),
+    Part {
+        name: "statements",
+        figures: &[],
+        seconds: 100.0,
+        make: Make::Statements,
+    },
 ];
 
 /// Figures of the chapter that are no computations, and what they are.

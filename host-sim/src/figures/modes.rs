@@ -17,9 +17,6 @@ const COUNTS: [usize; 4] = [1, 2, 3, 5];
 /// Springs' mass over the hammer's, as assumed where nothing else is said.
 const MASS_RATIO: f64 = 0.1;
 
-/// What the chapter says of it (3.4.3 and its conclusion).
-const CHAPTER: &str = "3.4.3 and 3.5: the simulated amplitude is \"always higher than the experimental data, even when the impact force is presenting equivalent values\"; measured points disperse in steady motion; both since \"only the first bending vibration mode\" is modelled; the difference is higher for stiffer springs.";
-
 /// Step of the frequency ratio, and cycles.
 fn resolution(effort: Effort) -> (f64, Cycles) {
     let (step, cycles) = match effort {
@@ -51,8 +48,7 @@ pub fn beams(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError
         pages.push(Page {
             figure: name,
             title,
-            chapter: CHAPTER,
-            found: found(&rows),
+            note: String::new(),
             command: format!(
                 "host-sim modes --rig {beam} --cart prescribed --ratio 1:2.6:0.02 --out DIR"
             ),
@@ -198,49 +194,6 @@ pub fn change_over(beam: &str, effort: Effort, progress: &Progress) -> Result<Ch
     })
 }
 
-fn found(rows: &[Row]) -> String {
-    let pairs = pairs(rows);
-    if pairs.is_empty() {
-        return "No frequency at which one mode and five both give 1/1.".into();
-    }
-    let (force, swing) = (
-        change(&pairs, |row| row.force_n),
-        change(&pairs, |row| row.swing_mm),
-    );
-    let energies: Vec<_> = pairs
-        .iter()
-        .map(|(a, _)| 100.0 * a.higher_energy_share)
-        .collect();
-    let most = energies.iter().copied().fold(0.0, f64::max);
-    let spread = pairs.iter().map(|(a, _)| a.section_spread_mm);
-    let most_spread = spread.fold(0.0, f64::max);
-    // That the difference grows with stiffness needs all three rigs: docs/chapter.md.
-    let claims = [
-        (swing < -1.0, "more modes lower the displacement"),
-        (
-            force.abs() < 0.5 * swing.abs(),
-            "the force changes by less than half as much",
-        ),
-        (most_spread > 0.01, "steady motion scatters"),
-    ];
-    let list = |holds: bool| {
-        let of = claims.iter().filter(|claim| claim.0 == holds);
-        of.map(|claim| claim.1).collect::<Vec<_>>().join(", ")
-    };
-    let verdict = match claims.iter().filter(|claim| claim.0).count() {
-        0 => format!("Differs. Does not hold: {}", list(false)),
-        3 => format!("Agrees: {}", list(true)),
-        n => format!("{n} of 3 claims hold: {}. Not: {}", list(true), list(false)),
-    };
-    format!(
-        "{verdict}. From one mode to five, where both are 1/1 ({} of {} frequencies): force {force:+.1} %, swing {swing:+.1} % (medians); {:.1} % of the energy is outside mode 1 (median), at most {most:.1} %, where a higher mode's frequency is near a multiple of the drive's: there force and swing fall together. The section of a 1/1 spreads over {:.4} mm at most: steady motion does not scatter in the model.",
-        pairs.len(),
-        rows.len() / COUNTS.len(),
-        median(energies),
-        most_spread,
-    )
-}
-
 /// Force and swing with five modes over those with one, for springs of other masses.
 ///
 /// # Errors
@@ -269,8 +222,7 @@ pub fn mass(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError>
     Ok(vec![Page {
         figure: "modes mass",
         title: title.into(),
-        chapter: CHAPTER,
-        found: format!(
+        note: format!(
             "The chapter gives no dimensions of the springs. Five modes against one: {}.",
             found.collect::<Vec<_>>().join("; ")
         ),
@@ -364,6 +316,6 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), 12);
         assert!(names.iter().all(|name| name.starts_with("figure-modes-")));
-        assert!(pages.iter().all(|page| !page.found.contains("NaN")));
+        assert!(pages.iter().all(|page| !page.note.contains("NaN")));
     }
 }

@@ -12,41 +12,16 @@ use crate::progress::Progress;
 use files::UserError;
 use files::table::to_csv;
 use numerics::continuation::curves::Line;
-use numerics::continuation::table::{Answer, BranchRow, Name, SpecialRow, line_rows};
-use numerics::continuation::{Along, Node, OrbitsRequest, curves, diagram};
+use numerics::continuation::table::{Answer, line_rows};
+use numerics::continuation::{Along, OrbitsRequest, curves, diagram};
 use numerics::lanes::{self, Cell, CellPlan};
-use numerics::row::tidy;
 use plot::{Axis, Figure, Item, Panel, edges};
-use shared::model::regime::Regime;
 
-/// A gap of the chapter's diagrams and what it says of it.
-struct Diagrammed {
-    figure: &'static str,
-    gap_mm: f64,
-    chapter: &'static str,
-    /// Regimes that the chapter names: p, n and the ratio Ω/ω.
-    named: &'static [(u16, u8, f64)],
-}
-
-const GAPS: [Diagrammed; 3] = [
-    Diagrammed {
-        figure: "orbits at 0.0 mm",
-        gap_mm: 0.0,
-        chapter: "3.3.6, figure 3.27: \"pitch-fork bifurcation (for gap 0.0 mm)\". 3.3.5: motion after it at 2.7, z = 1/2 at 3.8.",
-        named: &[(1, 2, 3.8)],
-    },
-    Diagrammed {
-        figure: "orbits at 1.0 mm",
-        gap_mm: 1.0,
-        chapter: "3.3.5: z = 1/1 at 1.5, z = 1/2 at 3.3. 3.3.6, figure 3.30: \"chaotic behavior\".",
-        named: &[(1, 1, 1.5), (1, 2, 3.3)],
-    },
-    Diagrammed {
-        figure: "orbits at 2.4 mm",
-        gap_mm: 2.4,
-        chapter: "3.3.5: z = 1/1 at 1.2. 3.3.6: \"chaotic behavior\"; non-zero gaps \"are known to present nonlinear jumps\".",
-        named: &[(1, 1, 1.2)],
-    },
+/// A figure and its gap, mm.
+const GAPS: [(&str, f64); 3] = [
+    ("orbits at 0.0 mm", 0.0),
+    ("orbits at 1.0 mm", 1.0),
+    ("orbits at 2.4 mm", 2.4),
 ];
 
 /// Orbits over the diagrams of the wires at 0.0, 1.0 and 2.4 mm.
@@ -55,17 +30,17 @@ const GAPS: [Diagrammed; 3] = [
 /// If a motion cannot be followed or a picture cannot be drawn.
 pub fn branches(effort: Effort, progress: &Progress) -> Result<Vec<Page>, UserError> {
     GAPS.iter()
-        .map(|gap| {
-            let page = branch_page(gap, effort)?;
+        .map(|(figure, gap_mm)| {
+            let page = branch_page(figure, *gap_mm, effort)?;
             progress.inc(1);
             Ok(page)
         })
         .collect()
 }
 
-fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
+fn branch_page(figure: &'static str, gap_mm: f64, effort: Effort) -> Result<Page, UserError> {
     let params = RigParams {
-        gap_m: gap.gap_mm * 1e-3,
+        gap_m: gap_mm * 1e-3,
         ..WIRES
     };
     let (starts, behind) = match effort {
@@ -83,80 +58,23 @@ fn branch_page(gap: &Diagrammed, effort: Effort) -> Result<Page, UserError> {
     let found = diagram(&params, &request, &Progress::new("", 1, true))?;
     let answer = Answer::new("wires", &found);
     let simulated = pictures::orbits::simulated(&found, behind)?;
-    let figure = pictures::orbits::figure("wires", &found, &simulated);
-    let name = stem(gap.figure);
-    let mut files = drawn(&name, &figure)?;
+    let picture = pictures::orbits::figure("wires", &found, &simulated);
+    let name = stem(figure);
+    let mut files = drawn(&name, &picture)?;
     files.push((format!("{name}.csv"), to_csv(&answer.orbits)));
     files.push((
         format!("{name}-special.csv"),
         to_csv(&answer.special_points),
     ));
-    let claims = gap.named.iter().map(|(impacts, periods, at)| {
-        let regime = Regime::Periodic {
-            impacts: *impacts,
-            periods: *periods,
-        };
-        claim(&answer, regime, *at)
-    });
-    let claims: Vec<String> = claims.chain([specials(&answer)]).collect();
     Ok(Page {
-        figure: gap.figure,
+        figure,
         title: format!(
-            "Wires, gap {:?} mm: periodic orbits, stable and unstable, over the bifurcation diagram",
-            gap.gap_mm
+            "Wires, gap {gap_mm:?} mm: periodic orbits, stable and unstable, over the bifurcation diagram"
         ),
-        chapter: gap.chapter,
-        found: claims.join(" "),
-        command: format!(
-            "host-sim orbits --rig wires --gap {:?} --cart prescribed",
-            gap.gap_mm
-        ),
+        note: String::new(),
+        command: format!("host-sim orbits --rig wires --gap {gap_mm:?} --cart prescribed"),
         files,
     })
-}
-
-/// Whether there is a stable orbit of `regime` at the ratio `at`, and from where to where.
-fn claim(answer: &Answer, regime: Regime, at: f64) -> String {
-    let of = |b: &&BranchRow| {
-        regime
-            == Regime::Periodic {
-                impacts: b.impacts,
-                periods: b.periods,
-            }
-    };
-    let branches = answer.branches.iter().filter(of);
-    let stretches: Vec<[f64; 2]> = branches.flat_map(|b| b.stable.clone()).collect();
-    let here = stretches.iter().find(|s| (s[0]..=s[1]).contains(&at));
-    if let Some([from, to]) = here {
-        return format!("{regime} at {at}: agrees, stable from {from:.3} to {to:.3}.");
-    }
-    let away = |s: &&[f64; 2]| (s[0] - at).abs().min((s[1] - at).abs());
-    match stretches.iter().min_by(|a, b| away(a).total_cmp(&away(b))) {
-        Some([from, to]) => format!(
-            "{regime} at {at}: differs, the nearest stable stretch is {from:.3} to {to:.3}."
-        ),
-        None => format!("{regime} at {at}: no stable one was found."),
-    }
-}
-
-/// The special points of the 1/1 and 1/2 in one sentence.
-fn specials(answer: &Answer) -> String {
-    let located: Vec<String> = answer
-        .special_points
-        .iter()
-        .filter(|p| {
-            let first = |name| matches!(name, Name::Branch { number: 1, .. });
-            first(p.branch) && p.impacts == 1 && p.periods <= 2
-        })
-        .map(|p| {
-            let kind = p.special.label();
-            format!("{} {kind} at {:.4}", p.branch, p.frequency_ratio)
-        })
-        .collect();
-    if located.is_empty() {
-        return "No special point was found on the 1/1 and the 1/2.".to_owned();
-    }
-    format!("Located: {}.", located.join("; "))
 }
 
 /// The range of the Peterka map, figure 3.24: gap, mm, and drive frequency, Hz.
@@ -195,8 +113,7 @@ pub fn over_the_map(effort: Effort, progress: &Progress) -> Result<Vec<Page>, Us
     Ok(vec![Page {
         figure: FIGURE,
         title: "Wires: special points of the 1/1 over the Peterka map".to_owned(),
-        chapter: "Figure 3.24 shows the regimes and not what bounds them; figure 3.26 their force.",
-        found: lines_found(&rows, &lines),
+        note: String::new(),
         command: "host-sim orbits --rig wires --curves --cart prescribed".to_owned(),
         files,
     }])
@@ -216,32 +133,6 @@ fn map_figure(regimes: &[String], (gaps, frequencies): (usize, usize), lines: &[
         .subtitle("Areas: what simulations from rest settle on. Lines: special points of the 1/1 orbits, stable or not, followed at each gap.")
         .size(1100, 820)
         .panel(panel)
-}
-
-/// The special points at 0.0 mm, and from where to where each line goes.
-fn lines_found(rows: &[SpecialRow], lines: &[Line]) -> String {
-    let zero = rows.iter().filter(|r| r.gap_mm == 0.0);
-    let zero = zero.map(|r| format!("{} at {:.3} Hz", r.special.label(), r.frequency_hz));
-    let end = |node: &Node| {
-        format!(
-            "{:?} mm {:.3} Hz",
-            tidy(node.gap_m * 1e3),
-            node.orbit.frequency_hz
-        )
-    };
-    let reach = lines.iter().filter(|l| l.nodes.len() > 2).map(|l| {
-        let (first, last) = (&l.nodes[0], &l.nodes[l.nodes.len() - 1]);
-        format!("{} from {} to {}", l.special.label(), end(first), end(last))
-    });
-    let list = |items: Vec<String>, separator: &str| match items.as_slice() {
-        [] => "none".to_owned(),
-        items => items.join(separator),
-    };
-    format!(
-        "At 0.0 mm: {}. Lines: {}.",
-        list(zero.collect(), ", "),
-        list(reach.collect(), "; ")
-    )
 }
 
 /// Regimes from rest, row by row of rising frequency, in each row by rising gap.

@@ -155,8 +155,7 @@ fn trajectory(run: &Run, truth: &Run, frequency_hz: f64) -> Result<Page, UserErr
     Ok(Page {
         figure: "3.5",
         title: title.to_owned(),
-        chapter: "A mass on a spring with a shaken base and a discontinuous support, by the switch model: between the two sub-spaces lies the narrow band.",
-        found: format!(
+        note: format!(
             "With a band of {:.0e} m the switch model gives {} contact(s) in the period and a peak of {:.3} N; the event-located reference {} and {:.3} N: {:+.2} %.",
             run.band.0,
             run.onsets,
@@ -231,7 +230,7 @@ fn transition(wide: &Run, narrow: &Run, truth: &Run, tick_s: f64) -> Result<Page
         .map(|(_, name, _)| format!("{} steps in {name}", count(name)))
         .collect();
     let off = |run: &Run| 100.0 * (run.peak_n / truth.peak_n - 1.0);
-    let found = format!(
+    let note = format!(
         "The impact passes Γ−, Σα, Γ+ and leaves through Σβ: {}. The band changes the peak force: by {:+.2} % at η_α = {:.0e} m and by {:+.2} % at {:.0e} m, against the event-located reference ({:.3} N). So η must be chosen far smaller than what can be seen in a picture.",
         counts.join(", "),
         off(wide),
@@ -247,8 +246,7 @@ fn transition(wide: &Run, narrow: &Run, truth: &Run, tick_s: f64) -> Result<Page
     Ok(Page {
         figure: "3.6",
         title: title.to_owned(),
-        chapter: "The same system during one impact: the motion passes from the free sub-space through the hyper-surface Σ and its band into contact.",
-        found,
+        note,
         command: "host-sim figures --only 3.6 --out figures".to_owned(),
         files,
     })

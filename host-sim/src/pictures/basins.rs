@@ -212,7 +212,7 @@ pub fn figure(basins: &Basins) -> Figure {
 }
 
 /// A page's picture: for every one of `parts` impact / no impact, and below it by attractor.
-pub fn parts(title: impl Into<String>, parts: &[(String, &Basins)]) -> Figure {
+pub fn parts(title: impl Into<String>, parts: &[(String, Basins)]) -> Figure {
     let mut figure = Figure::new(title)
         .columns(parts.len().max(1))
         .size(1400, 1300);

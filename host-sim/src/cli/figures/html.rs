@@ -1,8 +1,9 @@
-//! The page a person reads: every figure with its picture, what the chapter says, and what is found.
+//! The page a person reads: every figure with its picture, what the chapter says of it, and whether that is so.
 
 use std::fmt::Write;
 
 use super::record::{PageRecord, Record};
+use crate::chapter::Statement;
 use crate::figures::{AREAS, DRAWINGS, Effort};
 
 const STYLE: &str = "\
@@ -17,6 +18,8 @@ a{color:#0072b2}img{max-width:100%;height:auto;border:1px solid #ddd;margin:.3re
 dl{display:grid;grid-template-columns:9rem 1fr;gap:.35rem 1rem;margin:.6rem 0}\
 dt{font-weight:600;color:#555}dd{margin:0}\
 code{background:#f2f2f2;padding:.1rem .3rem;border-radius:3px;font-size:.9rem}\
+table{border-collapse:collapse;margin:.6rem 0}th,td{text-align:left;vertical-align:top;\
+padding:.25rem .8rem .25rem 0;border-bottom:1px solid #e4e4e4}th{color:#555}td:last-child{white-space:nowrap}\
 .later{color:#777}.rough{background:#fff4d6;border:1px solid #e6c25c;padding:.6rem 1rem}\
 @media(max-width:700px){nav ol{columns:1}dl{grid-template-columns:1fr}}";
 
@@ -31,15 +34,19 @@ pub fn page(effort: Effort, records: &[Option<Record>]) -> String {
          <h1>The chapter's figures, made again</h1>\n\
          <p>Every computed figure of <i>Study of an embarked vibro-impact system: mathematical modeling and \
          nonlinear analysis</i>, from its model and parameters alone. Nothing here was measured on a rig. \
-         Under each picture: what the chapter says, and what this run found.</p>\n"
+         Under each picture: what the chapter says of it, what is computed here, and whether they are the same \
+         (<code>host-sim chapter</code> has every statement in one table).</p>\n"
     );
     if effort == Effort::Coarse {
         out += "<p class=\"rough\">Made with <code>--coarse</code>: few points and few cycles, for a first \
                 look. Numbers below are rough; run without it for the real ones.</p>\n";
     }
     contents(&mut out, &pages, records);
+    let statements: Vec<&Statement> = (records.iter().flatten())
+        .flat_map(|r| &r.statements)
+        .collect();
     for page in &pages {
-        section(&mut out, page);
+        section(&mut out, page, &statements);
     }
     let key = records.iter().flatten().next().map_or("", |r| &r.key);
     out + &format!("<p>Computed by {}.</p></body></html>\n", escaped(key))
@@ -89,7 +96,7 @@ fn contents(out: &mut String, pages: &[&PageRecord], records: &[Option<Record>])
     *out += "</ol></nav>\n";
 }
 
-fn section(out: &mut String, page: &PageRecord) {
+fn section(out: &mut String, page: &PageRecord, statements: &[&Statement]) {
     let figure = escaped(&page.figure);
     let heading = if order(&page.figure).0 == 1 {
         format!("Figure {figure}: {}", escaped(&page.title))
@@ -123,20 +130,47 @@ fn section(out: &mut String, page: &PageRecord) {
         .iter()
         .map(|f| format!("<a href=\"{0}\">{0}</a>", escaped(&f.name)))
         .collect();
-    let like = match page.like.as_str() {
+    judged(
+        out,
+        statements.iter().filter(|s| s.is_shown_by(&page.figure)),
+    );
+    let given = |name: &str, text: String| match text.as_str() {
         "" => String::new(),
-        line => format!("<dt>Like it</dt><dd><code>{}</code></dd>\n", escaped(line)),
+        text => format!("<dt>{name}</dt><dd>{text}</dd>\n"),
+    };
+    let code = |line: &str| match line {
+        "" => String::new(),
+        line => format!("<code>{}</code>", escaped(line)),
     };
     let _ = writeln!(
         out,
-        "<dl><dt>The chapter</dt><dd>{}</dd>\n<dt>Found here</dt><dd>{}</dd>\n\
-         <dt>Alone</dt><dd><code>{}</code></dd>\n{}<dt>Files</dt><dd>{}</dd></dl></section>",
-        escaped(&page.chapter),
-        escaped(&page.found),
-        escaped(&page.command),
-        like,
-        links.join(", ")
+        "<dl>{}{}{}{}</dl></section>",
+        given("Note", escaped(&page.note)),
+        given("Alone", code(&page.command)),
+        given("Like it", code(&page.like)),
+        given("Files", links.join(", "))
     );
+}
+
+/// What the chapter says of a figure, as a table.
+fn judged<'a>(out: &mut String, statements: impl Iterator<Item = &'a &'a Statement>) {
+    let rows: Vec<String> = statements
+        .map(|s| {
+            let cells = [&s.section, &s.words, &s.ours].map(|text| escaped(text));
+            format!(
+                "<tr><td>{}</td><td>{}</td></tr>\n",
+                cells.join("</td><td>"),
+                s.verdict.words()
+            )
+        })
+        .collect();
+    if !rows.is_empty() {
+        let _ = writeln!(
+            out,
+            "<table><tr><th>Section</th><th>The chapter</th><th>Computed here</th><th>Verdict</th></tr>\n{}</table>",
+            rows.concat()
+        );
+    }
 }
 
 fn anchor(figure: &str) -> String {
@@ -154,6 +188,7 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chapter::Verdict;
 
     #[test]
     fn figures_stand_in_the_order_of_their_numbers() {
@@ -170,15 +205,23 @@ mod tests {
             pages: vec![PageRecord {
                 figure: "3.24".into(),
                 title: "a < b".into(),
-                chapter: "<script>".into(),
-                found: "\"x\" & y".into(),
+                note: "<script> \"x\" & y".into(),
                 command: "host-sim".into(),
                 like: String::new(),
                 files: Vec::new(),
             }],
+            statements: vec![Statement {
+                number: 7,
+                section: "3.3.6".into(),
+                words: "<b>".into(),
+                ours: "no".into(),
+                verdict: Verdict::Differs,
+                figures: "3.24, 3.25".into(),
+            }],
         };
         let page = page(Effort::Full, &[Some(record)]);
         assert!(page.contains("a &lt; b") && page.contains("&lt;script&gt;"));
+        assert!(page.contains("<td>&lt;b&gt;</td><td>no</td><td>differs</td>"));
         assert!(!page.contains("<script") && !page.contains("http"));
     }
 }

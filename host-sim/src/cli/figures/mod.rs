@@ -9,7 +9,8 @@ use std::time::Instant;
 use super::arguments::output::{check_folder, replaced, to_json};
 use super::interrupt;
 use super::terminal::print;
-use crate::figures::{AREAS, DRAWINGS, Effort, Part};
+use crate::chapter::statements;
+use crate::figures::{AREAS, DRAWINGS, Effort, Make, Part};
 use files::UserError;
 use files::made_from::stamped;
 
@@ -119,14 +120,17 @@ fn make_missing(
     );
     let (mut text, mut made) = (String::new(), 0.0);
     for (part, stands) in wanted {
-        let (name, figures) = (part.name, list(part.figures));
+        let name = match part.figures {
+            [] => part.name.to_owned(),
+            figures => format!("{}: {}", part.name, list(figures)),
+        };
         let line = if stands {
-            format!("{name}: {figures} already made")
+            format!("{name} already made")
         } else {
             let seconds = make(part, effort, key, args)?;
             made += seconds;
             progress.part_done(part.seconds);
-            format!("{name}: {figures} made in {seconds:.1} s")
+            format!("{name} made in {seconds:.1} s")
         };
         progress.note(&line);
         text += &format!("{line}\n");
@@ -173,7 +177,11 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
     } = part;
     let begun = Instant::now();
     let hidden = Progress::new(*name, 1, true);
-    let mut pages = make(effort, &hidden).map_err(|e| e.at(format!("part '{name}'")))?;
+    let made = match make {
+        Make::Pages(make) => make(effort, &hidden).map(|pages| (pages, Vec::new())),
+        Make::Statements => statements(effort, &hidden).map(|all| (Vec::new(), all)),
+    };
+    let (mut pages, statements) = made.map_err(|e| e.at(format!("part '{name}'")))?;
     for page in &mut pages {
         let made = crate::figures::made_from(page.figure, effort);
         for (name, bytes) in &mut page.files {
@@ -198,7 +206,7 @@ fn make(part: &Part, effort: Effort, key: &str, args: &Args) -> Result<f64, User
         .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
         .collect();
     files::write::write_all(&args.out, &all)?;
-    let record = Record::new(key, effort, name, &pages);
+    let record = Record::new((key, effort), name, &pages, statements);
     let text = to_json(&record)?;
     files::write::write(args.out.join(record::file_name(name)), text)?;
     Ok(seconds)

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::chapter::Statement;
 use crate::figures::{Effort, Page, alone};
 use crate::kept::{checksum, this_program};
 use files::UserError;
@@ -17,6 +18,8 @@ pub struct Record {
     /// The part.
     pub part: String,
     pub pages: Vec<PageRecord>,
+    /// What the chapter says, and whether that is so.
+    pub statements: Vec<Statement>,
 }
 
 /// A page, its files by name.
@@ -24,8 +27,7 @@ pub struct Record {
 pub struct PageRecord {
     pub figure: String,
     pub title: String,
-    pub chapter: String,
-    pub found: String,
+    pub note: String,
     /// Makes this figure alone, to the same bytes.
     pub command: String,
     /// Makes the like of it for other rigs, gaps and ranges; empty if nothing does.
@@ -42,7 +44,12 @@ pub struct FileRecord {
 }
 
 impl Record {
-    pub fn new(key: &str, effort: Effort, part: &str, pages: &[Page]) -> Self {
+    pub fn new(
+        (key, effort): (&str, Effort),
+        part: &str,
+        pages: &[Page],
+        statements: Vec<Statement>,
+    ) -> Self {
         let file = |(name, bytes): &(String, Vec<u8>)| FileRecord {
             name: name.clone(),
             bytes: bytes.len(),
@@ -51,8 +58,7 @@ impl Record {
         let page = |page: &Page| PageRecord {
             figure: page.figure.to_owned(),
             title: page.title.clone(),
-            chapter: page.chapter.to_owned(),
-            found: page.found.clone(),
+            note: page.note.clone(),
             command: alone(page.figure, effort),
             like: page.command.clone(),
             files: page.files.iter().map(file).collect(),
@@ -61,6 +67,7 @@ impl Record {
             key: key.to_owned(),
             part: part.to_owned(),
             pages: pages.iter().map(page).collect(),
+            statements,
         }
     }
 }
