@@ -50,7 +50,6 @@ pub(super) enum Stage {
 /// What remains of a request beside its model.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
-    id: u32,
     range_hz: (f32, f32),
     rows: u8,
 }
@@ -94,7 +93,6 @@ impl Forecaster {
     /// range) is answered with no rows and no target.
     pub fn start(&mut self, request: &ForecastRequest) {
         self.asked = Some(Asked {
-            id: request.id,
             range_hz: request.range_hz,
             rows: request.rows,
         });
@@ -110,11 +108,6 @@ impl Forecaster {
         } else {
             self.finish();
         }
-    }
-
-    /// The request being worked on, or answered last.
-    pub fn request_id(&self) -> Option<u32> {
-        self.asked.as_ref().map(|request| request.id)
     }
 
     /// The forecast, if it is done.

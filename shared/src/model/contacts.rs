@@ -63,7 +63,6 @@ pub struct Ledger<R> {
     /// Onsets of this contact and the two before it, latest first.
     recent: [Option<Stamp>; 3],
     finished: Option<Contact<R>>,
-    missed: u16,
     /// ∫F dt since it was last taken, N·s.
     pressed: R,
     /// The longest tick that would have been short enough everywhere so far, s; 0: this one is.
@@ -132,9 +131,6 @@ impl<R: Real> Ledger<R> {
         let Some(open) = self.open.take() else {
             return;
         };
-        if self.finished.is_some() {
-            self.missed = self.missed.saturating_add(1);
-        }
         self.finished = Some(Contact {
             onset: open.onset,
             release: at,
@@ -147,7 +143,7 @@ impl<R: Real> Ledger<R> {
         });
     }
 
-    /// The contact finished since the last call, if any.
+    /// The contact finished since the last call, if any; the last one, where two ended within one tick.
     #[inline]
     pub fn take_finished(&mut self) -> Option<Contact<R>> {
         self.finished.take()
@@ -157,13 +153,6 @@ impl<R: Real> Ledger<R> {
     #[inline]
     pub fn take_impulse(&mut self) -> R {
         core::mem::take(&mut self.pressed)
-    }
-
-    /// Contacts overwritten before they were taken: two of them ended within one tick (short hops, or a tick
-    /// that is too long).
-    #[inline]
-    pub fn missed(&self) -> u16 {
-        self.missed
     }
 
     /// Notes that a part of a tick was too long for its contact: pieces short enough reached only `span_s` of it.

@@ -89,11 +89,6 @@ impl<R: Real, S: Stepper<R>> Twin<R, S> {
         &self.state
     }
 
-    /// Contacts missing in the record because two ended within one tick ([`Ledger::missed`]).
-    pub fn missed_contacts(&self) -> u16 {
-        self.ledger.missed()
-    }
-
     /// A tick short enough for the contacts so far, s, if this one is not ([`Ledger::tick_needed`]).
     pub fn tick_needed_s(&self) -> Option<R> {
         self.ledger.tick_needed()
