@@ -154,13 +154,15 @@ fn every_corner_is_followed_without_samples_too() {
 fn every_column_of_a_line_is_one_of_the_answer_s() {
     for line in [
         "pick --rig beam-150 --nominal",
-        "pick --objective rop --threshold-n 25 --bit-mass-kg 0.2 --nominal",
+        "pick --objective rop --threshold-n 25 --nominal",
     ] {
         let ran = Folder::new().run(&format!("{line} --format csv")).well();
         let rows = csv_rows(&ran.out);
         assert_eq!(rows.len(), 1, "{line}");
         for (column, value) in rows[0].as_object().expect("a row") {
-            assert!(!value.is_null() && value != "", "{line}: {column}");
+            // Nobody gave a bit, which would take half a minute.
+            let given = !value.is_null() && value != "";
+            assert!(given != column.starts_with("bit_"), "{line}: {column}");
         }
     }
 }

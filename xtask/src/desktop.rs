@@ -27,14 +27,28 @@ impl Build {
 
 /// Builds the program of that name; where it is.
 pub fn program(name: &str, build: &Build) -> Outcome<PathBuf> {
+    built(name, build, |message| executable(name, message))
+}
+
+/// The shared library of that name, as the host tests have it; where it is.
+pub fn library(name: &str) -> Outcome<PathBuf> {
+    let ours = format!("/lib{name}.so");
+    built(name, &Build::Tested, |message| {
+        message
+            .split('"')
+            .find(|part| part.ends_with(&ours))
+            .map(PathBuf::from)
+    })
+}
+
+/// Builds, and finds what is looked for in Cargo's messages.
+fn built(name: &str, build: &Build, look: impl Fn(&str) -> Option<PathBuf>) -> Outcome<PathBuf> {
     let mut command = cargo();
     command.args(build.words(name));
     command.args(["--message-format", "json-render-diagnostics"]);
     let messages = run_tee(&mut command, false)?;
-    let path = messages
-        .iter()
-        .find_map(|message| executable(name, message));
-    path.ok_or_else(|| format!("cargo names no program {name}").into())
+    let path = messages.iter().find_map(|message| look(message));
+    path.ok_or_else(|| format!("cargo names no {name}").into())
 }
 
 /// The path in Cargo's message about the program; none in other messages, the one about its unit tests among

@@ -1,4 +1,5 @@
-//! The Python package: built as a wheel, installed into an environment of its own, and tested against the command line.
+//! The Python package: built as a wheel and installed into an environment of its own, or, after the host tests, with the library that
+//! they have built; tested against the command line.
 
 use std::{
     fs,
@@ -25,18 +26,45 @@ const NOTEBOOKS: &[&str] = &[
     "zarr",
 ];
 
-/// Builds the package into `target/python`, and runs its tests with the words given.
+/// Runs the package's tests with the words given: of a wheel installed into `target/python`, or with the library that the host tests
+/// have built, which a wheel would build again.
 pub fn run(words: &[&str], build: &Build) -> Outcome {
     let environment = own_environment()?;
     if let Err(error) = command::run(pip(&environment).args(NOTEBOOKS)) {
         println!("the notebooks and the Dask cluster are left out: {error}");
     }
-    install(&environment)?;
-    let program = desktop::program("host-sim", build)?;
     let mut tests = Command::new(environment.join("bin/python"));
+    match build {
+        Build::Alone => install(&environment)?,
+        Build::Tested => {
+            tests.env(
+                "PYTHONPATH",
+                laid_out(&desktop::library("vibroimpact_native")?)?,
+            );
+        }
+    }
+    let program = desktop::program("host-sim", build)?;
     tests.current_dir(root().join("python"));
     tests.env("HOST_SIM", program);
     command::run(tests.args(["-m", "pytest", "-q"]).args(words))
+}
+
+/// The folder with the package and its library in it, as a wheel has them.
+fn laid_out(library: &Path) -> Outcome<PathBuf> {
+    let place = root().join("target/python-package");
+    let package = place.join("vibroimpact");
+    if place.exists() {
+        fs::remove_dir_all(&place)?;
+    }
+    fs::create_dir_all(&package)?;
+    for file in fs::read_dir(root().join("python/package/vibroimpact"))? {
+        let file = file?;
+        if file.file_type()?.is_file() {
+            fs::copy(file.path(), package.join(file.file_name()))?;
+        }
+    }
+    fs::copy(library, package.join("_native.abi3.so"))?;
+    Ok(place)
 }
 
 /// Builds the wheel and installs it into the environment.
