@@ -25,7 +25,7 @@ pub struct Page {
     pub figure: &'static str,
     /// What is shown.
     pub title: String,
-    /// What the picture does not say, of what [`crate::chapter`] does not judge; empty if nothing.
+    /// What the picture does not say, of what the statements of the chapter do not judge; empty if nothing.
     pub note: String,
     /// A command that makes the like of it for other rigs, gaps and ranges; empty if there is none.
     pub command: String,
@@ -50,7 +50,7 @@ pub type Area = fn(Effort, &Progress) -> Result<Vec<Page>, UserError>;
 pub enum Make {
     /// Pages.
     Pages(Area),
-    /// What the chapter says, with verdicts: [`crate::chapter::statements`].
+    /// What the chapter says, statement by statement, with verdicts.
     Statements,
 }
 
