@@ -15,8 +15,7 @@ const GRACE: u64 = 30;
 /// Longer by what the anti-alias filters take.
 const TRUE_GRACE: u64 = GRACE + 10;
 
-/// With a sensor that lies: as long as docs/emulator.md states for a sensor that is out of its family (eight contacts),
-/// and a little more.
+/// With a sensor that lies: half as long again as docs/controller.md states for a sensor that is out of its family.
 const LYING_GRACE: u64 = 45_000;
 
 /// Beyond this share of a trip level the truth must not stay.
